@@ -1,0 +1,112 @@
+# Compiler settings and the one function that turns a folder into a target.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# -O2: measured no slower than -O3 in bench/, and half the compile time.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # Sloppy only about what precompiled headers need; the base folder lets another checkout hit the same cache.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE})
+endif()
+
+# One interface target carries the flags. No contraction and no fast-math: the same bytes everywhere.
+# No math errno: square roots become one instruction; results are the same.
+add_library(stribeck_flags INTERFACE)
+target_compile_options(stribeck_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -ffp-contract=off -fno-math-errno)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 reports false positives here for std::variant and std::optional at -O2.
+  target_compile_options(stribeck_flags INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict)
+endif()
+if(STRIBECK_SANITIZE)
+  # Without -Werror: the instrumentation sets off false warnings; the other builds judge those.
+  target_compile_options(stribeck_flags INTERFACE -fsanitize=${STRIBECK_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
+  target_link_options(stribeck_flags INTERFACE -fsanitize=${STRIBECK_SANITIZE})
+else()
+  target_compile_options(stribeck_flags INTERFACE -Werror)
+endif()
+
+if(STRIBECK_TESTS AND NOT STRIBECK_RT_ONLY)
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+  enable_testing()
+endif()
+
+# stribeck_module(<folder> TIER rt|lab|app [LINKS <modules and libraries>...])
+# Every .cpp of the folder is library or test: *_test.cpp goes to <folder>_test.
+function(stribeck_module name)
+  cmake_parse_arguments(M "" "TIER" "LINKS;TEST_LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  set(target stribeck_${name})
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE stribeck_flags)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  target_include_directories(${target} ${scope} ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${target} ${scope} ${M_LINKS})
+  if(M_TIER STREQUAL "rt" AND sources)
+    # Frames of the optimised program: -O0 and the sanitizers blow them up.
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Wframe-larger-than=2560>)
+    if(STRIBECK_RT_ONLY)
+      target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti)
+    endif()
+  endif()
+  add_library(stribeck::${name} ALIAS ${target})
+  if(M_TIER STREQUAL "rt" AND STRIBECK_RT_ONLY)
+    # Most of the tier is templates in headers: each header is compiled by itself.
+    file(GLOB headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS *.hpp)
+    set(probes "")
+    foreach(header IN LISTS headers)
+      set(probe ${CMAKE_CURRENT_BINARY_DIR}/headers/${header}.cpp)
+      file(CONFIGURE OUTPUT ${probe} CONTENT "#include <${header}>\n")
+      list(APPEND probes ${probe})
+    endforeach()
+    add_library(${target}_headers OBJECT ${probes})
+    target_link_libraries(${target}_headers PRIVATE ${target} stribeck_flags)
+    target_compile_options(${target}_headers PRIVATE -fno-exceptions -fno-rtti)
+  endif()
+  if(tests AND STRIBECK_TESTS AND NOT STRIBECK_RT_ONLY)
+    stribeck_test(${name}_test SOURCES ${tests} LINKS stribeck::${name} ${M_TEST_LINKS})
+  endif()
+endfunction()
+
+# stribeck_test(<name> SOURCES ... LINKS ... [LABELS slow]): a GoogleTest program, each test known to CTest.
+# ./check leaves out what is labelled slow; .ci/run runs it.
+function(stribeck_test name)
+  cmake_parse_arguments(T "" "" "SOURCES;LINKS;LABELS" ${ARGN})
+  add_executable(${name} ${T_SOURCES})
+  target_link_libraries(${name} PRIVATE ${T_LINKS} stribeck_flags GTest::gmock GTest::gtest GTest::gtest_main)
+  target_precompile_headers(${name} PRIVATE <gtest/gtest.h> <gmock/gmock.h> <cmath> <string> <vector>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${name} PRIVATE -fpch-preprocess)  # what ccache needs to see through the header
+  endif()
+  # STRIBECK_SOURCE_DIR comes from a header, not the command line: a path there, or in the precompiled header,
+  # would keep the cache of one checkout from serving another.
+  set(header ${PROJECT_BINARY_DIR}/source_dir.hpp)
+  file(CONFIGURE OUTPUT ${header} CONTENT "#define STRIBECK_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\"\n")
+  set_property(SOURCE ${T_SOURCES} PROPERTY COMPILE_OPTIONS -include ${header})
+  if(T_LABELS)
+    set(properties PROPERTIES LABELS "${T_LABELS}")
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 ${properties})
+endfunction()
