@@ -1,0 +1,78 @@
+#pragma once
+/// Small vectors and matrices over any Real scalar, by value. Real time: safe.
+/// Not Eigen: these also hold Taylor series and packs, for which Eigen needs traits of each scalar.
+
+#include <array>
+#include <cstddef>
+#include <stribeck/core/scalar.hpp>
+
+namespace stribeck {
+
+template <class T, std::size_t N>
+struct Vec {
+  std::array<T, N> c{};
+
+  constexpr T& operator[](std::size_t i) noexcept { return c[i]; }
+  constexpr const T& operator[](std::size_t i) const noexcept { return c[i]; }
+
+  friend constexpr Vec operator+(const Vec& a, const Vec& b) noexcept {
+    return zip(a, b, [](T x, T y) { return x + y; });
+  }
+  friend constexpr Vec operator-(const Vec& a, const Vec& b) noexcept {
+    return zip(a, b, [](T x, T y) { return x - y; });
+  }
+  friend constexpr Vec operator*(const T& s, const Vec& a) noexcept {
+    return zip(a, a, [&](T x, T) { return s * x; });
+  }
+  friend constexpr bool operator==(const Vec&, const Vec&) = default;
+
+  /// Element by element.
+  template <class F>
+  static constexpr Vec zip(const Vec& a, const Vec& b, F f) noexcept {
+    Vec r;
+    for (std::size_t i = 0; i < N; ++i) r.c[i] = f(a.c[i], b.c[i]);
+    return r;
+  }
+};
+
+template <class T, std::size_t N>
+constexpr T dot(const Vec<T, N>& a, const Vec<T, N>& b) noexcept {
+  T s = a[0] * b[0];
+  for (std::size_t i = 1; i < N; ++i) s = s + a[i] * b[i];
+  return s;
+}
+
+template <class T, std::size_t N>
+T norm(const Vec<T, N>& a) noexcept {
+  return sqrt(dot(a, a));
+}
+
+/// Row-major N × N matrix.
+template <class T, std::size_t N>
+struct Mat {
+  std::array<Vec<T, N>, N> row{};
+
+  constexpr Vec<T, N>& operator[](std::size_t i) noexcept { return row[i]; }
+  constexpr const Vec<T, N>& operator[](std::size_t i) const noexcept { return row[i]; }
+};
+
+template <class T, std::size_t N>
+constexpr Vec<T, N> operator*(const Mat<T, N>& m, const Vec<T, N>& v) noexcept {
+  Vec<T, N> r;
+  for (std::size_t i = 0; i < N; ++i) r[i] = dot(m[i], v);
+  return r;
+}
+
+template <class T, std::size_t N>
+constexpr Mat<T, N> transpose(const Mat<T, N>& m) noexcept {
+  Mat<T, N> r;
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = 0; j < N; ++j) r[i][j] = m[j][i];
+  }
+  return r;
+}
+
+using Vec2 = Vec<double, 2>;
+using Mat2 = Mat<double, 2>;
+
+}  // namespace stribeck
