@@ -1,0 +1,28 @@
+#pragma once
+/// What a compensator may know of an axis: the result of an identification, as it stands in an axis file.
+///
+///   f_u = m·a + F_friction(v, x) + load            load: gravity and other constant force [N], positive
+///   against +x
+///
+/// Real time: safe.
+
+#include <stribeck/friction/model.hpp>
+
+namespace stribeck::friction {
+
+struct AxisModel {
+  double mass = 0.0;  ///< equivalent mass, reflected inertia included [kg]
+  double load = 0.0;  ///< [N]
+  Model friction;
+
+  static constexpr auto fields() {
+    return std::tuple{field("mass", &AxisModel::mass, quantity("kg", "N s2/mm").positive(),
+                            "equivalent mass, reflected inertia included"),
+                      field("load", &AxisModel::load, quantity("N", "N"),
+                            "constant force against the positive direction, e.g. weight")
+                          .or_default(),
+                      field("friction", &AxisModel::friction, "friction of the axis")};
+  }
+};
+
+}  // namespace stribeck::friction

@@ -1,0 +1,42 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/friction/conventional.hpp>
+
+namespace stribeck::friction {
+namespace {
+
+Conventional<double> table_4_2_x(double delta) {
+  return {20.0, 5.0e3, Stribeck<double>{35.0, 0.6e-3, delta}};
+}
+
+// Values from NumPy, the formula typed there in N and mm/s: (20 + 15 exp(-(v/0.6)**d)) + 5 v.
+TEST(Conventional, AgreesWithNumPyOnTable42) {
+  for (const auto& [v, squared, linear] : {std::array{0.1, 35.08906715674523, 33.19722587335921},
+                                           {0.6, 28.518191617571635, 28.518191617571635},
+                                           {3.0, 35.00000000020832, 35.10106920498628}}) {
+    EXPECT_NEAR(steady_force(table_4_2_x(2.0), v * 1e-3), squared, 1e-11);
+    EXPECT_NEAR(steady_force(table_4_2_x(1.0), v * 1e-3), linear, 1e-11);
+  }
+}
+
+TEST(Conventional, TendsToStaticAndCoulombFriction) {
+  const auto map = table_4_2_x(2.0);
+  EXPECT_NEAR(steady_force(map, 1e-12), 35.0, 1e-6);
+  EXPECT_NEAR(map.parts(1.0, 0.0).level, 20.0, 1e-12);
+  EXPECT_EQ(steady_force(map, 0.0), 0.0);
+}
+
+TEST(Conventional, WithoutStribeckPartTheLevelIsCoulombAtEveryVelocity) {
+  // Table 2.1 prints zeros for v0 and delta; taken as numbers they would leave a factor exp(-1).
+  const Conventional<double> map{1255.38, 105.54e3, {}};
+  EXPECT_EQ(map.parts(0.0, 0.0).level, 1255.38);
+  EXPECT_NEAR(steady_force(map, -4e-3), -1255.38 - 105.54 * 4.0, 1e-9);
+}
+
+TEST(Conventional, MirrorsUnderSignOfVelocityForOddShape) {
+  const auto map = table_4_2_x(1.0);
+  for (const double v : {1e-5, 3e-4, 2e-3}) EXPECT_EQ(steady_force(map, -v), -steady_force(map, v));
+}
+
+}  // namespace
+}  // namespace stribeck::friction

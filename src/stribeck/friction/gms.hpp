@@ -1,0 +1,147 @@
+#pragma once
+/// Generalized Maxwell-slip friction on any steady-state curve.
+///
+///   N parallel elements, each sticking or slipping:
+///     sticks   Ḟ_i = k_i·v                                until |F_i| reaches α_i·g(v)
+///     slips    Ḟ_i = C·(α_i·sgn v − F_i/g(v))             until the velocity changes its sign
+///   F = Σ F_i + σ(v)·v·(Σ α_i of the sticking) + viscous + additive
+///
+///   k_i stiffness [N/m], α_i share of the level [-], Σ α_i = 1, C attraction [N/s], σ damping [N·s/m],
+///   fading as exp(−(v/v_d)²) where v_d is given; g = level of the steady map [N]
+///
+/// F opposes motion: positive for v > 0. step() advances the elements exactly over one sample with v and x
+/// held, the change from stick to slip inside the sample included; rate() and settle() are for integrators.
+///
+/// Source: Al-Bender, Lampaert, Swevers 2005, doi:10.1109/TAC.2005.858676.
+/// Not modelled: a damping of its own for every element; lubricant memory beyond C.
+/// Real time: safe; step costs one exp per slipping element and the map.
+
+#include <optional>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/core/fixed_vector.hpp>
+#include <stribeck/friction/steady.hpp>
+
+namespace stribeck::friction {
+
+template <Real T>
+struct GmsElement {
+  T stiffness{0.0};
+  T share{0.0};
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("stiffness", &GmsElement::stiffness, quantity("N/m", "N/mm").positive(),
+              "stiffness k of the element"),
+        field("share", &GmsElement::share, pure_number().positive().at_most(1.0), "share α of the level")};
+  }
+};
+
+template <Real T>
+struct Gms {
+  static constexpr std::string_view kKind = "gms";
+  static constexpr std::size_t kMaxElements = 8;
+
+  FixedVector<GmsElement<T>, kMaxElements> elements;
+  T attraction{0.0};
+  T damping_coefficient{0.0};
+  std::optional<T> damping_velocity;
+
+  struct State {
+    std::array<T, kMaxElements> force{};     ///< F_i [N]
+    std::array<T, kMaxElements> slipping{};  ///< 1 slips, 0 sticks
+  };
+
+  static constexpr auto fields() {
+    return std::tuple{field("elements", &Gms::elements, "elements, usually four or more"),
+                      field("attraction", &Gms::attraction, quantity("N/s", "N/s").positive(),
+                            "attraction C: how fast a slipping element returns to its share of the level"),
+                      field("damping", &Gms::damping_coefficient, quantity("N s/m", "N s/mm").not_negative(),
+                            "damping σ of the sticking elements")
+                          .or_default(),
+                      field("damping_velocity", &Gms::damping_velocity, quantity("m/s", "mm/s").positive(),
+                            "velocity v_d at which σ has faded to 1/e; left out: it does not fade")
+                          .or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    T sum{0.0};
+    for (const auto& e : elements) sum = sum + e.share;
+    if (elements.empty() || value_of(abs(sum - T(1.0))) > 1e-9)
+      report("elements", "the shares must add up to 1");
+  }
+
+  /// Sum of the stiffnesses [N/m]: the slope of the first pre-sliding from rest.
+  [[nodiscard]] T stiffness() const noexcept {
+    T k{0.0};
+    for (const auto& e : elements) k = k + e.stiffness;
+    return k;
+  }
+
+  [[nodiscard]] T damping(const T& v) const noexcept {
+    if (!damping_velocity) return damping_coefficient;
+    const T ratio = v / *damping_velocity;
+    const T q = ratio * ratio;
+    const auto alive = q < T(40.0);
+    if (!any(alive)) return T(0.0);
+    return select(alive, damping_coefficient * exp(-q), T(0.0));
+  }
+
+  /// Ḟ_i [N/s] with the present sticking and slipping.
+  [[nodiscard]] T rate(std::size_t i, const T& force_i, const T& slipping_i, const T& v,
+                       const SteadyParts<T>& p) const noexcept {
+    const T slip = attraction * (elements[i].share * sign(v) - force_i / p.level);
+    return select(slipping_i > T(0.5), slip, elements[i].stiffness * v);
+  }
+
+  /// Friction force [N] of a state.
+  [[nodiscard]] T force(const State& s, const T& v, const SteadyParts<T>& p) const noexcept {
+    T sum{0.0};
+    T sticking{0.0};
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      sum = sum + s.force[i];
+      sticking = sticking + elements[i].share * (T(1.0) - s.slipping[i]);
+    }
+    return sum + damping(v) * v * sticking + p.viscous + p.additive;
+  }
+
+  /// Changes between stick and slip after a small step that ended at velocity v, having begun at v_before.
+  void settle(State& s, const T& v_before, const T& v, const SteadyParts<T>& p) const noexcept {
+    const auto reversed = v_before * v <= T(0.0);
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const T limit = elements[i].share * p.level;
+      const T slipping = select(reversed, T(0.0), s.slipping[i]);
+      // An element that stuck cannot carry more than its share; one that pushes the other way holds on.
+      const auto breaks = slipping < T(0.5) && s.force[i] * sign(v) >= limit;
+      s.force[i] = select(breaks, limit * sign(v), s.force[i]);
+      s.slipping[i] = select(breaks, T(1.0), slipping);
+    }
+  }
+
+  /// Advances the elements by dt [s] with v and x held; returns the friction force [N] at the end.
+  template <SteadyMap<T> M>
+  T step(const M& map, State& s, const T& v, const T& x, double dt) const noexcept {
+    const SteadyParts<T> p = map.parts(v, x);
+    const T direction = sign(v);
+    const auto moving = v > T(0.0) || v < T(0.0);
+    const T speed = select(moving, abs(v), T(1.0));
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const T limit = elements[i].share * p.level;
+      // An element that slipped in the other direction sticks again: its force still points that way.
+      const auto slips = s.slipping[i] > T(0.5) && s.force[i] * direction > T(0.0);
+      const T start = s.force[i];
+      // Time to the limit while sticking; an element already there slips from the beginning.
+      const T reach = max_of((limit - start * direction) / (elements[i].stiffness * speed), T(0.0));
+      const T slip_from = select(slips, T(0.0), reach);
+      const auto ends_slipping = moving && slip_from <= T(dt);
+      const T stuck_end = start + elements[i].stiffness * v * T(dt);
+      const T slip_start = select(slips, start, limit * direction);
+      const T decay = exp(-(attraction / p.level) * max_of(T(dt) - slip_from, T(0.0)));
+      const T slip_end = limit * direction + (slip_start - limit * direction) * decay;
+      s.force[i] = select(ends_slipping, slip_end, stuck_end);
+      s.slipping[i] = select(ends_slipping, T(1.0), select(moving, T(0.0), s.slipping[i]));
+    }
+    return force(s, v, p);
+  }
+};
+
+}  // namespace stribeck::friction

@@ -1,0 +1,85 @@
+#pragma once
+/// LuGre friction on any steady-state curve.
+///
+///   ż = v − σ0·|v|/g(v)·z        F = σ0·z + σ1(v)·ż + viscous + additive
+///   σ1(v) = σ1·exp(−(v/v_d)²)    fades with speed where v_d is given, so that damping stays in pre-sliding
+///
+///   z bristle deflection [m], σ0 stiffness [N/m], σ1 damping [N·s/m], v_d [m/s], g = level of the steady map
+///   [N]
+///
+/// F opposes motion: positive for v > 0. step() advances z exactly over one sample with v and x held, so that
+/// every dt is stable; rate() is for integrators. Beyond |v| = 6.3 v_d (a factor below 1e-17) σ1 counts as
+/// zero.
+///
+/// Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053. Fading damping: Olsson 1996.
+/// Not modelled: dependence of σ0 and σ1 on position and load. LuGre drifts under an oscillating force below
+/// break-away; gms.hpp does not. Real time: safe; step costs two exp and the map.
+
+#include <optional>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/friction/steady.hpp>
+
+namespace stribeck::friction {
+
+/// (1 − exp(−y))/y for y ≥ 0, without cancellation near 0.
+template <Real T>
+T hold_gain(const T& y) noexcept {
+  const auto small = y < T(1e-3);
+  const T safe = select(small, T(1.0), y);
+  const T series = T(1.0) - y * (T(0.5) - y * (T(1.0 / 6.0) - y * (T(1.0 / 24.0) - y * T(1.0 / 120.0))));
+  return select(small, series, (T(1.0) - exp(-safe)) / safe);
+}
+
+template <Real T>
+struct LuGre {
+  static constexpr std::string_view kKind = "lugre";
+
+  T sigma0{0.0};
+  T sigma1{0.0};
+  std::optional<T> damping_velocity;
+
+  struct State {
+    T z{0.0};
+  };
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("sigma0", &LuGre::sigma0, quantity("N/m", "N/mm").positive(), "bristle stiffness σ0"),
+        field("sigma1", &LuGre::sigma1, quantity("N s/m", "N s/mm").not_negative(), "bristle damping σ1")
+            .or_default(),
+        field("damping_velocity", &LuGre::damping_velocity, quantity("m/s", "mm/s").positive(),
+              "velocity v_d at which σ1 has faded to 1/e; left out: σ1 does not fade")
+            .or_default()};
+  }
+
+  /// σ1 at velocity v [N·s/m].
+  [[nodiscard]] T damping(const T& v) const noexcept {
+    if (!damping_velocity) return sigma1;
+    const T ratio = v / *damping_velocity;
+    const T q = ratio * ratio;
+    const auto alive = q < T(40.0);
+    if (!any(alive)) return T(0.0);
+    return select(alive, sigma1 * exp(-q), T(0.0));
+  }
+
+  /// ż [m/s].
+  [[nodiscard]] T rate(const T& z, const T& v, const SteadyParts<T>& p) const noexcept {
+    return v - sigma0 * abs(v) * z / p.level;
+  }
+
+  /// Friction force [N] at deflection z and its rate.
+  [[nodiscard]] T force(const T& z, const T& z_rate, const T& v, const SteadyParts<T>& p) const noexcept {
+    return sigma0 * z + damping(v) * z_rate + p.viscous + p.additive;
+  }
+
+  /// Advances the bristle by dt [s] with v and x held; returns the friction force [N] at the end.
+  template <SteadyMap<T> M>
+  T step(const M& map, State& state, const T& v, const T& x, double dt) const noexcept {
+    const SteadyParts<T> p = map.parts(v, x);
+    const T y = sigma0 * abs(v) / p.level * T(dt);
+    state.z = exp(-y) * state.z + v * T(dt) * hold_gain(y);
+    return force(state.z, rate(state.z, v, p), v, p);
+  }
+};
+
+}  // namespace stribeck::friction

@@ -1,0 +1,87 @@
+#pragma once
+/// A whole friction model as files and compensators hold it: one steady map, any number of eccentric terms
+/// over it, and a dynamic behaviour (or none) that takes their sum as its steady state.
+///
+/// Which map it is stands in a std::variant, decided once when the model is read; loops run on Composed<Map>.
+/// Real time: safe.
+
+#include <stribeck/friction/conventional.hpp>
+#include <stribeck/friction/eccentric.hpp>
+#include <stribeck/friction/gaussian.hpp>
+#include <stribeck/friction/gms.hpp>
+#include <stribeck/friction/lugre.hpp>
+#include <variant>
+
+namespace stribeck::friction {
+
+inline constexpr std::size_t kMaxEccentricTerms = 4;
+
+/// Eccentric terms over a base map: again a steady map.
+template <class Map, Real T = double>
+struct Composed {
+  Map base;
+  FixedVector<Eccentric<T>, kMaxEccentricTerms> eccentric;
+
+  [[nodiscard]] SteadyParts<T> parts(const T& v, const T& x) const noexcept {
+    SteadyParts<T> p = base.parts(v, x);
+    for (const auto& term : eccentric) term.add_to(p, x);
+    return p;
+  }
+};
+
+/// No dynamics: friction is its steady state at once.
+struct Static {
+  static constexpr std::string_view kKind = "static";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+using SteadyVariant = std::variant<Conventional<double>, Gaussian<double>>;
+using DynamicsVariant = std::variant<Static, LuGre<double>, Gms<double>>;
+
+struct Model {
+  SteadyVariant steady;
+  FixedVector<Eccentric<double>, kMaxEccentricTerms> eccentric;
+  DynamicsVariant dynamics;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("steady", &Model::steady, "steady-state map of velocity"),
+        field("eccentric", &Model::eccentric, "terms periodic in position, at most four").or_default(),
+        field("dynamics", &Model::dynamics, "pre-sliding behaviour; left out: none").or_default()};
+  }
+
+  template <class Report>
+  void validate(Report&& report) const {
+    double most = 0.0;
+    for (const auto& term : eccentric)
+      most += term.form == EccentricForm::kProportional ? term.amplitude : 0.0;
+    for (int i = -kChecked; i <= kChecked && most > 0.0; ++i) {
+      const double v = kCheckedSpeed * (i + 0.5) / kChecked;
+      if (std::visit([&](const auto& map) { return map.parts(v, 0.0).level; }, steady) <= most) {
+        report(
+            "eccentric",
+            "proportional terms must stay below the level of friction, or friction would drive the motion");
+        return;
+      }
+    }
+  }
+
+  /// Parts of the steady state at velocity v [m/s] and position x [m].
+  [[nodiscard]] SteadyParts<double> parts(double v, double x) const noexcept {
+    SteadyParts<double> p = std::visit([&](const auto& map) noexcept { return map.parts(v, x); }, steady);
+    for (const auto& term : eccentric) term.add_to(p, x);
+    return p;
+  }
+
+  /// Whether the model was identified at this velocity; a conventional model has no range.
+  [[nodiscard]] bool covers(double v) const noexcept {
+    const auto* g = std::get_if<Gaussian<double>>(&steady);
+    return g == nullptr || g->covers(v);
+  }
+
+ private:
+  static constexpr int kChecked = 500;
+  static constexpr double kCheckedSpeed = 0.1;  ///< [m/s]
+};
+
+}  // namespace stribeck::friction
