@@ -1,0 +1,89 @@
+#pragma once
+/// Kalman observer of position, velocity and disturbance from the encoder.
+///
+///   ẋ = v     v̇ = (f − f_ff − d)/m     ḋ = white noise of density q_d     y = x + encoder noise of variance
+///   r
+///
+///   Steady gain of the filter discretised with f held over a period; q_d [N²·s⁻¹], r = resolution²/12 [m²].
+///
+/// d̂ > 0 brakes a motion in +x; a controller adds it to its force. The encoder gives the position, so the
+/// position is a state too: with a differenced encoder as the measurement the noise would not be white.
+/// Source: Erkorkmaz, Altintas 2001, as the thesis cites for its observer; Anderson, Moore, Optimal
+/// Filtering, 1979. Not modelled: coloured force noise. Real time: safe; the constructor (iterates the
+/// Riccati equation) configure only.
+
+#include <stribeck/core/vec.hpp>
+
+namespace stribeck::control {
+
+class KalmanObserver {
+ public:
+  struct State {
+    Vec<double, 3> estimate;  ///< x̂ [m], v̂ [m/s], d̂ [N]
+    bool started = false;
+  };
+
+  KalmanObserver() = default;
+  /// Density of the disturbance's random walk [N²/s], encoder variance [m²], mass [kg], period [s]; all > 0.
+  KalmanObserver(double disturbance_density, double encoder_variance, double mass, double period) noexcept
+      : t_(period), m_(mass) {
+    // Work in units in which the numbers are near 1: d/m in place of d.
+    const double q = disturbance_density / (mass * mass);
+    const double t = period;
+    using M3 = Mat<double, 3>;
+    const M3 phi{{{{{1.0, t, -0.5 * t * t}}, {{0.0, 1.0, -t}}, {{0.0, 0.0, 1.0}}}}};
+    const double t2 = t * t;
+    const M3 noise{{{{{q * t2 * t2 * t / 20, q * t2 * t2 / 8, -q * t2 * t / 6}},
+                     {{q * t2 * t2 / 8, q * t2 * t / 3, -q * t2 / 2}},
+                     {{-q * t2 * t / 6, -q * t2 / 2, q * t}}}}};
+    M3 p = noise;
+    p[0][0] = p[0][0] + encoder_variance;
+    for (int i = 0; i < kIterations; ++i) {
+      const double s = p[0][0] + encoder_variance;
+      const Vec<double, 3> k{{p[0][0] / s, p[1][0] / s, p[2][0] / s}};
+      const Vec<double, 3> top = p[0];
+      M3 updated;
+      for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) updated[a][b] = p[a][b] - k[a] * top[b];
+      }
+      const M3 half = multiply(phi, updated);
+      p = multiply(half, transpose(phi));
+      for (std::size_t a = 0; a < 3; ++a) p[a] = p[a] + noise[a];
+      const double change = norm(k - gain_);
+      gain_ = k;
+      if (change < 1e-13 * norm(k)) break;
+    }
+  }
+
+  /// One period: force f − f_ff [N] held since the last call, encoder position [m] now. Returns d̂ [N].
+  double step(State& s, double force, double position) const noexcept {
+    if (!s.started) {
+      s.estimate = {{position, 0.0, 0.0}};
+      s.started = true;
+      return 0.0;
+    }
+    const double acceleration = (force - s.estimate[2]) / m_;
+    const double x = s.estimate[0] + t_ * s.estimate[1] + 0.5 * t_ * t_ * acceleration;
+    const double v = s.estimate[1] + t_ * acceleration;
+    const double innovation = position - x;
+    s.estimate = {
+        {x + gain_[0] * innovation, v + gain_[1] * innovation, s.estimate[2] + m_ * gain_[2] * innovation}};
+    return s.estimate[2];
+  }
+
+ private:
+  static constexpr int kIterations = 100000;
+  static constexpr Mat<double, 3> multiply(const Mat<double, 3>& a, const Mat<double, 3>& b) noexcept {
+    Mat<double, 3> r;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) r[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+    }
+    return r;
+  }
+
+  Vec<double, 3> gain_{};
+  double t_ = 1.0;
+  double m_ = 1.0;
+};
+
+}  // namespace stribeck::control

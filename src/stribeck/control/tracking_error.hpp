@@ -1,0 +1,49 @@
+#pragma once
+/// Tracking error e = x − r of one axis and its rate, from samples.
+///
+///   difference of the error   ė_k = (e_k − e_{k−1})/T                       the law's ė
+///   late                      ė_k = (x_k − x_{k−1})/T − ṙ(k)                half a sample late: on a circle
+///   it adds a
+///                                                                           constant radius error a·T_s/ω
+///
+/// The late form is kept for comparison only. The first sample has ė = 0.
+/// Real time: safe.
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <stribeck/core/fields.hpp>
+
+namespace stribeck::control {
+
+enum class ErrorRate { kDifferenceOfError, kLate };
+
+struct TrackingError {
+  double e = 0.0;         ///< [m]
+  double rate = 0.0;      ///< [m/s]
+  double velocity = 0.0;  ///< backward difference of the encoder [m/s]
+  double position = 0.0;  ///< last encoder position [m]
+  bool started = false;
+
+  void update(double measured, double reference, double reference_velocity, double period,
+              ErrorRate form) noexcept {
+    const double error = measured - reference;
+    if (started) {
+      velocity = (measured - position) / period;
+      rate = form == ErrorRate::kDifferenceOfError ? (error - e) / period : velocity - reference_velocity;
+    }
+    e = error;
+    position = measured;
+    started = true;
+  }
+};
+
+}  // namespace stribeck::control
+
+template <>
+struct stribeck::EnumNames<stribeck::control::ErrorRate> {
+  static constexpr std::array names{
+      std::pair{stribeck::control::ErrorRate::kDifferenceOfError, std::string_view{"difference-of-error"}},
+      std::pair{stribeck::control::ErrorRate::kLate, std::string_view{"late"}}};
+};
