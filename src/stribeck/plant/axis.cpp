@@ -1,0 +1,139 @@
+#include <limits>
+#include <stribeck/friction/table.hpp>
+#include <stribeck/plant/axis.hpp>
+#include <stribeck/plant/mechanics.hpp>
+
+namespace stribeck::plant {
+namespace {
+
+using Map = friction::Composed<friction::Table>;
+using LuGre = friction::LuGre<double>;
+using Gms = friction::Gms<double>;
+
+using AnyMechanics = std::variant<Mechanics<Map, LuGre, false, false>, Mechanics<Map, LuGre, false, true>,
+                                  Mechanics<Map, LuGre, true, false>, Mechanics<Map, LuGre, true, true>,
+                                  Mechanics<Map, Gms, false, false>, Mechanics<Map, Gms, false, true>,
+                                  Mechanics<Map, Gms, true, false>, Mechanics<Map, Gms, true, true>>;
+
+template <class Law>
+AnyMechanics make(const AxisParams& p, const Map& map, const Law& law) {
+  const bool voltage = std::holds_alternative<VoltageDrive>(p.drive);
+  if (p.axial_mode) {
+    if (voltage) return Mechanics<Map, Law, true, true>(p, map, law);
+    return Mechanics<Map, Law, false, true>(p, map, law);
+  }
+  if (voltage) return Mechanics<Map, Law, true, false>(p, map, law);
+  return Mechanics<Map, Law, false, false>(p, map, law);
+}
+
+AnyMechanics make(const AxisParams& p, double v_max) {
+  const friction::Table table = std::visit(
+      [&](const auto& steady) { return friction::Table::build(steady, v_max); }, p.friction.steady);
+  const Map map{table, p.friction.eccentric};
+  if (const auto* gms = std::get_if<Gms>(&p.friction.dynamics)) return make(p, map, *gms);
+  return make(p, map, std::get<LuGre>(p.friction.dynamics));
+}
+
+double rounded(double x, double step) { return step * std::nearbyint(x / step); }
+
+}  // namespace
+
+struct Axis::Implementation {
+  Implementation(const AxisParams& p, double period_s, double v_max)
+      : params(p), period(period_s), mechanics(make(p, v_max)) {
+    if (const auto* c = std::get_if<CurrentDrive>(&p.drive)) amplifier_gain = c->amplifier_gain;
+  }
+
+  /// Control word to what acts during the coming period: converter, delay, noise.
+  Held held(double wanted) {
+    const Converter& da = params.converter;
+    double out = clamp_to(wanted, -da.range, da.range);
+    if (fidelity.quantised) out = clamp_to(rounded(out, da.step()), -da.range, da.range - da.step());
+    voltage = out;
+    if (const auto delay = static_cast<std::size_t>(params.delay_periods); delay > 0) {
+      out = waiting[0];
+      for (std::size_t i = 1; i < delay; ++i) waiting[i - 1] = waiting[i];
+      waiting[delay - 1] = voltage;
+    }
+    return {out, params.load + (noise ? noise->next() : 0.0), 0.0};
+  }
+
+  AxisParams params;
+  double period;
+  Fidelity fidelity{};
+  AnyMechanics mechanics;
+  std::optional<NoiseSource> noise;
+  std::optional<double> amplifier_gain;
+  std::array<double, 8> waiting{};  ///< voltages that have not acted yet, oldest first
+  double voltage = 0.0;
+};
+
+Axis::Axis(const AxisParams& params, double period, double v_max)
+    : implementation_(std::make_unique<Implementation>(params, period, v_max)) {}
+Axis::~Axis() = default;
+Axis::Axis(Axis&&) noexcept = default;
+Axis& Axis::operator=(Axis&&) noexcept = default;
+
+void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
+  Implementation& s = *implementation_;
+  std::visit([&](auto& m) { m.reset(x); }, s.mechanics);
+  s.waiting = {};
+  s.voltage = 0.0;
+  s.fidelity = fidelity;
+  s.noise.reset();
+  if (s.params.noise && fidelity.noisy) s.noise.emplace(*s.params.noise, s.period, stream);
+}
+
+void Axis::step(double voltage, double cutting) {
+  Implementation& s = *implementation_;
+  Held held = s.held(voltage);
+  held.cutting = cutting;
+  std::visit([&](auto& m) { m.advance(held, s.period, s.fidelity.substeps); }, s.mechanics);
+}
+
+void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b) {
+  Implementation& one = *a.implementation_;
+  Implementation& other = *b.implementation_;
+  if (one.mechanics.index() != other.mechanics.index()) {
+    a.step(voltage_a);
+    b.step(voltage_b);
+    return;
+  }
+  const Held held_a = one.held(voltage_a);
+  const Held held_b = other.held(voltage_b);
+  std::visit(
+      [&](auto& m) {
+        auto& n = *std::get_if<std::remove_reference_t<decltype(m)>>(&other.mechanics);
+        advance_together(m, held_a, n, held_b, one.period, one.fidelity.substeps);
+      },
+      one.mechanics);
+}
+
+double Axis::encoder() const {
+  const Implementation& s = *implementation_;
+  const double x = std::visit(
+      [&](const auto& m) {
+        return s.params.encoder.side == EncoderSide::kTable ? m.table_position() : m.drive_position();
+      },
+      s.mechanics);
+  return s.fidelity.quantised ? rounded(x, s.params.encoder.resolution) : x;
+}
+double Axis::position() const {
+  return std::visit([](const auto& m) { return m.table_position(); }, implementation_->mechanics);
+}
+double Axis::velocity() const {
+  return std::visit([](const auto& m) { return m.drive_velocity(); }, implementation_->mechanics);
+}
+double Axis::friction_force() const {
+  return std::visit([](const auto& m) { return m.friction_force(); }, implementation_->mechanics);
+}
+double Axis::voltage() const { return implementation_->voltage; }
+double Axis::current() const {
+  if (implementation_->amplifier_gain) return *implementation_->amplifier_gain * implementation_->voltage;
+  return std::visit([](const auto& m) { return m.current(); }, implementation_->mechanics);
+}
+double Axis::rate_bound() const {
+  return std::visit([](const auto& m) { return m.rate_bound(); }, implementation_->mechanics);
+}
+
+}  // namespace stribeck::plant

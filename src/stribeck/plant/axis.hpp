@@ -1,0 +1,57 @@
+#pragma once
+/// A virtual drive as a controller meets it: a voltage goes in once per control period, an encoder position
+/// comes out.
+///
+///   voltage → limited to the range, rounded to the D/A converter's step → delayed → Mechanics → rounded to
+///   the encoder's step
+///
+/// Which friction law, drive and mechanics it has is decided once, in the constructor.
+/// Real time: no (set-up allocates; step() does not).
+
+#include <cstdint>
+#include <memory>
+#include <stribeck/plant/noise.hpp>
+#include <stribeck/plant/params.hpp>
+
+namespace stribeck::plant {
+
+/// How a drive is simulated.
+struct Fidelity {
+  int substeps = 8;       ///< per control period
+  bool quantised = true;  ///< encoder and D/A converter round
+  bool noisy = true;      ///< force noise acts
+};
+
+class Axis {
+ public:
+  /// params must be valid; period of the controller [s]; v_max [m/s] bounds the table of the friction curve.
+  Axis(const AxisParams& params, double period, double v_max);
+  ~Axis();
+  Axis(Axis&&) noexcept;
+  Axis& operator=(Axis&&) noexcept;
+
+  /// A new run: at rest at position x [m], bristles relaxed, noise from the beginning of its stream.
+  void start(double x, const Fidelity& fidelity, const Stream& stream);
+
+  /// One control period under the voltage [V]; cutting force on the table against +x [N].
+  void step(double voltage, double cutting = 0.0);
+
+  /// The same for two drives; faster than one after the other, with the same result.
+  static void step_together(Axis& a, double voltage_a, Axis& b, double voltage_b);
+
+  [[nodiscard]] double encoder() const;         ///< [m]
+  [[nodiscard]] double position() const;        ///< true, of the table [m]
+  [[nodiscard]] double velocity() const;        ///< true, of the drive side [m/s]
+  [[nodiscard]] double friction_force() const;  ///< true [N]
+  [[nodiscard]] double voltage() const;         ///< last, after the D/A converter [V]
+  [[nodiscard]] double current() const;  ///< motor current [A]; NaN when the machine file does not tell
+
+  /// Fastest rate of the equations but for the decay of friction [1/s].
+  [[nodiscard]] double rate_bound() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace stribeck::plant

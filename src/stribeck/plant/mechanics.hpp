@@ -1,0 +1,246 @@
+#pragma once
+/// Equations of motion of one drive between two ticks of the controller: amplifier and motor, screw, axis
+/// with friction, and the first axial mode where there is one.
+///
+///   rigid        m·v̇ = f_u − F − w                         f_u = gain·u                      current drive
+///   axial mode   (m − m_t)·v̇ = f_u − F − w − s             L·i̇ = k_u·u − R·i − K_e·r_g·v,
+///                m_t·v̇_t = s − c                           f_u = K_t·r_g·i                   voltage drive
+///                s = k·(x − x_t) + d·(v − v_t),  k = m_t·ω²,  d = 2ζω·m_t
+///
+///   x, v drive side [m, m/s], x_t, v_t table, i current [A], F friction [N] on the drive side, w load and
+///   noise [N], c cutting force on the table [N], ω = 2π·frequency
+///
+/// With a voltage drive the back-EMF acts through i; the friction model must then not contain it again.
+/// Sign: friction, load, noise and cutting force are positive against +x.
+/// Not modelled: torsion, backlash, friction of the guides on the table side of the spring, saturation of the
+/// current. Real time: safe.
+
+#include <algorithm>
+#include <stribeck/plant/integrator.hpp>
+#include <stribeck/plant/params.hpp>
+
+namespace stribeck::plant {
+
+/// What acts on a drive during one control period.
+struct Held {
+  double voltage = 0.0;  ///< after the D/A converter and the delay [V]
+  double force = 0.0;    ///< load and noise against +x [N]
+  double cutting = 0.0;  ///< on the table against +x [N]
+};
+
+/// Continuous states that a friction model brings, and its force from them.
+template <class Friction>
+struct FrictionStates;
+
+template <>
+struct FrictionStates<friction::LuGre<double>> {
+  static constexpr std::size_t kCount = 1;
+  static constexpr bool kSettles = false;
+  friction::LuGre<double> law;
+
+  double evaluate(const double* q, double v, const friction::SteadyParts<double>& p,
+                  double* rate) const noexcept {
+    rate[0] = law.rate(q[0], v, p);
+    return law.force(q[0], rate[0], v, p);
+  }
+  /// Fastest decay [1/s] when sliding at speed v with level g.
+  [[nodiscard]] double rate_bound(double v, double level) const noexcept { return law.sigma0 * v / level; }
+  [[nodiscard]] double stiffness() const noexcept { return law.sigma0; }
+  [[nodiscard]] double damping() const noexcept { return law.sigma1; }
+};
+
+template <>
+struct FrictionStates<friction::Gms<double>> {
+  static constexpr std::size_t kCount = friction::Gms<double>::kMaxElements;
+  static constexpr bool kSettles = true;  ///< changes between stick and slip after every sub-step
+  friction::Gms<double> law;
+  friction::Gms<double>::State state;  ///< holds which elements slip; forces are copied in and out
+
+  double evaluate(const double* q, double v, const friction::SteadyParts<double>& p,
+                  double* rate) const noexcept {
+    friction::Gms<double>::State s = state;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      rate[i] = 0.0;
+      s.force[i] = q[i];
+    }
+    for (std::size_t i = 0; i < law.elements.size(); ++i)
+      rate[i] = law.rate(i, q[i], state.slipping[i], v, p);
+    return law.force(s, v, p);
+  }
+  void settle(double* q, double v_before, double v, const friction::SteadyParts<double>& p) noexcept {
+    for (std::size_t i = 0; i < kCount; ++i) state.force[i] = q[i];
+    law.settle(state, v_before, v, p);
+    for (std::size_t i = 0; i < kCount; ++i) q[i] = state.force[i];
+  }
+  [[nodiscard]] double rate_bound(double, double level) const noexcept { return law.attraction / level; }
+  [[nodiscard]] double stiffness() const noexcept { return law.stiffness(); }
+  [[nodiscard]] double damping() const noexcept { return law.damping_coefficient; }
+};
+
+/// One drive; Map is the steady-state curve, Friction the law over it.
+template <class Map, class Friction, bool kVoltage, bool kMode>
+class Mechanics {
+ public:
+  static constexpr std::size_t kFriction = 2;
+  static constexpr std::size_t kCurrent = kFriction + FrictionStates<Friction>::kCount;
+  static constexpr std::size_t kTable = kCurrent + (kVoltage ? 1 : 0);
+  static constexpr std::size_t kStates = kTable + (kMode ? 2 : 0);
+  using StateVector = Vec<double, kStates>;
+
+  Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept : map_(map) {
+    friction_.law = law;
+    set(p);
+  }
+
+  /// At rest at position x [m], bristles relaxed.
+  void reset(double x) noexcept {
+    y_ = {};
+    y_[0] = x;
+    if constexpr (kMode) y_[kTable] = x;
+    if constexpr (requires { friction_.state; }) friction_.state = {};
+  }
+
+  /// Advances by dt [s] in equal sub-steps: as many as asked for accuracy, more where friction decays too
+  /// fast for them.
+  void advance(const Held& held, double dt, int substeps) noexcept {
+    const int n = count(dt, substeps);
+    for (int i = 0; i < n; ++i) substep(held, dt / n);
+  }
+
+  /// The same for two drives at a time. Their chains of arithmetic do not wait for each other: 1.6 times
+  /// faster (bench/).
+  friend void advance_together(Mechanics& a, const Held& held_a, Mechanics& b, const Held& held_b, double dt,
+                               int substeps) noexcept {
+    const int n_a = a.count(dt, substeps);
+    const int n_b = b.count(dt, substeps);
+    const int both = std::min(n_a, n_b);
+    for (int i = 0; i < both; ++i) {
+      a.substep(held_a, dt / n_a);
+      b.substep(held_b, dt / n_b);
+    }
+    for (int i = both; i < n_a; ++i) a.substep(held_a, dt / n_a);
+    for (int i = both; i < n_b; ++i) b.substep(held_b, dt / n_b);
+  }
+
+  [[nodiscard]] double drive_position() const noexcept { return y_[0]; }
+  [[nodiscard]] double drive_velocity() const noexcept { return y_[1]; }
+  [[nodiscard]] double table_position() const noexcept {
+    if constexpr (kMode) {
+      return y_[kTable];
+    } else {
+      return y_[0];
+    }
+  }
+  /// Motor current [A] of a voltage drive, else NaN: a current drive does not say.
+  [[nodiscard]] double current() const noexcept {
+    if constexpr (kVoltage) {
+      return y_[kCurrent];
+    } else {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  /// Friction force at the present state [N].
+  [[nodiscard]] double friction_force() const noexcept {
+    std::array<double, FrictionStates<Friction>::kCount> rate;
+    return friction_.evaluate(&y_[kFriction], y_[1], map_.parts(y_[1], y_[0]), rate.data());
+  }
+
+  /// Fastest rate [1/s] of the equations other than the decay of friction, for which advance() itself allows.
+  [[nodiscard]] double rate_bound() const noexcept {
+    double fastest = std::sqrt(friction_.stiffness() / mass_) + friction_.damping() / mass_;
+    if constexpr (kVoltage) fastest = std::max(fastest, resistance_ / inductance_);
+    if constexpr (kMode) {
+      const double w2 = spring_ / mass_ + spring_ / table_mass_;
+      fastest = std::max(fastest, std::sqrt(w2) + damper_ / mass_ + damper_ / table_mass_);
+    }
+    return fastest;
+  }
+
+ private:
+  /// Kutta's third order is stable to a decay of 2.51 per step; the velocity may grow a little within the
+  /// period.
+  static constexpr double kStableStep = 2.2;
+  static constexpr double kMostSubsteps = 16384.0;
+
+  /// Sub-steps for a period of dt [s].
+  [[nodiscard]] int count(double dt, int substeps) const noexcept {
+    const double decay = friction_.rate_bound(std::abs(y_[1]), map_.parts(y_[1], y_[0]).level) * dt;
+    const double steps = decay * (1.0 / kStableStep);
+    // A run that has diverged (NaN) keeps the number it was given, so that whoever looks for a stable one
+    // learns of it.
+    if (!(steps >= substeps)) return substeps;
+    return static_cast<int>(std::min(steps, kMostSubsteps)) + 1;
+  }
+
+  void substep(const Held& held, double h) noexcept {
+    const double before = y_[1];
+    y_ = rk3_step(y_, h, [&](const StateVector& y) noexcept { return derivative(y, held); });
+    if constexpr (FrictionStates<Friction>::kSettles) {
+      friction_.settle(&y_[kFriction], before, y_[1], map_.parts(y_[1], y_[0]));
+    }
+  }
+
+  void set(const AxisParams& p) noexcept {
+    mass_ = p.total_mass();
+    if constexpr (kVoltage) {
+      const auto& d = std::get<VoltageDrive>(p.drive);
+      resistance_ = d.resistance;
+      inductance_ = d.inductance;
+      voltage_gain_ = d.amplifier_gain;
+      force_per_ampere_ = d.torque_constant * d.screw_ratio();
+      emf_ = d.back_emf * d.screw_ratio();
+    } else {
+      gain_ = std::get<CurrentDrive>(p.drive).gain;
+    }
+    if constexpr (kMode) {
+      const AxialMode& m = *p.axial_mode;
+      const double w = 2.0 * kPi * m.frequency;
+      table_mass_ = m.table_share * mass_;
+      mass_ -= table_mass_;
+      spring_ = table_mass_ * w * w;
+      damper_ = 2.0 * m.damping_ratio * w * table_mass_;
+    }
+    inverse_mass_ = 1.0 / mass_;
+  }
+
+  [[nodiscard]] StateVector derivative(const StateVector& y, const Held& held) const noexcept {
+    StateVector d;
+    const double v = y[1];
+    const auto p = map_.parts(v, y[0]);
+    double force = -friction_.evaluate(&y[kFriction], v, p, &d[kFriction]) - held.force;
+    if constexpr (kVoltage) {
+      force += force_per_ampere_ * y[kCurrent];
+      d[kCurrent] = (voltage_gain_ * held.voltage - resistance_ * y[kCurrent] - emf_ * v) / inductance_;
+    } else {
+      force += gain_ * held.voltage;
+    }
+    if constexpr (kMode) {
+      const double s = spring_ * (y[0] - y[kTable]) + damper_ * (v - y[kTable + 1]);
+      force -= s;
+      d[kTable] = y[kTable + 1];
+      d[kTable + 1] = (s - held.cutting) / table_mass_;
+    } else {
+      force -= held.cutting;
+    }
+    d[0] = v;
+    d[1] = force * inverse_mass_;
+    return d;
+  }
+
+  Map map_;
+  FrictionStates<Friction> friction_;
+  StateVector y_{};
+  double mass_ = 1.0;
+  double inverse_mass_ = 1.0;
+  double gain_ = 0.0;
+  double resistance_ = 1.0;
+  double inductance_ = 1.0;
+  double voltage_gain_ = 1.0;
+  double force_per_ampere_ = 0.0;
+  double emf_ = 0.0;
+  double table_mass_ = 0.0;
+  double spring_ = 0.0;
+  double damper_ = 0.0;
+};
+
+}  // namespace stribeck::plant

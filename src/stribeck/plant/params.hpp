@@ -1,0 +1,181 @@
+#pragma once
+/// Parameters of a virtual drive: what is true of the machine, and no controller may see.
+///
+///   control word → D/A (bits, range) → delay → amplifier and motor → screw → axis with friction and noise →
+///   encoder
+///
+/// Real time: configure only.
+
+#include <optional>
+#include <stribeck/friction/model.hpp>
+
+namespace stribeck::plant {
+
+/// A drive whose amplifier makes the current follow the voltage at once: f_u = gain·u.
+struct CurrentDrive {
+  static constexpr std::string_view kKind = "current";
+
+  double gain = 0.0;                     ///< [N/V]
+  std::optional<double> amplifier_gain;  ///< k_a [A/V], for the electrical power only
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("gain", &CurrentDrive::gain, quantity("N/V", "N/V").positive(), "force per volt, k_a·K_t·r_g"),
+        field("amplifier_gain", &CurrentDrive::amplifier_gain, quantity("A/V", "A/V").positive(),
+              "current per volt k_a; left out: no electrical power is reported")
+            .or_default()};
+  }
+};
+
+/// A motor on a voltage amplifier: L di/dt + R i = k_u u − K_e θ̇, f_u = K_t r_g i, θ = r_g x, r_g = 2π/lead.
+struct VoltageDrive {
+  static constexpr std::string_view kKind = "voltage";
+
+  double amplifier_gain = 1.0;
+  double resistance = 0.0;
+  double inductance = 0.0;
+  double torque_constant = 0.0;
+  double back_emf = 0.0;
+  double lead = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("amplifier_gain", &VoltageDrive::amplifier_gain, pure_number().positive(),
+              "voltage gain k_u of the amplifier")
+            .or_default(),
+        field("resistance", &VoltageDrive::resistance, quantity("ohm", "ohm").positive(),
+              "armature resistance R"),
+        field("inductance", &VoltageDrive::inductance, quantity("H", "mH").positive(),
+              "armature inductance L"),
+        field("torque_constant", &VoltageDrive::torque_constant, quantity("N m/A", "N m/A").positive(),
+              "torque constant K_t"),
+        field("back_emf", &VoltageDrive::back_emf, quantity("V s/rad", "V s/rad").positive(),
+              "back-EMF constant K_e"),
+        field("lead", &VoltageDrive::lead, quantity("m", "mm").positive(), "lead of the screw")};
+  }
+  [[nodiscard]] double screw_ratio() const noexcept { return 2.0 * kPi / lead; }
+};
+
+using Drive = std::variant<CurrentDrive, VoltageDrive>;
+
+/// First axial mode: the table is held to the drive side by a spring and a damper.
+struct AxialMode {
+  double frequency = 0.0;      ///< of the table against a fixed drive side [Hz]
+  double damping_ratio = 0.0;  ///< of the same
+  double table_share = 0.5;    ///< share of the equivalent mass that is the table
+
+  static constexpr auto fields() {
+    return std::tuple{field("frequency", &AxialMode::frequency, quantity("Hz", "Hz").positive(),
+                            "natural frequency of the table against a fixed drive side"),
+                      field("damping_ratio", &AxialMode::damping_ratio, pure_number().not_negative(),
+                            "damping ratio of the mode"),
+                      field("table_share", &AxialMode::table_share, pure_number().positive().at_most(0.99),
+                            "share of the equivalent mass that belongs to the table")};
+  }
+};
+
+/// First-order coloured force noise: standard deviation and correlation time; drawn per control period and
+/// held.
+struct ForceNoise {
+  double rms = 0.0;
+  double correlation_time = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{field("rms", &ForceNoise::rms, quantity("N", "N").not_negative(), "standard deviation"),
+                      field("correlation_time", &ForceNoise::correlation_time, quantity("s", "ms").positive(),
+                            "time to 1/e")};
+  }
+};
+
+enum class EncoderSide { kDrive, kTable };
+
+struct Encoder {
+  double resolution = 0.0;
+  EncoderSide side = EncoderSide::kDrive;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("resolution", &Encoder::resolution, quantity("m", "nm").positive(), "step of the position"),
+        field("side", &Encoder::side, "drive (rotary) or table (linear scale)").or_default()};
+  }
+};
+
+struct Converter {
+  int bits = 16;
+  double range = 10.0;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("bits", &Converter::bits, pure_number().at_least(4).at_most(32),
+              "resolution of the D/A converter"),
+        field("range", &Converter::range, quantity("V", "V").positive(), "largest output, both signs")};
+  }
+  [[nodiscard]] double step() const noexcept { return 2.0 * range / static_cast<double>(1LL << bits); }
+};
+
+struct AxisParams {
+  double mass = 0.0;                    ///< equivalent mass, all but rotor_inertia [kg]
+  std::optional<double> rotor_inertia;  ///< [kg·m²], adds J·r_g²; needs a drive with a lead
+  double load = 0.0;                    ///< constant force against +x [N]
+  Drive drive;
+  Converter converter;
+  Encoder encoder;
+  int delay_periods = 0;  ///< of the control word, beyond the hold [control periods]
+  friction::Model friction;
+  std::optional<AxialMode> axial_mode;
+  std::optional<ForceNoise> noise;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("mass", &AxisParams::mass, quantity("kg", "N s2/mm").positive(),
+              "equivalent mass with all reflected inertia but rotor_inertia"),
+        field("rotor_inertia", &AxisParams::rotor_inertia, quantity("kg m2", "kg m2").positive(),
+              "inertia that comes on top of the mass through the screw; needs a drive with a lead")
+            .or_default(),
+        field("load", &AxisParams::load, quantity("N", "N"),
+              "constant force against the positive direction, e.g. weight")
+            .or_default(),
+        field("drive", &AxisParams::drive, "amplifier and motor"),
+        field("converter", &AxisParams::converter, "D/A converter of the control word"),
+        field("encoder", &AxisParams::encoder, "position measurement"),
+        field("delay_periods", &AxisParams::delay_periods, pure_number().not_negative().at_most(8.0),
+              "whole periods by which the control word acts late, beyond the hold")
+            .or_default(),
+        field("friction", &AxisParams::friction, "true friction; needs dynamics"),
+        field("axial_mode", &AxisParams::axial_mode, "first axial mode; left out: rigid").or_default(),
+        field("noise", &AxisParams::noise, "force noise; left out: none").or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (std::holds_alternative<friction::Static>(friction.dynamics)) {
+      report("friction.dynamics",
+             "a virtual machine needs lugre or gms: a step of friction at rest cannot be simulated");
+    }
+    if (rotor_inertia && !std::holds_alternative<VoltageDrive>(drive)) {
+      report("rotor_inertia",
+             "needs a drive of kind \"voltage\", whose lead reflects it; or include it in mass");
+    }
+  }
+
+  /// Force per volt in steady state at standstill [N/V].
+  [[nodiscard]] double force_gain() const noexcept {
+    if (const auto* c = std::get_if<CurrentDrive>(&drive)) return c->gain;
+    const auto& v = std::get<VoltageDrive>(drive);
+    return v.amplifier_gain / v.resistance * v.torque_constant * v.screw_ratio();
+  }
+  /// Mass with the rotor's [kg].
+  [[nodiscard]] double total_mass() const noexcept {
+    const auto* v = std::get_if<VoltageDrive>(&drive);
+    if (!rotor_inertia || v == nullptr) return mass;
+    return mass + *rotor_inertia * v->screw_ratio() * v->screw_ratio();
+  }
+};
+
+}  // namespace stribeck::plant
+
+template <>
+struct stribeck::EnumNames<stribeck::plant::EncoderSide> {
+  static constexpr std::array names{
+      std::pair{stribeck::plant::EncoderSide::kDrive, std::string_view{"drive"}},
+      std::pair{stribeck::plant::EncoderSide::kTable, std::string_view{"table"}}};
+};

@@ -1,0 +1,269 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/friction/table.hpp>
+#include <stribeck/friction/test_maps.hpp>
+#include <stribeck/plant/axis.hpp>
+#include <stribeck/plant/mechanics.hpp>
+
+namespace stribeck::plant {
+namespace {
+
+constexpr double kPeriod = 5e-3;
+
+/// V2, x axis, without noise.
+AxisParams biaxial_x() {
+  AxisParams p;
+  p.mass = 57650.0;
+  p.drive = CurrentDrive{1048.0, {}};
+  p.encoder.resolution = 25e-9;
+  p.friction.steady = friction::test::table_2_3_x();
+  p.friction.dynamics = friction::LuGre<double>{3e8, 600e3, 0.05e-3};
+  return p;
+}
+
+/// A drive with next to no friction: 1e-6 N.
+AxisParams frictionless(double mass) {
+  AxisParams p;
+  p.mass = mass;
+  p.drive = CurrentDrive{10.0, {}};
+  p.encoder.resolution = 1e-9;
+  p.friction.steady = friction::Conventional<double>{1e-6, 0.0, {}};
+  p.friction.dynamics = friction::LuGre<double>{1e-3, 0.0, {}};
+  return p;
+}
+
+constexpr Fidelity kExact{16, false, false};
+
+TEST(Axis, WithoutFrictionIsADoubleIntegrator) {
+  Axis axis(frictionless(2.0), kPeriod, 1.0);
+  axis.start(0.1, kExact, {});
+  for (int k = 0; k < 100; ++k) axis.step(0.3);
+  EXPECT_NEAR(axis.velocity(), 3.0 / 2.0 * 0.5, 1e-6);
+  EXPECT_NEAR(axis.position(), 0.1 + 0.5 * 1.5 * 0.25, 1e-6);
+}
+
+TEST(Axis, ReachesTheSpeedAtWhichFrictionBalancesTheForce) {
+  Axis axis(biaxial_x(), kPeriod, 9.5e-3);
+  axis.start(0.0, kExact, {});
+  const double force = friction::steady_force(friction::test::table_2_3_x(), 2e-3);
+  for (int k = 0; k < 4000; ++k) axis.step(force / 1048.0);
+  EXPECT_NEAR(axis.velocity(), 2e-3, 1e-8);
+  EXPECT_NEAR(axis.friction_force(), force, 1e-3);
+}
+
+TEST(Axis, StaysWithinMicrometresBelowBreakAway) {
+  Axis axis(biaxial_x(), kPeriod, 9.5e-3);
+  axis.start(0.0, kExact, {});
+  for (int k = 0; k < 2000; ++k) axis.step(std::min(1.0, k / 400.0) * 800.0 / 1048.0);  // a ramp of 2 s
+  EXPECT_NEAR(axis.velocity(), 0.0, 1e-10);
+  EXPECT_GT(axis.position(), 800.0 / 3e8);
+  EXPECT_LT(axis.position(), 10e-6);
+}
+
+TEST(Axis, MirrorsUnderSignForAMirroredMap) {
+  auto p = biaxial_x();
+  auto& map = std::get<friction::Gaussian<double>>(p.friction.steady);
+  map.negative = friction::test::branch(
+      -768.6, 102.48, {{-517.4, -1.763, 3.091}, {-509.3, -5.806, 1.825}, {-1995.9, -10.668, 1.876}});
+  Axis plus(p, kPeriod, 9.5e-3);
+  Axis minus(p, kPeriod, 9.5e-3);
+  plus.start(0.0, kExact, {});
+  minus.start(0.0, kExact, {});
+  for (int k = 0; k < 400; ++k) {
+    const double u = 2.0 * std::sin(0.05 * k);
+    plus.step(u);
+    minus.step(-u);
+  }
+  EXPECT_EQ(plus.position(), -minus.position());
+}
+
+TEST(Axis, TwoTogetherMoveAsEachAlone) {
+  auto slow = biaxial_x();
+  slow.friction.steady = friction::test::table_2_3_y();
+  Axis a(biaxial_x(), kPeriod, 9.5e-3);
+  Axis b(slow, kPeriod, 9.5e-3);
+  Axis c(biaxial_x(), kPeriod, 9.5e-3);
+  Axis d(slow, kPeriod, 9.5e-3);
+  for (Axis* axis : {&a, &b, &c, &d}) axis->start(0.0, {3, true, false}, {});
+  for (int k = 0; k < 600; ++k) {
+    const double u = 2.5 * std::sin(0.02 * k);
+    const double w = 2.5 * std::cos(0.02 * k);
+    a.step(u);
+    b.step(w);
+    Axis::step_together(c, u, d, w);
+  }
+  EXPECT_EQ(a.position(), c.position());
+  EXPECT_EQ(b.position(), d.position());
+}
+
+TEST(Axis, GmsBreaksAwayAndSlidesOnTheSameCurve) {
+  auto p = biaxial_x();
+  friction::Gms<double> law;
+  for (const double k : {1.6e8, 0.8e8, 0.4e8, 0.2e8}) law.elements.push_back({k, 0.25});
+  law.attraction = 1e5;
+  law.damping_coefficient = 600e3;
+  p.friction.dynamics = law;
+  Axis axis(p, kPeriod, 9.5e-3);
+  axis.start(0.0, kExact, {});
+  const double force = friction::steady_force(friction::test::table_2_3_x(), 2e-3);
+  for (int k = 0; k < 4000; ++k) axis.step(force / 1048.0);
+  EXPECT_NEAR(axis.velocity(), 2e-3, 1e-8);
+}
+
+// ---- drive
+
+AxisParams voltage_drive() {
+  AxisParams p = frictionless(2.0);
+  p.drive = VoltageDrive{2.0, 1.5, 3e-3, 0.05, 0.05, 5e-3};
+  return p;
+}
+
+TEST(VoltageDrive, StallCurrentAndForceAreThoseOfOhm) {
+  auto p = voltage_drive();
+  p.friction.dynamics = friction::LuGre<double>{1e9, 1e4, {}};  // holds it
+  p.friction.steady = friction::Conventional<double>{1e9, 0.0, {}};
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(0.0, {400, false, false}, {});
+  for (int k = 0; k < 200; ++k) axis.step(1.0);
+  EXPECT_NEAR(axis.current(), 2.0 * 1.0 / 1.5, 1e-6);
+  EXPECT_NEAR(p.force_gain(), 2.0 / 1.5 * 0.05 * 2 * kPi / 5e-3, 1e-9);
+}
+
+TEST(VoltageDrive, RunsUntilBackEmfBalancesTheVoltage) {
+  // No friction: i = 0, so k_u u = K_e r_g v. This is the extra viscous friction of (2.4), here through the
+  // armature alone.
+  Axis axis(voltage_drive(), kPeriod, 1.0);
+  axis.start(0.0, kExact, {});
+  for (int k = 0; k < 3000; ++k) axis.step(1.0);
+  EXPECT_NEAR(axis.velocity(), 2.0 / (0.05 * 2 * kPi / 5e-3), 1e-6);
+}
+
+TEST(VoltageDrive, RotorInertiaComesOnTopThroughTheScrew) {
+  auto p = voltage_drive();
+  p.rotor_inertia = 1e-5;
+  const double ratio = 2 * kPi / 5e-3;
+  EXPECT_NEAR(p.total_mass(), 2.0 + 1e-5 * ratio * ratio, 1e-9);
+}
+
+// ---- axial mode
+
+TEST(AxialMode, TableRingsAtItsFrequencyOverAHeavyDrive) {
+  auto p = frictionless(100.0);
+  p.axial_mode = AxialMode{40.0, 0.0, 0.001};  // a light table on a heavy drive: the drive hardly moves
+  Axis axis(p, 1e-4, 1.0);
+  axis.start(0.0, kExact, {});
+  for (int k = 0; k < 10; ++k) axis.step(10.0);
+  // Count the sign changes of table minus drive, detrended by the drive's own motion: use velocity of the
+  // spring force.
+  double last = 0.0;
+  int crossings = 0;
+  double x0 = axis.position();
+  double v0 = 0.0;
+  for (int k = 0; k < 10000; ++k) {
+    axis.step(0.0);
+    const double v = axis.position() - x0;
+    x0 = axis.position();
+    const double a = v - v0;
+    v0 = v;
+    if (k > 1 && a * last < 0.0) ++crossings;
+    last = a;
+  }
+  EXPECT_NEAR(crossings / 2.0, 40.0, 1.0);  // in one second
+}
+
+TEST(AxialMode, StiffModeMovesAsTheRigidAxis) {
+  auto p = biaxial_x();
+  Axis rigid(p, kPeriod, 9.5e-3);
+  p.axial_mode = AxialMode{400.0, 0.05, 0.4};
+  Axis flexible(p, kPeriod, 9.5e-3);
+  rigid.start(0.0, {64, false, false}, {});
+  flexible.start(0.0, {64, false, false}, {});
+  for (int k = 0; k < 400; ++k) {
+    rigid.step(2.0);
+    flexible.step(2.0);
+  }
+  EXPECT_NEAR(flexible.position(), rigid.position(), 2e-6);
+  EXPECT_GT(std::abs(flexible.position() - rigid.position()), 1e-12);
+}
+
+// ---- converter, encoder, delay, noise
+
+TEST(Axis, EncoderAndConverterRound) {
+  Axis axis(biaxial_x(), kPeriod, 9.5e-3);
+  axis.start(13e-9, {8, true, false}, {});
+  EXPECT_EQ(axis.encoder(), 25e-9);
+  axis.step(1.00001);
+  EXPECT_NEAR(axis.voltage() / (20.0 / 65536), std::round(1.00001 / (20.0 / 65536)), 1e-9);
+  axis.step(99.0);
+  EXPECT_NEAR(axis.voltage(), 10.0 - 20.0 / 65536, 1e-12);
+  axis.step(-99.0);
+  EXPECT_EQ(axis.voltage(), -10.0);
+}
+
+TEST(Axis, DelayShiftsTheMotionByWholePeriods) {
+  auto p = biaxial_x();
+  Axis prompt(p, kPeriod, 9.5e-3);
+  p.delay_periods = 2;
+  Axis late(p, kPeriod, 9.5e-3);
+  prompt.start(0.0, kExact, {});
+  late.start(0.0, kExact, {});
+  std::vector<double> first;
+  for (int k = 0; k < 300; ++k) {
+    prompt.step(1.5 + std::sin(0.1 * k));
+    first.push_back(prompt.position());
+    late.step(1.5 + std::sin(0.1 * k));
+    if (k >= 2) {
+      EXPECT_EQ(late.position(), first[k - 2]) << k;
+    }
+  }
+}
+
+TEST(NoiseSource, HasTheDeviationAndCorrelationAskedFor) {
+  NoiseSource noise({20.0, 47e-3}, kPeriod, {1, 0, 0});
+  constexpr int kCount = 400000;
+  double square = 0.0;
+  double lagged = 0.0;
+  double last = noise.next();
+  for (int i = 0; i < kCount; ++i) {
+    const double n = noise.next();
+    square += n * n;
+    lagged += n * last;
+    last = n;
+  }
+  // About 21 000 independent samples: 0.7 % (one sigma) on the variance.
+  EXPECT_NEAR(std::sqrt(square / kCount), 20.0, 0.3);
+  EXPECT_NEAR(lagged / square, std::exp(-5.0 / 47.0), 0.005);
+}
+
+TEST(NoiseSource, StreamsAreReproducibleAndTheirOwn) {
+  const auto first = [](const Stream& s) { return NoiseSource({20.0, 47e-3}, kPeriod, s).next(); };
+  EXPECT_EQ(first({1, 2, 0}), first({1, 2, 0}));
+  EXPECT_NE(first({1, 2, 0}), first({1, 2, 1}));
+  EXPECT_NE(first({1, 2, 0}), first({1, 3, 0}));
+  EXPECT_NE(first({1, 2, 0}), first({2, 2, 0}));
+}
+
+TEST(Axis, StartBeginsTheSameRunAgain) {
+  auto p = biaxial_x();
+  p.noise = ForceNoise{20.0, 47e-3};
+  Axis axis(p, kPeriod, 9.5e-3);
+  double ends[2];
+  for (double& end : ends) {
+    axis.start(0.0, {4, true, true}, {7, 1, 0});
+    for (int k = 0; k < 200; ++k) axis.step(1.8);
+    end = axis.position();
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST(AxisParams, ComplainAboutWhatCannotBeSimulated) {
+  auto p = biaxial_x();
+  p.friction.dynamics = friction::Static{};
+  p.rotor_inertia = 1e-5;
+  std::vector<std::string> keys;
+  p.validate([&](std::string_view key, std::string_view) { keys.emplace_back(key); });
+  EXPECT_EQ(keys, (std::vector<std::string>{"friction.dynamics", "rotor_inertia"}));
+}
+
+}  // namespace
+}  // namespace stribeck::plant
