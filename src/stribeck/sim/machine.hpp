@@ -1,0 +1,116 @@
+#pragma once
+/// A virtual machine as its file describes it: what is true of every axis, and what a commissioning engineer
+/// may know of it. Controllers and compensators are built from `commissioning`, `published` and identified
+/// axis files, never from `plant`. Real time: no.
+
+#include <optional>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/plant/params.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace stribeck::sim {
+
+/// What the axis may do.
+struct AxisLimits {
+  double travel_min = 0.0;
+  double travel_max = 0.0;
+  double speed = 0.0;
+  double acceleration = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{field("travel_min", &AxisLimits::travel_min, quantity("m", "mm"), "lowest position"),
+                      field("travel_max", &AxisLimits::travel_max, quantity("m", "mm"), "highest position"),
+                      field("speed", &AxisLimits::speed, quantity("m/s", "mm/s").positive(),
+                            "largest speed, both directions"),
+                      field("acceleration", &AxisLimits::acceleration, quantity("m/s2", "mm/s2").positive(),
+                            "largest acceleration")};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (!(travel_max > travel_min)) report("travel_max", "expected a position above travel_min");
+  }
+};
+
+/// What is known before anything has been identified: enough to move the axis and record a log.
+struct Commissioning {
+  double mass = 0.0;            ///< nominal, from data sheets [kg]
+  double friction = 0.0;        ///< rough level, from a first push by hand or a slow ramp [N]
+  double omega = 40.0;          ///< double pole of the position loop while recording [rad/s]
+  double observer_pole = 20.0;  ///< of the disturbance observer while recording [1/s]
+  double sine_offset = 0.0;     ///< [m]
+  double sine_amplitude = 0.0;  ///< [m]
+  double sine_frequency = 0.0;  ///< [rad/s]
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("mass", &Commissioning::mass, quantity("kg", "N s2/mm").positive(),
+              "nominal equivalent mass, from data sheets"),
+        field("friction", &Commissioning::friction, quantity("N", "N").positive(),
+              "rough level of friction, from a slow ramp of force"),
+        field("omega", &Commissioning::omega, quantity("rad/s", "rad/s").positive(),
+              "double pole of the position loop while recording")
+            .or_default(),
+        field("observer_pole", &Commissioning::observer_pole, quantity("1/s", "1/s").positive(),
+              "poles of the disturbance observer while recording")
+            .or_default(),
+        field("sine_offset", &Commissioning::sine_offset, quantity("m", "mm"),
+              "middle of the sine excitation"),
+        field("sine_amplitude", &Commissioning::sine_amplitude, quantity("m", "mm").positive(),
+              "amplitude of the sine excitation"),
+        field("sine_frequency", &Commissioning::sine_frequency, quantity("rad/s", "rad/s").positive(),
+              "angular frequency of the sine excitation")};
+  }
+};
+
+/// Parameters that somebody printed for this machine, for comparison.
+struct Published {
+  std::optional<friction::AxisModel> conventional;
+  std::optional<friction::AxisModel> gaussian;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("conventional", &Published::conventional, "printed conventional model").or_default(),
+        field("gaussian", &Published::gaussian, "printed Gaussian-augmented model").or_default()};
+  }
+};
+
+struct MachineAxis {
+  plant::AxisParams plant;
+  AxisLimits limits;
+  Commissioning commissioning;
+  Published published;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("plant", &MachineAxis::plant, "the truth; no controller sees it"),
+        field("limits", &MachineAxis::limits, "what the axis may do"),
+        field("commissioning", &MachineAxis::commissioning, "what is known before identification"),
+        field("published", &MachineAxis::published, "printed parameters, for --parameters thesis")
+            .or_default()};
+  }
+  /// Largest force the drive can make [N].
+  [[nodiscard]] double force_limit() const { return plant.force_gain() * plant.converter.range; }
+};
+
+struct Machine {
+  std::string name;
+  std::string origin;
+  double sample_time = 0.0;  ///< control period [s]
+  std::vector<std::pair<std::string, MachineAxis>> axes;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("name", &Machine::name, "name of the machine"),
+        field("origin", &Machine::origin, "where the numbers come from"),
+        field("sample_time", &Machine::sample_time, quantity("s", "ms").positive(), "control period"),
+        field("axes", &Machine::axes, "one table per axis: [axes.x], [axes.y], …")};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (axes.empty()) report("axes", "expected at least one axis");
+  }
+};
+
+}  // namespace stribeck::sim

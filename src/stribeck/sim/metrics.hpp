@@ -1,0 +1,114 @@
+#pragma once
+/// Figures of merit of one run, by their textbook definitions (the thesis prints SD > RMS, which one signal
+/// cannot have).
+///
+///   max |ε|;  RMS = √mean ε²;  SD = √(RMS² − mean²);  mean |ε|
+///   quadrant glitch   max |ε| within the first 0.15 mm that an axis travels after its reference velocity
+///   changed sign input variation   mean |Δu| over the axes and samples; chattering shows here mean |u·i|
+///   mean over the axes' sum of |u·i|, known where the motor's current is
+///
+/// ε contour error [m], u voltage [V], i current [A]. Real time: no.
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stribeck/path/reference.hpp>
+
+namespace stribeck::sim {
+
+inline constexpr double kGlitchTravel = 0.15e-3;  ///< [m]
+
+struct Metrics {
+  double max_contour_error = 0.0;             ///< [m]
+  double quadrant_glitch = 0.0;               ///< [m]; NaN when no axis reversed
+  double rms = 0.0;                           ///< [m]
+  double sd = 0.0;                            ///< [m]
+  double mean_abs = 0.0;                      ///< [m]
+  std::array<double, 2> mean_abs_tracking{};  ///< [m]
+  double mean_abs_ui = 0.0;                   ///< [W]; NaN when the current is not known
+  double input_variation = 0.0;               ///< [V]
+};
+
+/// Marks the samples that lie within the first travel after a reversal of an axis.
+class GlitchWindow {
+ public:
+  bool step(const path::PathPoint& r) noexcept {
+    bool inside = false;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double direction = sign(r.velocity[i]);
+      if (direction != 0.0) {
+        if (direction_[i] != 0.0 && direction != direction_[i]) {
+          // The turning point lies between two samples; this one is its best estimate, off by nanometres.
+          start_[i] = r.position[i];
+          open_[i] = true;
+        }
+        direction_[i] = direction;
+      }
+      if (open_[i] && std::abs(r.position[i] - start_[i]) > kGlitchTravel) open_[i] = false;
+      inside = inside || open_[i];
+    }
+    return inside;
+  }
+
+ private:
+  std::array<double, 2> direction_{};
+  std::array<double, 2> start_{};
+  std::array<bool, 2> open_{};
+};
+
+/// Collects Metrics sample by sample.
+class MetricsCollector {
+ public:
+  struct Sample {
+    double contour_error = 0.0;
+    Vec2 tracking_error;
+    Vec2 voltage;
+    Vec2 current;
+    bool in_glitch = false;
+  };
+
+  void add(const Sample& s) noexcept {
+    const double e = std::abs(s.contour_error);
+    max_ = std::max(max_, e);
+    if (s.in_glitch) glitch_ = std::isnan(glitch_) ? e : std::max(glitch_, e);
+    sum_ += s.contour_error;
+    sum_abs_ += e;
+    sum_square_ += e * e;
+    for (std::size_t i = 0; i < 2; ++i) {
+      tracking_[i] += std::abs(s.tracking_error[i]);
+      ui_ += std::abs(s.voltage[i] * s.current[i]);
+      if (count_ > 0) variation_ += std::abs(s.voltage[i] - last_[i]);
+    }
+    last_ = s.voltage;
+    ++count_;
+  }
+
+  [[nodiscard]] Metrics result() const noexcept {
+    const double n = count_;
+    const double mean = sum_ / n;
+    Metrics m;
+    m.max_contour_error = max_;
+    m.quadrant_glitch = glitch_;
+    m.rms = std::sqrt(sum_square_ / n);
+    m.sd = std::sqrt(std::max(0.0, sum_square_ / n - mean * mean));
+    m.mean_abs = sum_abs_ / n;
+    m.mean_abs_tracking = {tracking_[0] / n, tracking_[1] / n};
+    m.mean_abs_ui = ui_ / n;
+    m.input_variation = variation_ / (2.0 * (n - 1.0));
+    return m;
+  }
+
+ private:
+  double max_ = 0.0;
+  double glitch_ = std::numeric_limits<double>::quiet_NaN();
+  double sum_ = 0.0;
+  double sum_abs_ = 0.0;
+  double sum_square_ = 0.0;
+  std::array<double, 2> tracking_{};
+  double ui_ = 0.0;
+  double variation_ = 0.0;
+  Vec2 last_;
+  int count_ = 0;
+};
+
+}  // namespace stribeck::sim

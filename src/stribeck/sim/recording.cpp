@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/sim/recording.hpp>
+
+namespace stribeck::sim {
+namespace {
+
+constexpr double kStableRate = 1.7;
+/// Logs have streams of their own, so that no experiment meets the noise of the log its compensator came
+/// from.
+constexpr std::uint32_t kClosedLoopTrial = 0x10000;
+constexpr std::uint32_t kOpenLoopTrial = 0x20000;
+
+/// What drives the axis at tick k, given what the encoder says.
+template <class Force>
+Recording record(const Machine& machine, std::size_t which, std::size_t rows, double start,
+                 const plant::Fidelity& fidelity, const plant::Stream& stream, Force&& force) {
+  const MachineAxis& axis = machine.axes[which].second;
+  plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
+  plant.start(start, fidelity, stream);
+  const double gain = axis.plant.force_gain();
+  Recording log;
+  log.period = machine.sample_time;
+  for (auto* column : {&log.t, &log.x, &log.u, &log.f}) column->reserve(rows);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double x = plant.encoder();
+    const double f = force(k, x);
+    log.t.push_back(static_cast<double>(k) * machine.sample_time);
+    log.x.push_back(x);
+    log.u.push_back(f / gain);
+    log.f.push_back(f);
+    plant.step(f / gain);
+  }
+  return log;
+}
+
+/// Sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
+/// one.
+template <class Run>
+int choose(const Machine& machine, std::size_t which, double accuracy, Run&& run) {
+  const MachineAxis& axis = machine.axes[which].second;
+  const plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
+  int n = std::max(2, static_cast<int>(std::ceil(plant.rate_bound() * machine.sample_time / kStableRate)));
+  for (; n < 4096; n += (n + 1) / 2) {
+    const Recording coarse = run(plant::Fidelity{n, false, false});
+    const Recording fine = run(plant::Fidelity{2 * n, false, false});
+    double worst = 0.0;
+    for (std::size_t k = 0; k < coarse.x.size(); ++k) {
+      const double d = std::abs(coarse.x[k] - fine.x[k]);
+      worst = std::isfinite(d) ? std::max(worst, d) : std::numeric_limits<double>::infinity();
+    }
+    if (worst * 4.0 / 3.0 <= accuracy) break;
+  }
+  return n;
+}
+
+}  // namespace
+
+Recording record_closed_loop(const Machine& machine, std::size_t axis, const std::vector<double>& reference,
+                             std::uint64_t seed, double accuracy) {
+  const MachineAxis& a = machine.axes[axis].second;
+  const double period = machine.sample_time;
+  control::Pd::Params params;
+  params.gains = control::Gains::critical(a.commissioning.omega);
+  params.compensation.model.mass = a.commissioning.mass;
+  params.compensation.observer = control::Observer::kDisturbance;
+  params.compensation.observer_pole = a.commissioning.observer_pole;
+  params.force_limit = a.force_limit();
+  const control::Pd controller(params, period);
+  const auto run = [&](const plant::Fidelity& fidelity, std::size_t rows) {
+    control::Pd::State state;
+    return record(machine, axis, rows, reference.front(), fidelity,
+                  {seed, kClosedLoopTrial, static_cast<std::uint32_t>(axis)}, [&](std::size_t k, double x) {
+                    const double before = reference[k > 0 ? k - 1 : 0];
+                    const double after = reference[k + 1 < reference.size() ? k + 1 : k];
+                    return controller.step(state,
+                                           {reference[k], (after - before) / (2.0 * period),
+                                            (after - 2.0 * reference[k] + before) / (period * period), x});
+                  });
+  };
+  // The first stretch shows reversals and speeds; a whole log would double the work for nothing.
+  const std::size_t part = std::min(reference.size(), static_cast<std::size_t>(20.0 / period) + 1);
+  const int substeps =
+      choose(machine, axis, accuracy, [&](const plant::Fidelity& fidelity) { return run(fidelity, part); });
+  Recording log = run({substeps, true, true}, reference.size());
+  log.r = reference;
+  return log;
+}
+
+Recording record_open_loop(const Machine& machine, std::size_t axis, const std::vector<double>& force,
+                           double start, std::uint64_t seed, double accuracy) {
+  const double limit = machine.axes[axis].second.force_limit();
+  const auto run = [&](const plant::Fidelity& fidelity) {
+    return record(machine, axis, force.size(), start, fidelity,
+                  {seed, kOpenLoopTrial, static_cast<std::uint32_t>(axis)},
+                  [&](std::size_t k, double) { return clamp_to(force[k], -limit, limit); });
+  };
+  // Without a loop around it the position keeps every error of the steps: a hundredth of the travel's noise
+  // is enough.
+  const int substeps = choose(machine, axis, 100.0 * accuracy, run);
+  return run({substeps, true, true});
+}
+
+}  // namespace stribeck::sim
