@@ -4,7 +4,7 @@
 ///   N parallel elements, each sticking or slipping:
 ///     sticks   Ḟ_i = k_i·v                                until |F_i| reaches α_i·g(v)
 ///     slips    Ḟ_i = C·(α_i·sgn v − F_i/g(v))             until the velocity changes its sign
-///   F = Σ F_i + σ(v)·v·(Σ α_i of the sticking) + viscous + additive
+///   F = Σ F_i + σ(v)·v + viscous + additive
 ///
 ///   k_i stiffness [N/m], α_i share of the level [-], Σ α_i = 1, C attraction [N/s], σ damping [N·s/m],
 ///   fading as exp(−(v/v_d)²) where v_d is given; g = level of the steady map [N]
@@ -13,8 +13,9 @@
 /// held, the change from stick to slip inside the sample included; rate() and settle() are for integrators.
 ///
 /// Source: Al-Bender, Lampaert, Swevers 2005, doi:10.1109/TAC.2005.858676.
-/// Not modelled: a damping of its own for every element; lubricant memory beyond C.
-/// Real time: safe; step costs one exp per slipping element and the map.
+/// Not modelled: a damping of its own for every element (σ does not ask which of them stick, so that the
+/// force never jumps); lubricant memory beyond C. Real time: safe; step costs one exp per slipping element
+/// and the map.
 
 #include <optional>
 #include <stribeck/core/fields.hpp>
@@ -52,15 +53,16 @@ struct Gms {
   };
 
   static constexpr auto fields() {
-    return std::tuple{field("elements", &Gms::elements, "elements, usually four or more"),
-                      field("attraction", &Gms::attraction, quantity("N/s", "N/s").positive(),
-                            "attraction C: how fast a slipping element returns to its share of the level"),
-                      field("damping", &Gms::damping_coefficient, quantity("N s/m", "N s/mm").not_negative(),
-                            "damping σ of the sticking elements")
-                          .or_default(),
-                      field("damping_velocity", &Gms::damping_velocity, quantity("m/s", "mm/s").positive(),
-                            "velocity v_d at which σ has faded to 1/e; left out: it does not fade")
-                          .or_default()};
+    return std::tuple{
+        field("elements", &Gms::elements, "elements, usually four or more"),
+        field("attraction", &Gms::attraction, quantity("N/s", "N/s").positive(),
+              "attraction C: how fast a slipping element returns to its share of the level"),
+        field("damping", &Gms::damping_coefficient, quantity("N s/m", "N s/mm").not_negative(),
+              "damping σ of pre-sliding")
+            .or_default(),
+        field("damping_velocity", &Gms::damping_velocity, quantity("m/s", "mm/s").positive(),
+              "velocity v_d at which σ has faded to 1/e; left out: σ acts like viscous friction")
+            .or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -90,18 +92,16 @@ struct Gms {
   [[nodiscard]] T rate(std::size_t i, const T& force_i, const T& slipping_i, const T& v,
                        const SteadyParts<T>& p) const noexcept {
     const T slip = attraction * (elements[i].share * sign(v) - force_i / p.level);
-    return select(slipping_i > T(0.5), slip, elements[i].stiffness * v);
+    // Once the velocity has turned against its force, an element sticks: at once, not only when settle() next
+    // looks.
+    return select(slipping_i > T(0.5) && force_i * v > T(0.0), slip, elements[i].stiffness * v);
   }
 
   /// Friction force [N] of a state.
   [[nodiscard]] T force(const State& s, const T& v, const SteadyParts<T>& p) const noexcept {
     T sum{0.0};
-    T sticking{0.0};
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-      sum = sum + s.force[i];
-      sticking = sticking + elements[i].share * (T(1.0) - s.slipping[i]);
-    }
-    return sum + damping(v) * v * sticking + p.viscous + p.additive;
+    for (std::size_t i = 0; i < elements.size(); ++i) sum = sum + s.force[i];
+    return sum + damping(v) * v + p.viscous + p.additive;
   }
 
   /// Changes between stick and slip after a small step that ended at velocity v, having begun at v_before.
