@@ -1,0 +1,86 @@
+#include <CLI/CLI.hpp>
+#include <apps/cli/commands.hpp>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/io/error.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+constexpr int kNo = 1;
+constexpr int kBadInput = 2;
+
+std::string command_line;
+
+/// One line on stderr, whatever a message holds.
+void complain(std::string_view message) {
+  std::string line(message);
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  fmt::print(stderr, "stribeck: {}\n", line);
+}
+
+std::string shell_quoted(std::string_view word) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
+  std::string out = "'";
+  for (const char c : word) {
+    if (c == '\'') {
+      out += "'\\''";
+    } else {
+      out += c;
+    }
+  }
+  return out + '\'';
+}
+
+int parse_and_run(int argc, const char* const* argv) {
+  CLI::App app{"Friction of machine-tool feed drives: identified from logs, shown on the contour, taken out."};
+  app.name("stribeck");
+  app.set_version_flag("--version", "stribeck " STRIBECK_VERSION);
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& e) { return std::string(e.what()); });
+  Action action;
+  add_compare(app, action);
+  add_identify(app, action);
+  add_excite(app, action);
+  add_simulate(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help and --version print to stdout
+  } catch (const CLI::ParseError& e) {
+    complain(fmt::format("{} (stribeck --help lists the verbs, stribeck VERB --help their options)", e.what()));
+    return kBadInput;
+  }
+  return action();
+}
+
+}  // namespace
+
+const std::string& typed_command() { return command_line; }
+
+int run(int argc, const char* const* argv) {
+  command_line = "stribeck";
+  for (int i = 1; i < argc; ++i) command_line += ' ' + shell_quoted(argv[i]);
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const io::InputError& e) {
+    for (const io::Problem& p : e.problems()) complain(p.text());
+    return kBadInput;
+  } catch (const ident::Refused& e) {
+    complain(e.what());
+    return kNo;
+  } catch (const std::bad_alloc&) {
+    complain("out of memory; shorten the log or the experiment");
+    return kBadInput;
+  } catch (const std::exception& e) {
+    complain(e.what());
+    return kBadInput;
+  }
+}
+
+}  // namespace stribeck::cli

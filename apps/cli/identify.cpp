@@ -1,0 +1,115 @@
+#include <apps/cli/commands.hpp>
+#include <apps/cli/log_record.hpp>
+#include <apps/cli/shared.hpp>
+#include <nlohmann/json.hpp>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/ident/idim_ls.hpp>
+#include <stribeck/ident/least_squares_a.hpp>
+#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/identify_report.hpp>
+#include <stribeck/report/json.hpp>
+#include <stribeck/report/table.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+struct Options {
+  Common common;
+  std::vector<std::string> logs;
+  LogOptions log;
+  std::string model = "auto";
+  std::string method = "auto";
+  std::string output;
+  int terms = -1;
+};
+
+/// The method that gives a kind of model, where the user left it open.
+std::string method_of(const Options& o) {
+  if (o.method != "auto") return o.method;
+  if (o.model == "conventional") return "least-squares";
+  return "velocity-map";
+}
+
+void refuse_pair(const std::string& method, const std::string& model, const std::string& expected) {
+  refuse_option("--model", fmt::format("got {}, which --method {} cannot give (expected {})", model, method, expected));
+}
+
+ident::Result identify_records(const Options& o, const std::vector<ident::Record>& records) {
+  const std::string method = method_of(o);
+  if (method == "idim-ls" && records.size() > 1) {
+    refuse_option("LOG", fmt::format("{} logs, but --method {} takes one", records.size(), method));
+  }
+  if (method == "idim-ls") {
+    if (o.model == "gaussian") refuse_pair(method, o.model, "auto, conventional or asymmetric");
+    ident::IdimOptions options;
+    options.by_direction = o.model == "asymmetric";
+    return ident::identify_idim_ls(records.front(), options).result;
+  }
+  if (method == "least-squares") {
+    if (o.model != "auto" && o.model != "conventional") refuse_pair(method, o.model, "auto or conventional");
+    return ident::identify_least_squares_a(records).result;
+  }
+  if (o.model != "auto" && o.model != "gaussian") refuse_pair(method, o.model, "auto or gaussian");
+  ident::VelocityMapOptions options;
+  if (o.terms >= 0) options.terms = o.terms;
+  return ident::identify_velocity_map(records, options);
+}
+
+int identify(const Options& o) {
+  check_outputs(o.common);
+  check_writable(o.output);
+  std::vector<ident::Record> records;
+  std::vector<std::string> notes;
+  std::string sources;
+  for (const std::string& path : o.logs) {
+    const io::Log log = io::read_csv(path);
+    for (const std::string& note : log.notes) notes.push_back(path + ": " + note);
+    records.push_back(make_record(log, o.log));
+    sources += (sources.empty() ? "" : ", ") + path;
+  }
+  ident::Result result = identify_records(o, records);
+  result.warnings.insert(result.warnings.begin(), notes.begin(), notes.end());
+  const std::string axis = o.log.axis.empty() ? "axis" : o.log.axis;
+  if (!o.output.empty()) {
+    friction::AxisModel model;
+    model.mass = result.mass;
+    model.friction.steady = result.friction;
+    io::write_atomically(o.output, io::write_toml(model, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}).", axis,
+                                                                     result.model, sources, STRIBECK_VERSION, result.method)));
+  }
+  write_json(o.common.json, report::to_json(result, axis));
+  if (!o.common.report.empty()) {
+    report::write_identify_report(o.common.report, {axis, {result}, sources, typed_command(), STRIBECK_VERSION});
+  }
+  say(o.common, report::text_table(result, axis));
+  return 0;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, Action& action) {
+  auto* verb = app.add_subcommand("identify", "Mass and friction of an axis from logs, with 95 % intervals");
+  auto o = std::make_shared<Options>();
+  verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")->required()->type_name("LOG");
+  verb->add_option("--axis", o->log.axis, "Name of the axis; a log of several axes has columns like x_NAME")->type_name("NAME");
+  verb->add_option("--model", o->model, "auto, gaussian, conventional, or asymmetric (idim-ls, friction by direction)")
+      ->check(CLI::IsMember({"auto", "gaussian", "conventional", "asymmetric"}))
+      ->capture_default_str();
+  verb->add_option("--method", o->method,
+                   "auto, velocity-map (continuous velocity-friction map), least-squares (unbiased, from pulses), or idim-ls (the "
+                   "published EMPS protocol)")
+      ->check(CLI::IsMember({"auto", "velocity-map", "least-squares", "idim-ls"}))
+      ->capture_default_str();
+  verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")->check(CLI::Range(0, 6));
+  verb->add_option("--map", o->log.maps, "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
+      ->type_name("MAP");
+  verb->add_option("--gain", o->log.gain, "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"")->type_name("GAIN");
+  verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");
+  add_common(*verb, o->common);
+  verb->footer("Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report");
+  verb->callback([o, &action] { action = [o] { return identify(*o); }; });
+}
+
+}  // namespace stribeck::cli

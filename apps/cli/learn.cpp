@@ -1,0 +1,74 @@
+#include <apps/cli/learn.hpp>
+#include <apps/cli/shared.hpp>
+#include <stribeck/ident/least_squares_a.hpp>
+#include <stribeck/ident/velocity_map.hpp>
+
+namespace stribeck::cli {
+
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods) {
+  const sim::MachineAxis& a = machine.axes[axis].second;
+  const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration, a.force_limit()};
+  const sim::Commissioning& c = a.commissioning;
+  if (method == "pulses") {
+    ident::PulseDesign pulses;
+    pulses.start = 0.5 * (limits.travel_min + limits.travel_max);
+    return ident::design_pulses(limits, {c.mass, c.friction, 0.0}, machine.sample_time, pulses);
+  }
+  if (method == "jog") {
+    ident::JogDesign jog;
+    jog.start = 0.5 * (limits.travel_min + limits.travel_max);
+    return ident::design_jog(limits, machine.sample_time, jog);
+  }
+  return ident::design_sine(limits, machine.sample_time,
+                            {c.sine_offset + c.sine_amplitude, c.sine_amplitude, c.sine_frequency, periods});
+}
+
+sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
+                    const std::vector<double>& force, std::uint64_t seed) {
+  if (!reference.empty()) return sim::record_closed_loop(machine, axis, reference, seed);
+  const auto& limits = machine.axes[axis].second.limits;
+  return sim::record_open_loop(machine, axis, force, 0.5 * (limits.travel_min + limits.travel_max), seed);
+}
+
+io::Log as_log(const sim::Recording& recording) {
+  io::Log log;
+  log.rows = recording.t.size();
+  const auto add = [&](const char* name, const char* unit, const std::vector<double>& si, double scale) {
+    if (si.empty()) return;
+    io::Column column{name, unit, {}};
+    column.values.reserve(si.size());
+    for (const double v : si) column.values.push_back(v / scale);
+    log.columns.push_back(std::move(column));
+  };
+  add("t", "s", recording.t, 1.0);
+  add("r", "mm", recording.r, 1e-3);
+  add("x", "mm", recording.x, 1e-3);
+  add("u", "V", recording.u, 1.0);
+  add("f", "N", recording.f, 1.0);
+  return log;
+}
+
+ident::Record as_record(const sim::Recording& recording, const std::string& source) {
+  return {source, recording.period, recording.t, recording.r, recording.x, recording.f,
+          recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed};
+}
+
+Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
+  const std::string& name = machine.axes[axis].first;
+  Learned l;
+  const ident::Excitation pulses = design(machine, axis, "pulses", 0);
+  const ident::Excitation sine = design(machine, axis, "sine", kSinePeriods);
+  l.pulses = play(machine, axis, pulses.r, pulses.force, seed);
+  l.sine = play(machine, axis, sine.r, sine.force, seed);
+  const ident::Record pulse_record = as_record(l.pulses, name + "-pulses.csv");
+  const ident::Record sine_record = as_record(l.sine, name + "-sine.csv");
+  l.conventional = ident::identify_least_squares_a({pulse_record}).result;
+  l.gaussian = ident::identify_velocity_map({pulse_record, sine_record});
+  l.knowledge.conventional.mass = l.conventional.mass;
+  l.knowledge.conventional.friction.steady = l.conventional.friction;
+  l.knowledge.gaussian.mass = l.gaussian.mass;
+  l.knowledge.gaussian.friction.steady = l.gaussian.friction;
+  return l;
+}
+
+}  // namespace stribeck::cli

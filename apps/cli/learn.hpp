@@ -1,0 +1,36 @@
+#pragma once
+/// The whole way from an unknown axis of a virtual machine to the models its compensators use: excite, record, identify.
+/// Nothing but the commissioning data of the machine file and the logs goes into the models.
+
+#include <cstdint>
+#include <stribeck/ident/excitation.hpp>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/io/log.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/recording.hpp>
+
+namespace stribeck::cli {
+
+/// What was recorded of one axis and what came out of it.
+struct Learned {
+  sim::Recording pulses;
+  sim::Recording sine;
+  ident::Result conventional;  ///< unbiased least squares from the pulses
+  ident::Result gaussian;      ///< velocity–friction map from pulses and sine together
+  sim::AxisKnowledge knowledge;
+};
+
+/// Periods of the sine that the main job records.
+inline constexpr int kSinePeriods = 8;
+
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods);
+/// Plays an excitation on the virtual machine.
+sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
+                    const std::vector<double>& force, std::uint64_t seed);
+Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed);
+
+/// A recording as a log file has it.
+io::Log as_log(const sim::Recording& recording);
+ident::Record as_record(const sim::Recording& recording, const std::string& source);
+
+}  // namespace stribeck::cli

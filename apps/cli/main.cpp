@@ -1,0 +1,3 @@
+#include <apps/cli/commands.hpp>
+
+int main(int argc, char** argv) { return stribeck::cli::run(argc, argv); }

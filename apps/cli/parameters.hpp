@@ -1,0 +1,29 @@
+#pragma once
+/// Where the compensators' parameters come from: identified here, printed by the thesis, or axis files.
+
+#include <apps/cli/learn.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace stribeck::cli {
+
+struct ParameterOptions {
+  std::string source = "identified";    ///< identified or thesis
+  std::vector<std::string> axis_files;  ///< AXIS=FILE, overrides the source for that axis and kind of model
+};
+void add_parameter_options(CLI::App& verb, ParameterOptions& options);
+
+struct Parameters {
+  std::vector<sim::AxisKnowledge> knowledge;  ///< per axis of the machine
+  std::vector<Learned> learned;               ///< per axis; empty unless identified
+  std::string words;                          ///< where they come from
+};
+Parameters get_parameters(const sim::Machine& machine, const std::string& path, const ParameterOptions& options,
+                          std::uint64_t seed);
+
+}  // namespace stribeck::cli

@@ -1,0 +1,92 @@
+#include <apps/cli/shared.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/json.hpp>
+#include <stribeck/io/toml.hpp>
+#include <unistd.h>
+
+namespace stribeck::cli {
+
+void add_common(CLI::App& verb, Common& common) {
+  verb.add_option("--json", common.json, "Write the result for programs to this file")->type_name("FILE");
+  verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")->type_name("DIR");
+  verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
+}
+
+Progress::Progress(std::string what, bool quiet)
+    : what_(std::move(what)), enabled_(!quiet && isatty(STDERR_FILENO) == 1), begin_(std::chrono::steady_clock::now()), last_(begin_) {}
+
+Progress::~Progress() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::operator()(std::size_t done, std::size_t all) {
+  if (!enabled_) return;
+  const auto now = std::chrono::steady_clock::now();
+  using std::chrono::milliseconds;
+  if (now - begin_ < milliseconds(1000) || now - last_ < milliseconds(100)) return;
+  last_ = now;
+  drawn_ = true;
+  constexpr std::size_t kWidth = 30;
+  const std::size_t filled = all > 0 ? kWidth * done / all : 0;
+  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'), done, all);
+  std::fflush(stderr);
+}
+
+void say(const Common& common, const std::string& text) {
+  if (!common.quiet) fmt::print("{}", text);
+}
+
+sim::Machine load_machine(const std::string& path) { return io::read_toml<sim::Machine>(path); }
+
+std::size_t axis_index(const sim::Machine& machine, const std::string& path, const std::string& axis) {
+  std::string names;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    if (machine.axes[i].first == axis) return i;
+    names += (names.empty() ? "" : ", ") + machine.axes[i].first;
+  }
+  throw io::InputError({path, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
+}
+
+double option_si(const std::string& option, const std::string& text, const Quantity& quantity) {
+  try {
+    return io::to_si(text, quantity);
+  } catch (const io::InputError& e) {
+    refuse_option(option, e.problems().front().message);
+  }
+}
+
+void refuse_option(const std::string& option, const std::string& message) {
+  throw io::InputError(io::Problem{{}, 0, option, message});
+}
+
+void check_writable(const std::string& path) {
+  if (path.empty()) return;
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    throw io::InputError({path, 0, {}, "is a directory, expected the name of a file to write"});
+  }
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, ignored)) {
+    throw io::InputError({path, 0, {}, fmt::format("cannot be written: no folder {} (make it first)", io::in_quotes(folder.string()))});
+  }
+  if (access(folder.c_str(), W_OK) != 0) {
+    throw io::InputError({path, 0, {}, fmt::format("cannot be written: {}", std::strerror(errno))});
+  }
+}
+
+void check_outputs(const Common& common) {
+  // The report's folder may be the one the JSON goes to; make it first.
+  if (!common.report.empty()) io::make_directory(common.report);
+  check_writable(common.json);
+}
+
+void write_json(const std::string& path, const nlohmann::ordered_json& json) {
+  if (!path.empty()) io::write_atomically(path, io::dump(json));
+}
+
+}  // namespace stribeck::cli

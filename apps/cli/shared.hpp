@@ -1,0 +1,61 @@
+#pragma once
+/// Options and services that every verb has.
+
+#include <chrono>
+#include <nlohmann/json_fwd.hpp>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/sim/machine.hpp>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace stribeck::cli {
+
+struct Common {
+  std::string json;    ///< file for programs; empty: none
+  std::string report;  ///< directory of the HTML page; empty: none
+  bool quiet = false;
+};
+void add_common(CLI::App& verb, Common& common);
+
+/// A bar on stderr for work that takes longer than a second, when stderr is a terminal.
+class Progress {
+ public:
+  Progress(std::string what, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void operator()(std::size_t done, std::size_t all);
+
+ private:
+  std::string what_;
+  bool enabled_;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point begin_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+/// Text on stdout unless --quiet.
+void say(const Common& common, const std::string& text);
+
+sim::Machine load_machine(const std::string& path);
+
+/// Index of the axis in the machine; throws with the names there are.
+std::size_t axis_index(const sim::Machine& machine, const std::string& path, const std::string& axis);
+
+/// An option's value with its unit, in SI; errors name the option.
+double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
+
+/// Something is wrong with an option.
+[[noreturn]] void refuse_option(const std::string& option, const std::string& message);
+
+/// Fails early when a result could not be written at the end: checks the folder of every path that is not empty.
+void check_writable(const std::string& path);
+void check_outputs(const Common& common);
+
+void write_json(const std::string& path, const nlohmann::ordered_json& json);
+
+}  // namespace stribeck::cli
