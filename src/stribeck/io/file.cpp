@@ -1,0 +1,144 @@
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <system_error>
+
+namespace stribeck::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, std::string message) {
+  throw InputError(Problem{path.empty() ? std::string("\"\"") : path, 0, "", std::move(message)});
+}
+
+std::string reason(int code) { return std::generic_category().message(code); }
+
+/// A file descriptor that is closed at the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  [[nodiscard]] int get() const noexcept { return fd_; }
+  /// 0, or the error; some file systems report a failed write only here.
+  int close() noexcept {
+    const int result = fd_ < 0 || ::close(fd_) == 0 ? 0 : errno;
+    fd_ = -1;
+    return result;
+  }
+
+ private:
+  int fd_;
+};
+
+std::string read_all(int fd, const std::string& path) {
+  std::string bytes;
+  std::size_t used = 0;
+  while (true) {
+    if (bytes.size() - used < 65536) bytes.resize(std::max<std::size_t>(2 * bytes.size(), 1 << 17));
+    const ssize_t n = ::read(fd, bytes.data() + used, bytes.size() - used);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(path, "cannot be read: " + reason(errno));
+    if (n == 0) break;
+    used += static_cast<std::size_t>(n);
+  }
+  bytes.resize(used);
+  return bytes;
+}
+
+/// 0, or the error.
+int write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return 0;
+}
+
+}  // namespace
+
+FileBytes::FileBytes(const std::string& path) {
+  Descriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd.get() < 0) {
+    if (errno == ENOENT) fail(path, "no such file (check the name and the working directory)");
+    fail(path, "cannot be opened: " + reason(errno));
+  }
+  struct stat info {};
+  if (::fstat(fd.get(), &info) != 0) fail(path, "cannot be read: " + reason(errno));
+  if (S_ISDIR(info.st_mode)) fail(path, "is a directory, expected a file (name a file inside it)");
+  const auto size = static_cast<std::size_t>(info.st_size);
+  if (S_ISREG(info.st_mode) && size > 0) {
+    void* at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
+    if (at != MAP_FAILED) {
+      ::madvise(at, size, MADV_SEQUENTIAL);
+      mapped_ = at;
+      view_ = {static_cast<const char*>(at), size};
+      return;
+    }
+  }
+  owned_ = read_all(fd.get(), path);
+  view_ = owned_;
+}
+
+FileBytes::~FileBytes() {
+  if (mapped_ != nullptr) ::munmap(mapped_, view_.size());
+}
+
+std::string read_text(const std::string& path) { return std::string(FileBytes(path).view()); }
+
+void write_atomically(const std::string& path, std::string_view bytes) {
+  struct stat info {};
+  const bool exists = ::stat(path.c_str(), &info) == 0;
+  if (exists && S_ISDIR(info.st_mode)) fail(path, "is a directory, expected a file to write");
+  if (exists && !S_ISREG(info.st_mode)) {
+    Descriptor fd(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    int error = fd.get() < 0 ? errno : write_all(fd.get(), bytes);
+    if (error == 0) error = fd.close();
+    if (error != 0) fail(path, "cannot be written: " + reason(error));
+    return;
+  }
+
+  std::error_code ignored;
+  fs::path target = path;
+  if (exists && fs::is_symlink(target, ignored)) target = fs::canonical(target, ignored);
+  static std::atomic<unsigned> count{0};
+  const std::string temporary =
+      (target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" +
+                               std::to_string(count++) + ".tmp"))
+          .string();
+  Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (fd.get() < 0) {
+    if (errno == ENOENT) fail(path, "cannot be written: no such directory (make it first)");
+    fail(path, "cannot be written: " + reason(errno));
+  }
+  int error = write_all(fd.get(), bytes);
+  if (error == 0 && exists && ::fchmod(fd.get(), info.st_mode & 07777) != 0) error = errno;
+  if (const int closing = fd.close(); error == 0) error = closing;
+  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    fail(path, "cannot be written: " + reason(error));
+  }
+}
+
+void make_directory(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (!error && fs::is_directory(path, error)) return;
+  fail(path, "cannot be made a directory: " + (error ? error.message() : reason(ENOTDIR)));
+}
+
+}  // namespace stribeck::io

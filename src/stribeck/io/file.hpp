@@ -1,0 +1,36 @@
+#pragma once
+/// Files as a whole. Real time: no.
+/// Errors: InputError with the path as given and the system's reason.
+
+#include <string>
+#include <string_view>
+
+namespace stribeck::io {
+
+/// The bytes of a file: mapped, or read when it cannot be mapped (a pipe).
+class FileBytes {
+ public:
+  explicit FileBytes(const std::string& path);
+  ~FileBytes();
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  [[nodiscard]] std::string_view view() const noexcept { return view_; }
+
+ private:
+  std::string_view view_;
+  void* mapped_ = nullptr;
+  std::string owned_;
+};
+
+/// The whole text of a file; an empty file is an empty text.
+std::string read_text(const std::string& path);
+
+/// Replaces the file at once: readers see the old bytes or the new ones, and a failure leaves no file behind.
+/// What is not an ordinary file (a pipe, a terminal) is written to directly.
+void write_atomically(const std::string& path, std::string_view bytes);
+
+/// Makes the directory and those above it; one that exists is kept.
+void make_directory(const std::string& path);
+
+}  // namespace stribeck::io

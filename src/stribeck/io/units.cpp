@@ -1,0 +1,377 @@
+#include <fast_float/fast_float.h>
+#include <udunits2.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/units.hpp>
+#include <utility>
+
+namespace stribeck::io {
+
+namespace {
+
+[[noreturn]] void fail(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
+
+struct FreeUnit {
+  void operator()(ut_unit* u) const noexcept { ut_free(u); }
+};
+using Unit = std::unique_ptr<ut_unit, FreeUnit>;
+
+std::string_view trimmed(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return s.substr(first, s.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+void replace_all(std::string& text, std::string_view what, std::string_view by) {
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+}
+
+/// The units system. udunits2 keeps state while it parses, so every call holds the mutex.
+class Units {
+ public:
+  static Units& instance() {
+    static Units units;  // a failed construction is tried again at the next call
+    return units;
+  }
+
+  bool known(std::string_view text) {
+    const std::lock_guard lock(mutex_);
+    return !trimmed(text).empty() && parse(text) != nullptr;
+  }
+
+  enum class Verdict { kGood, kUnknownUnit, kWrongDimension };
+  struct Answer {
+    Verdict verdict;
+    Conversion conversion{};
+  };
+
+  Answer find(std::string_view from, std::string_view to) {
+    const std::lock_guard lock(mutex_);
+    auto key = std::pair{std::string(from), std::string(to)};
+    if (const auto hit = cache_.find(key); hit != cache_.end()) return hit->second;
+    // Texts come from files; a bound keeps a hostile one from filling the memory.
+    if (cache_.size() > 4096) cache_.clear();
+    return cache_.emplace(std::move(key), find_uncached(from, to)).first->second;
+  }
+
+ private:
+  Units() {
+    ut_set_error_message_handler(ut_ignore);
+    system_ = ut_read_xml(nullptr);
+    if (system_ == nullptr) {
+      fail(
+          "the database of the units library was not found (install libudunits2-data, or set "
+          "UDUNITS2_XML_PATH "
+          "to its udunits2.xml)");
+    }
+    radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
+    const Unit revolution(ut_scale(6.283185307179586, radian_.get()));
+    for (const auto& [symbol, definition] :
+         {std::pair{"deg", "arc_degree"}, {"Nm", "N m"}, {"pct", "0.01"}}) {
+      const Unit unit(ut_parse(system_, definition, UT_UTF8));
+      if (unit != nullptr) ut_map_symbol_to_unit(symbol, UT_ASCII, unit.get());
+    }
+    for (const char* symbol : {"rev", "U"}) ut_map_symbol_to_unit(symbol, UT_ASCII, revolution.get());
+  }
+  ~Units() {
+    radian_.reset();
+    ut_free_system(system_);
+  }
+
+  Unit parse(std::string_view text) {
+    std::string ascii(trimmed(text));
+    replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
+    // A date, an offset or a logarithm is no scale of a machine.
+    if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
+    return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));
+  }
+
+  Answer find_uncached(std::string_view from, std::string_view to) {
+    const Unit target = parse(to);
+    if (target == nullptr)
+      fail("unit " + in_quotes(to) + " of the program is not known to the units library");
+    const Unit source = parse(from);
+    if (source == nullptr) return {Verdict::kUnknownUnit};
+    const bool hertz = from.find("Hz") != std::string_view::npos && to.find("Hz") == std::string_view::npos;
+    const auto found = convert(source.get(), target.get());
+    if (!found || hertz || radians(source.get()) != radians(target.get())) return {Verdict::kWrongDimension};
+    return {Verdict::kGood, *found};
+  }
+
+  static std::optional<Conversion> convert(ut_unit* from, ut_unit* to) {
+    if (ut_are_convertible(from, to) == 0) return std::nullopt;
+    const std::unique_ptr<cv_converter, void (*)(cv_converter*)> f(ut_get_converter(from, to), cv_free);
+    if (f == nullptr) return std::nullopt;
+    const auto value = [&](double x) { return cv_convert_double(f.get(), x); };
+    Conversion c{value(1.0), false, 0};
+    constexpr double kRounding = 1e-14;
+    if (!(c.factor > 0.0) || !std::isfinite(c.factor) || value(0.0) != 0.0 ||
+        std::abs(value(2.0) / (2.0 * c.factor) - 1.0) > kRounding) {
+      return std::nullopt;
+    }
+    // 10^±22 are the last powers of ten that a double holds exactly.
+    const double power = std::round(std::log10(c.factor));
+    if (std::abs(power) <= 22.0 && std::abs(c.factor / std::pow(10.0, power) - 1.0) < kRounding) {
+      c.decimal = true;
+      c.power = static_cast<int>(power);
+      c.factor = c(1.0);
+    }
+    return c;
+  }
+
+  /// Power of the radian inside a unit.
+  [[nodiscard]] int radians(const ut_unit* unit) const {
+    struct Count {
+      const ut_unit* radian;
+      const ut_visitor* visitor;
+      int power;
+    };
+    ut_visitor visitor{};
+    visitor.visit_basic = [](const ut_unit* u, void* arg) {
+      auto& count = *static_cast<Count*>(arg);
+      if (ut_compare(u, count.radian) == 0) count.power += 1;
+      return UT_SUCCESS;
+    };
+    visitor.visit_product = [](const ut_unit*, int n, const ut_unit* const* basic, const int* powers,
+                               void* arg) {
+      auto& count = *static_cast<Count*>(arg);
+      for (int i = 0; i < n; ++i) {
+        if (ut_compare(basic[i], count.radian) == 0) count.power += powers[i];
+      }
+      return UT_SUCCESS;
+    };
+    visitor.visit_galilean = [](const ut_unit*, double, const ut_unit* underlying, double, void* arg) {
+      return ut_accept_visitor(underlying, static_cast<Count*>(arg)->visitor, arg);
+    };
+    visitor.visit_timestamp = [](const ut_unit*, const ut_unit*, double, void*) { return UT_SUCCESS; };
+    visitor.visit_logarithmic = [](const ut_unit*, double, const ut_unit*, void*) { return UT_SUCCESS; };
+    Count count{radian_.get(), &visitor, 0};
+    ut_accept_visitor(unit, &visitor, &count);
+    return count.power;
+  }
+
+  std::mutex mutex_;
+  ut_system* system_ = nullptr;
+  Unit radian_;
+  std::map<std::pair<std::string, std::string>, Answer> cache_;
+};
+
+/// Length of the number at the start of a text, and its value; 0 if there is none.
+struct Number {
+  std::size_t length = 0;
+  double value = 0.0;
+};
+
+Number parse_number(std::string_view text) {
+  const std::size_t sign = !text.empty() && text[0] == '+' ? 1 : 0;
+  if (sign == 1 && text.size() > 1 && text[1] == '-') return {};
+  Number n;
+  const auto [end, error] = fast_float::from_chars(text.data() + sign, text.data() + text.size(), n.value);
+  if (error == std::errc()) n.length = static_cast<std::size_t>(end - text.data());
+  return n;
+}
+
+/// The decimal number in `text` times 10^power, rounded once.
+double shifted(std::string_view text, int power) {
+  if (text[0] == '+') text.remove_prefix(1);
+  const auto e = text.find_first_of("eE");
+  long exponent = 0;
+  if (e != std::string_view::npos) {
+    auto digits = text.substr(e + 1);
+    if (!digits.empty() && digits[0] == '+') digits.remove_prefix(1);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+    if (error != std::errc()) exponent = digits[0] == '-' ? -100000 : 100000;
+  }
+  const std::string moved = std::string(text.substr(0, e)) + 'e' + std::to_string(exponent + power);
+  return parse_number(moved).value;
+}
+
+/// x as text with its decimal point moved: x·10^power, shortest digits of x; optionally fewer digits.
+std::string decimal_text(double x, int power, int precision = -1) {
+  if (std::isnan(x)) return "nan";
+  if (std::isinf(x)) return x > 0.0 ? "inf" : "-inf";
+  std::array<char, 40> buffer{};
+  const auto made =
+      precision < 0
+          ? std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::scientific)
+          : std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::scientific, precision);
+  const std::string_view text(buffer.data(), static_cast<std::size_t>(made.ptr - buffer.data()));
+  const auto e = text.find('e');
+  int exponent = std::atoi(text.data() + e + 1);
+  std::string sign;
+  std::string digits;
+  for (const char c : text.substr(0, e)) {
+    if (c == '-') sign = "-";
+    if (is_digit(c)) digits += c;
+  }
+  digits.erase(digits.find_last_not_of('0') + 1);
+  if (digits.empty()) return sign + "0";
+  exponent += power;
+  const int n = static_cast<int>(digits.size());
+  if (exponent < -5 || exponent >= 16) {
+    if (n > 1) digits.insert(1, ".");
+    return sign + digits + 'e' + std::to_string(exponent);
+  }
+  if (exponent < 0) return sign + "0." + std::string(static_cast<std::size_t>(-exponent - 1), '0') + digits;
+  if (exponent + 1 >= n) return sign + digits + std::string(static_cast<std::size_t>(exponent + 1 - n), '0');
+  digits.insert(static_cast<std::size_t>(exponent) + 1, ".");
+  return sign + digits;
+}
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+std::string with_unit(std::string number, std::string_view unit) {
+  if (!unit.empty()) number.append(" ").append(unit);
+  return number;
+}
+
+/// An example of what could have been written, e.g. `"5 mm"`.
+std::string example(std::string_view number, const Quantity& q) {
+  return '"' + with_unit(std::string(number), q.shown.empty() ? q.unit : q.shown) + '"';
+}
+
+std::string_view or_one(std::string_view unit) { return unit.empty() ? std::string_view("1") : unit; }
+
+[[noreturn]] void fail_wrong_dimension(std::string_view got, std::string_view unit, const Quantity& q) {
+  const std::string wanted(or_one(q.shown.empty() ? q.unit : q.shown));
+  std::string message =
+      "got " + in_quotes(got) + ", expected " + (q.unit.empty() ? "a pure number" : "a unit like " + wanted);
+  if (unit.find("Hz") != std::string_view::npos && q.unit.find("/s") != std::string_view::npos) {
+    message += " (Hz counts whole periods; convert it to " + wanted + ")";
+  } else {
+    message += " (" + in_quotes(unit) + " is another kind of quantity)";
+  }
+  fail(std::move(message));
+}
+
+}  // namespace
+
+double Conversion::operator()(double x) const noexcept {
+  // A division by an exact power of ten is rounded once; a product with 1e-3 would be rounded twice.
+  if (decimal && power < 0) return x / std::pow(10.0, -power);
+  return x * factor;
+}
+
+Conversion conversion(std::string_view unit_text, std::string_view si_unit) {
+  const auto [verdict, found] = Units::instance().find(or_one(trimmed(unit_text)), or_one(si_unit));
+  if (verdict == Units::Verdict::kUnknownUnit) {
+    fail("got " + in_quotes(unit_text) + ", expected a unit like " + std::string(or_one(si_unit)) +
+         " (not a known unit)");
+  }
+  if (verdict == Units::Verdict::kWrongDimension)
+    fail_wrong_dimension(unit_text, unit_text, {si_unit, si_unit});
+  return found;
+}
+
+double unit_factor(std::string_view unit_text, std::string_view si_unit) {
+  return conversion(unit_text, si_unit).factor;
+}
+
+bool is_unit(std::string_view unit_text) { return Units::instance().known(unit_text); }
+
+double to_si(std::string_view text, const Quantity& expected) {
+  const std::string_view all = trimmed(text);
+  const Number number = parse_number(all);
+  if (number.length == 0) {
+    fail("got " + in_quotes(text) + ", expected a number" + (expected.unit.empty() ? "" : " with its unit") +
+         " (write it like " + example("5", expected) + ")");
+  }
+  const std::string_view digits = all.substr(0, number.length);
+  if (!std::isfinite(number.value)) fail("got " + in_quotes(text) + ", expected a finite number");
+  const std::string_view unit = trimmed(all.substr(number.length));
+  if (unit.empty() && !expected.unit.empty()) {
+    fail("got " + in_quotes(text) + ", expected a unit after the number (missing unit: write " +
+         example(digits, expected) + ")");
+  }
+  if (!unit.empty() && unit[0] == ',') {
+    fail("got " + in_quotes(text) + ", expected a decimal point (write 1.5, not 1,5)");
+  }
+  // "5 000 mm" or "5 10 mm": udunits2 would multiply. Only 1/… begins a unit with a digit.
+  const bool reciprocal = unit.size() > 1 && unit[0] == '1' && trimmed(unit.substr(1)).substr(0, 1) == "/";
+  if (!unit.empty() && !reciprocal &&
+      (is_digit(unit[0]) || unit[0] == '.' || unit[0] == '+' || unit[0] == '-')) {
+    fail("got " + in_quotes(text) + ", expected one number and its unit (write it like " +
+         example("5", expected) + ")");
+  }
+
+  const auto [verdict, found] = Units::instance().find(or_one(unit), or_one(expected.unit));
+  if (verdict == Units::Verdict::kUnknownUnit) {
+    fail("got " + in_quotes(text) + ", expected " +
+         (expected.unit.empty() ? "a pure number" : "a unit like ") +
+         std::string(expected.shown.empty() ? expected.unit : expected.shown) + " (" + in_quotes(unit) +
+         " is not a known unit)");
+  }
+  if (verdict == Units::Verdict::kWrongDimension) fail_wrong_dimension(text, unit, expected);
+  const double si = found.decimal ? shifted(digits, found.power) : number.value * found.factor;
+  if (!std::isfinite(si)) fail("got " + in_quotes(text) + ", expected a finite number");
+  check_range(si, expected, text);
+  return si;
+}
+
+void check_range(double si, const Quantity& expected, std::string_view got) {
+  if (std::isnan(si)) fail("got " + in_quotes(got) + ", expected a number");
+  if (!expected.permits(si)) fail("got " + in_quotes(got) + ", expected " + range_text(expected));
+}
+
+std::string from_si(double si, const Quantity& q) {
+  const std::string_view shown = q.shown.empty() ? q.unit : q.shown;
+  const auto [verdict, c] = Units::instance().find(or_one(shown), or_one(q.unit));
+  if (verdict != Units::Verdict::kGood) {
+    fail("unit " + in_quotes(shown) + " of the program does not convert to " + in_quotes(q.unit));
+  }
+  if (c.decimal) return with_unit(decimal_text(si, -c.power), shown);
+  if (!std::isfinite(si)) return with_unit(decimal_text(si, 0), shown);
+  // The shortest number whose product with the factor rounds to si; the neighbours, because a quotient is
+  // rounded too.
+  const double factor = c.factor;
+  const double near = si / factor;
+  const auto reads_back = [&](std::string_view text) {
+    return same_bits(parse_number(text).value * factor, si);
+  };
+  for (int precision = 0; precision < 17; ++precision) {
+    if (auto text = decimal_text(near, 0, precision); reads_back(text))
+      return with_unit(std::move(text), shown);
+  }
+  double below = near;
+  double above = near;
+  for (int k = 0; k < 4; ++k) {
+    below = std::nextafter(below, -INFINITY);
+    above = std::nextafter(above, INFINITY);
+    for (const double x : {below, above}) {
+      if (auto text = decimal_text(x, 0); reads_back(text)) return with_unit(std::move(text), shown);
+    }
+  }
+  return with_unit(decimal_text(si, 0), q.unit);
+}
+
+std::string range_text(const Quantity& q) {
+  const bool below = std::isfinite(q.min);
+  const bool above = std::isfinite(q.max);
+  std::string text;
+  if (below) text = (q.min_excluded ? "above " : above ? "" : "at least ") + from_si(q.min, q);
+  if (above && below) text += q.min_excluded ? ", at most " : " to ";
+  if (above && !below) text = "at most ";
+  if (above) text += from_si(q.max, q);
+  return text;
+}
+
+std::string number_text(double x) { return decimal_text(x, 0); }
+
+}  // namespace stribeck::io
