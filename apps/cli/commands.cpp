@@ -1,8 +1,8 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <apps/cli/commands.hpp>
 #include <cstdio>
 #include <exception>
-#include <fmt/format.h>
 #include <stribeck/ident/velocity_map.hpp>
 #include <stribeck/io/error.hpp>
 
@@ -24,7 +24,8 @@ void complain(std::string_view message) {
 }
 
 std::string shell_quoted(std::string_view word) {
-  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
   std::string out = "'";
   for (const char c : word) {
@@ -38,7 +39,8 @@ std::string shell_quoted(std::string_view word) {
 }
 
 int parse_and_run(int argc, const char* const* argv) {
-  CLI::App app{"Friction of machine-tool feed drives: identified from logs, shown on the contour, taken out."};
+  CLI::App app{
+      "Friction of machine-tool feed drives: identified from logs, shown on the contour, taken out."};
   app.name("stribeck");
   app.set_version_flag("--version", "stribeck " STRIBECK_VERSION);
   app.require_subcommand(1);
@@ -53,7 +55,8 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help and --version print to stdout
   } catch (const CLI::ParseError& e) {
-    complain(fmt::format("{} (stribeck --help lists the verbs, stribeck VERB --help their options)", e.what()));
+    complain(
+        fmt::format("{} (stribeck --help lists the verbs, stribeck VERB --help their options)", e.what()));
     return kBadInput;
   }
   return action();

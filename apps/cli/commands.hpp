@@ -1,7 +1,8 @@
 #pragma once
 /// The command `stribeck`: one file per verb, and what they share.
 ///
-/// Exit codes: 0 done; 1 the answer is "no"; 2 wrong usage or bad input, with a line `stribeck: FILE:LINE: what is wrong`.
+/// Exit codes: 0 done; 1 the answer is "no"; 2 wrong usage or bad input, with a line `stribeck: FILE:LINE:
+/// what is wrong`.
 
 #include <functional>
 #include <string>

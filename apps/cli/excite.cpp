@@ -45,17 +45,23 @@ int excite(const Options& o) {
 }  // namespace
 
 void add_excite(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("excite", "What to run on the machine so that a log of it tells friction and mass");
+  auto* verb =
+      app.add_subcommand("excite", "What to run on the machine so that a log of it tells friction and mass");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--method", o->method, "pulses (force, open loop), jog or sine (position, closed loop)")
       ->required()
       ->check(CLI::IsMember({"pulses", "jog", "sine"}));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
-  verb->add_option("-o,--output", o->output, "CSV to write: t, r or t, u, f")->required()->type_name("REF.csv");
-  verb->add_option("--periods", o->periods, "Periods of the sine")->check(CLI::Range(1, 10000))->capture_default_str();
+  verb->add_option("-o,--output", o->output, "CSV to write: t, r or t, u, f")
+      ->required()
+      ->type_name("REF.csv");
+  verb->add_option("--periods", o->periods, "Periods of the sine")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
   add_common(*verb, o->common);
-  verb->footer("Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");
+  verb->footer(
+      "Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");
   verb->callback([o, &action] { action = [o] { return excite(*o); }; });
 }
 

@@ -33,10 +33,17 @@ std::string method_of(const Options& o) {
 }
 
 void refuse_pair(const std::string& method, const std::string& model, const std::string& expected) {
-  refuse_option("--model", fmt::format("got {}, which --method {} cannot give (expected {})", model, method, expected));
+  refuse_option("--model",
+                fmt::format("got {}, which --method {} cannot give (expected {})", model, method, expected));
 }
 
-ident::Result identify_records(const Options& o, const std::vector<ident::Record>& records) {
+/// A result, and what a published protocol prints beside it.
+struct Identified {
+  ident::Result result;
+  std::optional<ident::IdimResult::Published> published;
+};
+
+Identified identify_records(const Options& o, const std::vector<ident::Record>& records) {
   const std::string method = method_of(o);
   if (method == "idim-ls" && records.size() > 1) {
     refuse_option("LOG", fmt::format("{} logs, but --method {} takes one", records.size(), method));
@@ -45,16 +52,51 @@ ident::Result identify_records(const Options& o, const std::vector<ident::Record
     if (o.model == "gaussian") refuse_pair(method, o.model, "auto, conventional or asymmetric");
     ident::IdimOptions options;
     options.by_direction = o.model == "asymmetric";
-    return ident::identify_idim_ls(records.front(), options).result;
+    ident::IdimResult idim = ident::identify_idim_ls(records.front(), options);
+    return {std::move(idim.result), std::move(idim.published)};
   }
   if (method == "least-squares") {
     if (o.model != "auto" && o.model != "conventional") refuse_pair(method, o.model, "auto or conventional");
-    return ident::identify_least_squares_a(records).result;
+    return {ident::identify_least_squares_a(records).result, {}};
   }
   if (o.model != "auto" && o.model != "gaussian") refuse_pair(method, o.model, "auto or gaussian");
   ident::VelocityMapOptions options;
   if (o.terms >= 0) options.terms = o.terms;
-  return ident::identify_velocity_map(records, options);
+  return {ident::identify_velocity_map(records, options), {}};
+}
+
+/// Names and SI units in the order of the law.
+std::vector<std::pair<std::string, std::string>> published_names(bool by_direction) {
+  if (by_direction) return {{"M", "kg"}, {"Fv+", "N s/m"}, {"Fc+", "N"}, {"Fv-", "N s/m"}, {"Fc-", "N"}};
+  return {{"M", "kg"}, {"Fv", "N s/m"}, {"Fc", "N"}, {"offset", "N"}};
+}
+
+nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, bool by_direction) {
+  nlohmann::ordered_json json;
+  const auto names = published_names(by_direction);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    json["parameters"].push_back(
+        {{"name", names[i].first}, {"value", p.value[i]}, {"sd", p.deviation[i]}, {"unit", names[i].second}});
+  }
+  json["error_norm_N"] = p.error_norm;
+  json["relative_error_percent"] = 100.0 * p.relative_error;
+  json["error_sd_N"] = p.error_deviation;
+  json["condition"] = p.condition;
+  return json;
+}
+
+/// The figures as papers print them; their deviations take the residuals for white.
+std::string published_text(const ident::IdimResult::Published& p, bool by_direction) {
+  std::string out = "\nAs the published protocol prints it (standard deviations for white residuals):\n";
+  const auto names = published_names(by_direction);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out += fmt::format("  {:<7}{:10.4f} ({:.4f}) {}\n", names[i].first, p.value[i], p.deviation[i],
+                       names[i].second);
+  }
+  return out +
+         fmt::format(
+             "  error: norm {:.4f} N, relative {:.4f} %, standard deviation {:.4f} N; condition {:.4f}\n",
+             p.error_norm, 100.0 * p.relative_error, p.error_deviation, p.condition);
 }
 
 int identify(const Options& o) {
@@ -69,21 +111,29 @@ int identify(const Options& o) {
     records.push_back(make_record(log, o.log));
     sources += (sources.empty() ? "" : ", ") + path;
   }
-  ident::Result result = identify_records(o, records);
+  Identified identified = identify_records(o, records);
+  ident::Result& result = identified.result;
   result.warnings.insert(result.warnings.begin(), notes.begin(), notes.end());
   const std::string axis = o.log.axis.empty() ? "axis" : o.log.axis;
   if (!o.output.empty()) {
     friction::AxisModel model;
     model.mass = result.mass;
     model.friction.steady = result.friction;
-    io::write_atomically(o.output, io::write_toml(model, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}).", axis,
-                                                                     result.model, sources, STRIBECK_VERSION, result.method)));
+    io::write_atomically(
+        o.output,
+        io::write_toml(model, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}).", axis,
+                                          result.model, sources, STRIBECK_VERSION, result.method)));
   }
-  write_json(o.common.json, report::to_json(result, axis));
+  auto json = report::to_json(result, axis);
+  if (identified.published)
+    json["published"] = published_json(*identified.published, o.model == "asymmetric");
+  write_json(o.common.json, json);
   if (!o.common.report.empty()) {
-    report::write_identify_report(o.common.report, {axis, {result}, sources, typed_command(), STRIBECK_VERSION});
+    report::write_identify_report(o.common.report,
+                                  {axis, {result}, sources, typed_command(), STRIBECK_VERSION});
   }
   say(o.common, report::text_table(result, axis));
+  if (identified.published) say(o.common, published_text(*identified.published, o.model == "asymmetric"));
   return 0;
 }
 
@@ -92,23 +142,33 @@ int identify(const Options& o) {
 void add_identify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("identify", "Mass and friction of an axis from logs, with 95 % intervals");
   auto o = std::make_shared<Options>();
-  verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")->required()->type_name("LOG");
-  verb->add_option("--axis", o->log.axis, "Name of the axis; a log of several axes has columns like x_NAME")->type_name("NAME");
-  verb->add_option("--model", o->model, "auto, gaussian, conventional, or asymmetric (idim-ls, friction by direction)")
+  verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")
+      ->required()
+      ->type_name("LOG");
+  verb->add_option("--axis", o->log.axis, "Name of the axis; a log of several axes has columns like x_NAME")
+      ->type_name("NAME");
+  verb->add_option("--model", o->model,
+                   "auto, gaussian, conventional, or asymmetric (idim-ls, friction by direction)")
       ->check(CLI::IsMember({"auto", "gaussian", "conventional", "asymmetric"}))
       ->capture_default_str();
   verb->add_option("--method", o->method,
-                   "auto, velocity-map (continuous velocity-friction map), least-squares (unbiased, from pulses), or idim-ls (the "
+                   "auto, velocity-map (continuous velocity-friction map), least-squares (unbiased, from "
+                   "pulses), or idim-ls (the "
                    "published EMPS protocol)")
       ->check(CLI::IsMember({"auto", "velocity-map", "least-squares", "idim-ls"}))
       ->capture_default_str();
-  verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")->check(CLI::Range(0, 6));
-  verb->add_option("--map", o->log.maps, "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
+  verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")
+      ->check(CLI::Range(0, 6));
+  verb->add_option("--map", o->log.maps,
+                   "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
       ->type_name("MAP");
-  verb->add_option("--gain", o->log.gain, "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"")->type_name("GAIN");
+  verb->add_option("--gain", o->log.gain,
+                   "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"")
+      ->type_name("GAIN");
   verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");
   add_common(*verb, o->common);
-  verb->footer("Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report");
+  verb->footer(
+      "Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report");
   verb->callback([o, &action] { action = [o] { return identify(*o); }; });
 }
 

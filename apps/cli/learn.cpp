@@ -5,9 +5,11 @@
 
 namespace stribeck::cli {
 
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods) {
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                         int periods) {
   const sim::MachineAxis& a = machine.axes[axis].second;
-  const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration, a.force_limit()};
+  const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration,
+                             a.force_limit()};
   const sim::Commissioning& c = a.commissioning;
   if (method == "pulses") {
     ident::PulseDesign pulses;
@@ -49,7 +51,12 @@ io::Log as_log(const sim::Recording& recording) {
 }
 
 ident::Record as_record(const sim::Recording& recording, const std::string& source) {
-  return {source, recording.period, recording.t, recording.r, recording.x, recording.f,
+  return {source,
+          recording.period,
+          recording.t,
+          recording.r,
+          recording.x,
+          recording.f,
           recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed};
 }
 

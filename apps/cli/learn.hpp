@@ -1,6 +1,7 @@
 #pragma once
-/// The whole way from an unknown axis of a virtual machine to the models its compensators use: excite, record, identify.
-/// Nothing but the commissioning data of the machine file and the logs goes into the models.
+/// The whole way from an unknown axis of a virtual machine to the models its compensators use: excite,
+/// record, identify. Nothing but the commissioning data of the machine file and the logs goes into the
+/// models.
 
 #include <cstdint>
 #include <stribeck/ident/excitation.hpp>
@@ -23,7 +24,8 @@ struct Learned {
 /// Periods of the sine that the main job records.
 inline constexpr int kSinePeriods = 8;
 
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods);
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                         int periods);
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);

@@ -1,9 +1,9 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
 #include <array>
 #include <cctype>
-#include <fmt/format.h>
 #include <optional>
 #include <stribeck/io/units.hpp>
 
@@ -20,7 +20,9 @@ struct Known {
 const std::vector<Known>& known_quantities() {
   static const std::vector<Known> all{
       {"t", quantity("s", "s"), {"t", "time", "zeit"}},
-      {"r", quantity("m", "mm"), {"r", "ref", "reference", "q_ref", "x_ref", "pos_ref", "position_ref", "x_cmd", "pos_cmd"}},
+      {"r",
+       quantity("m", "mm"),
+       {"r", "ref", "reference", "q_ref", "x_ref", "pos_ref", "position_ref", "x_cmd", "pos_cmd"}},
       {"x", quantity("m", "mm"), {"x", "q", "pos", "position", "pos_act", "position_act", "x_act", "q_act"}},
       {"force", quantity("N", "N"), {"f", "force", "kraft"}},
       {"torque", quantity("N m", "N m"), {"torque", "moment", "drehmoment"}},
@@ -54,7 +56,8 @@ struct Map {
 Map parse_map(const std::string& text, const io::Log& log) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals + 1 == text.size()) {
-    refuse_option("--map", fmt::format("got {}, expected quantity=\"column unit\", e.g. x=\"Istposition mm\"", io::in_quotes(text)));
+    refuse_option("--map", fmt::format("got {}, expected quantity=\"column unit\", e.g. x=\"Istposition mm\"",
+                                       io::in_quotes(text)));
   }
   Map map{&known(text.substr(0, equals)), nullptr, {}};
   const std::string rest = text.substr(equals + 1);
@@ -85,6 +88,17 @@ const io::Column* find_by_name(const io::Log& log, const Known& quantity, const 
   return nullptr;
 }
 
+/// The column in SI; errors name the file.
+std::vector<double> values_in_si(const io::Log& log, const io::Column& column, const Quantity& quantity) {
+  try {
+    return io::in_si(column, quantity);
+  } catch (const io::InputError& e) {
+    io::Problem problem = e.problems().front();
+    problem.file = log.source;
+    throw io::InputError(problem);
+  }
+}
+
 std::string column_names(const io::Log& log) {
   std::string names;
   for (const io::Column& c : log.columns) names += (names.empty() ? "" : ", ") + io::in_quotes(c.header);
@@ -103,18 +117,19 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
       if (m.quantity != &k) continue;
       io::Column copy = *m.column;
       if (!m.unit.empty()) copy.unit_text = m.unit;
-      return io::in_si(copy, k.quantity);
+      return values_in_si(log, copy, k.quantity);
     }
     const io::Column* c = find_by_name(log, k, options.axis);
     if (c == nullptr) return std::nullopt;
-    return io::in_si(*c, k.quantity);
+    return values_in_si(log, *c, k.quantity);
   };
   const auto need = [&](std::string_view name, std::string_view what) {
     auto values = find(name);
     if (!values) {
-      throw io::InputError({log.source, 0, std::string(name),
-                            fmt::format("no column for {}; the log has {} (name it with --map {}=\"COLUMN UNIT\")", what,
-                                        column_names(log), name)});
+      throw io::InputError(
+          {log.source, 0, std::string(name),
+           fmt::format("no column for {}; the log has {} (name it with --map {}=\"COLUMN UNIT\")", what,
+                       column_names(log), name)});
     }
     return std::move(*values);
   };
@@ -137,9 +152,10 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
       auto values = find(s.name);
       if (!values) continue;
       if (options.gain.empty()) {
-        throw io::InputError({log.source, 0, std::string(s.name),
-                              fmt::format("the force stands as {}; say how much force that is (--gain \"1048 {}\")", s.name,
-                                          s.gain.shown)});
+        throw io::InputError(
+            {log.source, 0, std::string(s.name),
+             fmt::format("the force stands as {}; say how much force that is (--gain \"1048 {}\")", s.name,
+                         s.gain.shown)});
       }
       const double gain = option_si("--gain", options.gain, s.gain);
       for (double& v : *values) v *= gain;
@@ -151,9 +167,10 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
   const io::TimeCheck time = io::check_time(record.t, log.source, "t");
   record.sample_time = (record.t.back() - record.t.front()) / static_cast<double>(record.t.size() - 1);
   if (!time.gaps.empty()) {
-    throw io::InputError({log.source, 0, "t",
-                          fmt::format("a gap of {:.4g} s before row {} (cut the log there and give both parts)",
-                                      time.gaps.front().duration, time.gaps.front().row)});
+    throw io::InputError(
+        {log.source, 0, "t",
+         fmt::format("a gap of {:.4g} s before row {} (cut the log there and give both parts)",
+                     time.gaps.front().duration, time.gaps.front().row)});
   }
   std::vector<io::Problem> found;
   for (std::string& text : ident::problems(record)) {

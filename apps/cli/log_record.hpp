@@ -1,6 +1,6 @@
 #pragma once
-/// From the columns of a log to a record for identification: which column is what, in which unit, and how a voltage,
-/// current, torque or percentage becomes a force.
+/// From the columns of a log to a record for identification: which column is what, in which unit, and how a
+/// voltage, current, torque or percentage becomes a force.
 
 #include <stribeck/ident/record.hpp>
 #include <stribeck/io/log.hpp>

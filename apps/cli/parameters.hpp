@@ -23,7 +23,7 @@ struct Parameters {
   std::vector<Learned> learned;               ///< per axis; empty unless identified
   std::string words;                          ///< where they come from
 };
-Parameters get_parameters(const sim::Machine& machine, const std::string& path, const ParameterOptions& options,
-                          std::uint64_t seed);
+Parameters get_parameters(const sim::Machine& machine, const std::string& path,
+                          const ParameterOptions& options, std::uint64_t seed);
 
 }  // namespace stribeck::cli

@@ -1,3 +1,4 @@
+#include <unistd.h>
 #include <apps/cli/shared.hpp>
 #include <cerrno>
 #include <cstring>
@@ -5,18 +6,21 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
-#include <unistd.h>
 
 namespace stribeck::cli {
 
 void add_common(CLI::App& verb, Common& common) {
   verb.add_option("--json", common.json, "Write the result for programs to this file")->type_name("FILE");
-  verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")->type_name("DIR");
+  verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
+      ->type_name("DIR");
   verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
 }
 
 Progress::Progress(std::string what, bool quiet)
-    : what_(std::move(what)), enabled_(!quiet && isatty(STDERR_FILENO) == 1), begin_(std::chrono::steady_clock::now()), last_(begin_) {}
+    : what_(std::move(what)),
+      enabled_(!quiet && isatty(STDERR_FILENO) == 1),
+      begin_(std::chrono::steady_clock::now()),
+      last_(begin_) {}
 
 Progress::~Progress() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
@@ -31,7 +35,8 @@ void Progress::operator()(std::size_t done, std::size_t all) {
   drawn_ = true;
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = all > 0 ? kWidth * done / all : 0;
-  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'), done, all);
+  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'),
+             done, all);
   std::fflush(stderr);
 }
 
@@ -47,7 +52,8 @@ std::size_t axis_index(const sim::Machine& machine, const std::string& path, con
     if (machine.axes[i].first == axis) return i;
     names += (names.empty() ? "" : ", ") + machine.axes[i].first;
   }
-  throw io::InputError({path, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
+  throw io::InputError(
+      {path, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
 }
 
 double option_si(const std::string& option, const std::string& text, const Quantity& quantity) {
@@ -72,7 +78,11 @@ void check_writable(const std::string& path) {
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   if (!fs::is_directory(folder, ignored)) {
-    throw io::InputError({path, 0, {}, fmt::format("cannot be written: no folder {} (make it first)", io::in_quotes(folder.string()))});
+    throw io::InputError(
+        {path,
+         0,
+         {},
+         fmt::format("cannot be written: no folder {} (make it first)", io::in_quotes(folder.string()))});
   }
   if (access(folder.c_str(), W_OK) != 0) {
     throw io::InputError({path, 0, {}, fmt::format("cannot be written: {}", std::strerror(errno))});

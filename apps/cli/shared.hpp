@@ -52,7 +52,8 @@ double option_si(const std::string& option, const std::string& text, const Quant
 /// Something is wrong with an option.
 [[noreturn]] void refuse_option(const std::string& option, const std::string& message);
 
-/// Fails early when a result could not be written at the end: checks the folder of every path that is not empty.
+/// Fails early when a result could not be written at the end: checks the folder of every path that is not
+/// empty.
 void check_writable(const std::string& path);
 void check_outputs(const Common& common);
 

@@ -1,5 +1,6 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/parameters.hpp>
+#include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <nlohmann/json.hpp>
 #include <stribeck/report/json.hpp>
@@ -14,12 +15,8 @@ struct Options {
   std::uint64_t seed = 1;
   // along a path
   std::string controller = "f";
-  std::string path;
-  std::string size = "10 mm";
+  PathOptions path;
   std::string speed = "9.5 mm/s";
-  double laps = 2.0;
-  std::string omega_t = "40 rad/s";
-  std::string omega_n = "40 rad/s";
   std::uint32_t trial = 0;
   ParameterOptions parameters;
   // one axis along a reference
@@ -40,9 +37,10 @@ int play_reference(const Options& o, const sim::Machine& machine) {
   const io::TimeCheck time = io::check_time(t, o.reference);
   const double period = machine.sample_time;
   if (!time.regular() || std::abs(time.sample_time - period) > 1e-6 * period) {
-    throw io::InputError({o.reference, 0, "t",
-                          fmt::format("steps of {:.6g} ms, expected the control period of the machine, {:.6g} ms, throughout",
-                                      time.sample_time * 1e3, period * 1e3)});
+    throw io::InputError(
+        {o.reference, 0, "t",
+         fmt::format("steps of {:.6g} ms, expected the control period of the machine, {:.6g} ms, throughout",
+                     time.sample_time * 1e3, period * 1e3)});
   }
   const std::vector<double> r = column("r", quantity("m", "mm"));
   std::vector<double> f = column("f", quantity("N", "N"));
@@ -51,14 +49,18 @@ int play_reference(const Options& o, const sim::Machine& machine) {
     for (double& v : f) v *= machine.axes[axis].second.plant.force_gain();
   }
   if (r.empty() && f.empty()) {
-    throw io::InputError({o.reference, 0, {}, "neither r (closed loop) nor f or u (open loop) among the columns (write one with excite)"});
+    throw io::InputError(
+        {o.reference,
+         0,
+         {},
+         "neither r (closed loop) nor f or u (open loop) among the columns (write one with excite)"});
   }
   const auto& limits = machine.axes[axis].second.limits;
   for (std::size_t k = 0; k < r.size(); ++k) {
     if (r[k] < limits.travel_min || r[k] > limits.travel_max) {
       throw io::InputError({o.reference, 0, "r",
-                            fmt::format("row {}: {:.6g} mm is outside the travel, {:.6g} to {:.6g} mm", k + 1, r[k] * 1e3,
-                                        limits.travel_min * 1e3, limits.travel_max * 1e3)});
+                            fmt::format("row {}: {:.6g} mm is outside the travel, {:.6g} to {:.6g} mm", k + 1,
+                                        r[k] * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3)});
     }
   }
   const sim::Recording recording = play(machine, axis, r, r.empty() ? f : std::vector<double>{}, o.seed);
@@ -71,7 +73,8 @@ int play_reference(const Options& o, const sim::Machine& machine) {
                              {"seed", o.seed},
                              {"rows", log.rows},
                              {"duration_s", recording.t.back()}});
-  say(o.common, fmt::format("{} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
+  say(o.common,
+      fmt::format("{} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
   return 0;
 }
 
@@ -100,18 +103,9 @@ io::Log as_log(const sim::Machine& machine, const std::vector<sim::ContourSample
 }
 
 int run_path(const Options& o, const sim::Machine& machine) {
-  if (machine.axes.size() != 2) {
-    throw io::InputError({o.machine, 0, "axes", fmt::format("the machine has {} axes, a plane path needs two", machine.axes.size())});
-  }
-  sim::CompareSpec spec;
-  for (const auto& [shape, name] : EnumNames<path::Shape>::names) {
-    if (name == o.path) spec.curve.shape = shape;
-  }
-  spec.curve.size = option_si("--size", o.size, quantity("m", "mm").positive());
+  sim::CompareSpec spec = make_spec(o.path);
   spec.speeds = {option_si("--speed", o.speed, quantity("m/s", "mm/s").positive())};
-  spec.laps = o.laps;
-  spec.omega_t = option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive());
-  spec.omega_n = option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive());
+  check_travel(machine, o.machine, spec);
   sim::ControllerSpec controller;
   for (const sim::ControllerSpec& c : sim::biaxial_controllers()) {
     if (c.id == o.controller) controller = c;
@@ -121,36 +115,33 @@ int run_path(const Options& o, const sim::Machine& machine) {
   const sim::Travel travel{spec.curve, spec.speeds[0], spec.laps, spec.run_in};
   const auto reference = sim::sample_reference(travel, machine.sample_time);
   sim::Table2 table(machine, 1.05 * travel.speed);
-  const int substeps = sim::choose_substeps(table, law, travel, reference, machine.sample_time, spec.accuracy);
+  const int substeps =
+      sim::choose_substeps(table, law, travel, reference, machine.sample_time, spec.accuracy);
   std::vector<sim::ContourSample> trace;
   const sim::Metrics m = table.run(law, travel, reference, {substeps, true, true}, o.seed, o.trial, &trace);
   io::Log log = as_log(machine, trace);
-  log.metadata = {{"machine", machine.name}, {"controller", controller.id + ", " + controller.label},
-                  {"path", o.path + ", " + o.size + ", " + o.speed}, {"seed", std::to_string(o.seed)}};
+  log.metadata = {{"machine", machine.name},
+                  {"controller", controller.id + ", " + controller.label},
+                  {"path", o.path.path + ", " + o.path.size + ", " + o.speed},
+                  {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
   sim::CompareResult one{machine.name, spec, machine.sample_time, {}, {}};
   one.spec.trials = 1;
   one.spec.seed = o.seed;
-  sim::CompareRow row{controller, travel.speed, m, {}, {}, {}, substeps};
-  row.spread.max_contour_error = row.spread.quadrant_glitch = row.spread.rms = row.spread.sd = row.spread.mean_abs =
-      row.spread.mean_abs_ui = row.spread.input_variation = std::nan("");
-  row.spread.mean_abs_tracking = {std::nan(""), std::nan("")};
-  one.rows.push_back(row);
+  one.rows.push_back({controller, travel.speed, m, sim::Metrics::unknown(), {}, {}, substeps});
   auto json = report::to_json(one);
   json["schema"] = "stribeck.simulate/1";
   write_json(o.common.json, json);
-  say(o.common, fmt::format("Controller {} ({}) on {} at {}: contour error max {:.2f} um, RMS {:.3f} um. Trace in {} ({} rows).\n",
-                            controller.id, controller.label, o.path, o.speed, m.max_contour_error * 1e6, m.rms * 1e6, o.output,
-                            log.rows));
+  say(o.common, fmt::format("Controller {} ({}) on {} at {}: contour error max {:.2f} um, RMS {:.3f} um. "
+                            "Trace in {} ({} rows).\n",
+                            controller.id, controller.label, o.path.path, o.speed, m.max_contour_error * 1e6,
+                            m.rms * 1e6, o.output, log.rows));
   return 0;
 }
 
 int simulate(const Options& o) {
   check_outputs(o.common);
   check_writable(o.output);
-  if (o.path.empty() == o.reference.empty()) {
-    refuse_option("--path", "expected either --path (a contour) or --reference with --axis (one axis)");
-  }
   const sim::Machine machine = load_machine(o.machine);
   return o.reference.empty() ? run_path(o, machine) : play_reference(o, machine);
 }
@@ -158,28 +149,31 @@ int simulate(const Options& o) {
 }  // namespace
 
 void add_simulate(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("simulate", "One run of a virtual machine, along a path or along a reference of excite");
+  auto* verb = app.add_subcommand(
+      "simulate", "One run of a virtual machine, along a path or along a reference of excite");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   verb->add_option("--seed", o->seed, "Seed of the noise")->capture_default_str();
-  verb->add_option("--path", o->path, "circle, eight or trifolium")->check(CLI::IsMember({"circle", "eight", "trifolium"}));
   verb->add_option("--controller", o->controller, "a to f, as in compare")
       ->check(CLI::IsMember({"a", "b", "c", "d", "e", "f"}))
       ->capture_default_str();
-  verb->add_option("--size", o->size, "Radius of the circle, half width of the others")->type_name("LENGTH")->capture_default_str();
   verb->add_option("--speed", o->speed, "Speed along the path")->type_name("SPEED")->capture_default_str();
-  verb->add_option("--laps", o->laps, "Laps at constant speed")->check(CLI::Range(0.25, 1000.0))->capture_default_str();
-  verb->add_option("--omega-t", o->omega_t, "Double pole of the loop along the path")->type_name("RATE")->capture_default_str();
-  verb->add_option("--omega-n", o->omega_n, "Double pole of the loop across the path")->type_name("RATE")->capture_default_str();
-  verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")->capture_default_str();
+  add_path_options(*verb, o->path);
+  verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")
+      ->capture_default_str();
   add_parameter_options(*verb, o->parameters);
-  verb->add_option("--reference", o->reference, "CSV that excite wrote: r for closed loop, u or f for open loop")->type_name("REF.csv");
+  verb->add_option("--reference", o->reference,
+                   "CSV that excite wrote, played on one axis instead of a path: r for closed loop, u or f "
+                   "for open loop")
+      ->type_name("REF.csv");
   verb->add_option("--axis", o->axis, "Axis that the reference is for")->type_name("NAME");
   add_common(*verb, o->common);
   verb->footer(
-      "Examples:\n  stribeck simulate machines/biaxial-table.toml --reference x-sine.csv --axis x -o x-sine-log.csv\n"
-      "  stribeck simulate machines/biaxial-table.toml --controller f --path eight --parameters thesis -o trace.csv");
+      "Examples:\n  stribeck simulate machines/biaxial-table.toml --reference x-sine.csv --axis x -o "
+      "x-sine-log.csv\n"
+      "  stribeck simulate machines/biaxial-table.toml --controller f --path eight --parameters thesis -o "
+      "trace.csv");
   verb->callback([o, &action] { action = [o] { return simulate(*o); }; });
 }
 

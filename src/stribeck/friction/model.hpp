@@ -16,6 +16,16 @@ namespace stribeck::friction {
 
 inline constexpr std::size_t kMaxEccentricTerms = 4;
 
+/// A map's own approximation around v, or the map.
+template <class Map, class T>
+decltype(auto) near_or_itself(const Map& map, const T& v) noexcept {
+  if constexpr (requires { map.near(v); }) {
+    return map.near(v);
+  } else {
+    return (map);
+  }
+}
+
 /// Eccentric terms over a base map: again a steady map.
 template <class Map, Real T = double>
 struct Composed {
@@ -27,6 +37,19 @@ struct Composed {
     for (const auto& term : eccentric) term.add_to(p, x);
     return p;
   }
+
+  /// The same around v, where the base knows a cheaper way (table.hpp).
+  struct Near {
+    const Composed* whole;
+    decltype(near_or_itself(std::declval<const Map&>(), std::declval<const T&>())) base;
+
+    [[nodiscard]] SteadyParts<T> parts(const T& v, const T& x) const noexcept {
+      SteadyParts<T> p = base.parts(v, x);
+      for (const auto& term : whole->eccentric) term.add_to(p, x);
+      return p;
+    }
+  };
+  [[nodiscard]] Near near(const T& v) const noexcept { return {this, near_or_itself(base, v)}; }
 };
 
 /// No dynamics: friction is its steady state at once.

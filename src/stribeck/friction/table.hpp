@@ -10,6 +10,9 @@
 /// map at four points of its cell: for Table 2.3 the largest deviation is below 1e-4 N (test), which moves an
 /// axis of 57 N·s²/mm by picometres.
 ///
+/// near(v) hands out the cubic of one cell, for the stages of a small step that stay close to v: finding the
+/// cell costs as much as the cubic.
+///
 /// Written for double only: a pack would have to gather.
 /// Not modelled: viscous parts that are not proportional to v; additive parts of the base map.
 /// Real time: safe; build() configure only.
@@ -34,6 +37,7 @@ class Table {
     for (const int side : {0, 1}) {
       const double direction = side == 0 ? 1.0 : -1.0;
       t.viscous_[side] = map.parts(direction * v_max, 0.0).viscous / (direction * v_max);
+      t.border_[side] = {map.parts(direction * v_max, 0.0).level, 0.0, 0.0, 0.0};
       for (int k = 0; k < kCells; ++k) {
         const double left = edge(k);
         const double width = edge(k + 1) - left;
@@ -51,16 +55,45 @@ class Table {
     return t;
   }
 
-  [[nodiscard]] SteadyParts<double> parts(double v, double) const noexcept {
+  /// The cubic of the cell that holds v. Good for |v'| within a cell's width of it, |v|/64: it goes on
+  /// smoothly.
+  class Near {
+   public:
+    [[nodiscard]] SteadyParts<double> parts(double v, double) const noexcept {
+      const double d = abs(v) * scale_ - left_;
+      const auto& c = *cell_;
+      return {(c[0] + d * c[1]) + d * d * (c[2] + d * c[3]), viscous_ * v, 0.0};
+    }
+
+   private:
+    friend class Table;
+    const std::array<double, 4>* cell_ = nullptr;
+    double left_ = 0.0;
+    double scale_ = 1.0;
+    double viscous_ = 0.0;
+  };
+  [[nodiscard]] Near near(double v) const noexcept {
     const int side = v < 0.0 ? 1 : 0;
-    const double u = min_of(abs(v) * scale_, kHighest);
+    const double u = abs(v) * scale_;
+    Near n;
+    n.viscous_ = viscous_[side];
+    if (u >= kHighest) {  // the border is held: a cell that is read at its own end only
+      n.cell_ = &border_[side];
+      n.scale_ = 0.0;
+      return n;
+    }
+    n.scale_ = scale_;
+    if (u < kLowest) {
+      n.cell_ = &cells_[side][0];
+      return n;
+    }
     const auto bits = std::bit_cast<std::uint64_t>(u);
-    const bool lowest = u < kLowest;
-    const auto k = lowest ? 0 : static_cast<std::size_t>((bits >> kShift) - kFirst + 1);
-    const double d = u - (lowest ? 0.0 : std::bit_cast<double>(bits >> kShift << kShift));
-    const auto& c = cells_[side][k];
-    return {(c[0] + d * c[1]) + d * d * (c[2] + d * c[3]), viscous_[side] * v, 0.0};
+    n.cell_ = &cells_[side][(bits >> kShift) - kFirst + 1];
+    n.left_ = std::bit_cast<double>(bits >> kShift << kShift);
+    return n;
   }
+
+  [[nodiscard]] SteadyParts<double> parts(double v, double x) const noexcept { return near(v).parts(v, x); }
 
  private:
   static constexpr int kCells = kOctaves * kCellsPerOctave + 1;
@@ -75,6 +108,7 @@ class Table {
   }
 
   std::array<std::array<std::array<double, 4>, kCells>, 2> cells_{};
+  std::array<std::array<double, 4>, 2> border_{};  ///< constants
   std::array<double, 2> viscous_{};
   double scale_ = 1.0;
 };

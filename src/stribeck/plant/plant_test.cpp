@@ -102,6 +102,7 @@ TEST(Axis, GmsBreaksAwayAndSlidesOnTheSameCurve) {
   for (const double k : {1.6e8, 0.8e8, 0.4e8, 0.2e8}) law.elements.push_back({k, 0.25});
   law.attraction = 1e5;
   law.damping_coefficient = 600e3;
+  law.damping_velocity = 0.05e-3;
   p.friction.dynamics = law;
   Axis axis(p, kPeriod, 9.5e-3);
   axis.start(0.0, kExact, {});

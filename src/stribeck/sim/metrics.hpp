@@ -27,6 +27,12 @@ struct Metrics {
   std::array<double, 2> mean_abs_tracking{};  ///< [m]
   double mean_abs_ui = 0.0;                   ///< [W]; NaN when the current is not known
   double input_variation = 0.0;               ///< [V]
+
+  /// Every figure NaN: not known.
+  static Metrics unknown() noexcept {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone, kNone, kNone, kNone, {kNone, kNone}, kNone, kNone};
+  }
 };
 
 /// Marks the samples that lie within the first travel after a reversal of an axis.

@@ -1,0 +1,33 @@
+#pragma once
+/// Options of a run along a path, the same for every verb that has them.
+
+#include <stribeck/sim/compare.hpp>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace stribeck::cli {
+
+struct PathOptions {
+  std::string path = "circle";
+  std::string size = "10 mm";
+  double laps = 2.0;
+  std::string omega_t = "40 rad/s";
+  std::string omega_n = "40 rad/s";
+  std::string observer_pole = "20 1/s";
+  std::string accuracy = "1 nm";
+  std::string error_rate = "difference-of-error";
+
+  friend bool operator==(const PathOptions&, const PathOptions&) = default;
+};
+void add_path_options(CLI::App& verb, PathOptions& options);
+
+/// A spec of everything but speeds, controllers and trials.
+sim::CompareSpec make_spec(const PathOptions& options);
+
+/// Refuses a path that the machine cannot travel: number of axes, travel, speed.
+void check_travel(const sim::Machine& machine, const std::string& machine_file, const sim::CompareSpec& spec);
+
+}  // namespace stribeck::cli

@@ -1,0 +1,180 @@
+/// Bad input gets one clear line, exit code 2, and leaves nothing behind.
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace stribeck::test {
+namespace {
+
+/// The line must name the place and hold every part given.
+void expect_refused(const Said& said, const std::vector<std::string>& parts) {
+  EXPECT_EQ(said.code, 2) << said.out << said.err;
+  EXPECT_EQ(said.err.rfind("stribeck: ", 0), 0U) << said.err;
+  EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+  for (const auto& part : parts)
+    EXPECT_NE(said.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << said.err;
+  EXPECT_EQ(said.out, "");
+}
+
+class BadMachine : public testing::Test {
+ protected:
+  /// The V2 file with one text replaced, once.
+  Said changed(const std::string& from, const std::string& to) {
+    std::string text = text_of(kMachine);
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const Said said = command({"compare", folder.write("m.toml", text), "--json", folder / "out.json"});
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.json"));
+    return said;
+  }
+  Folder folder;
+};
+
+TEST_F(BadMachine, UnknownKey) {
+  expect_refused(changed("sample_time = \"5 ms\"", "sample_time = \"5 ms\"\nsampletime = \"5 ms\""),
+                 {"m.toml:", "sampletime", "sample_time"});
+}
+TEST_F(BadMachine, WrongDimension) {
+  expect_refused(changed("mass = \"57.65 N s2/mm\"", "mass = \"57.65 mm\""),
+                 {"m.toml:", "axes.x.plant.mass", "57.65 mm", "N s2/mm"});
+}
+TEST_F(BadMachine, MissingUnit) {
+  expect_refused(changed("resolution = \"25 nm\"", "resolution = 25"),
+                 {"m.toml:", "axes.x.plant.encoder.resolution", "unit", "nm"});
+  expect_refused(changed("resolution = \"25 nm\"", "resolution = \"25\""),
+                 {"m.toml:", "axes.x.plant.encoder.resolution", "unit", "nm"});
+}
+TEST_F(BadMachine, NegativeMass) {
+  expect_refused(changed("mass = \"57.65 N s2/mm\"", "mass = \"-57.65 N s2/mm\""),
+                 {"m.toml:", "axes.x.plant.mass", "-57.65", "0"});
+}
+TEST_F(BadMachine, SampleTimeZero) {
+  expect_refused(changed("sample_time = \"5 ms\"", "sample_time = \"0 ms\""),
+                 {"m.toml:", "sample_time", "0"});
+}
+TEST_F(BadMachine, NotFinite) {
+  expect_refused(changed("eta0 = \"768.6 N\"", "eta0 = \"nan N\""), {"m.toml:", "eta0", "nan"});
+  expect_refused(changed("bits = 16", "bits = 1e99"), {"m.toml:", "bits"});
+}
+TEST_F(BadMachine, BrokenToml) { expect_refused(changed("[axes.x.plant]", "[axes.x.plant"), {"m.toml:"}); }
+TEST_F(BadMachine, FrictionWithoutDynamics) {
+  expect_refused(changed("[axes.x.plant.friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"3e5 N/mm\"\nsigma1 "
+                         "= \"600 N s/mm\"\n"
+                         "damping_velocity = \"0.05 mm/s\"",
+                         ""),
+                 {"m.toml:", "axes.x.plant", "lugre"});
+}
+TEST_F(BadMachine, DirectoryMissingEmpty) {
+  expect_refused(command({"compare", folder / "."}), {"directory"});
+  expect_refused(command({"compare", folder / "no.toml"}), {"no.toml"});
+  const Said empty = command({"compare", folder.write("empty.toml", "")});
+  EXPECT_EQ(empty.code, 2);
+  EXPECT_NE(empty.err.find("empty.toml"), std::string::npos);
+}
+
+class BadLog : public testing::Test {
+ protected:
+  /// A log that would be good, but for what `spoil` does to its lines.
+  template <class Spoil>
+  Said with(Spoil&& spoil, std::vector<std::string> more = {}) {
+    std::vector<std::string> lines{"t [s],x [mm],f [N]"};
+    for (int k = 0; k < 3000; ++k) {
+      std::ostringstream row;
+      row.precision(12);
+      row << 0.005 * k << ',' << 5 * std::sin(0.002 * k) << ','
+          << (std::cos(0.002 * k) > 0 ? 100 : -100) + 0.01 * (k % 7);
+      lines.push_back(row.str());
+    }
+    spoil(lines);
+    std::string text;
+    for (const auto& l : lines) text += l + '\n';
+    std::vector<std::string> words{"identify", folder.write("log.csv", text), "-o", folder / "axis.toml"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Said said = command(words);
+    EXPECT_FALSE(std::filesystem::exists(folder / "axis.toml"));
+    return said;
+  }
+  Folder folder;
+};
+
+using Lines = std::vector<std::string>;
+
+TEST_F(BadLog, MissingColumn) {
+  expect_refused(with([](Lines& l) { l[0] = "t [s],y [mm],f [N]"; }), {"log.csv", "x", "y [mm]", "--map"});
+}
+TEST_F(BadLog, MissingUnit) {
+  expect_refused(with([](Lines& l) { l[0] = "t [s],x,f [N]"; }), {"log.csv", "x", "unit"});
+}
+TEST_F(BadLog, WrongDimension) {
+  expect_refused(with([](Lines& l) { l[0] = "t [s],x [kg],f [N]"; }), {"log.csv", "x", "kg"});
+}
+TEST_F(BadLog, TextInANumber) {
+  expect_refused(with([](Lines& l) { l[42] = "0.205,abc,100"; }), {"log.csv:43", "abc", "x"});
+}
+TEST_F(BadLog, NaN) {
+  expect_refused(with([](Lines& l) { l[42] = "0.205,nan,100"; }), {"log.csv:43", "x"});
+}
+TEST_F(BadLog, Empty) {
+  expect_refused(with([](Lines& l) { l.clear(); }), {"log.csv", "empty"});
+}
+TEST_F(BadLog, OneRow) {
+  expect_refused(with([](Lines& l) { l.resize(2); }), {"log.csv", "row"});
+}
+TEST_F(BadLog, TimeThatDoesNotIncrease) {
+  expect_refused(with([](Lines& l) { std::swap(l[10], l[11]); }), {"log.csv", "t", "row"});
+}
+TEST_F(BadLog, Gap) {
+  expect_refused(with([](Lines& l) { l.erase(l.begin() + 50, l.begin() + 90); }), {"log.csv", "gap", "row"});
+}
+TEST_F(BadLog, Directory) { expect_refused(command({"identify", folder / "."}), {"directory"}); }
+TEST_F(BadLog, VoltageWithoutGain) {
+  expect_refused(with([](Lines& l) { l[0] = "t [s],x [mm],u [V]"; }), {"voltage", "--gain"});
+  expect_refused(with([](Lines& l) { l[0] = "t [s],x [mm],u [V]"; }, {"--gain", "1048 N"}),
+                 {"--gain", "1048 N"});
+}
+TEST_F(BadLog, AxisThatStandsStill) {
+  // Nothing to identify: the answer is no, not a crash.
+  const Said said = with([](Lines& l) {
+    for (std::size_t k = 1; k < l.size(); ++k)
+      l[k] = std::to_string(0.005 * static_cast<double>(k)) + ",1,100";
+  });
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+}
+
+TEST(BadUsage, IsOneLineAndTwo) {
+  Folder folder;
+  expect_refused(command({}), {"--help"});
+  expect_refused(command({"compar"}), {"--help"});
+  expect_refused(command({"compare"}), {"machine"});
+  expect_refused(command({"compare", kMachine, "--experiment", "no"}), {"--experiment", "bi-table"});
+  expect_refused(command({"compare", kMachine, "--trials", "0"}), {"--trials"});
+  expect_refused(command({"compare", kMachine, "--speed", "3"}), {"--speed", "unit"});
+  expect_refused(command({"compare", kMachine, "--speed", "0 mm/s"}), {"--speed"});
+  expect_refused(command({"compare", kMachine, "--speed", "500 mm/s"}), {"--speed", "limit"});
+  expect_refused(command({"compare", kMachine, "--size", "1 m"}), {"--size", "travel"});
+  expect_refused(command({"compare", kMachine, "--axis-file", "x"}), {"--axis-file"});
+  expect_refused(command({"excite", kMachine, "--method", "sine", "--axis", "q", "-o", folder / "r.csv"}),
+                 {"\"q\"", "x, y"});
+  expect_refused(command({"excite", kMachine, "--method", "sine", "--axis", "x", "--periods", "-3", "-o",
+                          folder / "r.csv"}),
+                 {"--periods"});
+  EXPECT_EQ(folder.files(), 0U);
+}
+
+TEST(BadOutput, IsSaidBeforeTheWork) {
+  Folder folder;
+  const std::string file = folder.write("file", "x");
+  expect_refused(command({"compare", kMachine, "--json", folder / "no/such/out.json"}),
+                 {"out.json", "folder"});
+  expect_refused(command({"compare", kMachine, "--json", folder / "."}), {"directory"});
+  expect_refused(command({"compare", kMachine, "--report", file + "/below"}), {"below"});
+  expect_refused(command({"excite", kMachine, "--method", "sine", "--axis", "x", "-o", "/proc/no.csv"}),
+                 {"/proc/no.csv"});
+  EXPECT_EQ(text_of(file), "x");
+}
+
+}  // namespace
+}  // namespace stribeck::test

@@ -1,0 +1,118 @@
+/// The real-time tier allocates nothing: every step runs under a guard that counts calls of operator new.
+/// That it neither throws nor needs exceptions is proved by the preset rt, which compiles it without them.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <stribeck/control/contouring.hpp>
+#include <stribeck/friction/table.hpp>
+#include <stribeck/friction/test_maps.hpp>
+#include <stribeck/path/contour_error.hpp>
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// NOLINTBEGIN: replacing the global operators is the point.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  std::abort();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+// NOLINTEND
+
+namespace stribeck {
+namespace {
+
+/// Allocations while f runs.
+template <class F>
+long allocated(F&& f) {
+  const long before = allocations;
+  f();
+  return allocations - before;
+}
+
+friction::AxisModel gaussian_model() {
+  friction::AxisModel m;
+  m.mass = 57650.0;
+  m.friction.steady = friction::test::table_2_3_x();
+  m.friction.eccentric.push_back({10.0, 5e-3, 0.3, friction::EccentricForm::kAdditive});
+  return m;
+}
+
+control::CompensationParams compensation(control::Observer observer) {
+  control::CompensationParams p;
+  p.model = gaussian_model();
+  p.friction_feedforward = true;
+  p.observer = observer;
+  return p;
+}
+
+TEST(RealTime, GuardSeesAnAllocation) {
+  EXPECT_EQ(allocated([] { ::operator delete(::operator new(8)); }), 1);
+}
+
+TEST(RealTime, PdWithEitherObserverAllocatesNothing) {
+  for (const auto observer :
+       {control::Observer::kNone, control::Observer::kDisturbance, control::Observer::kKalman}) {
+    EXPECT_EQ(allocated([&] {
+                control::Pd::Params params;
+                params.gains = control::Gains::critical(40.0);
+                params.compensation = compensation(observer);
+                const control::Pd controller(params, 5e-3);  // configuring does not either
+                control::Pd::State state;
+                for (int k = 0; k < 100; ++k) controller.step(state, {1e-6 * k, 1e-3, 0.0, 0.9e-6 * k});
+                controller.step(state, {0.0, 1.0, 0.0, std::nan("")});
+              }),
+              0);
+  }
+}
+
+TEST(RealTime, ContouringAlongAPathAllocatesNothing) {
+  EXPECT_EQ(allocated([] {
+              control::Contouring::Params params;
+              params.tangential = params.normal = control::Gains::critical(40.0);
+              params.compensation = {compensation(control::Observer::kDisturbance),
+                                     compensation(control::Observer::kKalman)};
+              const control::Contouring controller(params, 5e-3);
+              control::Contouring::State state;
+              const path::Curve curve{path::Shape::kTrifolium, 10e-3};
+              path::Reference reference(curve, {9.5e-3, 1.0, 10e-3});
+              double sum = 0.0;
+              while (!reference.finished()) {
+                const path::PathPoint r = reference.point();
+                const Vec2 f = controller.step(state, r, r.position);
+                sum += f[0] + path::contour_error(curve, r.position, r.phi);
+                reference.advance(5e-3);
+              }
+              ASSERT_TRUE(std::isfinite(sum));
+            }),
+            0);
+}
+
+TEST(RealTime, FrictionModelsAllocateNothing) {
+  const friction::Table table = friction::Table::build(friction::test::table_2_3_x(), 9.5e-3);
+  EXPECT_EQ(allocated([&] {
+              friction::LuGre<double> lugre{3e8, 600e3, 0.05e-3};
+              friction::LuGre<double>::State bristle;
+              friction::Gms<double> gms;
+              for (int i = 0; i < 4; ++i) gms.elements.push_back({1e8, 0.25});
+              gms.attraction = 1e5;
+              friction::Gms<double>::State elements;
+              double sum = 0.0;
+              for (int k = 0; k < 100; ++k) {
+                const double v = 1e-3 * (k - 50);
+                sum += lugre.step(table, bristle, v, 0.0, 1e-3) +
+                       gms.step(friction::test::table_2_3_y(), elements, v, 0.0, 1e-3);
+              }
+              ASSERT_TRUE(std::isfinite(sum));
+            }),
+            0);
+}
+
+}  // namespace
+}  // namespace stribeck
