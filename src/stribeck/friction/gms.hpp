@@ -81,11 +81,12 @@ struct Gms {
 
   [[nodiscard]] T damping(const T& v) const noexcept {
     if (!damping_velocity) return damping_coefficient;
-    const T ratio = v / *damping_velocity;
-    const T q = ratio * ratio;
-    const auto alive = q < T(40.0);
+    // Compared as products: far from a reversal, which is nearly always, neither division nor exponential is
+    // needed.
+    const T limit = *damping_velocity * *damping_velocity;
+    const auto alive = v * v < T(40.0) * limit;
     if (!any(alive)) return T(0.0);
-    return select(alive, damping_coefficient * exp(-q), T(0.0));
+    return select(alive, damping_coefficient * exp(-(v * v / limit)), T(0.0));
   }
 
   /// Ḟ_i [N/s] with the present sticking and slipping.

@@ -55,11 +55,12 @@ struct LuGre {
   /// σ1 at velocity v [N·s/m].
   [[nodiscard]] T damping(const T& v) const noexcept {
     if (!damping_velocity) return sigma1;
-    const T ratio = v / *damping_velocity;
-    const T q = ratio * ratio;
-    const auto alive = q < T(40.0);
+    // Compared as products: far from a reversal, which is nearly always, neither division nor exponential is
+    // needed.
+    const T limit = *damping_velocity * *damping_velocity;
+    const auto alive = v * v < T(40.0) * limit;
     if (!any(alive)) return T(0.0);
-    return select(alive, sigma1 * exp(-q), T(0.0));
+    return select(alive, sigma1 * exp(-(v * v / limit)), T(0.0));
   }
 
   /// ż [m/s].
