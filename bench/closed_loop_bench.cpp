@@ -140,6 +140,6 @@ void OdeintRk4(benchmark::State& state) {
   }
   set_counters(state, deviation_nm(trace));
 }
-BENCHMARK(OdeintRk4)->Arg(3)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK(OdeintRk4)->Arg(3)->Arg(5)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
 
 }  // namespace

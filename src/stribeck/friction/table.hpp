@@ -29,21 +29,25 @@ class Table {
   static constexpr int kOctaves = 12;
   static constexpr int kCellsPerOctave = 64;
 
-  /// Tabulates a map up to |v| = v_max [m/s], > 0.
+  /// Tabulates a map up to |v| = v_max [m/s], > 0. A map that holds a value beyond the range it was
+  /// identified on is tabulated up to exactly there: a kink inside a cell would cost newtons.
   template <SteadyMap<double> M>
   static Table build(const M& map, double v_max) noexcept {
     Table t;
-    t.scale_ = 1.0 / v_max;
+    std::array<double, 2> ends{v_max, v_max};
+    if constexpr (requires { map.velocity_range; }) ends = {map.velocity_range[1], -map.velocity_range[0]};
     for (const int side : {0, 1}) {
       const double direction = side == 0 ? 1.0 : -1.0;
-      t.viscous_[side] = map.parts(direction * v_max, 0.0).viscous / (direction * v_max);
-      t.border_[side] = {map.parts(direction * v_max, 0.0).level, 0.0, 0.0, 0.0};
+      const double end = ends[static_cast<std::size_t>(side)];
+      t.scale_[side] = 1.0 / end;
+      t.viscous_[side] = map.parts(direction * end, 0.0).viscous / (direction * end);
+      t.border_[side] = {map.parts(direction * end, 0.0).level, 0.0, 0.0, 0.0};
       for (int k = 0; k < kCells; ++k) {
         const double left = edge(k);
         const double width = edge(k + 1) - left;
         double y[4];
         for (int i = 0; i < 4; ++i)
-          y[i] = map.parts(direction * v_max * max_of(left + width * i / 3.0, kAtRest), 0.0).level;
+          y[i] = map.parts(direction * end * max_of(left + width * i / 3.0, kAtRest), 0.0).level;
         // Newton's divided differences at 0, 1/3, 2/3, 1 of the cell, written as powers of d.
         const double d1 = (y[1] - y[0]) * 3.0;
         const double d2 = (y[2] - 2.0 * y[1] + y[0]) * 4.5;
@@ -74,7 +78,7 @@ class Table {
   };
   [[nodiscard]] Near near(double v) const noexcept {
     const int side = v < 0.0 ? 1 : 0;
-    const double u = abs(v) * scale_;
+    const double u = abs(v) * scale_[side];
     Near n;
     n.viscous_ = viscous_[side];
     if (u >= kHighest) {  // the border is held: a cell that is read at its own end only
@@ -82,7 +86,7 @@ class Table {
       n.scale_ = 0.0;
       return n;
     }
-    n.scale_ = scale_;
+    n.scale_ = scale_[side];
     if (u < kLowest) {
       n.cell_ = &cells_[side][0];
       return n;
@@ -110,7 +114,7 @@ class Table {
   std::array<std::array<std::array<double, 4>, kCells>, 2> cells_{};
   std::array<std::array<double, 4>, 2> border_{};  ///< constants
   std::array<double, 2> viscous_{};
-  double scale_ = 1.0;
+  std::array<double, 2> scale_{1.0, 1.0};
 };
 
 }  // namespace stribeck::friction

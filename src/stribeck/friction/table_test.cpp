@@ -23,8 +23,8 @@ double largest_deviation(const M& map, double v_max) {
 TEST(Table, FollowsTable23WithinATenthOfAMillinewton) {
   // The header promises 1e-4 N; two-sided, so that a metric that sees nothing fails too. The range ends
   // inside the grid: the kink of the held border lies on no cell edge.
-  EXPECT_LT(largest_deviation(test::table_2_3_x(), 9.5e-3), 1e-4);
-  EXPECT_LT(largest_deviation(test::table_2_3_y(), 9.5e-3), 2e-2) << "narrow third term of y, v < 0";
+  EXPECT_LT(largest_deviation(test::table_2_3_x(), 12e-3), 1e-4);
+  EXPECT_LT(largest_deviation(test::table_2_3_y(), 12e-3), 2e-2) << "narrow third term of y, v < 0";
   EXPECT_GT(largest_deviation(test::table_2_3_x(), 9.5e-3), 1e-9);
 }
 

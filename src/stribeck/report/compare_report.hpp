@@ -1,0 +1,46 @@
+#pragma once
+/// The page of a comparison: who won and by how much, figures beside what was printed, the contour with its
+/// error magnified, the quadrants, the friction that the compensators know, and the settings that reproduce
+/// it.
+///
+/// True friction is drawn only where it is handed over, and called so. Contour errors are drawn of the first
+/// trial; tables give means over all trials and the standard deviation between them. Real time: no. Errors:
+/// io::InputError of files and of gnuplot.
+
+#include <optional>
+#include <span>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/report/printed.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+/// What the compensators of one axis know, and where from.
+struct AxisEvidence {
+  std::optional<sim::AxisKnowledge> knowledge = {};  ///< what the controllers were given
+  std::optional<ident::Result> conventional = {};    ///< absent: not identified here, e.g. printed parameters
+  std::optional<ident::Result> gaussian = {};
+  std::optional<friction::Model> truth = {};  ///< of a virtual machine only
+};
+
+struct CompareReportInput {
+  sim::CompareResult result = {};
+  std::vector<AxisEvidence> axes = {};      ///< as result.axes; may be shorter
+  std::string experiment = {};              ///< "bi-table"; empty: none of the known ones
+  std::string origin = {};                  ///< of the machine's numbers
+  std::string parameters = {};              ///< where the compensators' parameters come from, in words
+  std::string command = {};                 ///< reproduces the page
+  std::string version = {};                 ///< of the program
+  std::span<const PrintedTable> printed{};  ///< kBiaxialTables for bi-table; empty: nothing to compare with
+  std::vector<std::string> warnings = {};   ///< of the caller, beside those found here
+};
+
+/// The page as text.
+std::string compare_report(const CompareReportInput& input);
+
+/// Writes directory/index.html; makes the directory.
+void write_compare_report(const std::string& directory, const CompareReportInput& input);
+
+}  // namespace stribeck::report

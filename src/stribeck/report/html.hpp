@@ -1,0 +1,72 @@
+#pragma once
+/// A page of text, tables and figures in one file: styles and drawings inside, no script, nothing fetched.
+/// Follows the reader's light or dark setting (drawings stay on white) and prints.
+///
+/// Every text is escaped; there is no way to pass markup in. Figures are drawn when html() is called, all in
+/// one go. Real time: no. Errors: those of render().
+
+#include <functional>
+#include <stribeck/report/plot.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stribeck::report {
+
+/// Text that is safe between tags and inside a quoted attribute. Control characters and broken UTF-8 become
+/// U+FFFD.
+std::string escape_html(std::string_view text);
+
+struct Column {
+  std::string head = {};
+  std::string unit = {};  ///< shown below the head
+  bool number = true;     ///< aligned to the right
+};
+
+struct Cell {
+  std::string text = {};
+  std::string spread = {};  ///< smaller, after the text: "± 0.2"
+  std::string note = {};    ///< smaller, on a line below: a printed value
+  bool best = false;        ///< bold
+  std::string color = {};   ///< #rrggbb of a swatch before the text
+};
+
+struct Table {
+  std::string caption = {};
+  std::vector<Column> columns = {};
+  std::vector<std::vector<Cell>> rows = {};
+};
+
+class Page {
+ public:
+  explicit Page(std::string title, std::string subtitle = {});
+
+  void section(std::string_view heading);
+  void subsection(std::string_view heading);
+  void paragraph(std::string_view text);
+  /// A paragraph that stands out: the result in words.
+  void lead(std::string_view text);
+  /// A small remark, e.g. the source of numbers.
+  void remark(std::string_view text);
+  void code(std::string_view text);
+  void table(const Table& table);
+  void figure(const Plot& plot, std::string_view caption);
+  /// Several drawings in a grid, at most `across` side by side, with one caption.
+  void figures(const std::vector<Plot>& plots, int across, std::string_view caption);
+  /// A box; nothing when the list is empty.
+  void warnings(const std::vector<std::string>& list);
+  /// A part that is folded away until it is asked for; `fill` writes to this page.
+  void details(std::string_view summary, const std::function<void()>& fill);
+
+  [[nodiscard]] std::string html() const;
+
+ private:
+  void add(std::string_view markup) { body_.back() += markup; }
+
+  std::string title_;
+  std::string subtitle_;
+  std::vector<std::string> body_{std::string()};  ///< a drawing goes between two parts
+  std::vector<Plot> plots_;
+};
+
+}  // namespace stribeck::report

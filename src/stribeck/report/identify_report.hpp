@@ -1,0 +1,25 @@
+#pragma once
+/// The page of an identification: the map with the fit and its 95 % band, what is left of the measured
+/// points, the models that were tried, parameters with their intervals and whether the data can tell them,
+/// warnings in words. Real time: no. Errors: io::InputError of files and of gnuplot.
+
+#include <stribeck/ident/result.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+struct IdentifyReportInput {
+  std::string axis = {};
+  std::vector<ident::Result> results = {};  ///< the chosen one first; others are shown beside it
+  std::string source = {};                  ///< log or recording it was made from, as the user named it
+  std::string command = {};
+  std::string version = {};
+};
+
+std::string identify_report(const IdentifyReportInput& input);
+
+/// Writes directory/index.html; makes the directory.
+void write_identify_report(const std::string& directory, const IdentifyReportInput& input);
+
+}  // namespace stribeck::report

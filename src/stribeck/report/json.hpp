@@ -1,0 +1,33 @@
+#pragma once
+/// Results for programs. Keys carry their unit, keep their order and stay; changes raise the number in
+/// "schema". What does not apply or is not known is null, never 0. Lists are per axis. Numbers are not
+/// rounded.
+///
+///   compare    {"schema": "stribeck.compare/1", "machine", "experiment", "seed", "trials", "rows":
+///   [{"controller",
+///              "label", "speed_mm_per_s", the metrics, "spread": {the metrics}, "solver": {"substeps",
+///              "accuracy_nm"}}]}
+///   metrics    max_contour_error_um, quadrant_glitch_um, rms_um, sd_um, mean_abs_um, power_W, mean_abs_ui_W,
+///              input_variation_V, mean_abs_tracking_um: [x, y]
+///   identify   {"schema": "stribeck.identify/1", "axis", "model", "mass_kg", "mass_ci95_kg",
+///   "velocity_range_mm_per_s",
+///              "parameters": [{"name", "value", "unit", "ci95", "identifiable"}], "curve":
+///              [{"velocity_mm_per_s", "friction_N", "ci95_N"}], "held_out_rms_N", "models": [...],
+///              "warnings": [...]}
+///
+/// Parameters stand in the unit that people read (N s/mm), the mass besides in kg.
+/// Real time: no.
+
+#include <nlohmann/json_fwd.hpp>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <string_view>
+
+namespace stribeck::report {
+
+/// An empty experiment is null.
+nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_view experiment = {});
+
+nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axis);
+
+}  // namespace stribeck::report

@@ -1,0 +1,45 @@
+#pragma once
+/// Identified parameters as people read them, and the sentences and tables about them that several reports
+/// share. Real time: no.
+
+#include <functional>
+#include <optional>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/report/html.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+/// A parameter in its shown unit.
+struct ShownParameter {
+  double value = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+  std::string unit = {};
+};
+
+ShownParameter shown(const ident::Parameter& parameter);
+
+/// With the decimals that the interval deserves: 57.65 for 57.18 … 58.14.
+std::string shown_number(double value, double low, double high);
+
+Table parameter_table(const ident::Result& result);
+Table candidate_table(const ident::Result& result);
+
+/// What to plot of one axis; absent parts are left out.
+struct FrictionMap {
+  std::string axis = {};
+  const ident::Result* fit = nullptr;                 ///< points, curve and band
+  std::optional<friction::SteadyVariant> model = {};  ///< the curve where there is no fit
+  std::string model_label = {};
+  std::optional<friction::SteadyVariant> conventional = {};
+  std::optional<friction::SteadyVariant> truth = {};
+  std::string truth_label = "true friction";
+  double speed = 0.0;  ///< largest velocity to draw where there is no fit [m/s]
+};
+
+/// The map, and everything in it as difference from the fit (or the model).
+std::vector<Plot> friction_plots(const FrictionMap& map);
+
+}  // namespace stribeck::report

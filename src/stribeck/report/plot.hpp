@@ -1,0 +1,106 @@
+#pragma once
+/// Plots as data, drawn by gnuplot into SVG that can stand inside an HTML page.
+///
+///   Plot plot{.title = …, .x_label = "velocity [mm/s]", .series = {…}};
+///   std::vector<std::string> svg = render({plot, …});      one process draws them all
+///
+/// Series are thinned to what the width can show; the least and the greatest of every pixel column survive.
+/// What is not finite is a gap. Text is drawn as it is, whatever it holds. An SVG has ids of its own
+/// (plot-1-…, counted through a call), a title for screen readers, the width of its place, no script, no link
+/// and no font file. Same plots, same bytes.
+///
+/// Members have empty initialisers so that a caller may name only those it needs.
+///
+/// Not done: dates, surfaces, two vertical axes.
+/// Real time: no. Errors: io::InputError when gnuplot is missing or refuses, with what to install.
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stribeck::report {
+
+enum class Style {
+  kLines,
+  kPoints,
+  kBand,   ///< area between y_low and y_high
+  kSteps,  ///< value held until the next x
+  kBars,   ///< from zero to y; whiskers where y_low and y_high are given
+};
+
+struct Series {
+  std::string label = {};  ///< in the legend; empty: not there
+  std::vector<double> x = {};
+  std::vector<double> y = {};  ///< as long as x; unused by a band
+  std::vector<double> y_low = {};
+  std::vector<double> y_high = {};
+  Style style = Style::kLines;
+  std::string color = "#444444";  ///< #rrggbb
+  double width = 1.6;             ///< of a line [px]; of a bar [units of x]; of a point, its size
+  bool dashed = false;
+};
+
+/// Vertical line at x, its label at the top.
+struct Marker {
+  double x = 0.0;
+  std::string label = {};
+};
+
+/// Text at a place of the plane, in the colour of what it explains.
+struct Note {
+  double x = 0.0;
+  double y = 0.0;
+  std::string text = {};
+  std::string color = "#444444";
+};
+
+struct Tic {
+  double at = 0.0;
+  std::string label = {};
+};
+
+struct Range {
+  double low = 0.0;
+  double high = 1.0;
+};
+
+enum class Legend { kNone, kAbove, kTopLeft, kTopRight, kBottomLeft, kBottomRight };
+
+struct Plot {
+  std::string title = {};
+  std::string description = {};  ///< for screen readers; empty: the title
+  std::string x_label = {};      ///< with its unit
+  std::string y_label = {};
+  std::optional<Range> x_range = {};  ///< absent: from the data
+  std::optional<Range> y_range = {};
+  double x_step = std::numeric_limits<double>::quiet_NaN();  ///< between tics; NaN: chosen
+  std::vector<Tic> x_tics = {};                              ///< not empty: only these
+  bool log_x = false;
+  bool log_y = false;
+  bool equal_aspect = false;  ///< one unit of x as long as one of y
+  bool axes = true;           ///< false: the curves alone
+  std::vector<Marker> markers = {};
+  std::vector<Note> notes = {};
+  Legend legend = Legend::kAbove;
+  int width = 920;  ///< [px]
+  int height = 320;
+  std::vector<Series> series = {};
+};
+
+/// One SVG element for each plot, in order.
+std::vector<std::string> render(const std::vector<Plot>& plots);
+
+/// What gnuplot is given; for tests and for the curious.
+std::string gnuplot_script(const std::vector<Plot>& plots);
+
+/// Keeps the least and the greatest of each of `columns` slices of x, in order, and the ends of a stretch. A
+/// point that is not finite ends a stretch and stays. For ascending x; other data come back as they are.
+void thin(std::vector<double>& x, std::vector<double>& y, int columns);
+
+/// Fixed colour of a controller "a" … "f", told apart by readers who see few colours; others get one by their
+/// position. Source: Okabe, Ito 2008, Color Universal Design.
+std::string controller_color(std::string_view id, std::size_t position = 0);
+
+}  // namespace stribeck::report

@@ -1,0 +1,190 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <stribeck/io/file.hpp>
+#include <stribeck/report/compare_report.hpp>
+#include <stribeck/report/identify_report.hpp>
+#include <stribeck/report/parameters.hpp>
+#include <stribeck/report/test_result.hpp>
+
+namespace stribeck::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+CompareReportInput input() {
+  CompareReportInput in;
+  in.result = testing::two_controllers();
+  in.experiment = "bi-table";
+  in.printed = kBiaxialTables;
+  in.command = "stribeck compare table.toml --seed 7";
+  in.axes.resize(2);
+  in.axes[0].gaussian = testing::fit();
+  return in;
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+TEST(CompareReport, SaysWhoWonAndByHowMuch) {
+  const std::string page = compare_report(input());
+  EXPECT_THAT(
+      page,
+      HasSubstr(
+          "At 9.5 mm/s (b) conventional friction model leaves the smallest RMS contour error, 1.00\u00A0µm: "
+          "75\u00A0% less than (a) no friction compensation (4.00\u00A0µm)."));
+  EXPECT_THAT(page, HasSubstr("Its largest error is 2.00\u00A0µm, 75\u00A0% less than (a)"));
+  EXPECT_THAT(page, HasSubstr("1.00\u00A0µm within the first 0.15\u00A0mm after an axis reverses; the "
+                              "largest error lies elsewhere"));
+  EXPECT_THAT(page,
+              HasSubstr("<b>2.00</b> <small>± 0.25</small><span class=\"note\">print 5.38 · ×0.37</span>"));
+  EXPECT_THAT(page,
+              HasSubstr("no controller is within 10 % of print; farthest off is (b), 0.37 times print."));
+  EXPECT_THAT(page, HasSubstr("error magnified 500 times"));
+  EXPECT_THAT(page, HasSubstr("stribeck compare table.toml --seed 7"));
+  EXPECT_THAT(page, HasSubstr("axis x, gaussian model: speeds above 9 mm/s were seen once"));
+  // Bars 2, contours 2, angle 1, time 1, close up 2, map of x 2, forces 2.
+  EXPECT_EQ(count(page, "<svg "), 12u);
+}
+
+TEST(CompareReport, ChanceIsNoVictory) {
+  CompareReportInput in = input();
+  in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.1e-6;  // two standard errors are 0.18 µm
+  EXPECT_THAT(compare_report(in), HasSubstr("((a) no further apart than chance)"));
+  in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.2e-6;
+  EXPECT_THAT(compare_report(in), Not(HasSubstr("no further apart than chance")));
+}
+
+/// Width and height of what the first path of a colour covers [px].
+std::array<double, 2> extent(const std::string& svg, const std::string& color) {
+  const auto at = svg.find(" d='", svg.find("stroke='" + color + "'")) + 4;
+  std::string spaced;
+  for (const char c : svg.substr(at, svg.find('\'', at) - at)) {
+    if (c == 'M' || c == 'l' || c == '-') spaced += ' ';
+    spaced += c;
+  }
+  std::istringstream path(spaced);
+  std::array<double, 2> low{1e9, 1e9};
+  std::array<double, 2> high{-1e9, -1e9};
+  std::array<double, 2> here{};
+  std::string token;
+  for (std::size_t k = 0; path >> token;) {
+    if (token[0] == 'M') here = {0.0, 0.0};
+    if (token[0] == 'M' || token[0] == 'l') token.erase(0, 1);
+    if (token.empty()) continue;
+    here[k] += std::stod(token);
+    low[k] = std::min(low[k], here[k]);
+    high[k] = std::max(high[k], here[k]);
+    k = 1 - k;
+  }
+  return {high[0] - low[0], high[1] - low[1]};
+}
+
+// Positive errors lie to the left of the direction of travel, which on this circle is inside: 8 µm magnified
+// 500 times make a circle of 10 mm one of 6 mm. Coordinates are rounded to 0.1 px.
+TEST(CompareReport, ContourIsDrawnOnTheRightSide) {
+  CompareReportInput in = input();
+  in.axes.clear();
+  in.result.rows.resize(1);
+  for (auto& s : in.result.rows[0].trace) s.contour_error = 8e-6;
+  const std::string page = compare_report(in);
+  const auto at = page.find("<svg", page.find("Contour, error magnified"));
+  const std::string svg = page.substr(at, page.find("</svg>", at) - at);
+  const auto path = extent(svg, "rgb(154, 160, 166)");
+  const auto way = extent(svg, "rgb(122, 122, 122)");
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(way[k], 0.6 * path[k], 0.3) << path[k];
+  EXPECT_GT(path[0], 100.0);
+}
+
+TEST(CompareReport, TruthOnlyWhereItIsGiven) {
+  CompareReportInput in = input();
+  EXPECT_THAT(compare_report(in), Not(HasSubstr("true friction")));
+  friction::Model truth;
+  truth.steady = friction::Conventional<double>{800.0, 1e5, {}};
+  in.axes[1].truth = truth;
+  const std::string page = compare_report(in);
+  EXPECT_THAT(page, HasSubstr("true friction of the virtual machine, which no controller may see"));
+  // In the map of y and in the forces of y.
+  EXPECT_EQ(count(page, "<text>true friction</text>"), 2u);
+}
+
+TEST(CompareReport, WarnsOfWhatHappened) {
+  CompareReportInput in = input();
+  in.result.rows[0].status.counts[static_cast<std::size_t>(Status::kOutputLimited)] = 3;
+  in.warnings = {"from the caller"};
+  const std::string page = compare_report(in);
+  EXPECT_THAT(page,
+              HasSubstr("(a) at 9.5 mm/s: the output reached the limit of the drive (3 times in 4 trials)"));
+  EXPECT_THAT(page, HasSubstr("from the caller"));
+}
+
+TEST(CompareReport, StandsAloneWhateverItIsCalled) {
+  CompareReportInput in = input();
+  in.result.machine = in.result.axes[0] = in.command = in.origin = in.parameters = in.experiment =
+      testing::kHostile;
+  in.result.rows[0].controller.label = in.result.rows[1].controller.id = testing::kHostile;
+  in.axes[0].gaussian->warnings = {testing::kHostile};
+  in.axes[0].gaussian->parameters[0].name = testing::kHostile;
+  const std::string page = compare_report(in);
+  for (const char* foreign : {"http:", "https:", "<script", "<link", " src=", "url("})
+    EXPECT_THAT(page, Not(HasSubstr(foreign)));
+  std::set<std::string> ids;
+  for (auto at = page.find(" id=\"plot-"); at != std::string::npos; at = page.find(" id=\"plot-", at + 1)) {
+    const std::string id = page.substr(at + 5, page.find('"', at + 5) - at - 5);
+    EXPECT_TRUE(ids.insert(id).second) << id;
+  }
+  EXPECT_GT(ids.size(), 10u);
+  EXPECT_FALSE(std::filesystem::exists("stribeck_pwned"));
+}
+
+TEST(CompareReport, SurvivesAnEmptyResult) {
+  CompareReportInput in;
+  EXPECT_THAT(compare_report(in), HasSubstr("</html>"));
+  in.result = testing::two_controllers();
+  for (auto& row : in.result.rows) {
+    row.trace.clear();
+    row.mean = row.spread = testing::nothing();
+  }
+  EXPECT_THAT(compare_report(in), HasSubstr("no controller gave a finite result"));
+}
+
+TEST(CompareReport, IsWrittenAsOneFile) {
+  const auto directory =
+      std::filesystem::temp_directory_path() / ("stribeck_report_" + std::to_string(::getpid()));
+  write_compare_report((directory / "deep").string(), input());
+  EXPECT_EQ(io::read_text((directory / "deep" / "index.html").string()), compare_report(input()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory / "deep"), {}), 1);
+  std::filesystem::remove_all(directory);
+}
+
+TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
+  const std::string page =
+      identify_report({"x", {testing::fit()}, testing::kHostile, "stribeck identify", "0.1.0"});
+  EXPECT_THAT(page, HasSubstr("Mass 57.650 N s2/mm (95 %: 57.600 … 57.700)"));
+  EXPECT_THAT(page, HasSubstr("1 of 3 parameters cannot be told from the data"));
+  EXPECT_THAT(page, HasSubstr("not determined by the data: means nothing alone"));
+  EXPECT_THAT(page, HasSubstr("speeds above 9 mm/s were seen once"));
+  EXPECT_THAT(page, HasSubstr("<b>Gaussian, 1 term, v &gt; 0</b>"));
+  EXPECT_EQ(count(page, "<svg "), 2u);
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+}
+
+TEST(Parameters, DecimalsFollowTheInterval) {
+  EXPECT_EQ(shown_number(57.6612, 57.18, 58.14), "57.66");
+  EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");
+  EXPECT_EQ(shown_number(0.14349, 0.1431, 0.1439), "0.14349");
+  EXPECT_EQ(shown_number(12.3456, testing::kNaN, testing::kNaN), "12.35");
+}
+
+}  // namespace
+}  // namespace stribeck::report

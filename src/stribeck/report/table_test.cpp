@@ -1,0 +1,83 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stribeck/report/table.hpp>
+#include <stribeck/report/test_result.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+
+std::size_t widest(const std::string& text) {
+  std::size_t w = 0;
+  for (const std::string& line : lines(text)) w = std::max(w, text_width(line));
+  return w;
+}
+
+TEST(TextTable, ComparesWithPrint) {
+  EXPECT_EQ(
+      text_table(testing::two_controllers(), kBiaxialTables),
+      "9.5 mm/s, contour error, mean of 4 trials ± standard deviation between them; printed: thesis, Table "
+      "3.2\n"
+      "                                                                          print   print  print\n"
+      "   controller                          max  glitch         RMS  mean |ε|    max  glitch    RMS\n"
+      "                                        µm      µm          µm        µm     µm      µm     µm\n"
+      "a  no friction compensation     8.00 ±0.25    4.00  4.00 ±0.12      2.00  12.74   12.74   6.88\n"
+      "b  conventional friction model  2.00 ±0.25    1.00  1.00 ±0.12      0.50   5.38    4.98   2.23\n");
+}
+
+TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
+  sim::CompareResult result = testing::two_controllers();
+  result.spec.trials = 1;
+  for (auto& row : result.rows) row.spread = testing::nothing();
+  result.rows[1].mean.quadrant_glitch = testing::kNaN;
+  EXPECT_EQ(text_table(result),
+            "9.5 mm/s, contour error, mean of 1 trial\n"
+            "   controller                    max  glitch   RMS  mean |ε|    SD  mean |Δu|\n"
+            "                                  µm      µm    µm        µm    µm          V\n"
+            "a  no friction compensation     8.00    4.00  4.00      2.00  4.00      0.125\n"
+            "b  conventional friction model  2.00       –  1.00      0.50  1.00      0.125\n");
+}
+
+TEST(TextTable, FitsTheTerminal) {
+  sim::CompareResult result = testing::two_controllers();
+  result.rows[0].controller.label = testing::kHostile + testing::kHostile;
+  result.rows[1].mean.max_contour_error = 123456.789e-6;
+  const std::string text = text_table(result, kBiaxialTables);
+  const auto all = lines(text);
+  for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LE(text_width(all[i]), kTableWidth) << all[i];
+  EXPECT_EQ(text.find('\x01'), std::string::npos);
+  EXPECT_EQ(all.size(), 6u);
+  // Columns of numbers end at the same place in every row.
+  for (std::size_t i = 2; i < all.size(); ++i) EXPECT_EQ(text_width(all[i]), text_width(all[1]));
+  EXPECT_LE(widest(text_table(testing::fit(), "x")), kTableWidth);
+  result.rows[1].controller.id = std::string(200, 'x');
+  EXPECT_LE(widest(text_table(result, kBiaxialTables).substr(text.find('\n'))), kTableWidth);
+}
+
+TEST(TextTable, ShowsAFit) {
+  EXPECT_EQ(text_table(testing::fit(), "x"),
+            "axis x: gaussian model by velocity-map, 1234 rows, 20.5 N RMS on held-out motion\n"
+            "parameter               value  95 % from      to  unit\n"
+            "mass                   57.650     57.600  57.700  N s2/mm\n"
+            "eta1_positive           102.5      101.0   104.0  N s/mm\n"
+            "gaussian_1_a_positive   12.50          –       –  N        not determined by the data\n"
+            "\n"
+            "model                     held-out RMS  ± from best\n"
+            "                                     N            N\n"
+            "Gaussian, 1 term, v > 0          20.50         0.00  chosen\n"
+            "Gaussian, 0 terms, v > 0        250.00        12.00\n"
+            "warning: speeds above 9 mm/s were seen once\n");
+}
+
+}  // namespace
+}  // namespace stribeck::report

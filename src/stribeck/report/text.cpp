@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+constexpr std::string_view kReplacement = "\uFFFD";
+
+/// Length of the valid UTF-8 sequence at the start of a text, 0 if there is none. RFC 3629, table 3-7 of
+/// Unicode.
+std::size_t sequence_length(std::string_view s) noexcept {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
+  const auto continues = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) {
+    return i < s.size() && byte(i) >= low && byte(i) <= high;
+  };
+  const unsigned b = byte(0);
+  if (b < 0x80) return 1;
+  if (b >= 0xC2 && b <= 0xDF) return continues(1) ? 2 : 0;
+  if (b >= 0xE0 && b <= 0xEF) {
+    return continues(1, b == 0xE0 ? 0xA0 : 0x80, b == 0xED ? 0x9F : 0xBF) && continues(2) ? 3 : 0;
+  }
+  if (b >= 0xF0 && b <= 0xF4) {
+    return continues(1, b == 0xF0 ? 0x90 : 0x80, b == 0xF4 ? 0x8F : 0xBF) && continues(2) && continues(3) ? 4
+                                                                                                          : 0;
+  }
+  return 0;
+}
+
+/// First `width` code points.
+std::string_view head(std::string_view text, std::size_t width) noexcept {
+  std::size_t at = 0;
+  for (std::size_t n = 0; at < text.size(); ++at) {
+    if ((static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U) continue;
+    if (n++ == width) break;
+  }
+  return text.substr(0, at);
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+  if (text_width(text) <= width) return std::string(text);
+  return std::string(head(text, width > 0 ? width - 1 : 0)) + (width > 0 ? "…" : "");
+}
+
+}  // namespace
+
+std::string clean_text(std::string_view text, bool keep_newlines) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t n = sequence_length(text);
+    const auto c = static_cast<unsigned char>(text[0]);
+    // U+0080 … U+009F are control characters too.
+    const bool control =
+        c < 0x20 || c == 0x7F || (n == 2 && c == 0xC2 && static_cast<unsigned char>(text[1]) < 0xA0);
+    if (n == 0) {
+      out += kReplacement;
+    } else if (control) {
+      out += keep_newlines && c == '\n' ? '\n' : ' ';
+    } else {
+      out += text.substr(0, n);
+    }
+    text.remove_prefix(n == 0 ? 1 : n);
+  }
+  return out;
+}
+
+std::size_t text_width(std::string_view text) noexcept {
+  std::size_t n = 0;
+  for (const char c : text) n += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
+  return n;
+}
+
+std::string left_aligned(std::string_view text, std::size_t width) {
+  std::string out = cut(text, width);
+  return out.append(width - text_width(out), ' ');
+}
+
+std::string right_aligned(std::string_view text, std::size_t width) {
+  const std::string out = cut(text, width);
+  return std::string(width - text_width(out), ' ') + out;
+}
+
+std::string decimals(double value, int digits) {
+  if (!std::isfinite(value)) return "–";
+  std::string text = fmt::format("{:.{}f}", value, digits);
+  if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
+std::string short_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
+
+std::string significant(double value, int digits) {
+  if (!std::isfinite(value)) return "–";
+  if (value == 0.0) return "0";
+  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value))));
+  if (exponent < -5 || exponent > 8) return fmt::format("{:.{}e}", value, digits - 1);
+  return decimals(value, exponent >= digits ? 0 : digits - 1 - exponent);
+}
+
+std::string joined(const std::vector<std::string>& words, std::string_view between) {
+  std::string all;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) all += between;
+    all += words[i];
+  }
+  return all;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  if (words.size() < 2) return joined(words, "");
+  return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
+}
+
+}  // namespace stribeck::report

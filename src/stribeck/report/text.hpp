@@ -1,0 +1,35 @@
+#pragma once
+/// Text on its way into pages, drawings and terminals: valid UTF-8 without control characters, numbers
+/// rounded for reading. Real time: no.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stribeck::report {
+
+/// Control characters become blanks, bytes that are not UTF-8 become U+FFFD; `keep_newlines` lets '\n' pass.
+std::string clean_text(std::string_view text, bool keep_newlines = false);
+
+/// Number of code points, which is the number of columns in a terminal for the letters used here.
+std::size_t text_width(std::string_view text) noexcept;
+
+/// Padded with blanks on the left or on the right; longer text is cut, with an ellipsis.
+std::string left_aligned(std::string_view text, std::size_t width);
+std::string right_aligned(std::string_view text, std::size_t width);
+
+/// With this many decimals; "–" where the value is not finite, never "-0.0".
+std::string decimals(double value, int digits);
+
+/// A number that somebody chose: as few digits as it needs, at most six. 9.5, 3, 0.475.
+std::string short_number(double value);
+
+/// With about this many significant digits and without an exponent where that reads well: 57.65, 1255,
+/// 0.00042.
+std::string significant(double value, int digits);
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& words);
+std::string joined(const std::vector<std::string>& words, std::string_view between);
+
+}  // namespace stribeck::report
