@@ -1,0 +1,318 @@
+#include <ceres/tiny_solver.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/gaussian_fit.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+
+// Centres may lie beyond the range on both sides (Table 2.3 has one at 1.47 of it).
+constexpr double kLowestCentre = -0.6;
+constexpr double kHighestCentre = 1.7;
+constexpr double kWidest = 2.0;
+/// The level may fall to this share of η0 + η1.
+constexpr double kLeastLevel = 0.05;
+constexpr double kFirmPull = 1e-3;
+/// The straight line may take this share of the smallest friction per speed.
+constexpr double kMostViscous = 0.6;
+
+/// (lo, hi) ↔ the whole line.
+double into(double p, double lo, double hi) { return lo + (hi - lo) / (1.0 + std::exp(-p)); }
+double out_of(double x, double lo, double hi) {
+  const double s = std::clamp((x - lo) / (hi - lo), 1e-6, 1.0 - 1e-6);
+  return std::log(s / (1.0 - s));
+}
+double slope(double p, double lo, double hi) {
+  const double s = 1.0 / (1.0 + std::exp(-p));
+  return (hi - lo) * s * (1.0 - s);
+}
+
+/// Least squares with the heights and the straight line eliminated.
+class Projected {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
+
+  Projected(const Bins& bins, int terms, const FitSettings& settings)
+      : terms_(terms), settings_(settings), rows_(static_cast<Index>(bins.size())) {
+    u_ = Eigen::Map<const VectorXd>(bins.u.data(), rows_);
+    root_ = Eigen::Map<const VectorXd>(bins.weight.data(), rows_).cwiseSqrt() / settings.noise;
+    // Below the bins: one row for each pull, terms first, then η1 and η0.
+    pulls_ = terms > 0 ? terms + 2 : 0;
+    y_ = VectorXd::Zero(rows_ + pulls_);
+    y_.head(rows_) = Eigen::Map<const VectorXd>(bins.force.data(), rows_).cwiseProduct(root_);
+    design_ = MatrixXd::Zero(rows_ + pulls_, 2 + terms);
+    design_.col(0).head(rows_) = root_;
+    design_.col(1).head(rows_) = root_.cwiseProduct(u_);
+    for (int i = 0; i < terms; ++i) design_(rows_ + i, 2 + i) = 1.0 / settings.height_scale;
+    if (terms > 0) {
+      const VectorXd line = design_.topLeftCorner(rows_, 2).colPivHouseholderQr().solve(y_.head(rows_));
+      double viscous = std::max(0.0, line(1));
+      for (std::size_t k = 0; k < bins.size(); ++k)
+        viscous = std::min(viscous, kMostViscous * bins.force[k] / bins.u[k]);
+      design_(rows_ + terms, 1) = 1.0 / settings.slope_scale;
+      y_(rows_ + terms) = viscous / settings.slope_scale;
+      design_(rows_ + terms + 1, 0) = 1.0 / settings.slope_scale;
+      y_(rows_ + terms + 1) = line(0) / settings.slope_scale;
+    }
+  }
+
+  [[nodiscard]] int NumResiduals() const { return static_cast<int>(rows_) + pulls_; }
+  [[nodiscard]] int NumParameters() const { return 2 * terms_; }
+
+  [[nodiscard]] double low_width() const { return std::log(settings_.narrowest); }
+  [[nodiscard]] static double high_width() { return std::log(kWidest); }
+
+  bool operator()(const double* p, double* residuals, double* jacobian) const {
+    evaluate(p);
+    Eigen::Map<VectorXd> r(residuals, NumResiduals());
+    r = y_ - design_ * linear_;
+    if (jacobian == nullptr) return true;
+    Eigen::Map<MatrixXd> j(jacobian, NumResiduals(), NumParameters());
+    for (int i = 0; i < terms_; ++i) {
+      const double c = width_[i];
+      const auto d = ((u_.array() - centre_[i]) / c).eval();
+      const auto g = (design_.col(2 + i).head(rows_).array() * (2.0 * linear_(2 + i))).eval();
+      j.col(2 * i).setZero();
+      j.col(2 * i + 1).setZero();
+      j.col(2 * i).head(rows_) = -(g * d / c).matrix() * slope(p[2 * i], kLowestCentre, kHighestCentre);
+      // c = exp(q): ∂c/∂q = c.
+      j.col(2 * i + 1).head(rows_) = -(g * d * d).matrix() * slope(p[2 * i + 1], low_width(), high_width());
+    }
+    j -= thin_ * (thin_.transpose() * j).eval();
+    return true;
+  }
+
+  [[nodiscard]] BranchFit result(const double* p) const {
+    evaluate(p);
+    BranchFit fit;
+    fit.eta0 = linear_(0);
+    fit.eta1 = linear_(1);
+    for (int i = 0; i < terms_; ++i) fit.terms.push_back({linear_(2 + i), centre_[i], width_[i]});
+    fit.cost = (y_ - design_ * linear_).head(rows_).squaredNorm() * settings_.noise * settings_.noise;
+    return fit;
+  }
+
+  /// What a further term of this centre and width would take off the cost.
+  [[nodiscard]] double gain(double centre, double width, const VectorXd& residual) const {
+    VectorXd g = VectorXd::Zero(rows_ + pulls_);
+    g.head(rows_) = column(centre, width);
+    g -= thin_ * (thin_.transpose() * g).eval();
+    const double along = g.dot(residual);
+    const double pull = 1.0 / (settings_.height_scale * settings_.height_scale);
+    return along * along / (g.squaredNorm() + pull);
+  }
+  [[nodiscard]] VectorXd residual(const double* p) const {
+    evaluate(p);
+    return y_ - design_ * linear_;
+  }
+
+ private:
+  [[nodiscard]] VectorXd column(double centre, double width) const {
+    return (root_.array() * (-((u_.array() - centre) / width).square()).exp()).matrix();
+  }
+  void evaluate(const double* p) const {
+    for (int i = 0; i < terms_; ++i) {
+      centre_[i] = into(p[2 * i], kLowestCentre, kHighestCentre);
+      width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
+      design_.col(2 + i).head(rows_) = column(centre_[i], width_[i]);
+    }
+    // The pulls keep the columns independent: no pivoting needed.
+    const Eigen::HouseholderQR<MatrixXd> qr(design_);
+    const Index n = design_.cols();
+    thin_ = MatrixXd::Identity(design_.rows(), n);
+    thin_.applyOnTheLeft(qr.householderQ().setLength(n));
+    linear_ = qr.matrixQR().topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(thin_.transpose() * y_);
+  }
+
+  int terms_;
+  int pulls_ = 0;
+  FitSettings settings_;
+  Index rows_;
+  VectorXd u_, root_, y_;
+  mutable MatrixXd design_, thin_;
+  mutable VectorXd linear_;
+  mutable double centre_[16] = {};
+  mutable double width_[16] = {};
+};
+
+VectorXd nonlinear(const std::vector<FitTerm>& terms, double narrowest) {
+  VectorXd p(2 * static_cast<Index>(terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    p(2 * static_cast<Index>(i)) = out_of(terms[i].b, kLowestCentre, kHighestCentre);
+    p(2 * static_cast<Index>(i) + 1) = out_of(std::log(terms[i].c), std::log(narrowest), std::log(kWidest));
+  }
+  return p;
+}
+
+/// F − η1·u keeps the sign of the motion, with something to spare, from rest to the end of the range.
+bool opposes(const BranchFit& fit) {
+  for (int i = 0; i <= 50; ++i) {
+    const double u = i / 50.0;
+    if (!(fit.force(u) - fit.eta1 * u > kLeastLevel * std::abs(fit.eta0 + fit.eta1))) return false;
+  }
+  return fit.eta1 >= 0.0 && fit.eta0 > 0.0;
+}
+
+struct Outcome {
+  VectorXd p;
+  double cost = 0.0;
+};
+
+Outcome descend(const Projected& problem, VectorXd p, int iterations) {
+  ceres::TinySolver<Projected> solver;
+  solver.options.max_num_iterations = iterations;
+  // Residuals are in units of the noise: a change of 1e-4 says nothing about the parameters.
+  solver.options.function_tolerance = 1e-4;
+  solver.options.parameter_tolerance = 1e-7;
+  solver.options.gradient_tolerance = 1e-8;
+  solver.options.initial_trust_region_radius = 10.0;
+  solver.Solve(problem, &p);
+  return {std::move(p), solver.summary.final_cost};
+}
+
+/// From a start to a fit that opposes the motion; η1 is pulled firmly to the straight line if it must be.
+BranchFit polish(const Bins& bins, VectorXd p, FitSettings settings, int iterations) {
+  const auto terms = static_cast<int>(p.size() / 2);
+  for (int attempt = 0;; ++attempt) {
+    const Projected problem(bins, terms, settings);
+    if (terms > 0) p = descend(problem, std::move(p), iterations).p;
+    BranchFit fit = problem.result(p.data());
+    if (terms == 0 || attempt == 1 || opposes(fit)) return fit;
+    settings.slope_scale *= kFirmPull;
+  }
+}
+
+/// Neighbouring bins joined until about `wanted` are left.
+Bins joined(const Bins& bins, std::size_t wanted) {
+  const std::size_t group = std::max<std::size_t>(1, (bins.size() + wanted - 1) / wanted);
+  Bins out;
+  for (std::size_t i = 0; i < bins.size(); i += group) {
+    double w = 0, u = 0, f = 0;
+    for (std::size_t j = i; j < std::min(i + group, bins.size()); ++j) {
+      w += bins.weight[j];
+      u += bins.weight[j] * bins.u[j];
+      f += bins.weight[j] * bins.force[j];
+    }
+    out.u.push_back(u / w);
+    out.force.push_back(f / w);
+    out.weight.push_back(w);
+  }
+  return out;
+}
+
+/// Van der Corput sequence: evenly spread, the same in every run.
+double spread(unsigned i, unsigned base) {
+  double x = 0.0;
+  for (double share = 1.0 / base; i > 0; i /= base, share /= base) x += share * (i % base);
+  return x;
+}
+
+constexpr int kIterations = 40;
+constexpr int kWarmIterations = 10;  // from the fit of nearly the same data
+constexpr int kFirstIterations = 6;  // before the worse starts are given up
+constexpr std::size_t kSearchBins = 40;
+constexpr std::size_t kWarmBins = 80;
+constexpr std::size_t kFinalists = 4;
+
+}  // namespace
+
+double BranchFit::force(double u) const noexcept {
+  double sum = eta0 + eta1 * u;
+  for (const FitTerm& g : terms) sum += g.a * std::exp(-std::pow((u - g.b) / g.c, 2.0));
+  return sum;
+}
+
+void BranchFit::gradient(double u, double* out) const noexcept {
+  *out++ = 1.0;
+  *out++ = u;
+  for (const FitTerm& g : terms) {
+    const double d = (u - g.b) / g.c;
+    const double e = std::exp(-d * d);
+    *out++ = e;
+    *out++ = 2.0 * g.a * e * d / g.c;
+    *out++ = 2.0 * g.a * e * d * d / g.c;
+  }
+}
+
+BranchFit refine(const Bins& bins, const BranchFit& start, const FitSettings& settings) {
+  return polish(joined(bins, kWarmBins), nonlinear(start.terms, settings.narrowest), settings,
+                kWarmIterations);
+}
+
+std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings) {
+  std::vector<BranchFit> ladder{polish(bins, {}, settings, 1)};
+  const Bins coarse = joined(bins, kSearchBins);
+  static constexpr unsigned kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  for (int n = 1; n <= most; ++n) {
+    if (bins.size() < 2 * (2 + 3 * static_cast<std::size_t>(n))) break;
+    const bool enough = coarse.size() >= 2 + 3 * static_cast<std::size_t>(n) + 4;
+    const Bins& search = enough ? coarse : bins;
+    const Projected problem(search, n, settings);
+    std::vector<Outcome> tries;
+
+    // One more term where it explains most.
+    const std::vector<FitTerm> before = ladder.back().terms;
+    const Projected smaller(search, n - 1, settings);
+    const VectorXd residual = smaller.residual(nonlinear(before, settings.narrowest).data());
+    struct Start {
+      double gain, b, c;
+    };
+    std::vector<Start> starts;
+    for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
+      const double step = std::clamp(0.7 * c, 0.05, 0.25);
+      for (double b = -0.1; b < 1.2; b += step) starts.push_back({smaller.gain(b, c, residual), b, c});
+    }
+    std::stable_sort(starts.begin(), starts.end(),
+                     [](const Start& x, const Start& y) { return x.gain > y.gain; });
+    std::vector<Start> chosen;
+    for (const Start& s : starts) {
+      const bool close = std::any_of(chosen.begin(), chosen.end(), [&](const Start& t) {
+        return std::abs(s.b - t.b) < 0.7 * std::max(s.c, t.c) && std::abs(std::log(s.c / t.c)) < 0.8;
+      });
+      if (!close) chosen.push_back(s);
+      if (static_cast<int>(chosen.size()) == settings.polished) break;
+    }
+    for (const Start& s : chosen) {
+      std::vector<FitTerm> terms = before;
+      terms.push_back({0.0, s.b, s.c});
+      tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
+    }
+    // And anywhere: the best fit need not hold the one with a term less.
+    for (int i = 0; n > 1 && i < settings.scattered; ++i) {
+      std::vector<FitTerm> terms;
+      for (int k = 0; k < n; ++k) {
+        const double x = spread(static_cast<unsigned>(i) + 1, kPrimes[2 * k]);
+        const double y = spread(static_cast<unsigned>(i) + 1, kPrimes[2 * k + 1]);
+        // One centre in each part of the range and a little beyond, so that no two starts are the same up to
+        // order.
+        terms.push_back({0.0, -0.05 + 1.35 * (k + x) / n, 0.08 * std::pow(8.0, y)});
+      }
+      tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
+    }
+    std::stable_sort(tries.begin(), tries.end(),
+                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
+    if (tries.size() > kFinalists) tries.resize(kFinalists);
+    for (Outcome& t : tries) t = descend(problem, std::move(t.p), kIterations);
+    std::stable_sort(tries.begin(), tries.end(),
+                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
+    BranchFit best;
+    for (std::size_t i = 0; i < tries.size(); ++i) {
+      BranchFit fit = polish(bins, tries[i].p, settings, kIterations);
+      const bool first = i == 0 || fit.cost < best.cost;
+      if (first) best = std::move(fit);
+      // The best of all starts was not in the way of the constraint: the others are only worse.
+      if (i == 0 && 2.0 * tries[0].cost * settings.noise * settings.noise > 0.9 * best.cost) break;
+    }
+    ladder.push_back(std::move(best));
+  }
+  return ladder;
+}
+
+}  // namespace stribeck::ident

@@ -1,0 +1,87 @@
+#include <stribeck/ident/excitation.hpp>
+#include <stribeck/ident/least_squares_a.hpp>
+#include <stribeck/ident/test_drive.hpp>
+#include <stribeck/ident/velocity_map.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+constexpr double kPeriod = 0.005;
+
+testing::Drive straight(double noise) {
+  testing::Drive drive;
+  drive.friction.velocity_range = {-1.0, 1.0};
+  drive.friction.positive = {1255.38, 105.54e3, {}};
+  drive.friction.negative = {-1105.0, 105.54e3, {}};
+  drive.noise_rms = noise;
+  if (noise == 0.0) drive.encoder = drive.bits = 0.0;
+  return drive;
+}
+
+Record pulses(const testing::Drive& drive, std::uint64_t seed) {
+  const auto e = design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, {60e3, 1250.0, 110e3}, kPeriod);
+  return testing::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
+}
+
+// Limit: no noise. What is left: bristle at 0.5 mm/s (about 6 N of lag) and the trapezoidal mean of a
+// decaying exponential.
+TEST(LeastSquaresA, RecoversCoulombAndViscousFrictionOfPulses) {
+  const testing::Drive drive = straight(0.0);
+  const LeastSquaresA a = identify_least_squares_a({pulses(drive, 1)});
+  EXPECT_NEAR(a.mass_exact / drive.mass, 1.0, 0.002);
+  EXPECT_NEAR(a.alpha2 / 105.54e3, 1.0, 0.005);
+  EXPECT_NEAR(a.alpha0_positive, 1255.38, 6.0);
+  EXPECT_NEAR(a.alpha0_negative, -1105.0, 6.0);
+}
+
+// Closed form: θ1 = exp(−α2·T/m), so forward Euler reads y/(1 − exp(−y)) − 1 ≈ y/2 too much mass, y = α2·T/m.
+TEST(LeastSquaresA, ForwardEulerReadsHalfAPoleTooMuchMass) {
+  const LeastSquaresA a = identify_least_squares_a({pulses(straight(0.0), 1)});
+  const double y = a.alpha2 * kPeriod / a.mass_exact;
+  EXPECT_NEAR(a.mass_euler / a.mass_exact, y / (1.0 - std::exp(-y)), 1e-9);
+  EXPECT_NEAR(a.theta[0], std::exp(-y), 1e-12);
+}
+
+TEST(LeastSquaresA, TheSimpleFitTakesCoulombFrictionForInertia) {
+  const testing::Drive drive = straight(20.0);
+  const LeastSquaresA a = identify_least_squares_a({pulses(drive, 3)});
+  EXPECT_GT(a.simple_mass, 1.3 * drive.mass);
+  EXPECT_GT(a.simple_alpha2, 2.0 * 105.54e3);
+}
+
+TEST(LeastSquaresA, IntervalsCoverTheTruthUnderColouredNoise) {
+  int mass = 0;
+  int viscous = 0;
+  const testing::Drive drive = straight(20.0);
+  constexpr int kRuns = 20;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const LeastSquaresA a = identify_least_squares_a({pulses(drive, seed)});
+    EXPECT_NEAR(a.mass_exact / drive.mass, 1.0, 0.01);
+    const auto& m = a.result.parameters[0];
+    const auto& c = a.result.parameters[1];
+    mass += m.ci_low <= drive.mass && drive.mass <= m.ci_high;
+    viscous += c.ci_low <= 105.54e3 && 105.54e3 <= c.ci_high;
+  }
+  // 95 %: of 20 fewer than 16 happen once in 400.
+  EXPECT_GE(mass, 15);
+  EXPECT_GE(viscous, 15);
+}
+
+TEST(LeastSquaresA, MirroredMotionSwapsTheDirections) {
+  Record rec = pulses(straight(20.0), 4);
+  const LeastSquaresA a = identify_least_squares_a({rec});
+  for (double& x : rec.x) x = -x;
+  for (double& f : rec.f) f = -f;
+  const LeastSquaresA b = identify_least_squares_a({rec});
+  EXPECT_NEAR(a.mass_exact, b.mass_exact, 1e-6 * a.mass_exact);
+  EXPECT_NEAR(a.alpha0_positive, -b.alpha0_negative, 1e-6 * a.alpha0_positive);
+}
+
+TEST(LeastSquaresA, RefusesWhenNothingMoves) {
+  const testing::Drive drive = straight(20.0);
+  const Record still = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
+  EXPECT_THROW(identify_least_squares_a({still}), Refused);
+}
+
+}  // namespace
+}  // namespace stribeck::ident

@@ -1,0 +1,78 @@
+#pragma once
+/// What an identification hands back: numbers with 95 % intervals, the curve, the models that were tried.
+///
+/// Everything is SI; `unit` is the SI unit text and `shown` the unit people read (N s/m, N s/mm). Intervals
+/// hold under correlated residuals. A parameter that the data cannot determine has identifiable = false: its
+/// value belongs to the curve but means nothing alone. An interval that could not be computed is NaN on both
+/// sides.
+///
+/// Real time: no.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <stribeck/friction/axis_model.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident {
+
+struct Interval {
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct Parameter {
+  std::string name;  ///< mass, eta0_positive, gaussian_1_a_negative, …
+  double value = 0.0;
+  std::string unit;   ///< SI
+  std::string shown;  ///< unit that people read
+  double ci_low = std::numeric_limits<double>::quiet_NaN();
+  double ci_high = std::numeric_limits<double>::quiet_NaN();
+  bool identifiable = true;
+};
+
+struct CurvePoint {
+  double velocity = 0.0;  ///< [m/s]
+  double friction = 0.0;  ///< [N]
+  double ci_low = 0.0;    ///< [N]
+  double ci_high = 0.0;   ///< [N]
+};
+
+/// One model that was tried.
+struct Candidate {
+  std::string name;             ///< e.g. "Gaussian, 2 terms, v > 0"
+  int terms = 0;                ///< number of Gaussians
+  int parameters = 0;           ///< number of fitted parameters
+  double held_out_rms = 0.0;    ///< [N], on motion that was not fitted
+  double standard_error = 0.0;  ///< [N], of its difference from the best candidate
+  bool chosen = false;
+};
+
+/// One point of the measured velocity–friction map, for plots.
+struct MapPoint {
+  double velocity = 0.0;  ///< [m/s]
+  double friction = 0.0;  ///< [N]
+  int direction = 0;      ///< +1 or −1
+};
+
+struct Result {
+  std::string method;                      ///< "velocity-map", "least-squares-a", "idim-ls"
+  std::string model;                       ///< "gaussian", "conventional"
+  double mass = 0.0;                       ///< [kg]
+  Interval mass_interval;                  ///< [kg]
+  double load = 0.0;                       ///< constant force against +x, e.g. weight [N]
+  std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
+  std::vector<Parameter> parameters;
+  std::vector<CurvePoint> curve;                                   ///< ascending velocity
+  double held_out_rms = std::numeric_limits<double>::quiet_NaN();  ///< [N]
+  std::vector<Candidate> models;
+  std::vector<MapPoint> map;  ///< thinned
+  std::vector<std::string> warnings;
+  friction::SteadyVariant friction;                                       ///< goes into an axis file as it is
+  double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not seen
+  std::size_t rows = 0;                                                   ///< rows that were fitted
+  std::optional<std::array<int, 2>> peaks;  ///< v > 0, v < 0: terms by the thesis's rule, for comparison
+};
+
+}  // namespace stribeck::ident

@@ -1,0 +1,37 @@
+#pragma once
+/// How uncertain a linear least-squares estimate is when neighbouring rows carry nearly the same noise.
+///
+///   y = X·θ + e,   C = (XᵀX)⁻¹·S·(XᵀX)⁻¹,   half width of gᵀθ = t_{0.975}·√(gᵀCg)
+///
+/// S is the long-run covariance of the rows X_k·e_k (long_run.hpp), or that of stationary noise,
+/// (1 + 2Σρ)·σ²·XᵀX; the larger of the two half widths stands. The number of independent rows, N/(1 + 2Σρ),
+/// less the number of parameters, is the degrees of freedom.
+///
+/// Inside ident only: includes Eigen.
+/// Real time: no.
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <vector>
+
+namespace stribeck::ident {
+
+class Uncertainty {
+ public:
+  /// record and at say where in time a row lies, as in memory_of().
+  Uncertainty(const Eigen::MatrixXd& X, const Eigen::VectorXd& e, const Eigen::MatrixXd& inverse,
+              const std::vector<int>& record, const std::vector<std::size_t>& at);
+
+  /// 95 % half width of gᵀθ.
+  [[nodiscard]] double half_width(const Eigen::VectorXd& g) const;
+
+ private:
+  Eigen::MatrixXd long_run_;
+  Eigen::MatrixXd stationary_;
+  double factor_ = 0.0;
+};
+
+/// Student's quantile for 95 % intervals.
+double student_factor(double freedom);
+
+}  // namespace stribeck::ident
