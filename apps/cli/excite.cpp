@@ -3,6 +3,7 @@
 #include <apps/cli/shared.hpp>
 #include <nlohmann/json.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/io/toml.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -14,14 +15,33 @@ struct Options {
   std::string axis;
   std::string output;
   int periods = kSinePeriods;
+  std::string known;
 };
+
+/// The rough idea that an axis file gives: its friction at two speeds, the larger direction.
+ident::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits& limits) {
+  const auto model = io::read_toml<friction::AxisModel>(axis_file);
+  ident::Result result;
+  result.mass = model.mass;
+  constexpr int kPoints = 20;
+  for (int i = -kPoints; i <= kPoints; ++i) {
+    if (i == 0) continue;
+    const double v = 0.9 * limits.speed * i / kPoints;
+    const auto p = model.friction.parts(v, 0.0);
+    const double f = p.level * sign(v) + p.viscous;
+    result.curve.push_back({v, f, f, f});
+  }
+  return ident::rough_drive(result);
+}
 
 int excite(const Options& o) {
   check_outputs(o.common);
   check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
-  const ident::Excitation e = design(machine, axis, o.method, o.periods);
+  const ident::Excitation e = design(
+      machine, axis, o.method, o.periods,
+      o.known.empty() ? std::nullopt : std::optional(rough_idea(o.known, machine.axes[axis].second.limits)));
   sim::Recording table;
   table.t = e.t;
   table.r = e.r;
@@ -59,6 +79,9 @@ void add_excite(CLI::App& app, Action& action) {
   verb->add_option("--periods", o->periods, "Periods of the sine")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  verb->add_option("--known", o->known,
+                   "Axis file of an earlier identification: pulses then cover all speeds of the axis")
+      ->type_name("AXIS.toml");
   add_common(*verb, o->common);
   verb->footer(
       "Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");

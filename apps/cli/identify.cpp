@@ -1,8 +1,8 @@
 #include <apps/cli/commands.hpp>
+#include <apps/cli/learn.hpp>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
 #include <nlohmann/json.hpp>
-#include <stribeck/friction/axis_model.hpp>
 #include <stribeck/ident/idim_ls.hpp>
 #include <stribeck/ident/least_squares_a.hpp>
 #include <stribeck/ident/velocity_map.hpp>
@@ -114,15 +114,13 @@ int identify(const Options& o) {
   Identified identified = identify_records(o, records);
   ident::Result& result = identified.result;
   result.warnings.insert(result.warnings.begin(), notes.begin(), notes.end());
-  const std::string axis = o.log.axis.empty() ? "axis" : o.log.axis;
+  const std::string& axis = o.log.axis;
   if (!o.output.empty()) {
-    friction::AxisModel model;
-    model.mass = result.mass;
-    model.friction.steady = result.friction;
     io::write_atomically(
         o.output,
-        io::write_toml(model, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}).", axis,
-                                          result.model, sources, STRIBECK_VERSION, result.method)));
+        io::write_toml(as_model(result), fmt::format("{}{}, identified from {} by stribeck {} ({}).",
+                                                     axis.empty() ? "" : "Axis " + axis + ": ", result.model,
+                                                     sources, STRIBECK_VERSION, result.method)));
   }
   auto json = report::to_json(result, axis);
   if (identified.published)

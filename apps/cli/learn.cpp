@@ -6,7 +6,7 @@
 namespace stribeck::cli {
 
 ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                         int periods) {
+                         int periods, const std::optional<ident::RoughDrive>& known) {
   const sim::MachineAxis& a = machine.axes[axis].second;
   const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration,
                              a.force_limit()};
@@ -14,7 +14,8 @@ ident::Excitation design(const sim::Machine& machine, std::size_t axis, const st
   if (method == "pulses") {
     ident::PulseDesign pulses;
     pulses.start = 0.5 * (limits.travel_min + limits.travel_max);
-    return ident::design_pulses(limits, {c.mass, c.friction, 0.0}, machine.sample_time, pulses);
+    return ident::design_pulses(limits, known.value_or(ident::RoughDrive{c.mass, c.friction, 0.0}),
+                                machine.sample_time, pulses);
   }
   if (method == "jog") {
     ident::JogDesign jog;
@@ -60,10 +61,24 @@ ident::Record as_record(const sim::Recording& recording, const std::string& sour
           recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed};
 }
 
+friction::AxisModel as_model(const ident::Result& result) {
+  friction::AxisModel model;
+  model.mass = result.mass;
+  model.load = result.load;
+  model.friction.steady = result.friction;
+  return model;
+}
+
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
   const std::string& name = machine.axes[axis].first;
   Learned l;
-  const ident::Excitation pulses = design(machine, axis, "pulses", 0);
+  // A first run only tells how hard to push in the second, which then covers the speeds that the axis may
+  // have.
+  const ident::Excitation first = design(machine, axis, "pulses", 0);
+  const ident::Record tried =
+      as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
+  const ident::Excitation pulses =
+      design(machine, axis, "pulses", 0, ident::rough_drive(ident::identify_least_squares_a({tried}).result));
   const ident::Excitation sine = design(machine, axis, "sine", kSinePeriods);
   l.pulses = play(machine, axis, pulses.r, pulses.force, seed);
   l.sine = play(machine, axis, sine.r, sine.force, seed);
@@ -71,10 +86,7 @@ Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t 
   const ident::Record sine_record = as_record(l.sine, name + "-sine.csv");
   l.conventional = ident::identify_least_squares_a({pulse_record}).result;
   l.gaussian = ident::identify_velocity_map({pulse_record, sine_record});
-  l.knowledge.conventional.mass = l.conventional.mass;
-  l.knowledge.conventional.friction.steady = l.conventional.friction;
-  l.knowledge.gaussian.mass = l.gaussian.mass;
-  l.knowledge.gaussian.friction.steady = l.gaussian.friction;
+  l.knowledge = {as_model(l.conventional), as_model(l.gaussian)};
   return l;
 }
 

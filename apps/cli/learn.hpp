@@ -4,6 +4,7 @@
 /// models.
 
 #include <cstdint>
+#include <optional>
 #include <stribeck/ident/excitation.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/io/log.hpp>
@@ -24,11 +25,14 @@ struct Learned {
 /// Periods of the sine that the main job records.
 inline constexpr int kSinePeriods = 8;
 
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                         int periods);
+/// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods,
+                         const std::optional<ident::RoughDrive>& known = {});
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);
+/// What goes into an axis file.
+friction::AxisModel as_model(const ident::Result& result);
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed);
 
 /// A recording as a log file has it.

@@ -119,7 +119,7 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
   }
   r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
   if (options.by_direction) {
-    r.model = "gaussian";
+    r.model = "asymmetric";
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;
     map.positive.eta1 = theta(1);

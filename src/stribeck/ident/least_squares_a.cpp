@@ -141,7 +141,7 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
   add("alpha0_positive", out.alpha0_positive, "N", "N", 2);
   add("alpha0_negative", out.alpha0_negative, "N", "N", 3);
   r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
-  r.model = "gaussian";
+  r.model = "conventional";
   friction::Gaussian<double> map;  // no terms: Coulomb and viscous, each direction its own
   map.velocity_range = r.velocity_range;
   map.positive.eta0 = out.alpha0_positive;

@@ -12,7 +12,8 @@ namespace {
 
 std::string summary(const ident::Result& r, std::string_view axis) {
   std::string text =
-      fmt::format("Axis {}: {} friction model, found by {} from {} rows", axis, r.model, r.method, r.rows);
+      fmt::format("{}: {} friction model, found by {} from {} rows",
+                  axis.empty() ? "The axis" : fmt::format("Axis {}", axis), r.model, r.method, r.rows);
   if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
     text += fmt::format(", valid from {} to {} mm/s", significant(r.velocity_range[0] * 1e3, 3),
                         significant(r.velocity_range[1] * 1e3, 3));
@@ -48,7 +49,8 @@ std::string identify_report(const IdentifyReportInput& input) {
   std::vector<std::string> about;
   if (!input.source.empty()) about.push_back("from " + input.source);
   if (!input.version.empty()) about.push_back("stribeck " + input.version);
-  Page page("Friction of axis " + input.axis, joined(about, " · "));
+  Page page(input.axis.empty() ? "Friction of an axis" : "Friction of axis " + input.axis,
+            joined(about, " · "));
   bool first = true;
   for (const ident::Result& r : input.results) {
     if (!first) page.section("Beside it: " + r.model + " model by " + r.method);

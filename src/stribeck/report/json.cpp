@@ -63,7 +63,7 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
 nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axis) {
   Json out;
   out["schema"] = "stribeck.identify/1";
-  out["axis"] = std::string(axis);
+  out["axis"] = axis.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(axis));
   out["model"] = result.model;
   out["mass_kg"] = number_or_null(result.mass);
   out["mass_ci95_kg"] = interval(result.mass_interval.low, result.mass_interval.high);

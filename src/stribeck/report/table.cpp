@@ -119,7 +119,8 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
 }
 
 std::string text_table(const ident::Result& result, std::string_view axis) {
-  std::string out = fmt::format("axis {}: {} model by {}, {} rows", clean_text(axis),
+  std::string out = fmt::format("{}{} model by {}, {} rows",
+                                axis.empty() ? std::string() : "axis " + clean_text(axis) + ": ",
                                 clean_text(result.model), clean_text(result.method), result.rows);
   if (std::isfinite(result.held_out_rms)) {
     out += fmt::format(", {} N RMS on held-out motion", significant(result.held_out_rms, 3));
