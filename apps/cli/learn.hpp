@@ -26,8 +26,8 @@ struct Learned {
 inline constexpr int kSinePeriods = 8;
 
 /// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method, int periods,
-                         const std::optional<ident::RoughDrive>& known = {});
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                         int periods, const std::optional<ident::RoughDrive>& known = {});
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);

@@ -28,6 +28,12 @@ struct GaussianTerm {
   T b{0.0};
   T c{1.0};
 
+  /// a·exp(−((v − b)/c)²)
+  [[nodiscard]] T value(const T& v) const noexcept {
+    const T d = (v - b) / c;
+    return a * exp(-(d * d));
+  }
+
   static constexpr auto fields() {
     return std::tuple{field("a", &GaussianTerm::a, quantity("N", "N"), "height"),
                       field("b", &GaussianTerm::b, quantity("m/s", "mm/s"), "centre"),
@@ -100,8 +106,9 @@ struct Gaussian {
     for (std::size_t i = 0; i < n; ++i) {
       const GaussianTerm<T>& p = i < positive.gaussians.size() ? positive.gaussians[i] : none;
       const GaussianTerm<T>& m = i < negative.gaussians.size() ? negative.gaussians[i] : none;
-      const T d = (border - select(backward, m.b, p.b)) / select(backward, m.c, p.c);
-      sum = sum + select(backward, m.a, p.a) * exp(-(d * d));
+      const GaussianTerm<T> term{select(backward, m.a, p.a), select(backward, m.b, p.b),
+                                 select(backward, m.c, p.c)};
+      sum = sum + term.value(border);
     }
     return {select(backward, -sum, sum), select(backward, negative.eta1, positive.eta1) * v, T(0.0)};
   }

@@ -1,8 +1,10 @@
+#include <ceres/jet.h>
 #include <ceres/tiny_solver.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/gaussian_fit.hpp>
 
 namespace stribeck::ident {
@@ -225,19 +227,18 @@ constexpr std::size_t kFinalists = 4;
 
 double BranchFit::force(double u) const noexcept {
   double sum = eta0 + eta1 * u;
-  for (const FitTerm& g : terms) sum += g.a * std::exp(-std::pow((u - g.b) / g.c, 2.0));
+  for (const FitTerm& g : terms) sum += friction::GaussianTerm<double>{g.a, g.b, g.c}.value(u);
   return sum;
 }
 
 void BranchFit::gradient(double u, double* out) const noexcept {
   *out++ = 1.0;
   *out++ = u;
+  // The law itself on jets: a, b, c are the three directions.
+  using Jet = ceres::Jet<double, 3>;
   for (const FitTerm& g : terms) {
-    const double d = (u - g.b) / g.c;
-    const double e = std::exp(-d * d);
-    *out++ = e;
-    *out++ = 2.0 * g.a * e * d / g.c;
-    *out++ = 2.0 * g.a * e * d * d / g.c;
+    const friction::GaussianTerm<Jet> term{Jet(g.a, 0), Jet(g.b, 1), Jet(g.c, 2)};
+    out = std::copy_n(term.value(Jet(u)).v.data(), 3, out);
   }
 }
 
