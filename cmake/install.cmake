@@ -1,0 +1,19 @@
+# `cmake --install` puts the command, the headers and the libraries where find_package(stribeck) finds them. The real-time tier is
+# headers alone: stribeck::control needs nothing else.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(modules core friction path control plant sim)
+list(TRANSFORM modules PREPEND stribeck_ OUTPUT_VARIABLE targets)
+install(TARGETS ${targets} EXPORT stribeckTargets)
+install(TARGETS stribeck RUNTIME)
+foreach(module IN LISTS modules)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/stribeck/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stribeck
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "test_*" EXCLUDE)
+endforeach()
+install(EXPORT stribeckTargets NAMESPACE stribeck:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)
+file(WRITE ${PROJECT_BINARY_DIR}/stribeckConfig.cmake
+     "include(CMakeFindDependencyMacro)\nfind_dependency(Threads)\ninclude(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)\n")
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/stribeckConfig.cmake ${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)
