@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <apps/cli/commands.hpp>
 #include <cstdio>
 #include <exception>
+
+#include <apps/cli/commands.hpp>
 #include <stribeck/ident/velocity_map.hpp>
 #include <stribeck/io/error.hpp>
 

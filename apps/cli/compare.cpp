@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include <apps/cli/commands.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
-#include <nlohmann/json.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/compare_report.hpp>

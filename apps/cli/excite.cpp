@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include <apps/cli/commands.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
-#include <nlohmann/json.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
 

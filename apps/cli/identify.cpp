@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include <apps/cli/commands.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
-#include <nlohmann/json.hpp>
 #include <stribeck/ident/idim_ls.hpp>
 #include <stribeck/ident/least_squares_a.hpp>
 #include <stribeck/ident/velocity_map.hpp>

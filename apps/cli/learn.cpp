@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/least_squares_a.hpp>

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <apps/cli/log_record.hpp>
-#include <apps/cli/shared.hpp>
 #include <array>
 #include <cctype>
 #include <optional>
+
+#include <apps/cli/log_record.hpp>
+#include <apps/cli/shared.hpp>
 #include <stribeck/io/units.hpp>
 
 namespace stribeck::cli {

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/toml.hpp>

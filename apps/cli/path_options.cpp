@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
 #include <unistd.h>
-#include <apps/cli/shared.hpp>
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+
+#include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>

@@ -1,3 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <stribeck/ident/filter.hpp>
 
 namespace stribeck::ident {

@@ -1,3 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <ceres/jet.h>
 
 #include <stribeck/friction/gaussian.hpp>

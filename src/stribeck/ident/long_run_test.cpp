@@ -1,3 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <numeric>
 #include <random>
 #include <stribeck/ident/long_run.hpp>

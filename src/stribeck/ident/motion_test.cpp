@@ -1,3 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <random>
 #include <stribeck/ident/motion.hpp>
 #include <stribeck/ident/test_drive.hpp>

@@ -1,3 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <stribeck/ident/excitation.hpp>
 #include <stribeck/ident/test_drive.hpp>
 #include <stribeck/ident/velocity_map.hpp>
