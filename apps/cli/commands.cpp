@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <exception>
 
 #include <apps/cli/commands.hpp>
 #include <stribeck/ident/velocity_map.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -56,6 +58,13 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help and --version print to stdout
   } catch (const CLI::ParseError& e) {
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
+      constexpr std::array<std::string_view, 4> kVerbs{"compare", "identify", "excite", "simulate"};
+      const std::string_view near = io::nearest(argv[1], {kVerbs.begin(), kVerbs.end()});
+      complain(fmt::format("unknown verb {}{} (stribeck --help lists the verbs)", io::in_quotes(argv[1]),
+                           near.empty() ? "" : fmt::format(", did you mean {}", near)));
+      return kBadInput;
+    }
     complain(
         fmt::format("{} (stribeck --help lists the verbs, stribeck VERB --help their options)", e.what()));
     return kBadInput;
@@ -76,6 +85,9 @@ int run(int argc, const char* const* argv) {
     for (const io::Problem& p : e.problems()) complain(p.text());
     return kBadInput;
   } catch (const ident::Refused& e) {
+    complain(e.what());
+    return kNo;
+  } catch (const sim::Refused& e) {
     complain(e.what());
     return kNo;
   } catch (const std::bad_alloc&) {

@@ -40,6 +40,8 @@ sim::CompareSpec spec_of(const Options& o) {
   return s;
 }
 
+constexpr std::string_view kPrintedMachine = "biaxial table";
+
 /// The printed figures belong to one experiment: the circle of 10 mm at the gains of the table.
 std::span<const report::PrintedTable> printed_for(const Options& o) {
   PathOptions standard;
@@ -68,6 +70,7 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
 }
 
 int compare(const Options& o) {
+  check_distinct({o.machine}, {o.common.json});
   check_outputs(o.common);
   const sim::Machine machine = load_machine(o.machine);
   const sim::CompareSpec spec = spec_of(o);
@@ -79,7 +82,10 @@ int compare(const Options& o) {
     result = sim::compare(machine, parameters.knowledge, spec,
                           [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
-  const auto printed = printed_for(o);
+  // The printed figures are those of one machine.
+  const auto printed = machine.name == kPrintedMachine && o.parameters.axis_files.empty()
+                           ? printed_for(o)
+                           : std::span<const report::PrintedTable>();
   write_json(o.common.json, report::to_json(result, o.experiment));
   if (!o.common.report.empty()) {
     report::CompareReportInput input;
@@ -104,6 +110,8 @@ int compare(const Options& o) {
     write_evidence(o.common.report, machine, parameters);
   }
   say(o.common, report::text_table(result, printed));
+  for (const std::string& warning : report::status_warnings(result))
+    say(o.common, "Warning: " + warning + ".\n");
   say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
   return 0;
 }

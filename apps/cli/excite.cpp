@@ -38,6 +38,7 @@ ident::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits
 }
 
 int excite(const Options& o) {
+  check_distinct({o.machine, o.known}, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);
@@ -80,7 +81,7 @@ void add_excite(CLI::App& app, Action& action) {
       ->required()
       ->type_name("REF.csv");
   verb->add_option("--periods", o->periods, "Periods of the sine")
-      ->check(CLI::Range(1, 10000))
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--known", o->known,
                    "Axis file of an earlier identification: pulses then cover all speeds of the axis")

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -43,6 +44,7 @@ void refuse_pair(const std::string& method, const std::string& model, const std:
 /// A result, and what a published protocol prints beside it.
 struct Identified {
   ident::Result result;
+  std::optional<ident::LeastSquaresA> model_a;
   std::optional<ident::IdimResult::Published> published;
 };
 
@@ -56,16 +58,18 @@ Identified identify_records(const Options& o, const std::vector<ident::Record>& 
     ident::IdimOptions options;
     options.by_direction = o.model == "asymmetric";
     ident::IdimResult idim = ident::identify_idim_ls(records.front(), options);
-    return {std::move(idim.result), std::move(idim.published)};
+    return {std::move(idim.result), {}, std::move(idim.published)};
   }
   if (method == "least-squares") {
     if (o.model != "auto" && o.model != "conventional") refuse_pair(method, o.model, "auto or conventional");
-    return {ident::identify_least_squares_a(records).result, {}};
+    ident::LeastSquaresA a = ident::identify_least_squares_a(records);
+    ident::Result result = a.result;
+    return {std::move(result), std::move(a), {}};
   }
   if (o.model != "auto" && o.model != "gaussian") refuse_pair(method, o.model, "auto or gaussian");
   ident::VelocityMapOptions options;
   if (o.terms >= 0) options.terms = o.terms;
-  return {ident::identify_velocity_map(records, options), {}};
+  return {ident::identify_velocity_map(records, options), {}, {}};
 }
 
 /// Names and SI units in the order of the law.
@@ -102,7 +106,37 @@ std::string published_text(const ident::IdimResult::Published& p, bool by_direct
              p.error_norm, 100.0 * p.relative_error, p.error_deviation, p.condition);
 }
 
+/// What the logs themselves say about how far the result can be trusted.
+void warn_of_records(const std::vector<ident::Record>& records, const std::string& method,
+                     std::vector<std::string>& warnings) {
+  for (const ident::Record& r : records) {
+    if (method == "least-squares" && !r.r.empty()) {
+      warnings.push_back(r.source +
+                         ": least squares is made for pulses in open loop; in a closed-loop log the force "
+                         "reacts to the noise, "
+                         "and mass and interval can be far off (use --method velocity-map)");
+    }
+    // A controller's force that stays at its extreme is cut off; programmed pulses have flat tops of their own.
+    if (r.r.empty()) continue;
+    const auto [low, high] = std::minmax_element(r.f.begin(), r.f.end());
+    std::size_t cut = 0;
+    std::size_t first = 0;
+    for (std::size_t k = 1; k < r.f.size(); ++k) {
+      if ((r.f[k] == *low || r.f[k] == *high) && r.f[k] == r.f[k - 1] && cut++ == 0) first = k;
+    }
+    constexpr double kFew = 0.005;
+    if (static_cast<double>(cut) > kFew * static_cast<double>(r.f.size())) {
+      warnings.push_back(
+          fmt::format("{}: the force stands at its largest value in {} rows, first in row {}: the drive was "
+                      "at its limit or "
+                      "the channel is cut off, and the result is biased",
+                      r.source, cut, first + 1));
+    }
+  }
+}
+
 int identify(const Options& o) {
+  check_distinct(o.logs, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
   std::vector<ident::Record> records;
@@ -116,6 +150,8 @@ int identify(const Options& o) {
   }
   Identified identified = identify_records(o, records);
   ident::Result& result = identified.result;
+  refuse_nonsense(result, sources);
+  warn_of_records(records, method_of(o), result.warnings);
   result.warnings.insert(result.warnings.begin(), notes.begin(), notes.end());
   const std::string& axis = o.log.axis;
   if (!o.output.empty()) {
@@ -128,12 +164,28 @@ int identify(const Options& o) {
   auto json = report::to_json(result, axis);
   if (identified.published)
     json["published"] = published_json(*identified.published, o.model == "asymmetric");
+  if (result.peaks) json["peaks"] = {{"positive", (*result.peaks)[0]}, {"negative", (*result.peaks)[1]}};
+  if (identified.model_a) {
+    json["forward_euler_mass_kg"] = identified.model_a->mass_euler;
+    json["simple_least_squares_mass_kg"] = identified.model_a->simple_mass;
+  }
   write_json(o.common.json, json);
   if (!o.common.report.empty()) {
     report::write_identify_report(o.common.report,
                                   {axis, {result}, sources, typed_command(), STRIBECK_VERSION});
   }
   say(o.common, report::text_table(result, axis));
+  if (result.peaks) {
+    say(o.common, fmt::format("\nPeaks of the smoothed map, by which the thesis chooses the number of terms: "
+                              "{} for v > 0, {} for v < 0.\n",
+                              (*result.peaks)[0], (*result.peaks)[1]));
+  }
+  if (identified.model_a) {
+    say(o.common, fmt::format("\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least "
+                              "squares, without Coulomb friction: "
+                              "{:.4g} N s2/mm.\n",
+                              identified.model_a->mass_euler * 1e-3, identified.model_a->simple_mass * 1e-3));
+  }
   if (identified.published) say(o.common, published_text(*identified.published, o.model == "asymmetric"));
   return 0;
 }

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <cmath>
 
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
@@ -63,6 +64,30 @@ ident::Record as_record(const sim::Recording& recording, const std::string& sour
           recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed};
 }
 
+void refuse_nonsense(const ident::Result& result, const std::string& source) {
+  if (!std::isfinite(result.mass)) {
+    throw ident::Refused(
+        fmt::format("{}: no mass comes out of these data: force and motion do not belong together", source));
+  }
+  if (!(result.mass > 0.0)) {
+    throw ident::Refused(
+        fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
+                    "opposite signs, or "
+                    "columns are exchanged (see --map and --gain)",
+                    source, result.mass * 1e-3));
+  }
+  if (!(result.mass_interval.low > 0.0)) {
+    throw ident::Refused(fmt::format(
+        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the log "
+        "has too little acceleration (add a log of pulses), or its columns are not what they are called",
+        source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
+  }
+  for (const ident::CurvePoint& p : result.curve) {
+    if (!std::isfinite(p.friction))
+      throw ident::Refused(fmt::format("{}: no friction comes out of these data", source));
+  }
+}
+
 friction::AxisModel as_model(const ident::Result& result) {
   friction::AxisModel model;
   model.mass = result.mass;
@@ -88,6 +113,8 @@ Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t 
   const ident::Record sine_record = as_record(l.sine, name + "-sine.csv");
   l.conventional = ident::identify_least_squares_a({pulse_record}).result;
   l.gaussian = ident::identify_velocity_map({pulse_record, sine_record});
+  refuse_nonsense(l.conventional, pulse_record.source);
+  refuse_nonsense(l.gaussian, sine_record.source);
   l.knowledge = {as_model(l.conventional), as_model(l.gaussian)};
   return l;
 }

@@ -31,6 +31,8 @@ ident::Excitation design(const sim::Machine& machine, std::size_t axis, const st
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);
+/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, numbers that are not finite.
+void refuse_nonsense(const ident::Result& result, const std::string& source);
 /// What goes into an axis file.
 friction::AxisModel as_model(const ident::Result& result);
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed);

@@ -159,6 +159,7 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
                          s.gain.shown)});
       }
       const double gain = option_si("--gain", options.gain, s.gain);
+      if (gain == 0.0) refuse_option("--gain", "got 0, expected the force per unit of the column");
       for (double& v : *values) v *= gain;
       record.f = std::move(*values);
       break;

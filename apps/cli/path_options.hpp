@@ -18,6 +18,7 @@ struct PathOptions {
   std::string omega_n = "40 rad/s";
   std::string observer_pole = "20 1/s";
   std::string accuracy = "1 nm";
+  std::string observer = "disturbance";
   std::string error_rate = "difference-of-error";
 
   friend bool operator==(const PathOptions&, const PathOptions&) = default;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -89,6 +90,25 @@ void check_writable(const std::string& path) {
   }
   if (access(folder.c_str(), W_OK) != 0) {
     throw io::InputError({path, 0, {}, fmt::format("cannot be written: {}", std::strerror(errno))});
+  }
+}
+
+void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  std::vector<fs::path> taken;
+  for (const std::string& path : inputs) taken.push_back(fs::weakly_canonical(path, ignored));
+  for (const std::string& path : outputs) {
+    if (path.empty() || (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))) continue;
+    const fs::path file = fs::weakly_canonical(path, ignored);
+    if (std::find(taken.begin(), taken.end(), file) != taken.end()) {
+      throw io::InputError(
+          {path,
+           0,
+           {},
+           "would be overwritten: it is an input or another output of this command (choose another name)"});
+    }
+    taken.push_back(file);
   }
 }
 

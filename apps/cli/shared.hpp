@@ -7,6 +7,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -51,6 +52,9 @@ double option_si(const std::string& option, const std::string& text, const Quant
 
 /// Something is wrong with an option.
 [[noreturn]] void refuse_option(const std::string& option, const std::string& message);
+
+/// Refuses outputs that are the same file as an input or as each other.
+void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
 /// Fails early when a result could not be written at the end: checks the folder of every path that is not
 /// empty.

@@ -77,7 +77,7 @@ int play_reference(const Options& o, const sim::Machine& machine) {
                              {"rows", log.rows},
                              {"duration_s", recording.t.back()}});
   say(o.common,
-      fmt::format("{} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
+      fmt::format("{:.6g} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
   return 0;
 }
 
@@ -143,6 +143,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
 }
 
 int simulate(const Options& o) {
+  check_distinct({o.machine, o.reference}, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);

@@ -13,7 +13,6 @@ enum class Status : std::uint8_t {
   kNotFinite,             ///< an input was NaN or infinite; the step held its last safe output
   kOutputLimited,         ///< the output reached the limit of the drive
   kOutsideVelocityRange,  ///< a friction model was asked beyond the velocities it was identified on
-  kPathEnd,               ///< the reference has come to its end
   kCount
 };
 
@@ -27,8 +26,6 @@ constexpr std::string_view describe(Status s) noexcept {
       return "the output reached the limit of the drive";
     case Status::kOutsideVelocityRange:
       return "friction was asked beyond the velocities the model was identified on";
-    case Status::kPathEnd:
-      return "the reference has come to its end";
     case Status::kCount:
       break;
   }

@@ -81,7 +81,7 @@ class Table {
     const double u = abs(v) * scale_[side];
     Near n;
     n.viscous_ = viscous_[side];
-    if (u >= kHighest) {  // the border is held: a cell that is read at its own end only
+    if (!(u < kHighest)) {  // the border is held; NaN ends here too and stays NaN
       n.cell_ = &border_[side];
       n.scale_ = 0.0;
       return n;

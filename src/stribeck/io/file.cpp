@@ -79,6 +79,9 @@ FileBytes::FileBytes(const std::string& path) {
   struct stat info {};
   if (::fstat(fd.get(), &info) != 0) fail(path, "cannot be read: " + reason(errno));
   if (S_ISDIR(info.st_mode)) fail(path, "is a directory, expected a file (name a file inside it)");
+  if (S_ISBLK(info.st_mode) || (S_ISCHR(info.st_mode) && ::isatty(fd.get()) == 0)) {
+    fail(path, "is a device, expected a file");
+  }
   const auto size = static_cast<std::size_t>(info.st_size);
   if (S_ISREG(info.st_mode) && size > 0) {
     void* at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);

@@ -732,7 +732,11 @@ std::vector<double> in_si(const Column& column, const Quantity& quantity) {
 
 std::string csv_text(const Log& log) {
   std::string out;
-  for (const auto& [key, value] : log.metadata) out += "# " + key + ": " + value + '\n';
+  for (const auto& [key, value] : log.metadata) {
+    std::string line = key + ": " + value;
+    for (char& c : line) c = c == '\n' || c == '\r' ? ' ' : c;
+    out += "# " + line + '\n';
+  }
   for (std::size_t c = 0; c < log.columns.size(); ++c)
     out += (c > 0 ? "," : "") + header_text(log.columns[c]);
   out += '\n';

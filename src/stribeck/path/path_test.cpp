@@ -103,6 +103,19 @@ TEST_P(EveryCurve, LinearisedContourErrorIsOffBySecondOrder) {
   EXPECT_NEAR(order, 2.0, 0.05);
 }
 
+TEST_P(EveryCurve, ExactContourErrorFarFromThePathIsTheDistance) {
+  // Against brute force: a lost axis must not look as if it were close.
+  for (const Vec2 p : {Vec2{{0.3, 0.2}}, Vec2{{-0.7, 0.01}}, Vec2{{0.02, -0.05}}}) {
+    for (const double phi : {0.1, 1.5, 2.9}) {
+      double least = 1e9;
+      for (int i = 0; i < 20000; ++i)
+        least = std::min(least, norm(p - curve.point(curve.period() * i / 20000.0)));
+      EXPECT_GT(std::abs(contour_error(curve, p, phi)), 0.999 * least);
+      EXPECT_LT(std::abs(contour_error(curve, p, phi)), least + 0.03);  // a minimum, if not always the least
+    }
+  }
+}
+
 TEST(ContourError, IsPositiveToTheLeft) {
   const Curve circle{Shape::kCircle, 10e-3};  // counter-clockwise: left is inside
   EXPECT_GT(contour_error(circle, Vec2{{9.999e-3, 0.0}}, 0.0), 0.0);

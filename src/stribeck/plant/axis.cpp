@@ -132,6 +132,12 @@ double Axis::current() const {
   if (implementation_->amplifier_gain) return *implementation_->amplifier_gain * implementation_->voltage;
   return std::visit([](const auto& m) { return m.current(); }, implementation_->mechanics);
 }
+double Axis::power() const {
+  const auto* motor = std::get_if<VoltageDrive>(&implementation_->params.drive);
+  if (motor == nullptr) return std::numeric_limits<double>::quiet_NaN();
+  const double i = current();
+  return motor->resistance * i * i + motor->back_emf * motor->screw_ratio() * velocity() * i;
+}
 double Axis::rate_bound() const {
   return std::visit([](const auto& m) { return m.rate_bound(); }, implementation_->mechanics);
 }

@@ -46,6 +46,9 @@ class Axis {
   [[nodiscard]] double voltage() const;         ///< last, after the D/A converter [V]
   [[nodiscard]] double current() const;  ///< motor current [A]; NaN when the machine file does not tell
 
+  /// Electrical power R·i² + K_e·θ̇·i [W]; NaN when the machine file does not tell the motor.
+  [[nodiscard]] double power() const;
+
   /// Fastest rate of the equations but for the decay of friction [1/s].
   [[nodiscard]] double rate_bound() const;
 

@@ -8,6 +8,7 @@
 #include <stribeck/report/compare_report.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/parameters.hpp>
+#include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
 
@@ -646,14 +647,7 @@ std::vector<std::string> all_warnings(const CompareReportInput& input) {
         all.push_back(fmt::format("axis {}, {} model: {}", axis, (*r)->model, w));
     }
   }
-  for (const sim::CompareRow& r : input.result.rows) {
-    for (const Status s : {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange}) {
-      if (r.status.count(s) == 0) continue;
-      all.push_back(fmt::format("{} at {} mm/s: {} ({} times in {} trials)", name_of(r),
-                                short_number(r.speed * kMilli), describe(s), r.status.count(s),
-                                input.result.spec.trials));
-    }
-  }
+  for (std::string& w : status_warnings(input.result)) all.push_back(std::move(w));
   return all;
 }
 

@@ -3,6 +3,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/parameters.hpp>
+#include <stribeck/report/table.hpp>
 
 namespace stribeck::report {
 namespace {
@@ -20,8 +21,7 @@ void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
   out["rms_um"] = number_or_null(m.rms * kMicro);
   out["sd_um"] = number_or_null(m.sd * kMicro);
   out["mean_abs_um"] = number_or_null(m.mean_abs * kMicro);
-  out["power_W"] =
-      nullptr;  // needs the motor's resistance and back-EMF, which no plant of this version reports
+  out["power_W"] = number_or_null(m.power);
   out["mean_abs_ui_W"] = number_or_null(m.mean_abs_ui);
   out["input_variation_V"] = number_or_null(m.input_variation);
   Json tracking = Json::array();
@@ -57,6 +57,7 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
     rows.push_back(std::move(row));
   }
   out["rows"] = std::move(rows);
+  out["warnings"] = status_warnings(result);
   return out;
 }
 

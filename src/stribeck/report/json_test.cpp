@@ -93,7 +93,8 @@ TEST(CompareJson, IsAsDescribed) {
         "accuracy_nm": 1.0
       }
     }
-  ]
+  ],
+  "warnings": []
 }
 )";
   EXPECT_EQ(io::dump(to_json(result, "bi-table")), expected);

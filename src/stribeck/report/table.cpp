@@ -69,6 +69,19 @@ std::string with_spread(double mean, double spread) {
 
 }  // namespace
 
+std::vector<std::string> status_warnings(const sim::CompareResult& result) {
+  std::vector<std::string> all;
+  for (const sim::CompareRow& r : result.rows) {
+    for (const Status s : {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange}) {
+      if (r.status.count(s) == 0) continue;
+      all.push_back(fmt::format("({}) at {:.6g} mm/s: {} ({} times in {} trial{})", r.controller.id,
+                                r.speed * 1e3, describe(s), r.status.count(s), result.spec.trials,
+                                result.spec.trials == 1 ? "" : "s"));
+    }
+  }
+  return all;
+}
+
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed) {
   std::vector<double> speeds;
   for (const sim::CompareRow& r : result.rows) {

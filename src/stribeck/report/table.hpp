@@ -8,10 +8,14 @@
 #include <stribeck/sim/compare.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace stribeck::report {
 
 inline constexpr std::size_t kTableWidth = 100;
+
+/// What controllers reported while they ran (limits, models asked outside their range), one sentence for each row.
+std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed = {});
 

@@ -25,6 +25,7 @@ inline sim::Metrics metrics(double max, double rms) {
   m.sd = rms;
   m.mean_abs = 0.5 * rms;
   m.mean_abs_tracking = {rms, 2.0 * rms};
+  m.power = kNaN;
   m.mean_abs_ui = kNaN;
   m.input_variation = 0.125;
   return m;

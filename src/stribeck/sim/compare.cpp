@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/parallel.hpp>
 
@@ -15,6 +16,7 @@ void for_each_figure(F&& f) {
   f([](auto& m) -> auto& { return m.mean_abs; });
   f([](auto& m) -> auto& { return m.mean_abs_tracking[0]; });
   f([](auto& m) -> auto& { return m.mean_abs_tracking[1]; });
+  f([](auto& m) -> auto& { return m.power; });
   f([](auto& m) -> auto& { return m.mean_abs_ui; });
   f([](auto& m) -> auto& { return m.input_variation; });
 }
@@ -57,7 +59,7 @@ control::Contouring make_controller(const Machine& machine, const std::vector<Ax
     control::CompensationParams& c = p.compensation[i];
     c.model = which.friction == FrictionUse::kGaussian ? k.gaussian : k.conventional;
     c.friction_feedforward = which.friction != FrictionUse::kNone;
-    c.observer = which.observer;
+    c.observer = which.observer == control::Observer::kNone ? control::Observer::kNone : spec.observer;
     c.observer_pole = spec.observer_pole;
     c.encoder_resolution = machine.axes[i].second.plant.encoder.resolution;
     p.force_limit[i] = machine.axes[i].second.force_limit();
@@ -101,8 +103,15 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
   parallel_for(
       cells.size(), spec.threads, make_table,
       [&](Table2& table, std::size_t i) {
-        result.rows[i].substeps = choose_substeps(table, cells[i].controller, cells[i].travel,
-                                                  *cells[i].reference, machine.sample_time, spec.accuracy);
+        const CompareRow& row = result.rows[i];
+        try {
+          result.rows[i].substeps = choose_substeps(table, cells[i].controller, cells[i].travel,
+                                                    *cells[i].reference, machine.sample_time, spec.accuracy);
+        } catch (const Refused& e) {
+          char where[64];
+          std::snprintf(where, sizeof where, "%.6g mm/s", row.speed * 1e3);
+          throw Refused("controller (" + row.controller.id + ") at " + where + ": " + e.what());
+        }
       },
       report);
   before = cells.size();

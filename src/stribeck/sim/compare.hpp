@@ -39,6 +39,8 @@ struct CompareSpec {
   double omega_t = 40.0;        ///< double pole along the path [rad/s]
   double omega_n = 40.0;        ///< double pole across the path [rad/s]
   double observer_pole = 20.0;  ///< [1/s]
+  control::Observer observer =
+      control::Observer::kDisturbance;  ///< which one the controllers with an observer have
   control::ErrorRate error_rate = control::ErrorRate::kDifferenceOfError;
   std::vector<ControllerSpec> controllers;
   std::uint32_t trials = 10;

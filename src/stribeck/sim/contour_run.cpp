@@ -6,7 +6,9 @@ namespace {
 
 /// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step.
 constexpr double kStableRate = 1.7;
-constexpr int kMostSubsteps = 4096;
+/// An axis that is farther than this share of the path's size from it does not follow.
+constexpr double kLost = 0.2;
+constexpr int kLoopIsLost = 32;
 
 }  // namespace
 
@@ -60,6 +62,7 @@ Metrics Table2::run(const control::Contouring& controller, const Travel& travel,
                    position - r.position,
                    {{axes_[0].voltage(), axes_[1].voltage()}},
                    {{axes_[0].current(), axes_[1].current()}},
+                   {{axes_[0].power(), axes_[1].power()}},
                    in_glitch});
     }
   }
@@ -79,19 +82,46 @@ int choose_substeps(Table2& table, const control::Contouring& controller, const 
     table.run(controller, travel, part, {substeps, false, false}, 1, 0, &seen);
     return seen;
   };
-  int n = std::max(2, static_cast<int>(std::ceil(table.rate_bound() * period / kStableRate)));
-  for (; n < kMostSubsteps; n += (n + 1) / 2) {
+  const double least = table.rate_bound() * period / kStableRate;
+  if (!(least <= kMostSubsteps)) {
+    throw Refused(
+        "the machine needs more than 512 sub-steps per control period for its fastest rate (friction "
+        "stiffness and damping over "
+        "mass, armature or axial mode); a shorter sample_time or a softer machine can be simulated");
+  }
+  const auto follows = [&](const std::vector<ContourSample>& run) {
+    for (const ContourSample& s : run) {
+      if (!(std::abs(s.contour_error) <= kLost * travel.curve.size)) return false;
+    }
+    return true;
+  };
+  int n = std::max(2, static_cast<int>(std::ceil(least)));
+  bool followed = false;
+  for (; n <= kMostSubsteps; n += (n + 1) / 2) {
     const auto coarse = trace(n);
     const auto fine = trace(2 * n);
+    const bool follows_now = follows(coarse) && follows(fine);
+    // Too few sub-steps can lose the path; when many lose it too, it is the loop.
+    if (!follows_now && n >= kLoopIsLost) break;
+    followed = followed || follows_now;
     double worst = 0.0;
     for (std::size_t k = 0; k < coarse.size(); ++k) {
       const double d = std::abs(fine[k].contour_error - coarse[k].contour_error);
       worst = std::isfinite(d) ? std::max(worst, d) : std::numeric_limits<double>::infinity();
     }
     // At a reversal the order falls to two: the coarse run is off by 4/3 of the difference.
-    if (worst * 4.0 / 3.0 <= accuracy) break;
+    if (worst * 4.0 / 3.0 <= accuracy && follows_now) return n;
   }
-  return n;
+  if (!followed) {
+    throw Refused(
+        "the loop does not follow the path (error above a fifth of its size): it is unstable or too slow "
+        "with these gains, "
+        "delay and sample_time");
+  }
+  throw Refused(
+      "the contour error does not settle within the accuracy for up to 512 sub-steps: the loop is at the "
+      "edge of "
+      "stability, or the accuracy is finer than rounding allows");
 }
 
 }  // namespace stribeck::sim

@@ -6,6 +6,7 @@
 /// at constant speed and runs out; it is scored on the laps. Real time: no.
 
 #include <cstdint>
+#include <stdexcept>
 #include <stribeck/control/contouring.hpp>
 #include <stribeck/path/contour_error.hpp>
 #include <stribeck/plant/axis.hpp>
@@ -37,6 +38,9 @@ struct ContourSample {
   bool scored = false;
 };
 
+/// No run is simulated with more sub-steps per control period.
+inline constexpr int kMostSubsteps = 512;
+
 /// The reference of a travel, sampled once and shared by every run on it.
 std::vector<path::PathPoint> sample_reference(const Travel& travel, double period);
 
@@ -57,6 +61,11 @@ class Table2 {
   std::array<plant::Axis, 2> axes_;
   std::array<double, 2> gain_;
   double period_;
+};
+
+/// A run that cannot be simulated, or whose result would mean nothing; what() says why and what would help.
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// Smallest number of sub-steps for which the trace of the contour error of this run, with quantisers and

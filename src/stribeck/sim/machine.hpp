@@ -110,6 +110,14 @@ struct Machine {
   template <class Report>
   void validate(Report&& report) const {
     if (axes.empty()) report("axes", "expected at least one axis");
+    // Names become parts of file and column names.
+    for (const auto& [axis, unused] : axes) {
+      constexpr std::string_view kPermitted =
+          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+      if (axis.empty() || axis.size() > 16 || axis.find_first_not_of(kPermitted) != std::string::npos) {
+        report("axes", "an axis name has 1 to 16 letters and digits, e.g. x or c2");
+      }
+    }
   }
 };
 

@@ -1,11 +1,11 @@
 #pragma once
-/// Figures of merit of one run, by their textbook definitions (the thesis prints SD > RMS, which one signal
-/// cannot have).
+/// Figures of merit of one run, by their textbook definitions (the thesis prints SD > RMS, which one signal cannot have).
 ///
 ///   max |ε|;  RMS = √mean ε²;  SD = √(RMS² − mean²);  mean |ε|
-///   quadrant glitch   max |ε| within the first 0.15 mm that an axis travels after its reference velocity
-///   changed sign input variation   mean |Δu| over the axes and samples; chattering shows here mean |u·i|
-///   mean over the axes' sum of |u·i|, known where the motor's current is
+///   quadrant glitch   max |ε| within the first 0.15 mm that an axis travels after its reference velocity changed sign
+///   input variation   mean |Δu| over the axes and samples; chattering shows here
+///   power             mean electrical power R·i² + K_e·θ̇·i, sum over the axes; known where the motor is
+///   mean |u·i|        mean of the axes' sum of |u·i|; known where the current is
 ///
 /// ε contour error [m], u voltage [V], i current [A]. Real time: no.
 
@@ -25,13 +25,14 @@ struct Metrics {
   double sd = 0.0;                            ///< [m]
   double mean_abs = 0.0;                      ///< [m]
   std::array<double, 2> mean_abs_tracking{};  ///< [m]
-  double mean_abs_ui = 0.0;                   ///< [W]; NaN when the current is not known
-  double input_variation = 0.0;               ///< [V]
+  double power = 0.0;        ///< electrical, R·i² + K_e·θ̇·i, sum over the axes [W]; NaN when not known
+  double mean_abs_ui = 0.0;  ///< [W]; NaN when the current is not known
+  double input_variation = 0.0;  ///< [V]
 
   /// Every figure NaN: not known.
   static Metrics unknown() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone, kNone, kNone, kNone, {kNone, kNone}, kNone, kNone};
+    return {kNone, kNone, kNone, kNone, kNone, {kNone, kNone}, kNone, kNone, kNone};
   }
 };
 
@@ -70,12 +71,13 @@ class MetricsCollector {
     Vec2 tracking_error;
     Vec2 voltage;
     Vec2 current;
+    Vec2 power;
     bool in_glitch = false;
   };
 
   void add(const Sample& s) noexcept {
     const double e = std::abs(s.contour_error);
-    max_ = std::max(max_, e);
+    if (!(e <= max_)) max_ = e;  // NaN stays
     if (s.in_glitch) glitch_ = std::isnan(glitch_) ? e : std::max(glitch_, e);
     sum_ += s.contour_error;
     sum_abs_ += e;
@@ -83,6 +85,7 @@ class MetricsCollector {
     for (std::size_t i = 0; i < 2; ++i) {
       tracking_[i] += std::abs(s.tracking_error[i]);
       ui_ += std::abs(s.voltage[i] * s.current[i]);
+      power_ += s.power[i];
       if (count_ > 0) variation_ += std::abs(s.voltage[i] - last_[i]);
     }
     last_ = s.voltage;
@@ -99,6 +102,7 @@ class MetricsCollector {
     m.sd = std::sqrt(std::max(0.0, sum_square_ / n - mean * mean));
     m.mean_abs = sum_abs_ / n;
     m.mean_abs_tracking = {tracking_[0] / n, tracking_[1] / n};
+    m.power = power_ / n;
     m.mean_abs_ui = ui_ / n;
     m.input_variation = variation_ / (2.0 * (n - 1.0));
     return m;
@@ -112,6 +116,7 @@ class MetricsCollector {
   double sum_square_ = 0.0;
   std::array<double, 2> tracking_{};
   double ui_ = 0.0;
+  double power_ = 0.0;
   double variation_ = 0.0;
   Vec2 last_;
   int count_ = 0;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stribeck/sim/contour_run.hpp>
 #include <stribeck/sim/recording.hpp>
 
 namespace stribeck::sim {
@@ -40,8 +41,9 @@ template <class Run>
 int choose(const Machine& machine, std::size_t which, double accuracy, Run&& run) {
   const MachineAxis& axis = machine.axes[which].second;
   const plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
-  int n = std::max(2, static_cast<int>(std::ceil(plant.rate_bound() * machine.sample_time / kStableRate)));
-  for (; n < 4096; n += (n + 1) / 2) {
+  const double least = plant.rate_bound() * machine.sample_time / kStableRate;
+  for (int n = std::max(2, static_cast<int>(std::ceil(std::min(least, 2.0 * kMostSubsteps))));
+       n <= kMostSubsteps; n += (n + 1) / 2) {
     const Recording coarse = run(plant::Fidelity{n, false, false});
     const Recording fine = run(plant::Fidelity{2 * n, false, false});
     double worst = 0.0;
@@ -49,9 +51,12 @@ int choose(const Machine& machine, std::size_t which, double accuracy, Run&& run
       const double d = std::abs(coarse.x[k] - fine.x[k]);
       worst = std::isfinite(d) ? std::max(worst, d) : std::numeric_limits<double>::infinity();
     }
-    if (worst * 4.0 / 3.0 <= accuracy) break;
+    if (worst * 4.0 / 3.0 <= accuracy) return n;
   }
-  return n;
+  throw Refused("axis " + machine.axes[which].first +
+                ": its position does not settle within the accuracy for up to 512 sub-steps per control "
+                "period: unstable with the "
+                "commissioning gains, or too stiff for sample_time");
 }
 
 }  // namespace
