@@ -55,6 +55,7 @@ int excite(const Options& o) {
   io::Log log = as_log(table);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"method", o.method}};
   io::write_csv(o.output, log);
+  report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, o.method), e.says);
   write_json(o.common.json, {{"schema", "stribeck.excite/1"},
                              {"machine", machine.name},
                              {"axis", o.axis},

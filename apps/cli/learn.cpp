@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include <apps/cli/commands.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/least_squares_a.hpp>
 #include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/report/trace_report.hpp>
 
 namespace stribeck::cli {
 
@@ -86,6 +88,18 @@ void refuse_nonsense(const ident::Result& result, const std::string& source) {
     if (!std::isfinite(p.friction))
       throw ident::Refused(fmt::format("{}: no friction comes out of these data", source));
   }
+}
+
+void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+                const std::string& summary) {
+  if (directory.empty()) return;
+  report::TraceReportInput input{
+      title, summary, typed_command(), STRIBECK_VERSION, log.columns.front().values, {}};
+  for (std::size_t i = 1; i < log.columns.size(); ++i) {
+    const io::Column& c = log.columns[i];
+    input.columns.push_back({c.name, c.unit_text, c.values});
+  }
+  report::write_trace_report(directory, input);
 }
 
 friction::AxisModel as_model(const ident::Result& result) {

@@ -37,6 +37,10 @@ void refuse_nonsense(const ident::Result& result, const std::string& source);
 friction::AxisModel as_model(const ident::Result& result);
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed);
 
+/// Writes a page of a log's columns over time; nothing when `directory` is empty.
+void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+                const std::string& summary);
+
 /// A recording as a log file has it.
 io::Log as_log(const sim::Recording& recording);
 ident::Record as_record(const sim::Recording& recording, const std::string& source);

@@ -70,6 +70,8 @@ int play_reference(const Options& o, const sim::Machine& machine) {
   io::Log log = as_log(recording);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
+  report_log(o.common.report, log, fmt::format("Axis {} of {}", o.axis, machine.name),
+             fmt::format("{:.6g} s, as a control would log it", recording.t.back()));
   write_json(o.common.json, {{"schema", "stribeck.simulate/1"},
                              {"machine", machine.name},
                              {"axis", o.axis},
@@ -128,6 +130,9 @@ int run_path(const Options& o, const sim::Machine& machine) {
                   {"path", o.path.path + ", " + o.path.size + ", " + o.speed},
                   {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
+  report_log(o.common.report, log, fmt::format("Controller ({}) on {}", controller.id, o.path.path),
+             fmt::format("{}, {}: contour error max {:.2f} um, RMS {:.3f} um", controller.label, o.speed,
+                         m.max_contour_error * 1e6, m.rms * 1e6));
   sim::CompareResult one{machine.name, spec, machine.sample_time, {}, {}};
   one.spec.trials = 1;
   one.spec.seed = o.seed;

@@ -164,6 +164,52 @@ TEST(BadUsage, IsOneLineAndTwo) {
   EXPECT_EQ(folder.files(), 0U);
 }
 
+TEST(BadUsage, WhatCannotBeSimulatedIsTheAnswerNo) {
+  // Unstable, too slow, too stiff: one line, exit code 1, soon.
+  Folder folder;
+  for (const auto& gains : {"4000 rad/s", "0.001 rad/s"}) {
+    const Said said = command({"compare", kMachine, "--parameters", "thesis", "--trials", "1", "--omega-t",
+                               gains, "--omega-n", gains, "--json", folder / "o.json"});
+    EXPECT_EQ(said.code, 1);
+    EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+  }
+  std::string stiff = text_of(kMachine);
+  const auto at = stiff.find("sigma0 = \"3e5 N/mm\"");
+  stiff.replace(at, 19, "sigma0 = \"3e12 N/mm\"");
+  EXPECT_EQ(command({"compare", folder.write("stiff.toml", stiff), "--trials", "1"}).code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "o.json"));
+}
+
+TEST(BadUsage, NeverWritesOverItsInput) {
+  Folder folder;
+  const std::string machine = folder.write("m.toml", text_of(kMachine));
+  expect_refused(command({"compare", machine, "--json", machine}), {"m.toml", "overwritten"});
+  expect_refused(command({"simulate", machine, "-o", machine}), {"m.toml", "overwritten"});
+  EXPECT_EQ(text_of(machine), text_of(kMachine));
+}
+
+TEST_F(BadMachine, AxisNameThatIsAPath) {
+  std::string text = text_of(kMachine);
+  for (auto at = text.find("axes.x"); at != std::string::npos; at = text.find("axes.x", at + 1))
+    text.replace(at, 6, "axes.\"../x\"");
+  expect_refused(command({"compare", folder.write("m.toml", text)}), {"m.toml", "axes", "letters"});
+}
+
+TEST_F(BadLog, ForceAndMotionThatOppose) {
+  const Said said = with([](Lines& l) {
+    // A mass of one tonne, but pushed the wrong way.
+    for (std::size_t k = 1; k < l.size(); ++k) {
+      const double t = 0.005 * static_cast<double>(k);
+      std::ostringstream row;
+      row.precision(15);
+      row << t << ',' << 5 * std::sin(3 * t) << ','
+          << 1000 * 45e-3 * std::sin(3 * t) + (std::cos(3 * t) > 0 ? -100 : 100);
+      l[k] = row.str();
+    }
+  });
+  EXPECT_EQ(said.code, 1) << said.err;
+}
+
 TEST(BadOutput, IsSaidBeforeTheWork) {
   Folder folder;
   const std::string file = folder.write("file", "x");

@@ -37,6 +37,12 @@ TEST(Command, WalksFromMachineToCompensatedContour) {
     EXPECT_NEAR(json["mass_kg"].get<double>(), axis == "x" ? 57650.0 : 58930.0, 600.0);
     EXPECT_GE(json["curve"].size(), 41U);
   }
+  // Every verb writes its page where it is asked to.
+  ASSERT_EQ(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", f / "jog.csv", "--report",
+                     f / "jog"})
+                .code,
+            0);
+  EXPECT_NE(text_of(f / "jog/index.html").find("<svg"), std::string::npos);
   // Nothing is retyped: the axis files drive the controller.
   const Said run = command({"simulate", kMachine, "--controller", "f", "--path", "eight", "--laps", "1",
                             "--parameters", "thesis", "--axis-file", "x=" + (f / "x.toml"), "--axis-file",
