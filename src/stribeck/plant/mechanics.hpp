@@ -160,7 +160,7 @@ class Mechanics {
   /// Kutta's third order is stable to a decay of 2.51 per step; the velocity may grow a little within the
   /// period.
   static constexpr double kStableStep = 2.3;
-  static constexpr double kNear = 1.0 / 128;  ///< change of velocity within a step, as a share of it
+  static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of it
   static constexpr double kMostSubsteps = 16384.0;
 
   /// Sub-steps for a period of dt [s].
