@@ -6,7 +6,8 @@
 ///
 /// Friction is evaluated at the reference, not at the measurement: a measured velocity that trembles around
 /// zero would make the force chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Not
-/// modelled: pre-sliding (friction follows its steady state). Real time: safe; the constructor configure
+/// modelled: pre-sliding (friction follows its steady state).
+/// Real time: safe; the constructor configure
 /// only.
 
 #include <stribeck/control/disturbance_observer.hpp>

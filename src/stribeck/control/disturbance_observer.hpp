@@ -7,9 +7,12 @@
 ///   [N], p both poles [1/s], m mass [kg]. d̂ > 0 brakes a motion in +x; a controller adds it to its force.
 ///
 /// Advanced exactly over one period with f and v held. f_ff is taken off, or friction would be compensated
-/// twice. The error obeys s² + k_ev·s + k_ed/m. Source: thesis (2.22), with the corrections in
-/// docs/corrections-to-the-thesis.md. Not modelled: the half sample by which a differentiated encoder is
-/// late. Real time: safe; configure() configure only.
+/// twice. The error obeys s² + k_ev·s + k_ed/m.
+/// Source: thesis (2.22), with the corrections in
+/// docs/corrections-to-the-thesis.md.
+/// Not modelled: the half sample by which a differentiated encoder is
+/// late.
+/// Real time: safe; configure() configure only.
 
 #include <stribeck/core/fields.hpp>
 #include <stribeck/core/vec.hpp>

@@ -1,15 +1,15 @@
 #pragma once
 /// Kalman observer of position, velocity and disturbance from the encoder.
 ///
-///   ẋ = v     v̇ = (f − f_ff − d)/m     ḋ = white noise of density q_d     y = x + encoder noise of variance
-///   r
+///   ẋ = v     v̇ = (f − f_ff − d)/m     ḋ = white noise of density q_d     y = x + noise of variance r
 ///
 ///   Steady gain of the filter discretised with f held over a period; q_d [N²·s⁻¹], r = resolution²/12 [m²].
 ///
 /// d̂ > 0 brakes a motion in +x; a controller adds it to its force. The encoder gives the position, so the
 /// position is a state too: with a differenced encoder as the measurement the noise would not be white.
 /// Source: Erkorkmaz, Altintas 2001, as the thesis cites for its observer; Anderson, Moore, Optimal
-/// Filtering, 1979. Not modelled: coloured force noise. Real time: safe; the constructor (iterates the
+/// Filtering, 1979. Not modelled: coloured force noise.
+/// Real time: safe; the constructor (iterates the
 /// Riccati equation) configure only.
 
 #include <stribeck/core/vec.hpp>

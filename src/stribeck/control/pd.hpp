@@ -7,7 +7,8 @@
 ///   = 0.
 ///
 /// The force is limited to ±limit; the observer sees the limited force, so nothing winds up. An input that is
-/// not finite is answered with the last force and Status::kNotFinite. Source: thesis (2.25), (2.30). Real
+/// not finite is answered with the last force and Status::kNotFinite.
+/// Source: thesis (2.25), (2.30). Real
 /// time: safe; the constructor configure only.
 
 #include <limits>

@@ -1,11 +1,10 @@
 #pragma once
 /// Tracking error e = x − r of one axis and its rate, from samples.
 ///
-///   difference of the error   ė_k = (e_k − e_{k−1})/T                       the law's ė
-///   late                      ė_k = (x_k − x_{k−1})/T − ṙ(k)                half a sample late: on a circle
-///   it adds a
-///                                                                           constant radius error a·T_s/ω
+///   difference of the error   ė_k = (e_k − e_{k−1})/T             the law's ė
+///   late                      ė_k = (x_k − x_{k−1})/T − ṙ(k)      half a sample late
 ///
+/// On a circle the late form adds a constant radius error a·T/ω.
 /// The late form is kept for comparison only. The first sample has ė = 0.
 /// Real time: safe.
 

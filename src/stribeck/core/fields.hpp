@@ -14,7 +14,8 @@
 /// with names (see enum_names), a struct with fields(), std::optional of these (absent is not zero),
 /// FixedVector, std::vector or std::array of these, and std::variant of structs each with a `static constexpr
 /// std::string_view kKind`. Everything inside is SI: the stored value has `unit`; `shown` is the unit that
-/// people read. Real time: safe (constants only).
+/// people read.
+/// Real time: safe (constants only).
 
 #include <limits>
 #include <string_view>

@@ -1,5 +1,6 @@
 #pragma once
-/// A vector with its storage inside, for at most N elements. Real time: safe.
+/// A vector with its storage inside, for at most N elements.
+/// Real time: safe.
 
 #include <array>
 #include <cassert>

@@ -6,7 +6,8 @@
 ///   Taylor<4> phi = Taylor<4>::variable(0.3);
 ///   (sin(phi)).derivative(3)  →  −cos 0.3
 ///
-/// Comparisons look at the value. Source: Griewank, Walther, Evaluating Derivatives, 2nd ed., chapter 13.
+/// Comparisons look at the value.
+/// Source: Griewank, Walther, Evaluating Derivatives, 2nd ed., chapter 13.
 /// Real time: safe.
 
 #include <array>

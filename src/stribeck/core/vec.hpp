@@ -1,5 +1,6 @@
 #pragma once
-/// Small vectors and matrices over any Real scalar, by value. Real time: safe.
+/// Small vectors and matrices over any Real scalar, by value.
+/// Real time: safe.
 /// Not Eigen: these also hold Taylor series and packs, for which Eigen needs traits of each scalar.
 
 #include <array>

@@ -1,8 +1,7 @@
 #pragma once
 /// What a compensator may know of an axis: the result of an identification, as it stands in an axis file.
 ///
-///   f_u = m·a + F_friction(v, x) + load            load: gravity and other constant force [N], positive
-///   against +x
+///   f_u = m·a + F_friction(v, x) + load            load: gravity and the like [N], positive against +x
 ///
 /// Real time: safe.
 

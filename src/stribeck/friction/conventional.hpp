@@ -11,7 +11,8 @@
 ///
 /// Source: thesis (2.9); Armstrong-Hélouvry, Dupont, Canudas de Wit 1994, doi:10.1016/0005-1098(94)90209-7.
 /// Not modelled: pre-sliding (see lugre.hpp, gms.hpp), a difference between the directions (see
-/// gaussian.hpp). Real time: safe; one exp and one pow.
+/// gaussian.hpp).
+/// Real time: safe; one exp and one pow.
 
 #include <optional>
 #include <stribeck/core/fields.hpp>

@@ -1,9 +1,8 @@
 #pragma once
 /// The term of an eccentric screw, laid over any steady map.
 ///
-///   additive       F = F_base + η2·sin(2π·x/period − η3)                    as printed: keeps its sign with
-///   direction proportional   F = F_base + η2·sin(2π·x/period − η3)·sgn v              a normal force that
-///   varies over a turn
+///   additive       F = F_base + η2·sin(2π·x/period − η3)         as printed: keeps its sign with direction
+///   proportional   F = F_base + η2·sin(2π·x/period − η3)·sgn v   a normal force that varies over a turn
 ///
 ///   η2 amplitude [N], period [m] (usually the lead), η3 phase [rad]
 ///

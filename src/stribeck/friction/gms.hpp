@@ -14,12 +14,14 @@
 ///
 /// Source: Al-Bender, Lampaert, Swevers 2005, doi:10.1109/TAC.2005.858676.
 /// Not modelled: a damping of its own for every element (σ does not ask which of them stick, so that the
-/// force never jumps); lubricant memory beyond C. Real time: safe; step costs one exp per slipping element
+/// force never jumps); lubricant memory beyond C.
+/// Real time: safe; step costs one exp per slipping element
 /// and the map.
 
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/core/fixed_vector.hpp>
+#include <stribeck/friction/damping.hpp>
 #include <stribeck/friction/steady.hpp>
 
 namespace stribeck::friction {
@@ -80,13 +82,7 @@ struct Gms {
   }
 
   [[nodiscard]] T damping(const T& v) const noexcept {
-    if (!damping_velocity) return damping_coefficient;
-    // Compared as products: far from a reversal, which is nearly always, neither division nor exponential is
-    // needed.
-    const T limit = *damping_velocity * *damping_velocity;
-    const auto alive = v * v < T(40.0) * limit;
-    if (!any(alive)) return T(0.0);
-    return select(alive, damping_coefficient * exp(-(v * v / limit)), T(0.0));
+    return fading_damping(damping_coefficient, damping_velocity, v);
   }
 
   /// Ḟ_i [N/s] with the present sticking and slipping.

@@ -4,8 +4,7 @@
 ///   ż = v − σ0·|v|/g(v)·z        F = σ0·z + σ1(v)·ż + viscous + additive
 ///   σ1(v) = σ1·exp(−(v/v_d)²)    fades with speed where v_d is given, so that damping stays in pre-sliding
 ///
-///   z bristle deflection [m], σ0 stiffness [N/m], σ1 damping [N·s/m], v_d [m/s], g = level of the steady map
-///   [N]
+///   z bristle deflection [m], σ0 stiffness [N/m], σ1 damping [N·s/m], v_d [m/s], g = level [N]
 ///
 /// F opposes motion: positive for v > 0. step() advances z exactly over one sample with v and x held, so that
 /// every dt is stable; rate() is for integrators. Beyond |v| = 6.3 v_d (a factor below 1e-17) σ1 counts as
@@ -13,10 +12,12 @@
 ///
 /// Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053. Fading damping: Olsson 1996.
 /// Not modelled: dependence of σ0 and σ1 on position and load. LuGre drifts under an oscillating force below
-/// break-away; gms.hpp does not. Real time: safe; step costs two exp and the map.
+/// break-away; gms.hpp does not.
+/// Real time: safe; step costs two exp and the map.
 
 #include <optional>
 #include <stribeck/core/fields.hpp>
+#include <stribeck/friction/damping.hpp>
 #include <stribeck/friction/steady.hpp>
 
 namespace stribeck::friction {
@@ -53,15 +54,7 @@ struct LuGre {
   }
 
   /// σ1 at velocity v [N·s/m].
-  [[nodiscard]] T damping(const T& v) const noexcept {
-    if (!damping_velocity) return sigma1;
-    // Compared as products: far from a reversal, which is nearly always, neither division nor exponential is
-    // needed.
-    const T limit = *damping_velocity * *damping_velocity;
-    const auto alive = v * v < T(40.0) * limit;
-    if (!any(alive)) return T(0.0);
-    return select(alive, sigma1 * exp(-(v * v / limit)), T(0.0));
-  }
+  [[nodiscard]] T damping(const T& v) const noexcept { return fading_damping(sigma1, damping_velocity, v); }
 
   /// ż [m/s].
   [[nodiscard]] T rate(const T& z, const T& v, const SteadyParts<T>& p) const noexcept {

@@ -5,8 +5,7 @@
 ///
 ///   level     [N]  ≥ 0, follows the direction of motion; the curve g(v) of LuGre and GMS
 ///   viscous   [N]  follows the velocity; stays outside the bristle
-///   additive  [N]  keeps its sign when the motion reverses (a term of position, gravity); outside the
-///   bristle
+///   additive  [N]  keeps its sign when the motion reverses (position, gravity); outside the bristle
 ///
 /// F opposes motion: positive for v > 0. sgn 0 = 0, so that a drive at rest is asked for no Coulomb force.
 /// A steady map is a parameter struct with `SteadyParts<T> parts(T v, T x) const noexcept`.

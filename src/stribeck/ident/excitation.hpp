@@ -18,7 +18,8 @@
 ///
 /// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33).
 /// Not modelled: the machine's own limits of jerk; elasticity.
-/// Real time: no. Errors: Refused names the limit, what was asked and what would fit.
+/// Real time: no.
+/// Errors: Refused names the limit, what was asked and what would fit.
 
 #include <stribeck/ident/record.hpp>
 #include <stribeck/ident/result.hpp>

@@ -10,7 +10,8 @@
 /// Source: Oppenheim, Schafer, Discrete-Time Signal Processing, chapter 7; ends: Gustafsson 1996,
 /// doi:10.1109/78.492552.
 /// Not modelled: second-order sections; the direct form loses digits above order 10 or so.
-/// Real time: no. Errors: std::invalid_argument names the argument.
+/// Real time: no.
+/// Errors: std::invalid_argument names the argument.
 
 #include <cstddef>
 #include <vector>

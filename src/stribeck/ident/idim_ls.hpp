@@ -14,7 +14,8 @@
 /// Source: Janot, Gautier, Brunot, Data Set and Reference Models of EMPS, Workshop on Nonlinear System
 /// Identification Benchmarks 2019; Gautier, Janot, Vandanjon 2013, doi:10.1109/TCST.2012.2185697.
 /// Not modelled: Stribeck rise, pre-sliding. In closed loop the estimate has the bias of noise that comes
-/// back through the controller; velocity_map.hpp removes it by instruments. Real time: no. Errors: Refused.
+/// back through the controller; velocity_map.hpp removes it by instruments. Real time: no.
+/// Errors: Refused.
 
 #include <stribeck/ident/record.hpp>
 #include <stribeck/ident/result.hpp>

@@ -18,7 +18,8 @@
 ///
 /// Source: thesis (2.11)–(2.20); Erkorkmaz, Altintas 2001, doi:10.1016/S0890-6955(01)00003-7.
 /// Not modelled: Stribeck rise, pre-sliding, anything but a straight line in each direction.
-/// Real time: no. Errors: Refused.
+/// Real time: no.
+/// Errors: Refused.
 
 #include <array>
 #include <stribeck/ident/record.hpp>

@@ -9,7 +9,8 @@
 /// towards larger x.
 ///
 /// Not modelled: a delay between the columns; a log that has one must be shifted before.
-/// Real time: no. Errors: problems() lists everything that is wrong, each with its row.
+/// Real time: no.
+/// Errors: problems() lists everything that is wrong, each with its row.
 
 #include <string>
 #include <vector>

@@ -21,7 +21,8 @@
 /// Source: thesis §2.4.3; Robinson 1988, doi:10.2307/1912705 (mass); Buckland, Burnham, Augustin 1997,
 /// doi:10.2307/2533961 (spread of models).
 /// Not modelled: friction that depends on position, temperature or load.
-/// Real time: no. Errors: Refused, with the reason.
+/// Real time: no.
+/// Errors: Refused, with the reason.
 
 #include <optional>
 #include <stdexcept>

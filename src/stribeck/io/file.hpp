@@ -1,5 +1,6 @@
 #pragma once
-/// Files as a whole. Real time: no.
+/// Files as a whole.
+/// Real time: no.
 /// Errors: InputError with the path as given and the system's reason.
 
 #include <string>

@@ -9,7 +9,8 @@
 ///
 /// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells, rows with fewer or more cells
 /// than the header, duplicate names, files that are no text. Repaired, with a note: a cut last row is
-/// dropped. Rows are counted from 1 below the header; LINE is the line of the file. Real time: no. Errors:
+/// dropped. Rows are counted from 1 below the header; LINE is the line of the file.
+/// Real time: no. Errors:
 /// InputError.
 
 #include <cstddef>

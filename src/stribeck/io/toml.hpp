@@ -14,7 +14,8 @@
 ///
 /// which is called when everything inside the struct could be read. Items of lists count from 1 in messages.
 /// What write_toml writes, read_toml reads back bit for bit.
-/// Real time: no. Errors: InputError.
+/// Real time: no.
+/// Errors: InputError.
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,8 @@
 /// Hz). The radian counts as a dimension and Hz stands only for Hz, so that "5 Hz" is refused where rad/s or
 /// 1/s is expected instead of losing a factor 2π. A conversion by a power of ten moves the decimal point of
 /// the text, so its result is the double nearest to what was written, and every double has a text that reads
-/// back to it bit for bit. Threads: safe. Real time: no. Errors: InputError without a place; the reader that
+/// back to it bit for bit. Threads: safe. Real time: no.
+/// Errors: InputError without a place; the reader that
 /// knows the place adds it.
 
 #include <stribeck/core/fields.hpp>

@@ -3,12 +3,12 @@
 /// travel.
 ///
 ///   exact       ε = n(φ*)·(p − q(φ*)),  φ* the nearest point of the path near the reference: (p − q)·q' = 0
-///   linearised  ε = n(φ)·(p − r),       n = (−sin θ, cos θ) at the reference point; what a controller can
-///   know
+///   linearised  ε = n(φ)·(p − r),       n = (−sin θ, cos θ) at the reference point; a controller's view
 ///
 ///   The two differ by O(|e|²·curvature). ε [m].
 /// The nearest point is searched from the reference point (damped Newton), so that a path that crosses itself is
-/// judged against the branch that is being travelled. Real time: safe.
+/// judged against the branch that is being travelled.
+/// Real time: safe.
 
 #include <limits>
 #include <stribeck/path/reference.hpp>

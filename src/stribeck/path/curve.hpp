@@ -3,8 +3,7 @@
 ///
 ///   circle     R·(cos φ, sin φ)                                            one lap: 2π, counter-clockwise
 ///   eight      R·(sin φ, sin φ·cos φ)                                      one lap: 2π
-///   trifolium  (R·cos²φ·(4sin²φ − 1) + R, R·cos φ·sin φ·(4sin²φ − 1))      one lap: π; x, y of the thesis's
-///   (4.7)
+///   trifolium  (R·cos²φ·(4sin²φ − 1) + R, R·cos φ·sin φ·(4sin²φ − 1))      one lap: π; x, y of (4.7)
 ///
 ///   R size [m]. All three are regular: |q'(φ)| > 0 everywhere.
 /// Real time: safe.

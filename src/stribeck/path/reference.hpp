@@ -6,7 +6,8 @@
 ///   θ = inclination of the tangent,  θ̇ = θ'φ̇,  θ̈ = θ''φ̇² + θ'φ̈   with θ', θ'' from q', q'', q''' at φ
 ///
 /// θ and its rates come from the geometry, so that they are defined at standstill too. φ follows the distance
-/// s by RK4 in s, exact on a circle and within 1e-10 rad over a lap elsewhere (test). Real time: safe.
+/// s by RK4 in s, exact on a circle and within 1e-10 rad over a lap elsewhere (test).
+/// Real time: safe.
 
 #include <stribeck/path/curve.hpp>
 #include <stribeck/path/speed_law.hpp>

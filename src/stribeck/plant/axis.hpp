@@ -2,8 +2,8 @@
 /// A virtual drive as a controller meets it: a voltage goes in once per control period, an encoder position
 /// comes out.
 ///
-///   voltage → limited to the range, rounded to the D/A converter's step → delayed → Mechanics → rounded to
-///   the encoder's step
+///   voltage → limited to the range, rounded to the D/A converter's step → delayed → Mechanics
+///   → rounded to the encoder's step
 ///
 /// Which friction law, drive and mechanics it has is decided once, in the constructor.
 /// Real time: no (set-up allocates; step() does not).

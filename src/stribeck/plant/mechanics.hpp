@@ -13,7 +13,8 @@
 /// With a voltage drive the back-EMF acts through i; the friction model must then not contain it again.
 /// Sign: friction, load, noise and cutting force are positive against +x.
 /// Not modelled: torsion, backlash, friction of the guides on the table side of the spring, saturation of the
-/// current. Real time: safe.
+/// current.
+/// Real time: safe.
 
 #include <algorithm>
 #include <stribeck/plant/integrator.hpp>

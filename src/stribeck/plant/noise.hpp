@@ -6,7 +6,8 @@
 ///
 /// Seeded and local: a stream depends on (seed, trial, axis) and nothing else, so that every controller of a
 /// trial meets the same noise. Boost.Random, because the sequence of std::normal_distribution is not fixed by
-/// the standard. Real time: configure only (the generator's state is large).
+/// the standard.
+/// Real time: configure only (the generator's state is large).
 
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/normal_distribution.hpp>

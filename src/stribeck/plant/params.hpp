@@ -1,8 +1,8 @@
 #pragma once
 /// Parameters of a virtual drive: what is true of the machine, and no controller may see.
 ///
-///   control word → D/A (bits, range) → delay → amplifier and motor → screw → axis with friction and noise →
-///   encoder
+///   control word → D/A (bits, range) → delay → amplifier and motor → screw → axis with friction, noise
+///   → encoder
 ///
 /// Real time: configure only.
 

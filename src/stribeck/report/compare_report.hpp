@@ -4,7 +4,8 @@
 /// it.
 ///
 /// True friction is drawn only where it is handed over, and called so. Contour errors are drawn of the first
-/// trial; tables give means over all trials and the standard deviation between them. Real time: no. Errors:
+/// trial; tables give means over all trials and the standard deviation between them.
+/// Real time: no. Errors:
 /// io::InputError of files and of gnuplot.
 
 #include <optional>

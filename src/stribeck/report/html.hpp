@@ -3,7 +3,8 @@
 /// Follows the reader's light or dark setting (drawings stay on white) and prints.
 ///
 /// Every text is escaped; there is no way to pass markup in. Figures are drawn when html() is called, all in
-/// one go. Real time: no. Errors: those of render().
+/// one go. Real time: no.
+/// Errors: those of render().
 
 #include <functional>
 #include <stribeck/report/plot.hpp>

@@ -1,7 +1,8 @@
 #pragma once
 /// The page of an identification: the map with the fit and its 95 % band, what is left of the measured
 /// points, the models that were tried, parameters with their intervals and whether the data can tell them,
-/// warnings in words. Real time: no. Errors: io::InputError of files and of gnuplot.
+/// warnings in words. Real time: no.
+/// Errors: io::InputError of files and of gnuplot.
 
 #include <stribeck/ident/result.hpp>
 #include <string>

@@ -1,6 +1,7 @@
 #pragma once
 /// Identified parameters as people read them, and the sentences and tables about them that several reports
-/// share. Real time: no.
+/// share.
+/// Real time: no.
 
 #include <functional>
 #include <optional>

@@ -12,7 +12,8 @@
 /// Members have empty initialisers so that a caller may name only those it needs.
 ///
 /// Not done: dates, surfaces, two vertical axes.
-/// Real time: no. Errors: io::InputError when gnuplot is missing or refuses, with what to install.
+/// Real time: no.
+/// Errors: io::InputError when gnuplot is missing or refuses, with what to install.
 
 #include <limits>
 #include <optional>
@@ -100,7 +101,8 @@ std::string gnuplot_script(const std::vector<Plot>& plots);
 void thin(std::vector<double>& x, std::vector<double>& y, int columns);
 
 /// Fixed colour of a controller "a" … "f", told apart by readers who see few colours; others get one by their
-/// position. Source: Okabe, Ito 2008, Color Universal Design.
+/// position.
+/// Source: Okabe, Ito 2008, Color Universal Design.
 std::string controller_color(std::string_view id, std::size_t position = 0);
 
 }  // namespace stribeck::report

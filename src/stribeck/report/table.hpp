@@ -1,6 +1,7 @@
 #pragma once
 /// Tables for a terminal: plain text, at most 100 columns, one block for each speed, printed values beside
-/// the result. Real time: no.
+/// the result.
+/// Real time: no.
 
 #include <span>
 #include <stribeck/ident/result.hpp>

@@ -1,6 +1,7 @@
 #pragma once
 /// Text on its way into pages, drawings and terminals: valid UTF-8 without control characters, numbers
-/// rounded for reading. Real time: no.
+/// rounded for reading.
+/// Real time: no.
 
 #include <string>
 #include <string_view>

@@ -1,6 +1,7 @@
 #pragma once
 /// The page of a single recording or run: what it is in words, and its columns over time.
-/// Real time: no. Errors: io::InputError of files and of gnuplot.
+/// Real time: no.
+/// Errors: io::InputError of files and of gnuplot.
 
 #include <string>
 #include <vector>

@@ -3,7 +3,8 @@
 /// trials.
 ///
 /// Every trial has its own noise, the same for every controller, so that controllers are compared like with
-/// like. Runs are spread over threads; the result does not depend on how many. Real time: no.
+/// like. Runs are spread over threads; the result does not depend on how many.
+/// Real time: no.
 
 #include <cstdint>
 #include <functional>

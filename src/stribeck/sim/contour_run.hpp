@@ -3,7 +3,8 @@
 ///
 /// Every tick: encoders are read, the controller gives forces for the coming period, they become voltages,
 /// the drives move. A run begins at rest on the path, reaches its speed within the run-in, travels whole laps
-/// at constant speed and runs out; it is scored on the laps. Real time: no.
+/// at constant speed and runs out; it is scored on the laps.
+/// Real time: no.
 
 #include <cstdint>
 #include <stdexcept>

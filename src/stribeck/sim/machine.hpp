@@ -1,7 +1,8 @@
 #pragma once
 /// A virtual machine as its file describes it: what is true of every axis, and what a commissioning engineer
 /// may know of it. Controllers and compensators are built from `commissioning`, `published` and identified
-/// axis files, never from `plant`. Real time: no.
+/// axis files, never from `plant`.
+/// Real time: no.
 
 #include <optional>
 #include <stribeck/friction/axis_model.hpp>

@@ -7,7 +7,8 @@
 ///   power             mean electrical power R·i² + K_e·θ̇·i, sum over the axes; known where the motor is
 ///   mean |u·i|        mean of the axes' sum of |u·i|; known where the current is
 ///
-/// ε contour error [m], u voltage [V], i current [A]. Real time: no.
+/// ε contour error [m], u voltage [V], i current [A].
+/// Real time: no.
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,8 @@
 #pragma once
 /// Runs independent jobs on all cores. Each worker makes its own context once, and jobs write to places of
 /// their own, so the result does not depend on the number of threads. An exception of a job is thrown again
-/// here, the first one by index. Real time: no.
+/// here, the first one by index.
+/// Real time: no.
 
 #include <atomic>
 #include <exception>

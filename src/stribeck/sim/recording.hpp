@@ -1,8 +1,8 @@
 #pragma once
 /// One axis of a virtual machine moved for identification, and the log of it: what a control would record.
 ///
-///   closed loop   PD with disturbance observer follows a position reference; the controller knows the
-///   nominal mass only open loop     a given force goes to the drive
+///   closed loop   PD with disturbance observer follows a position reference; it knows the nominal mass only
+///   open loop     a given force goes to the drive
 ///
 /// The log holds what a real control could log, nothing that only the simulation knows.
 /// Real time: no.
