@@ -129,9 +129,7 @@ void add_compare(CLI::App& app, Action& action) {
   verb->add_option("--trials", o->trials, "Trials, each with noise of its own")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  verb->add_option("--seed", o->seed, "Seed of the noise")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_seed(*verb, o->seed);
   verb->add_option("--threads", o->threads, "Threads; 0: all cores. The result does not depend on it")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();

@@ -20,6 +20,18 @@ void add_common(CLI::App& verb, Common& common) {
   verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
 }
 
+void add_seed(CLI::App& verb, std::uint64_t& seed) {
+  // The library would wrap a negative number around.
+  const CLI::Validator not_negative(
+      [](std::string& text) {
+        return text.empty() || text.front() == '-'
+                   ? fmt::format("got {}, expected a whole number from 0 on", text)
+                   : std::string();
+      },
+      "");
+  verb.add_option("--seed", seed, "Seed of the noise")->check(not_negative)->capture_default_str();
+}
+
 Progress::Progress(std::string what, bool quiet)
     : what_(std::move(what)),
       enabled_(!quiet && isatty(STDERR_FILENO) == 1),

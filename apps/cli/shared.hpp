@@ -2,6 +2,7 @@
 /// Options and services that every verb has.
 
 #include <chrono>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/error.hpp>
@@ -21,6 +22,9 @@ struct Common {
   bool quiet = false;
 };
 void add_common(CLI::App& verb, Common& common);
+
+/// --seed, which the verbs with noise have.
+void add_seed(CLI::App& verb, std::uint64_t& seed);
 
 /// A bar on stderr for work that takes longer than a second, when stderr is a terminal.
 class Progress {

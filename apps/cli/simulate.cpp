@@ -163,9 +163,7 @@ void add_simulate(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
-  verb->add_option("--seed", o->seed, "Seed of the noise")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_seed(*verb, o->seed);
   verb->add_option("--controller", o->controller, "a to f, as in compare")
       ->check(CLI::IsMember({"a", "b", "c", "d", "e", "f"}))
       ->capture_default_str();

@@ -151,6 +151,7 @@ TEST(BadUsage, IsOneLineAndTwo) {
   expect_refused(command({"compare"}), {"machine"});
   expect_refused(command({"compare", kMachine, "--experiment", "no"}), {"--experiment", "bi-table"});
   expect_refused(command({"compare", kMachine, "--trials", "0"}), {"--trials"});
+  expect_refused(command({"compare", kMachine, "--seed", "-1"}), {"--seed", "-1", "from 0"});
   expect_refused(command({"compare", kMachine, "--speed", "3"}), {"--speed", "unit"});
   expect_refused(command({"compare", kMachine, "--speed", "0 mm/s"}), {"--speed"});
   expect_refused(command({"compare", kMachine, "--speed", "500 mm/s"}), {"--speed", "limit"});
