@@ -5,7 +5,7 @@
 #include <exception>
 
 #include <apps/cli/commands.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/sim/contour_run.hpp>
 

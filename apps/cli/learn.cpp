@@ -57,13 +57,15 @@ io::Log as_log(const sim::Recording& recording) {
 }
 
 ident::Record as_record(const sim::Recording& recording, const std::string& source) {
-  return {source,
-          recording.period,
-          recording.t,
-          recording.r,
-          recording.x,
-          recording.f,
-          recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed};
+  ident::Record record;
+  record.source = source;
+  record.sample_time = recording.period;
+  record.t = recording.t;
+  record.r = recording.r;
+  record.x = recording.x;
+  record.f = recording.f;
+  record.loop = recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed;
+  return record;
 }
 
 void refuse_nonsense(const ident::Result& result, const std::string& source) {
@@ -106,7 +108,7 @@ friction::AxisModel as_model(const ident::Result& result) {
   friction::AxisModel model;
   model.mass = result.mass;
   model.load = result.load;
-  model.friction.steady = result.friction;
+  model.friction = result.friction;
   return model;
 }
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
 
 namespace stribeck::ident {
 namespace {

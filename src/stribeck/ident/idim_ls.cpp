@@ -4,7 +4,7 @@
 #include <stribeck/ident/filter.hpp>
 #include <stribeck/ident/idim_ls.hpp>
 #include <stribeck/ident/uncertainty.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
 
 namespace stribeck::ident {
 namespace {
@@ -126,14 +126,14 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
     map.positive.eta0 = theta(2);
     map.negative.eta1 = theta(3);
     map.negative.eta0 = -theta(4);
-    r.friction = map;
+    r.friction.steady = map;
   } else {
     r.model = "conventional";
     r.load = theta(3);
     friction::Conventional<double> map;
     map.alpha0 = theta(2);
     map.alpha2 = theta(1);
-    r.friction = map;
+    r.friction.steady = map;
   }
   // The curve without the load, both directions from a fiftieth of the largest speed.
   constexpr int kPoints = 24;

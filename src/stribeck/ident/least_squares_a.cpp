@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stribeck/ident/least_squares_a.hpp>
 #include <stribeck/ident/uncertainty.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
 
 namespace stribeck::ident {
 namespace {
@@ -147,7 +147,7 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
   map.positive.eta0 = out.alpha0_positive;
   map.negative.eta0 = out.alpha0_negative;
   map.positive.eta1 = map.negative.eta1 = out.alpha2;
-  r.friction = map;
+  r.friction.steady = map;
   if (!(out.alpha0_positive > 0.0 && out.alpha0_negative < 0.0)) {
     r.warnings.push_back(
         "Coulomb friction comes out with the sign of the motion: the pulses do not fit Coulomb and viscous "

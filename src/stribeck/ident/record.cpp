@@ -46,6 +46,7 @@ std::vector<std::string> problems(const Record& record) {
   check_column(record, "x", record.x, found);
   check_column(record, "f", record.f, found);
   if (!record.r.empty()) check_column(record, "r", record.r, found);
+  if (!record.v.empty()) check_column(record, "v", record.v, found);
   if (!found.empty()) return found;
   for (std::size_t k = 1; k < record.t.size(); ++k) {
     const double step = record.t[k] - record.t[k - 1];

@@ -3,10 +3,15 @@
 ///
 ///   t  time [s]                  r  reference position [m]; empty: not logged
 ///   x  measured position [m]     f  force of the drive [N]
+///   v  measured velocity [m/s], where the log has one; empty: from x
 ///
 /// All columns have one length. Time is uniform with the period T of the controller. f is the force that was
 /// asked for, under a zero-order hold: f[k] acts from t[k] to t[k+1]; x[k] is read at t[k]. Force is positive
 /// towards larger x.
+///
+/// A log whose force has no known scale keeps its own unit (force_unit "A", "%", "V"), and one of an axis without
+/// a lead keeps the angle (position_unit "rad"); then N and m stand for these everywhere. A log that was cut at
+/// gaps is several records with one source.
 ///
 /// Not modelled: a delay between the columns; a log that has one must be shifted before.
 /// Real time: no.
@@ -32,6 +37,9 @@ struct Record {
   std::vector<double> x;     ///< [m]
   std::vector<double> f;     ///< [N]
   Loop loop = Loop::kAutomatic;
+  std::vector<double> v;  ///< [m/s], may be empty
+  std::string force_unit = "N";
+  std::string position_unit = "m";
 };
 
 /// Everything that keeps a record from being identified, one sentence each with place, what was got and what

@@ -1,7 +1,9 @@
 #pragma once
 /// What an identification hands back: numbers with 95 % intervals, the curve, the models that were tried.
 ///
-/// Everything is SI; `unit` is the SI unit text and `shown` the unit people read (N s/m, N s/mm). Intervals
+/// Everything is SI; `unit` is the SI unit text and `shown` the unit people read (N s/m, N s/mm). A log whose
+/// force has no known scale is identified in its own unit: force_unit says which ("A", "%", "V"), and every
+/// text "N" in a unit stands for it; likewise position_unit "rad" for an axis without a lead. Intervals
 /// hold under correlated residuals. A parameter that the data cannot determine has identifiable = false: its
 /// value belongs to the curve but means nothing alone. An interval that could not be computed is NaN on both
 /// sides.
@@ -56,9 +58,26 @@ struct MapPoint {
   int direction = 0;      ///< +1 or −1
 };
 
+/// What the model leaves in one row, for plots.
+struct ResidualPoint {
+  double t = 0.0;      ///< [s]
+  double x = 0.0;      ///< [m]
+  double v = 0.0;      ///< [m/s]
+  double error = 0.0;  ///< measured less modelled force [N]
+  int record = 0;
+};
+
+/// One line of the spectrum of the residual over position.
+struct SpectrumLine {
+  double period = 0.0;     ///< [m]
+  double amplitude = 0.0;  ///< [N]
+};
+
 struct Result {
-  std::string method;                      ///< "velocity-map", "least-squares-a", "idim-ls"
+  std::string method;                      ///< "auto", "velocity-map", "jog", "position-map", …
   std::string model;                       ///< "gaussian", "conventional"
+  std::string force_unit = "N";            ///< unit of every force here
+  std::string position_unit = "m";         ///< "m" or "rad"
   double mass = 0.0;                       ///< [kg]
   Interval mass_interval;                  ///< [kg]
   double load = 0.0;                       ///< constant force against +x, e.g. weight [N]
@@ -67,9 +86,12 @@ struct Result {
   std::vector<CurvePoint> curve;                                   ///< ascending velocity
   double held_out_rms = std::numeric_limits<double>::quiet_NaN();  ///< [N]
   std::vector<Candidate> models;
-  std::vector<MapPoint> map;  ///< thinned
+  std::vector<MapPoint> map;             ///< thinned
+  std::vector<ResidualPoint> residuals;  ///< thinned
+  std::vector<SpectrumLine> spectrum;    ///< of the residual over position, ascending period
   std::vector<std::string> warnings;
-  friction::SteadyVariant friction;                                       ///< goes into an axis file as it is
+  std::vector<std::string> cannot_tell;  ///< what this log does not determine
+  friction::Model friction;              ///< goes into an axis file as it is
   double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not seen
   std::size_t rows = 0;                                                   ///< rows that were fitted
   std::optional<std::array<int, 2>> peaks;  ///< v > 0, v < 0: terms by the thesis's rule, for comparison

@@ -710,7 +710,7 @@ class Identification {
     friction::Gaussian<double> map;
     map.velocity_range = result_.velocity_range;
     for (int s = 0; s < kSides; ++s) write_branch(s, s == 0 ? map.positive : map.negative);
-    result_.friction = map;
+    result_.friction.steady = map;
     map.validate(
         [&](const auto&, const auto& text) { warn(std::string("friction map: ") + std::string(text)); });
     for (int s = kSides - 1; s >= 0; --s) write_curve(s);

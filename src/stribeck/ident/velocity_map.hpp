@@ -25,17 +25,12 @@
 /// Errors: Refused, with the reason.
 
 #include <optional>
-#include <stdexcept>
 #include <stribeck/ident/record.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
 namespace stribeck::ident {
-
-/// The data cannot give the answer that was asked for; what() says why and what would help.
-struct Refused : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 struct VelocityMapOptions {
   std::optional<double> mass;  ///< known mass [kg]; absent: estimated

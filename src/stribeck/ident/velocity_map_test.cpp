@@ -48,7 +48,7 @@ Score judge(const testing::Drive& drive, const Result& r) {
     ++s.points;
     s.inside += truth >= c.ci_low && truth <= c.ci_high;
   }
-  const auto& map = std::get<friction::Gaussian<double>>(r.friction);
+  const auto& map = std::get<friction::Gaussian<double>>(r.friction.steady);
   for (double v = 0.5e-3; v <= 9e-3; v += 0.1e-3) {
     for (const double sign : {1.0, -1.0}) {
       s.worst =
@@ -106,7 +106,7 @@ TEST(VelocityMap, CoulombAndViscousFrictionNeedsNoTerm) {
   drive.friction.positive = {1255.38, 105.54e3, {}};
   drive.friction.negative = {-1255.38, 105.54e3, {}};
   const Result r = identify_velocity_map({sine(drive, 11, 4.0), pulses(drive, 12)});
-  const auto& map = std::get<friction::Gaussian<double>>(r.friction);
+  const auto& map = std::get<friction::Gaussian<double>>(r.friction.steady);
   EXPECT_LE(map.positive.gaussians.size(), 1u);
   EXPECT_LE(map.negative.gaussians.size(), 1u);
   EXPECT_LT(judge(drive, r).worst, 0.02);
@@ -185,7 +185,7 @@ TEST(VelocityMap, AGivenMassIsTaken) {
   options.terms = 3;
   const Result r = identify_velocity_map({sine(drive, 31, 2.0)}, options);
   EXPECT_EQ(r.mass, drive.mass);
-  EXPECT_EQ(std::get<friction::Gaussian<double>>(r.friction).positive.gaussians.size(), 3u);
+  EXPECT_EQ(std::get<friction::Gaussian<double>>(r.friction.steady).positive.gaussians.size(), 3u);
   EXPECT_LT(judge(drive, r).worst, 0.03);
 }
 

@@ -661,7 +661,7 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
     map.model_label = "Gaussian-augmented, as given";
     map.conventional = e.knowledge->conventional.friction.steady;
   }
-  if (e.conventional) map.conventional = e.conventional->friction;
+  if (e.conventional) map.conventional = e.conventional->friction.steady;
   if (e.truth) {
     map.truth = e.truth->steady;
     if (!e.truth->eccentric.empty()) map.truth_label = "true friction without periodic terms";

@@ -61,10 +61,10 @@ std::string identify_report(const IdentifyReportInput& input) {
     map.axis = input.axis;
     map.fit = &r;
     map.speed = std::max(std::abs(r.velocity_range[0]), std::abs(r.velocity_range[1]));
-    if (r.curve.size() < 2) map.model = r.friction;
+    if (r.curve.size() < 2) map.model = r.friction.steady;
     map.model_label = "fit";
     for (const ident::Result& other : input.results) {
-      if (&other != &r && other.model == "conventional") map.conventional = other.friction;
+      if (&other != &r && other.model == "conventional") map.conventional = other.friction.steady;
     }
     page.figures(friction_plots(map), 2,
                  "Left: friction against velocity. Right: the same as difference from the fit, where its 95 "

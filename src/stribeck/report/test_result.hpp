@@ -102,7 +102,7 @@ inline ident::Result fit() {
   friction::Conventional<double> map;
   map.alpha0 = 800.0;
   map.alpha2 = 1e5;
-  r.friction = map;
+  r.friction.steady = map;
   r.rows = 1234;
   return r;
 }
