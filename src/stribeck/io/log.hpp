@@ -1,19 +1,23 @@
 #pragma once
-/// Logs: columns of numbers from CSV text, plain or gzip.
+/// Logs: columns over time, from whatever a control or a drive tool exports, plain or gzip.
 ///
-/// Found by itself: the separator (, ; tab blank), the decimal mark (comma when the separator leaves it
-/// free), quotes, UTF-8 mark, line ends, comment lines (# or %; `# key: value` is metadata), a header in a
-/// comment as some numeric programs write it. Units stand in the header as `x [mm]`, `x (mm)` or `x_mm`; a
-/// column without one has unit_text "" and in_si refuses it: units are not guessed. Values stay in the unit
-/// of the file.
+///   const Log log = read_log("trace.sco");   // format found by its content; see docs/log-formats.md
+///   in_si(log.at("s ist/Y"), quantity("m", "mm"))
 ///
-/// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells, rows with fewer or more cells
-/// than the header, duplicate names, files that are no text. Repaired, with a note: a cut last row is
-/// dropped. Rows are counted from 1 below the header; LINE is the line of the file.
-/// Real time: no. Errors:
-/// InputError.
+/// Units stand in a CSV header as `x [mm]`, `x (mm)` or `x_mm`; other formats have places of their own. A
+/// column without one has unit_text "" and in_si refuses it: units are not guessed. Where a format has none
+/// but recordings have shown it, it is set and a note says so. Values stay in the unit of the file.
+///
+/// A side file LOG.toml may give what a file does not hold: columns = ["x mm", …], period = "1 ms".
+///
+/// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells (where the format does not
+/// know absent samples), rows of another length, damaged structure. Repaired, with a note: a row that the end
+/// of the file may have cut is dropped. Rows are counted from 1 below the header; LINE is the line of the
+/// file.
+/// Real time: no. Errors: InputError.
 
 #include <cstddef>
+#include <optional>
 #include <stribeck/core/fields.hpp>
 #include <string>
 #include <string_view>
@@ -24,23 +28,43 @@ namespace stribeck::io {
 
 struct Column {
   std::string name;       ///< header without its unit
-  std::string unit_text;  ///< as in the file, "1" for a pure number, "" where none is given
+  std::string unit_text;  ///< known to units.hpp, "1" for a pure number, "" where none is given
   std::vector<double> values;
-  std::string header = {};  ///< as in the file
+  std::string header = {};              ///< as in the file
+  std::vector<std::string> texts = {};  ///< of a column of text; its values are empty
+  int time = -1;  ///< index of the column with its sampling times; −1: the log's only time column, if any
 };
 
 struct Log {
   std::string source;  ///< file, for messages
   std::vector<Column> columns;
-  std::size_t rows = 0;
-  std::vector<std::string> notes;  ///< what was repaired or left out, one sentence each
+  std::size_t rows = 0;            ///< of the longest column; columns of different rates differ in length
+  std::vector<std::string> notes;  ///< what was found, repaired or left out, one sentence each
+  /// Keys as in the file; "sample time" and "axis N" where the format says them in its own way.
   std::vector<std::pair<std::string, std::string>> metadata;
+  std::string format = "CSV";
 
   /// By header as in the file, else by name; null when there is none.
   [[nodiscard]] const Column* find(std::string_view name) const;
   /// The same; throws with the columns that are there.
   [[nodiscard]] const Column& at(std::string_view name) const;
 };
+
+struct ReadOptions {
+  std::size_t skip_lines = 0;  ///< lines before a CSV header
+  /// "x mm" or "x [mm]", for logs without a header or in place of it.
+  std::vector<std::string> names{};
+  std::optional<double> sample_time{};  ///< [s], for logs without times
+  std::string time_column{};            ///< header or name; empty: found by name and unit
+};
+
+/// Any log. What options leave open is taken from the side file LOG.toml, if there is one.
+Log read_log(const std::string& path, const ReadOptions& options = {});
+/// The same from bytes (gzip too), without a side file; `source` is for messages.
+Log parse_log(std::string_view bytes, const std::string& source, const ReadOptions& options = {});
+
+/// Index of the column that holds the time, by unit or name; −1 when there is none. Of several the first.
+int time_column(const Log& log);
 
 struct CsvOptions {
   std::size_t skip_lines = 0;        ///< lines before the header
@@ -50,6 +74,7 @@ struct CsvOptions {
   bool leave_out_text_columns = false;
 };
 
+/// A CSV table that need not be a log: no time is asked for, no side file is read.
 Log read_csv(const std::string& path, const CsvOptions& options = {});
 /// The same from bytes (gzip too); `source` is for messages.
 Log parse_csv(std::string_view bytes, const std::string& source, const CsvOptions& options = {});
@@ -57,7 +82,8 @@ Log parse_csv(std::string_view bytes, const std::string& source, const CsvOption
 /// The values in the SI unit of the quantity. Throws when the column has no unit or one of another dimension.
 std::vector<double> in_si(const Column& column, const Quantity& quantity);
 
-/// Writes `name [unit]` headers and numbers that read back bit for bit; metadata as `# key: value`.
+/// Writes `name [unit]` headers and numbers that read back bit for bit; metadata as `# key: value`. Columns
+/// of different length have no common table and are refused.
 void write_csv(const std::string& path, const Log& log);
 std::string csv_text(const Log& log);
 

@@ -194,7 +194,8 @@ TEST(Log, LatinHeadersAndUnknownUnits) {
   const Log log = parse("t,x [\xB5m],y [furlongs!],x_mm,x_um,\n0,1,2,3,4\n1,2,3,4,5\n");
   EXPECT_EQ(log.columns[1].unit_text, "µm");
   EXPECT_EQ(log.columns[2].name, "y [furlongs!]");
-  EXPECT_THAT(log.notes, ElementsAre(HasSubstr("unit \"furlongs!\" is not known")));
+  EXPECT_THAT(log.notes,
+              ElementsAre(HasSubstr("read as Latin-1"), HasSubstr("unit \"furlongs!\" is not known")));
   EXPECT_EQ(log.columns[3].name, "x_mm");  // x alone would stand for three columns
   EXPECT_EQ(log.columns[3].unit_text, "mm");
 }
@@ -255,6 +256,24 @@ TEST_F(LogFile, RoundTripsBitForBitOverManyBlocks) {
   std::string damaged = packed;
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x55);
   EXPECT_THROW(parse_csv(damaged, "a.csv.gz"), InputError);
+}
+
+/// 100 MB in 100 kB.
+TEST(Log, RefusesGzipThatGrowsWithoutBound) {
+  std::string packed(1 << 20, '\0');
+  z_stream stream{};
+  ASSERT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 31, 9, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string zeros(1 << 20, '0');
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  for (int i = 0; i < 100; ++i) {
+    stream.next_in = reinterpret_cast<Bytef*>(zeros.data());
+    stream.avail_in = static_cast<uInt>(zeros.size());
+    ASSERT_EQ(deflate(&stream, i == 99 ? Z_FINISH : Z_NO_FLUSH), i == 99 ? Z_STREAM_END : Z_OK);
+  }
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  EXPECT_THAT(refusal(packed), HasSubstr("no log does"));
 }
 
 TEST_F(LogFile, RefusesWhatIsNoFile) {
