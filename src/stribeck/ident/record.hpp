@@ -17,6 +17,7 @@
 /// Real time: no.
 /// Errors: problems() lists everything that is wrong, each with its row.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct Record {
   std::vector<double> f;     ///< [N]
   Loop loop = Loop::kAutomatic;
   std::vector<double> v;  ///< [m/s], may be empty
+  std::vector<std::uint8_t> skip;  ///< 1: the row is not fitted (sign of the force unsure, …); may be empty
   std::string force_unit = "N";
   std::string position_unit = "m";
 };
