@@ -1,0 +1,68 @@
+#pragma once
+/// Terms periodic in position in what a friction model leaves of the force; the period is not known before.
+///
+///   e = Σ_j η_j·sin(2π·x/λ_j − φ_j)·(1 or sgn v) + smooth + noise
+///
+///   e residual [N], x [m], η amplitude [N], λ period [m], φ phase [rad] at the homing position of the log
+///
+/// Rows are joined over short ways and lose a polynomial (at most cubic) in x for every pass, a stretch of one
+/// direction; the ends of a pass, where reversals sound on, are tapered. Their least-squares spectrum is taken
+/// in both forms: the same sign in both directions (additive), or reversing with it (proportional). A line
+/// counts when it stands out of the background at neighbouring periods (chance below 1e-3 over all lines), and
+/// still does when it is taken out and what it leaves close by counts as background: a place that rings, a
+/// transient or a drift leaves much. All terms are refined together by Gauss–Newton, far below the resolution
+/// λ²/stroke.
+///
+/// Intervals and significance come from the residual spectrum around the line itself, so that they hold under
+/// noise that is correlated in time or repeats at each pass.
+///
+/// Source: Lomb 1976, doi:10.1007/BF00648343; Scargle 1982, doi:10.1086/160554.
+/// Not modelled: amplitudes that grow with load or speed; periods longer than a third of the way.
+/// Real time: no.
+/// Errors: Refused for columns of unequal length and for numbers that are not finite, with the row.
+
+#include <cstddef>
+#include <stribeck/friction/eccentric.hpp>
+#include <stribeck/ident/result.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident {
+
+/// Rows of one or more records, each record ascending in `at`.
+struct PeriodicRows {
+  std::vector<double> x;        ///< [m]
+  std::vector<double> e;        ///< [N]
+  std::vector<int> direction;   ///< +1, −1; 0 throughout: held at standstill
+  std::vector<int> record;      ///< number of the record
+  std::vector<std::size_t> at;  ///< row in the record
+};
+
+struct PeriodicTerm {
+  friction::Eccentric<double> term;
+  Interval amplitude;                 ///< [N]
+  Interval period;                    ///< [m]
+  Interval phase;                     ///< [rad], around term.phase and not wrapped
+  double share = 0.0;                 ///< of the variance of the residual
+  double signal_to_background = 0.0;  ///< amplitude over that of a line of the background
+  bool form_told = false;             ///< the data tell additive from proportional
+  int harmonic = 1;                   ///< of the longest period found that it is a whole part of
+};
+
+struct PeriodicOptions {
+  double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the way, or what keeps it fast
+  double longest = 0.0;   ///< [m]; 0: a third of the way
+  double turn = 0.0;      ///< [m]; 0: unknown, else only its whole parts are searched and kept exact
+  int most = 4;           ///< terms
+};
+
+struct PeriodicResult {
+  std::vector<PeriodicTerm> terms;     ///< largest amplitude first
+  std::vector<SpectrumLine> spectrum;  ///< of e, the larger of both forms, ascending period
+  std::vector<std::string> notes;
+  std::vector<std::string> cannot_tell;  ///< what these rows do not determine
+};
+
+PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& options = {});
+
+}  // namespace stribeck::ident
