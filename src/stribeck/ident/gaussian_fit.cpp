@@ -20,7 +20,8 @@ constexpr double kHighestCentre = 1.7;
 constexpr double kWidest = 2.0;
 /// The level may fall to this share of η0 + η1.
 constexpr double kLeastLevel = 0.05;
-constexpr double kFirmPull = 1e-3;
+constexpr double kFirmer = 0.2;
+constexpr int kPulls = 6;
 /// The straight line may take this share of the smallest friction per speed.
 constexpr double kMostViscous = 0.6;
 
@@ -63,6 +64,7 @@ class Projected {
       design_(rows_ + terms + 1, 0) = 1.0 / settings.slope_scale;
       y_(rows_ + terms + 1) = line(0) / settings.slope_scale;
     }
+    prepare();
   }
 
   [[nodiscard]] int NumResiduals() const { return static_cast<int>(rows_) + pulls_; }
@@ -125,20 +127,40 @@ class Projected {
       width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
       design_.col(2 + i).head(rows_) = column(centre_[i], width_[i]);
     }
-    // The pulls keep the columns independent: no pivoting needed.
-    const Eigen::HouseholderQR<MatrixXd> qr(design_);
+    // Modified Gram–Schmidt: the pulls keep the columns independent enough, and it is a fifth of the time of
+    // Householder's form on so few columns. The first two columns never change.
     const Index n = design_.cols();
-    thin_ = MatrixXd::Identity(design_.rows(), n);
-    thin_.applyOnTheLeft(qr.householderQ().setLength(n));
-    linear_ = qr.matrixQR().topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(thin_.transpose() * y_);
+    for (Index j = kFixed; j < n; ++j) {
+      thin_.col(j) = design_.col(j);
+      for (Index i = 0; i < j; ++i) {
+        const double along = thin_.col(i).dot(thin_.col(j));
+        upper_(i, j) = along;
+        thin_.col(j) -= along * thin_.col(i);
+      }
+      upper_(j, j) = thin_.col(j).norm();
+      thin_.col(j) /= upper_(j, j);
+    }
+    linear_ = upper_.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(thin_.transpose() * y_);
+  }
+  /// The orthogonal form of the columns that stand still.
+  void prepare() {
+    thin_ = design_;
+    upper_ = MatrixXd::Zero(design_.cols(), design_.cols());
+    upper_(0, 0) = thin_.col(0).norm();
+    thin_.col(0) /= upper_(0, 0);
+    upper_(0, 1) = thin_.col(0).dot(thin_.col(1));
+    thin_.col(1) -= upper_(0, 1) * thin_.col(0);
+    upper_(1, 1) = thin_.col(1).norm();
+    thin_.col(1) /= upper_(1, 1);
   }
 
+  static constexpr Index kFixed = 2;
   int terms_;
   int pulls_ = 0;
   FitSettings settings_;
   Index rows_;
   VectorXd u_, root_, y_;
-  mutable MatrixXd design_, thin_;
+  mutable MatrixXd design_, thin_, upper_;
   mutable VectorXd linear_;
   mutable double centre_[16] = {};
   mutable double width_[16] = {};
@@ -179,19 +201,32 @@ Outcome descend(const Projected& problem, VectorXd p, int iterations) {
   return {std::move(p), solver.summary.final_cost};
 }
 
-/// From a start to a fit that opposes the motion; η1 is pulled firmly to the straight line if it must be.
+/// From a start to a fit that opposes the motion; η1 is pulled to the straight line as firmly as it must be.
 BranchFit polish(const Bins& bins, VectorXd p, FitSettings settings, int iterations) {
   const auto terms = static_cast<int>(p.size() / 2);
   for (int attempt = 0;; ++attempt) {
     const Projected problem(bins, terms, settings);
     if (terms > 0) p = descend(problem, std::move(p), iterations).p;
     BranchFit fit = problem.result(p.data());
-    if (terms == 0 || attempt == 1 || opposes(fit)) return fit;
-    settings.slope_scale *= kFirmPull;
+    if (terms == 0 || attempt == kPulls || opposes(fit)) return fit;
+    settings.slope_scale *= kFirmer;
   }
 }
 
-/// Neighbouring bins joined until about `wanted` are left.
+/// Van der Corput sequence: evenly spread, the same in every run.
+double spread(unsigned i, unsigned base) {
+  double x = 0.0;
+  for (double share = 1.0 / base; i > 0; i /= base, share /= base) x += share * (i % base);
+  return x;
+}
+
+constexpr int kIterations = 40;
+constexpr int kFirstIterations = 6;  // before the worse starts are given up
+constexpr std::size_t kSearchBins = 40;
+constexpr std::size_t kFinalists = 4;
+
+}  // namespace
+
 Bins joined(const Bins& bins, std::size_t wanted) {
   const std::size_t group = std::max<std::size_t>(1, (bins.size() + wanted - 1) / wanted);
   Bins out;
@@ -209,22 +244,6 @@ Bins joined(const Bins& bins, std::size_t wanted) {
   return out;
 }
 
-/// Van der Corput sequence: evenly spread, the same in every run.
-double spread(unsigned i, unsigned base) {
-  double x = 0.0;
-  for (double share = 1.0 / base; i > 0; i /= base, share /= base) x += share * (i % base);
-  return x;
-}
-
-constexpr int kIterations = 40;
-constexpr int kWarmIterations = 10;  // from the fit of nearly the same data
-constexpr int kFirstIterations = 6;  // before the worse starts are given up
-constexpr std::size_t kSearchBins = 40;
-constexpr std::size_t kWarmBins = 80;
-constexpr std::size_t kFinalists = 4;
-
-}  // namespace
-
 double BranchFit::force(double u) const noexcept {
   double sum = eta0 + eta1 * u;
   for (const FitTerm& g : terms) sum += friction::GaussianTerm<double>{g.a, g.b, g.c}.value(u);
@@ -238,80 +257,130 @@ void BranchFit::gradient(double u, double* out) const noexcept {
   using Jet = ceres::Jet<double, 3>;
   for (const FitTerm& g : terms) {
     const friction::GaussianTerm<Jet> term{Jet(g.a, 0), Jet(g.b, 1), Jet(g.c, 2)};
-    out = std::copy_n(term.value(Jet(u)).v.data(), 3, out);
+    const auto slopes = term.value(Jet(u)).v;
+    *out++ = slopes[0];
+    if (!centred) *out++ = slopes[1];
+    *out++ = slopes[2];
   }
 }
 
-BranchFit refine(const Bins& bins, const BranchFit& start, const FitSettings& settings) {
-  return polish(joined(bins, kWarmBins), nonlinear(start.terms, settings.narrowest), settings,
-                kWarmIterations);
+std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings) {
+  if (bins.size() < 10) return std::nullopt;
+  const auto n = static_cast<Index>(bins.size());
+  const VectorXd root = Eigen::Map<const VectorXd>(bins.weight.data(), n).cwiseSqrt();
+  const VectorXd u = Eigen::Map<const VectorXd>(bins.u.data(), n);
+  const VectorXd y = Eigen::Map<const VectorXd>(bins.force.data(), n).cwiseProduct(root);
+  MatrixXd design(n, 3);
+  design.col(0) = root;
+  design.col(1) = root.cwiseProduct(u);
+  const auto fit = [&](double log_width) {
+    const double c = std::exp(log_width);
+    design.col(2) = root.array() * (-(u / c).array().square()).exp();
+    const VectorXd x = design.colPivHouseholderQr().solve(y);
+    BranchFit f;
+    f.eta0 = x(0), f.eta1 = x(1);
+    f.terms = {{x(2), 0.0, c}};
+    f.centred = true;
+    f.cost = (y - design * x).squaredNorm();
+    return f;
+  };
+  // A width below the second bin, or one that covers the range, is a level or a straight line again.
+  const double lowest = std::log(std::max(settings.narrowest, 2.0 * bins.u.front()));
+  const double highest = std::log(0.7);
+  if (!(lowest < highest)) return std::nullopt;
+  constexpr int kCoarse = 24;
+  const double step = (highest - lowest) / kCoarse;
+  BranchFit best = fit(lowest);
+  double at = lowest;
+  for (int i = 1; i <= kCoarse; ++i) {
+    BranchFit f = fit(lowest + step * i);
+    if (f.cost < best.cost) best = std::move(f), at = lowest + step * i;
+  }
+  for (double half = 0.5 * step; half > 1e-4; half *= 0.5) {
+    for (const double p : {at - half, at + half}) {
+      if (p < lowest || p > highest) continue;
+      BranchFit f = fit(p);
+      if (f.cost < best.cost) best = std::move(f), at = p;
+    }
+  }
+  return opposes(best) ? std::optional(best) : std::nullopt;
+}
+
+BranchFit fit_line(const Bins& bins, const FitSettings& settings) { return polish(bins, {}, settings, 1); }
+
+std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before, const FitSettings& settings,
+                                      const BranchFit* also) {
+  static constexpr unsigned kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  const int n = static_cast<int>(before.terms.size()) + 1;
+  const auto wanted = 2 + 3 * static_cast<std::size_t>(n);
+  if (bins.size() < 2 * wanted || 2 * static_cast<std::size_t>(n) > std::size(kPrimes)) return std::nullopt;
+  const Bins coarse = joined(bins, kSearchBins);
+  const Bins& search = coarse.size() >= wanted + 4 ? coarse : bins;
+  const Projected problem(search, n, settings);
+  std::vector<Outcome> tries;
+
+  // One more term where it explains most.
+  const Projected smaller(search, n - 1, settings);
+  const VectorXd residual = smaller.residual(nonlinear(before.terms, settings.narrowest).data());
+  struct Start {
+    double gain, b, c;
+  };
+  std::vector<Start> starts;
+  for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
+    const double step = std::clamp(0.7 * c, 0.05, 0.25);
+    for (double b = -0.1; b < 1.2; b += step) starts.push_back({smaller.gain(b, c, residual), b, c});
+  }
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& x, const Start& y) { return x.gain > y.gain; });
+  std::vector<Start> chosen;
+  for (const Start& s : starts) {
+    const bool close = std::any_of(chosen.begin(), chosen.end(), [&](const Start& t) {
+      return std::abs(s.b - t.b) < 0.7 * std::max(s.c, t.c) && std::abs(std::log(s.c / t.c)) < 0.8;
+    });
+    if (!close) chosen.push_back(s);
+    if (static_cast<int>(chosen.size()) == settings.polished) break;
+  }
+  for (const Start& s : chosen) {
+    std::vector<FitTerm> terms = before.terms;
+    terms.push_back({0.0, s.b, s.c});
+    tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
+  }
+  // And anywhere: the best fit need not hold the one with a term less.
+  for (int i = 0; n > 1 && i < settings.scattered; ++i) {
+    std::vector<FitTerm> terms;
+    for (int k = 0; k < n; ++k) {
+      const double x = spread(static_cast<unsigned>(i) + settings.first_start, kPrimes[2 * k]);
+      const double y = spread(static_cast<unsigned>(i) + settings.first_start, kPrimes[2 * k + 1]);
+      // One centre in each part of the range and a little beyond, so that no two starts are the same up to
+      // order.
+      terms.push_back({0.0, -0.05 + 1.35 * (k + x) / n, 0.08 * std::pow(8.0, y)});
+    }
+    tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
+  }
+  if (also != nullptr)
+    tries.push_back(descend(problem, nonlinear(also->terms, settings.narrowest), kFirstIterations));
+  const auto cheaper = [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; };
+  std::stable_sort(tries.begin(), tries.end(), cheaper);
+  if (tries.size() > kFinalists) tries.resize(kFinalists);
+  for (Outcome& t : tries) t = descend(problem, std::move(t.p), kIterations);
+  std::stable_sort(tries.begin(), tries.end(), cheaper);
+  BranchFit best;
+  for (std::size_t i = 0; i < tries.size(); ++i) {
+    BranchFit fit = polish(bins, tries[i].p, settings, kIterations);
+    const bool first = i == 0 || fit.cost < best.cost;
+    if (first) best = std::move(fit);
+    // The best of all starts was not in the way of the constraint: the others are only worse.
+    if (i == 0 && 2.0 * tries[0].cost * settings.noise * settings.noise > 0.9 * best.cost) break;
+  }
+  return best;
 }
 
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings) {
-  std::vector<BranchFit> ladder{polish(bins, {}, settings, 1)};
-  const Bins coarse = joined(bins, kSearchBins);
-  static constexpr unsigned kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-  for (int n = 1; n <= most; ++n) {
-    if (bins.size() < 2 * (2 + 3 * static_cast<std::size_t>(n))) break;
-    const bool enough = coarse.size() >= 2 + 3 * static_cast<std::size_t>(n) + 4;
-    const Bins& search = enough ? coarse : bins;
-    const Projected problem(search, n, settings);
-    std::vector<Outcome> tries;
-
-    // One more term where it explains most.
-    const std::vector<FitTerm> before = ladder.back().terms;
-    const Projected smaller(search, n - 1, settings);
-    const VectorXd residual = smaller.residual(nonlinear(before, settings.narrowest).data());
-    struct Start {
-      double gain, b, c;
-    };
-    std::vector<Start> starts;
-    for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
-      const double step = std::clamp(0.7 * c, 0.05, 0.25);
-      for (double b = -0.1; b < 1.2; b += step) starts.push_back({smaller.gain(b, c, residual), b, c});
-    }
-    std::stable_sort(starts.begin(), starts.end(),
-                     [](const Start& x, const Start& y) { return x.gain > y.gain; });
-    std::vector<Start> chosen;
-    for (const Start& s : starts) {
-      const bool close = std::any_of(chosen.begin(), chosen.end(), [&](const Start& t) {
-        return std::abs(s.b - t.b) < 0.7 * std::max(s.c, t.c) && std::abs(std::log(s.c / t.c)) < 0.8;
-      });
-      if (!close) chosen.push_back(s);
-      if (static_cast<int>(chosen.size()) == settings.polished) break;
-    }
-    for (const Start& s : chosen) {
-      std::vector<FitTerm> terms = before;
-      terms.push_back({0.0, s.b, s.c});
-      tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
-    }
-    // And anywhere: the best fit need not hold the one with a term less.
-    for (int i = 0; n > 1 && i < settings.scattered; ++i) {
-      std::vector<FitTerm> terms;
-      for (int k = 0; k < n; ++k) {
-        const double x = spread(static_cast<unsigned>(i) + 1, kPrimes[2 * k]);
-        const double y = spread(static_cast<unsigned>(i) + 1, kPrimes[2 * k + 1]);
-        // One centre in each part of the range and a little beyond, so that no two starts are the same up to
-        // order.
-        terms.push_back({0.0, -0.05 + 1.35 * (k + x) / n, 0.08 * std::pow(8.0, y)});
-      }
-      tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
-    }
-    std::stable_sort(tries.begin(), tries.end(),
-                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
-    if (tries.size() > kFinalists) tries.resize(kFinalists);
-    for (Outcome& t : tries) t = descend(problem, std::move(t.p), kIterations);
-    std::stable_sort(tries.begin(), tries.end(),
-                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
-    BranchFit best;
-    for (std::size_t i = 0; i < tries.size(); ++i) {
-      BranchFit fit = polish(bins, tries[i].p, settings, kIterations);
-      const bool first = i == 0 || fit.cost < best.cost;
-      if (first) best = std::move(fit);
-      // The best of all starts was not in the way of the constraint: the others are only worse.
-      if (i == 0 && 2.0 * tries[0].cost * settings.noise * settings.noise > 0.9 * best.cost) break;
-    }
-    ladder.push_back(std::move(best));
+  std::vector<BranchFit> ladder{fit_line(bins, settings)};
+  while (static_cast<int>(ladder.size()) <= most) {
+    std::optional<BranchFit> next = fit_one_more(bins, ladder.back(), settings);
+    if (!next) break;
+    ladder.push_back(std::move(*next));
   }
   return ladder;
 }

@@ -20,6 +20,7 @@
 /// Real time: no.
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace stribeck::ident {
@@ -43,11 +44,12 @@ struct BranchFit {
   double eta0 = 0.0;  ///< [N]
   double eta1 = 0.0;  ///< [N] per unit of u
   std::vector<FitTerm> terms;
-  double cost = 0.0;  ///< Σ w·residual² [N²]
+  bool centred = false;  ///< one term with b = 0, which is no parameter then: a Stribeck part
+  double cost = 0.0;     ///< Σ w·residual² [N²]
 
   [[nodiscard]] double force(double u) const noexcept;
-  [[nodiscard]] std::size_t parameters() const noexcept { return 2 + 3 * terms.size(); }
-  /// ∂force/∂(η0, η1, a1, b1, c1, a2, …).
+  [[nodiscard]] std::size_t parameters() const noexcept { return 2 + (centred ? 2 : 3 * terms.size()); }
+  /// ∂force/∂(η0, η1, a1, b1, c1, a2, …); centred: ∂force/∂(η0, η1, a1, c1).
   void gradient(double u, double* out) const noexcept;
 };
 
@@ -58,14 +60,24 @@ struct FitSettings {
   int polished = 3;           ///< places that are tried for each added term
   int scattered = 16;         ///< further starts with centres and widths spread over the range
   double narrowest = 0.015;   ///< bound of c [-]
+  unsigned first_start = 1;   ///< of the sequence of scattered starts: another number, other starts
 };
 
-/// Fits with 0 … most terms, each started from the one before; element n has n terms. Stops early when the
-/// bins do not carry more parameters.
+/// No term: the straight line.
+BranchFit fit_line(const Bins& bins, const FitSettings& settings);
+
+/// One term more than `before`, which is one of the starts. Absent where the bins do not carry more parameters.
+/// `also`: a fit of as many terms to nearly the same data, a start too.
+std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before, const FitSettings& settings,
+                                      const BranchFit* also = nullptr);
+
+/// Fits with 0 … most terms, each started from the one before; element n has n terms.
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings);
 
-/// One fit from the terms of `start`, on bins of nearly the same data, joined to about 80: for held-out
-/// errors.
-BranchFit refine(const Bins& bins, const BranchFit& start, const FitSettings& settings);
+/// η0 + η1·u + a·exp(−(u/c)²): a Stribeck part that may rise or fall. Absent where the bins do not carry it.
+std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings);
+
+/// Neighbouring bins joined until about `wanted` are left.
+Bins joined(const Bins& bins, std::size_t wanted);
 
 }  // namespace stribeck::ident

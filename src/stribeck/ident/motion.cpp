@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/filter.hpp>
 #include <stribeck/ident/motion.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <string>
 
 namespace stribeck::ident {
 namespace {
@@ -37,15 +40,32 @@ double second_difference_gain(int j) {
   return sum;
 }
 
-std::vector<double> smooth(const std::vector<double>& x, const std::vector<double>& weights) {
-  const std::size_t half = weights.size() / 2;
-  if (half == 0) return x;
-  std::vector<double> y(x);
-  for (std::size_t k = half; k + half < x.size(); ++k) {
-    double sum = weights[half] * x[k];
-    for (std::size_t i = 1; i <= half; ++i) sum += weights[half + i] * (x[k - i] + x[k + i]);
-    y[k] = sum;
+/// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums are
+/// taken of differences from the first value: a position far from zero costs no digits.
+std::vector<double> smooth(const std::vector<double>& x, int j) {
+  const std::size_t n = x.size();
+  const auto half = static_cast<std::size_t>(3 * j);
+  if (j == 0 || n < 2 * half + 1) return x;
+  const auto width = static_cast<std::size_t>(2 * j + 1);
+  const double scale = 1.0 / static_cast<double>(width);
+  const double origin = x.front();
+  std::vector<double> from(n);
+  std::vector<double> to(n);
+  for (std::size_t k = 0; k < n; ++k) from[k] = x[k] - origin;
+  std::size_t length = n;
+  for (int pass = 0; pass < 3; ++pass) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < width; ++k) sum += from[k];
+    to[0] = sum * scale;
+    for (std::size_t k = width; k < length; ++k) {
+      sum += from[k] - from[k - width];
+      to[k - width + 1] = sum * scale;
+    }
+    length -= width - 1;
+    std::swap(from, to);
   }
+  std::vector<double> y(x);
+  for (std::size_t k = 0; k < length; ++k) y[k + half] = from[k] + origin;
   return y;
 }
 
@@ -131,7 +151,31 @@ double position_noise(const std::vector<double>& x) {
 }
 
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column) {
-  return smooth(column, kernel(motion.window));
+  if (!(motion.cut_off > 0.0)) return smooth(column, motion.window);
+  return forward_backward(butterworth(4, motion.cut_off * 2.0 * motion.sample_time), column);
+}
+
+std::vector<double> align_force(const std::vector<double>& f, double shift) {
+  // Area of the triangle over [−1, 1] to the left of s.
+  const auto area = [](double s) {
+    return s < 0.0 ? 0.5 * (s + 1.0) * (s + 1.0) : 1.0 - 0.5 * (1.0 - s) * (1.0 - s);
+  };
+  const double late = shift + 0.5;
+  const double whole = std::floor(late);
+  const double part = late - whole;
+  // The holds that begin at whole − 1, whole and whole + 1 rows after k, less `late`, cover the triangle.
+  const double w[3] = {area(-part), area(1.0 - part) - area(-part), 1.0 - area(1.0 - part)};
+  const auto n = static_cast<std::ptrdiff_t>(f.size());
+  const auto first = static_cast<std::ptrdiff_t>(whole) - 1;
+  std::vector<double> out(f.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    double sum = 0.0;
+    for (std::ptrdiff_t i = 0; i < 3; ++i) {
+      sum += w[i] * f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + first + i, 0, n - 1))];
+    }
+    out[static_cast<std::size_t>(k)] = sum;
+  }
+  return out;
 }
 
 Motion reconstruct(const Record& record, const MotionOptions& options) {
@@ -150,7 +194,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   if (m.window < 0) {
     // The spread is taken from a long window, so that it is motion and not noise.
     const int longest = std::min(kWidestBox, static_cast<int>(record.x.size() / 60));
-    const std::vector<double> calm = second_difference(smooth(record.x, kernel(std::min(longest, 10))), T);
+    const std::vector<double> calm = second_difference(smooth(record.x, std::min(longest, 10)), T);
     double square = 0.0;
     for (const double a : calm) square += a * a;
     const double allowed = kNoiseShare * std::sqrt(square / static_cast<double>(calm.size())) * T * T;
@@ -158,24 +202,33 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
     while (m.window < longest && m.position_noise * std::sqrt(second_difference_gain(m.window)) > allowed)
       ++m.window;
   }
-  m.reach = 3 * m.window + 1;
+  if (options.cut_off > 0.0) {
+    if (!(options.cut_off * 2.0 * T < 1.0)) {
+      throw Refused(record.source + ": a cut-off of " + std::to_string(options.cut_off) +
+                    " Hz, expected less than half the sampling frequency of the log");
+    }
+    m.window = 0;
+    m.cut_off = options.cut_off;
+    // A step has settled to a hundredth after 0.75 periods of the edge.
+    m.reach = static_cast<int>(std::ceil(0.75 / (options.cut_off * T))) + 1;
+  } else {
+    m.reach = 3 * m.window + 1;
+  }
+  const int late = static_cast<int>(std::ceil(std::abs(options.shift + 0.5)));
+  m.reach += late;
 
-  const std::vector<double> weights = kernel(m.window);
-  const std::vector<double> x = smooth(record.x, weights);
-  const std::vector<double> f = smooth(record.f, weights);
+  m.x = smooth_like(m, record.x);
+  m.f = align_force(smooth_like(m, record.f), options.shift);
+  const std::vector<double>& x = m.x;
   m.a = second_difference(x, T);
   m.v.assign(x.size(), 0.0);
-  m.f.assign(x.size(), 0.0);
-  for (std::size_t k = 1; k + 1 < x.size(); ++k) {
-    m.v[k] = (x[k + 1] - x[k - 1]) / (2.0 * T);
-    m.f[k] = 0.5 * (f[k - 1] + f[k]);
-  }
+  for (std::size_t k = 1; k + 1 < x.size(); ++k) m.v[k] = (x[k + 1] - x[k - 1]) / (2.0 * T);
   if (m.loop == Loop::kOpen) {
     m.instrument = m.f;
   } else if (m.loop == Loop::kClosed && !record.r.empty()) {
-    m.instrument = second_difference(smooth(record.r, weights), T);
+    m.instrument = second_difference(smooth_like(m, record.r), T);
   } else {
-    m.instrument = second_difference(smooth(record.x, kernel(3 * m.window + 3)), T);
+    m.instrument = second_difference(smooth(m.x, m.window + 2), T);
   }
   find_reversals(record.x, std::max(kHysteresis * m.position_noise, 1e-7 * m.stroke), m);
   return m;

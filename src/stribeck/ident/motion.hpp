@@ -4,10 +4,14 @@
 ///   a[k] = (x[k+1] − 2x[k] + x[k−1])/T²     pairs exactly with (f[k−1] + f[k])/2 under a zero-order hold
 ///   v[k] = (x[k+1] − x[k−1])/(2T)
 ///
-/// Both sides then pass one symmetric window (a box of 2j+1 rows, three times), so that the linear relation
-/// is kept and nothing is delayed. The window is the shortest one that brings the noise of a, as it follows
-/// from the white part of the noise of x, below 1 % of the spread of a. Rows whose window reaches over an end
-/// are not valid.
+/// A log may hold the force s + ½ rows later (options.shift = s: the force of row k + s belongs to the motion of
+/// row k; −½ is a commanded force under its hold). The weights are then the shares of the triangle over
+/// [k−1, k+1], which a second difference is, so that the hold stays exact at any fraction of a row.
+///
+/// Both sides then pass one symmetric window (a box of 2j+1 rows, three times; or, with options.cut_off, a
+/// Butterworth filter of order 4 forward and backward), so that the linear relation is kept and nothing is
+/// shifted. The window is the shortest one that brings the noise of a, as it follows from the white part of the
+/// noise of x, below 1 % of the spread of a. Rows whose window reaches over an end are not valid.
 ///
 /// A reversal is the extreme from which x has come back by more than the hysteresis (ten times the noise of
 /// x); elastic spring-back after a stop counts. `distance` is the way since then: bristles follow it, not
@@ -34,8 +38,10 @@ struct Motion {
   double position_noise = 0.0;   ///< RMS of the white part of x [m]
   double stroke = 0.0;           ///< [m]
   int window = 0;                ///< j of the boxes, 0: none
+  double cut_off = 0.0;          ///< of the Butterworth filter instead [Hz], 0: none
   int reach = 0;                 ///< rows that a row's values draw on, to each side
 
+  std::vector<double> x;               ///< [m]
   std::vector<double> v;               ///< [m/s]
   std::vector<double> a;               ///< [m/s²]
   std::vector<double> f;               ///< [N]
@@ -59,8 +65,13 @@ struct Motion {
 };
 
 struct MotionOptions {
-  int window = -1;  ///< j of the boxes; negative: chosen from the data
+  int window = -1;       ///< j of the boxes; negative: chosen from the data
+  double cut_off = 0.0;  ///< of the Butterworth filter that replaces the boxes [Hz]; 0: boxes
+  double shift = -0.5;   ///< the force of row k + shift belongs to the motion of row k [rows]
 };
+
+/// Force that acts together with the acceleration of each row.
+std::vector<double> align_force(const std::vector<double>& f, double shift);
 
 /// Another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);

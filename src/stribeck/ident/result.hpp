@@ -80,11 +80,13 @@ struct Result {
   std::string position_unit = "m";         ///< "m" or "rad"
   double mass = 0.0;                       ///< [kg]
   Interval mass_interval;                  ///< [kg]
+  double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   double load = 0.0;                       ///< constant force against +x, e.g. weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;
   std::vector<CurvePoint> curve;                                   ///< ascending velocity
   double held_out_rms = std::numeric_limits<double>::quiet_NaN();  ///< [N]
+  double r_squared = std::numeric_limits<double>::quiet_NaN();     ///< share of the force that is explained
   std::vector<Candidate> models;
   std::vector<MapPoint> map;             ///< thinned
   std::vector<ResidualPoint> residuals;  ///< thinned

@@ -25,8 +25,10 @@ Uncertainty::Uncertainty(const Eigen::MatrixXd& X, const Eigen::VectorXd& e, con
   const double rows = static_cast<double>(n) / (2.0 * memory.rows);
   const double freedom = std::max(3.0, rows - static_cast<double>(p));
   const double correction = std::max(1.0, rows / freedom);
-  long_run_ = correction * inverse * Eigen::Map<const Eigen::MatrixXd>(raw.data(), p, p) * inverse;
-  stationary_ = correction * 2.0 * memory.rows * e.squaredNorm() / static_cast<double>(n) * inverse;
+  long_run_ =
+      correction * inverse * Eigen::Map<const Eigen::MatrixXd>(raw.data(), p, p) * inverse.transpose();
+  stationary_ = correction * 2.0 * memory.rows * e.squaredNorm() / static_cast<double>(n) * inverse *
+                (X.transpose() * X) * inverse.transpose();
   factor_ = student_factor(freedom);
 }
 

@@ -1,25 +1,13 @@
 #pragma once
-/// Model C: mass and velocity–friction map of an axis from runs through all speeds (sine, pulses).
+/// Model C of the thesis: mass and velocity–friction map of an axis from runs through all speeds (sine, pulses).
 ///
 ///   f = m·a + F(v) + noise          F: Gaussian-augmented map, one branch for each direction
 ///
-/// Mass, without any model of F: rows of equal velocity have equal friction, so within narrow bins of
-/// velocity only m·a is left. Instruments (motion.hpp) take the place of the measured acceleration.
+/// The general identification (drive_fit.hpp) held to this model: a commanded force under its zero-order hold,
+/// nothing periodic, friction by direction. The thesis chooses the number of terms by the peaks of the smoothed
+/// map (border counted); that number is reported beside the one that held-out motion chooses.
 ///
-/// Bristles: after a reversal friction follows the way slid, dF/ds = σ0·(1 − F/g(v)). σ0 is estimated from
-/// the rows after reversals. Rows nearer than six relaxation lengths g/σ0 are left out, and so are rows whose
-/// speed changes too much within one length; the small lag that remains is calculated and taken off.
-///
-/// Map: means over bins, fitted for 0 … 6 terms (gaussian_fit.hpp). The number of terms is the smallest whose
-/// error on held-out motion is within one standard error of the best, taken from paired differences over
-/// blocks of motion. The thesis's rule (peaks of the smoothed map, border counted) is reported beside it.
-///
-/// Intervals: delta method under correlated noise (long_run.hpp; white-noise intervals would be several times
-/// too narrow), plus what the models that the data cannot tell apart differ by. The map is valid on the
-/// speeds that were fitted; friction/gaussian.hpp says what happens beyond.
-///
-/// Source: thesis §2.4.3; Robinson 1988, doi:10.2307/1912705 (mass); Buckland, Burnham, Augustin 1997,
-/// doi:10.2307/2533961 (spread of models).
+/// Source: thesis §2.4.3.
 /// Not modelled: friction that depends on position, temperature or load.
 /// Real time: no.
 /// Errors: Refused, with the reason.
