@@ -41,6 +41,8 @@ figcaption{margin-top:.35rem;max-width:100ch}
 .across-4{grid-template-columns:repeat(4,1fr)}
 svg{display:block;width:100%;height:auto}
 @media (max-width:700px){.across-2{grid-template-columns:1fr}.across-3,.across-4{grid-template-columns:repeat(2,1fr)}}
+.list{background:var(--card);border-left:4px solid var(--line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
+.list ul{margin:.3rem 0;padding-left:1.2rem}
 .warnings{background:var(--warn);border-left:4px solid var(--warn-line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
 .warnings ul{margin:.3rem 0;padding-left:1.2rem}
 details{margin:.8rem 0;border:1px solid var(--line);border-radius:6px;padding:.4rem .9rem}
@@ -148,6 +150,13 @@ void Page::figures(const std::vector<Plot>& plots, int across, std::string_view 
   add("</div>");
   if (!caption.empty()) add("\n" + element("figcaption", caption));
   add("</figure>\n");
+}
+
+void Page::list(std::string_view heading, const std::vector<std::string>& items) {
+  if (items.empty()) return;
+  add("<div class=\"list\"><b>" + escape_html(heading) + "</b><ul>\n");
+  for (const std::string& item : items) add(element("li", item));
+  add("</ul></div>\n");
 }
 
 void Page::warnings(const std::vector<std::string>& list) {

@@ -54,6 +54,8 @@ class Page {
   void figure(const Plot& plot, std::string_view caption);
   /// Several drawings in a grid, at most `across` side by side, with one caption.
   void figures(const std::vector<Plot>& plots, int across, std::string_view caption);
+  /// A list with a line above it; nothing when the list is empty.
+  void list(std::string_view heading, const std::vector<std::string>& items);
   /// A box; nothing when the list is empty.
   void warnings(const std::vector<std::string>& list);
   /// A part that is folded away until it is asked for; `fill` writes to this page.

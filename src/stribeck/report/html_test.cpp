@@ -25,6 +25,7 @@ TEST(Html, EveryWayInIsEscaped) {
   page.remark(kHostile);
   page.code(kHostile);
   page.warnings({kHostile});
+  page.list(kHostile, {kHostile});
   page.table({kHostile, {{kHostile, kHostile}}, {{{kHostile, kHostile, kHostile, true, kHostile}}}});
   page.details(kHostile, [&] { page.paragraph(kHostile); });
   Plot plot;
@@ -54,6 +55,7 @@ TEST(Html, TablesAlignNumbersAndMarkTheBest) {
 TEST(Html, StandsAlone) {
   Page page("t");
   page.warnings({});
+  page.list("nothing", {});
   page.figures({}, 2, "none");
   page.figures({Plot{.title = "first"}, Plot{.title = "second"}}, 2, "two");
   page.paragraph("after");
@@ -62,6 +64,7 @@ TEST(Html, StandsAlone) {
     EXPECT_THAT(html, Not(HasSubstr(foreign)));
   }
   EXPECT_THAT(html, Not(HasSubstr("role=\"note\"")));
+  EXPECT_THAT(html, Not(HasSubstr("nothing")));
   const auto first = html.find("<title>first</title>");
   const auto second = html.find("<title>second</title>");
   const auto after = html.find("<p>after</p>");

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/identify_report.hpp>
@@ -11,27 +12,34 @@ namespace stribeck::report {
 namespace {
 
 std::string summary(const ident::Result& r, std::string_view axis) {
+  const ShownUnits units = units_of(r);
   std::string text =
       fmt::format("{}: {} friction model, found by {} from {} rows",
                   axis.empty() ? "The axis" : fmt::format("Axis {}", axis), r.model, r.method, r.rows);
   if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
-    text += fmt::format(", valid from {} to {} mm/s", significant(r.velocity_range[0] * 1e3, 3),
-                        significant(r.velocity_range[1] * 1e3, 3));
+    text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
+                        significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
   }
-  const double low = r.mass_interval.low * 1e-3;
-  const double high = r.mass_interval.high * 1e-3;
-  text += fmt::format(". Mass {} N s2/mm", shown_number(r.mass * 1e-3, low, high));
+  const double low = r.mass_interval.low * units.per_mass;
+  const double high = r.mass_interval.high * units.per_mass;
+  text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high), units.mass);
   if (std::isfinite(low) && std::isfinite(high)) {
     text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));
   }
   text += ".";
   if (std::isfinite(r.held_out_rms)) {
-    text += fmt::format(" On motion that was not fitted, the model leaves {} N RMS.",
-                        significant(r.held_out_rms, 3));
+    text += fmt::format(" On motion that was not fitted, the model leaves {} {} RMS.",
+                        significant(r.held_out_rms, 3), units.force);
+  }
+  for (const auto& term : r.friction.eccentric) {
+    const bool turns = term.form == friction::EccentricForm::kProportional;
+    text += fmt::format(" A force of {} {} repeats every {} {}{}.", significant(term.amplitude, 3),
+                        units.force, significant(term.period * units.per_position, 4), units.position,
+                        turns ? " and reverses with the direction" : "");
   }
   if (std::isfinite(r.break_away_distance)) {
-    text += fmt::format(" After a reversal friction settles over {} µm of travel.",
-                        significant(r.break_away_distance * 1e6, 2));
+    text += fmt::format(" After a reversal friction settles over {} {} of travel.",
+                        significant(r.break_away_distance * units.per_fine, 2), units.fine);
   }
   std::size_t loose = 0;
   for (const ident::Parameter& p : r.parameters) loose += p.identifiable ? 0 : 1;
@@ -40,7 +48,34 @@ std::string summary(const ident::Result& r, std::string_view axis) {
         " {} of {} parameters cannot be told from the data; the curve can be used, they mean nothing alone.",
         loose, r.parameters.size());
   }
+  if (!units.physical()) {
+    text += fmt::format(" The log gives no scale: forces stand in {}, positions in {}.", units.force,
+                        units.linear() ? "mm" : units.position);
+  }
   return text;
+}
+
+/// What is left, seen from every side.
+void residuals(Page& page, const ident::Result& r, bool heading) {
+  std::vector<Plot> plots = residual_plots(r);
+  const bool points = !plots.empty();
+  std::optional<Plot> spectrum = spectrum_plot(r);
+  if (spectrum) plots.push_back(std::move(*spectrum));
+  if (plots.empty()) return;
+  if (heading) page.section("What the model leaves");
+  std::string caption;
+  if (points) {
+    caption =
+        "Measured less modelled force of every row that was fitted, thinned. A band of means that leaves "
+        "zero is "
+        "a part of friction that the model does not have.";
+  }
+  if (spectrum) {
+    caption += std::string(caption.empty() ? "" : " ") +
+               "Spectrum: a peak is a force that repeats with the position, e.g. once per turn of the screw. "
+               "It is that of the residual before periodic terms; those that the model took are marked.";
+  }
+  page.figures(plots, 2, caption);
 }
 
 }  // namespace
@@ -55,6 +90,7 @@ std::string identify_report(const IdentifyReportInput& input) {
   for (const ident::Result& r : input.results) {
     if (!first) page.section("Beside it: " + r.model + " model by " + r.method);
     page.lead(summary(r, input.axis));
+    page.list("What this log cannot tell", r.cannot_tell);
     page.warnings(r.warnings);
     if (first) page.section("Friction map");
     FrictionMap map;
@@ -66,13 +102,21 @@ std::string identify_report(const IdentifyReportInput& input) {
     for (const ident::Result& other : input.results) {
       if (&other != &r && other.model == "conventional") map.conventional = other.friction.steady;
     }
-    page.figures(friction_plots(map), 2,
-                 "Left: friction against velocity. Right: the same as difference from the fit, where its 95 "
-                 "% band can be seen. "
-                 "Measured points are thinned.");
+    page.figures(
+        friction_plots(map), 2,
+        std::string("Left: friction against velocity. Right: the same as difference from the fit, where "
+                    "its 95 % band can be seen. Measured points are thinned.") +
+            (r.friction.eccentric.empty() ? "" : " Terms periodic in position are taken out."));
     if (first) page.section("Parameters");
     page.table(parameter_table(r));
-    if (!r.models.empty()) page.table(candidate_table(r));
+    residuals(page, r, first);
+    if (first && !r.models.empty()) page.section("Choice of the model");
+    if (!r.models.empty()) {
+      page.table(candidate_table(r));
+      page.remark(
+          "The simplest model within one standard error of the best on motion that was not fitted is "
+          "chosen.");
+    }
     first = false;
   }
   if (!input.command.empty()) {

@@ -1,7 +1,9 @@
 #pragma once
-/// The page of an identification: the map with the fit and its 95 % band, what is left of the measured
-/// points, the models that were tried, parameters with their intervals and whether the data can tell them,
-/// warnings in words. Real time: no.
+/// The page of an identification: the map with the fit and its 95 % band, parameters with their intervals and
+/// whether the data can tell them, what is left against velocity, position and time, its spectrum over
+/// position, the models that were tried, what the log cannot tell and warnings in words. Everything stands in
+/// the units of the log where it has no scale (shown_units.hpp).
+/// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
 #include <stribeck/ident/result.hpp>

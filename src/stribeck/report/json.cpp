@@ -1,9 +1,14 @@
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/parameters.hpp>
+#include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/table.hpp>
+#include <type_traits>
+#include <variant>
 
 namespace stribeck::report {
 namespace {
@@ -29,6 +34,53 @@ void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
     tracking.push_back(number_or_null(m.mean_abs_tracking[i] * kMicro));
   }
   out["mean_abs_tracking_um"] = std::move(tracking);
+}
+
+template <class T>
+Json members(const T& value, const ShownUnits& units);
+
+/// A declared parameter (core/fields.hpp): a number with its unit, a name, a table or a list of these.
+template <class T>
+Json value_of_field(const T& value, const Quantity& q, const ShownUnits& units) {
+  if constexpr (requires { value.has_value(); }) {
+    return value ? value_of_field(*value, q, units) : Json(nullptr);
+  } else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::array<double, 2>>) {
+    const std::string unit(units.chosen(q.unit, q.shown));
+    const io::Conversion to_shown = unit == q.unit ? io::Conversion() : io::conversion(q.unit, unit);
+    const auto one = [&](double v) { return number_or_null(to_shown(v)); };
+    if constexpr (std::is_same_v<T, double>) {
+      return unit.empty() ? one(value) : Json{{"value", one(value)}, {"unit", units.named(unit)}};
+    } else {
+      return Json{{"value", Json::array({one(value[0]), one(value[1])})}, {"unit", units.named(unit)}};
+    }
+  } else if constexpr (NamedEnum<T>) {
+    for (const auto& [at, name] : EnumNames<T>::names) {
+      if (at == value) return std::string(name);
+    }
+    return nullptr;
+  } else if constexpr (HasFields<T>) {
+    return members(value, units);
+  } else if constexpr (requires { std::variant_size<T>::value; }) {
+    return std::visit(
+        [&](const auto& chosen) {
+          Json out = {{"kind", std::string(chosen.kKind)}};
+          out.update(members(chosen, units));
+          return out;
+        },
+        value);
+  } else {
+    Json list = Json::array();
+    for (const auto& item : value) list.push_back(value_of_field(item, q, units));
+    return list;
+  }
+}
+
+template <class T>
+Json members(const T& value, const ShownUnits& units) {
+  Json out = Json::object();
+  for_each_field<T>(
+      [&](const auto& f) { out[std::string(f.name)] = value_of_field(value.*f.member, f.quantity, units); });
+  return out;
 }
 
 Json interval(double low, double high) { return Json::array({number_or_null(low), number_or_null(high)}); }
@@ -62,17 +114,41 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
 }
 
 nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axis) {
+  const ShownUnits units = units_of(result);
+  // A key with a unit, and the way out where that unit does not hold.
+  const auto put = [](Json& out, std::string_view name, std::string_view unit, bool holds, const Json& scaled,
+                      const Json& plain) {
+    const std::string with_unit = std::string(name) + "_" + std::string(unit);
+    if (holds) {
+      out[with_unit] = scaled;
+      return;
+    }
+    out[with_unit] = nullptr;
+    out[std::string(name)] = plain;
+  };
+  const bool newton = units.force == "N";
+  const auto force = [&](Json& out, std::string_view name, double value) {
+    put(out, name, "N", newton, number_or_null(value), number_or_null(value));
+  };
   Json out;
   out["schema"] = "stribeck.identify/1";
   out["axis"] = axis.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(axis));
+  out["method"] = result.method;
   out["model"] = result.model;
-  out["mass_kg"] = number_or_null(result.mass);
-  out["mass_ci95_kg"] = interval(result.mass_interval.low, result.mass_interval.high);
-  out["velocity_range_mm_per_s"] =
-      interval(result.velocity_range[0] * kMilli, result.velocity_range[1] * kMilli);
+  out["force_unit"] = units.force;
+  out["position_unit"] = result.position_unit;
+  const Json mass = number_or_null(result.mass);
+  const Json mass_interval = interval(result.mass_interval.low, result.mass_interval.high);
+  put(out, "mass", "kg", units.physical(), mass, mass);
+  put(out, "mass_ci95", "kg", units.physical(), mass_interval, mass_interval);
+  force(out, "load", result.load);
+  const auto& range = result.velocity_range;
+  put(out, "velocity_range", "mm_per_s", units.linear(), interval(range[0] * kMilli, range[1] * kMilli),
+      interval(range[0], range[1]));
+  out["rows"] = result.rows;
   Json parameters = Json::array();
   for (const ident::Parameter& p : result.parameters) {
-    const ShownParameter s = shown(p);
+    const ShownParameter s = shown(p, units);
     Json one;
     one["name"] = p.name;
     one["value"] = number_or_null(s.value);
@@ -85,25 +161,32 @@ nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axi
   Json curve = Json::array();
   for (const ident::CurvePoint& c : result.curve) {
     Json one;
-    one["velocity_mm_per_s"] = number_or_null(c.velocity * kMilli);
-    one["friction_N"] = number_or_null(c.friction);
-    one["ci95_N"] = interval(c.ci_low, c.ci_high);
+    put(one, "velocity", "mm_per_s", units.linear(), number_or_null(c.velocity * kMilli),
+        number_or_null(c.velocity));
+    force(one, "friction", c.friction);
+    const Json band = interval(c.ci_low, c.ci_high);
+    put(one, "ci95", "N", newton, band, band);
     curve.push_back(std::move(one));
   }
   out["curve"] = std::move(curve);
-  out["held_out_rms_N"] = number_or_null(result.held_out_rms);
+  force(out, "held_out_rms", result.held_out_rms);
+  out["r_squared"] = number_or_null(result.r_squared);
   Json models = Json::array();
   for (const ident::Candidate& c : result.models) {
     Json one;
     one["name"] = c.name;
     one["terms"] = c.terms;
     one["parameters"] = c.parameters;
-    one["held_out_rms_N"] = number_or_null(c.held_out_rms);
-    one["standard_error_N"] = number_or_null(c.standard_error);
+    force(one, "held_out_rms", c.held_out_rms);
+    force(one, "standard_error", c.standard_error);
     one["chosen"] = c.chosen;
     models.push_back(std::move(one));
   }
   out["models"] = std::move(models);
+  out["friction"] = members(result.friction, units);
+  const double way = result.break_away_distance;
+  put(out, "break_away", "um", units.linear(), number_or_null(way * kMicro), number_or_null(way));
+  out["cannot_tell"] = result.cannot_tell;
   out["warnings"] = result.warnings;
   return out;
 }

@@ -9,13 +9,18 @@
 ///              "accuracy_nm"}}]}
 ///   metrics    max_contour_error_um, quadrant_glitch_um, rms_um, sd_um, mean_abs_um, power_W, mean_abs_ui_W,
 ///              input_variation_V, mean_abs_tracking_um: [x, y]
-///   identify   {"schema": "stribeck.identify/1", "axis", "model", "mass_kg", "mass_ci95_kg",
-///   "velocity_range_mm_per_s",
-///              "parameters": [{"name", "value", "unit", "ci95", "identifiable"}], "curve":
-///              [{"velocity_mm_per_s", "friction_N", "ci95_N"}], "held_out_rms_N", "models": [...],
-///              "warnings": [...]}
+///   identify   {"schema": "stribeck.identify/1", "axis", "method", "model", "force_unit", "position_unit", "mass_kg",
+///              "mass_ci95_kg", "load_N", "velocity_range_mm_per_s", "rows",
+///              "parameters": [{"name", "value", "unit", "ci95", "identifiable"}],
+///              "curve": [{"velocity_mm_per_s", "friction_N", "ci95_N"}], "held_out_rms_N",
+///              "models": [{"name", "terms", "parameters", "held_out_rms_N", "standard_error_N", "chosen"}],
+///              "friction": {"steady", "eccentric", "dynamics"} as in an axis file, each quantity {"value",
+///              "unit"}, "break_away_um", "cannot_tell": [...], "warnings": [...]}
 ///
-/// Parameters stand in the unit that people read (N s/mm), the mass besides in kg.
+/// Parameters stand in the unit that people read (N s/mm), the mass besides in kg. A log without a scale is
+/// identified in its own unit, "force_unit": "A" or "position_unit": "rad". A key whose unit would then be a
+/// lie holds null, and the number stands beside it under the same name without the unit, in force_unit,
+/// position_unit and s: "mass_kg": null, "mass": 0.5.
 /// Real time: no.
 
 #include <nlohmann/json_fwd.hpp>

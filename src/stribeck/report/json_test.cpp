@@ -117,16 +117,21 @@ TEST(IdentifyJson, IsAsDescribed) {
   const std::string expected = R"({
   "schema": "stribeck.identify/1",
   "axis": "x",
+  "method": "velocity-map",
   "model": "gaussian",
+  "force_unit": "N",
+  "position_unit": "m",
   "mass_kg": 57650.123,
   "mass_ci95_kg": [
     57600.0,
     57700.5
   ],
+  "load_N": 0.0,
   "velocity_range_mm_per_s": [
     -9.5,
     9.5
   ],
+  "rows": 1234,
   "parameters": [
     {
       "name": "mass",
@@ -170,6 +175,7 @@ TEST(IdentifyJson, IsAsDescribed) {
     }
   ],
   "held_out_rms_N": 20.5,
+  "r_squared": null,
   "models": [
     {
       "name": "Gaussian, 1 term, v > 0",
@@ -180,12 +186,78 @@ TEST(IdentifyJson, IsAsDescribed) {
       "chosen": true
     }
   ],
+  "friction": {
+    "steady": {
+      "kind": "conventional",
+      "alpha0": {
+        "value": 800.0,
+        "unit": "N"
+      },
+      "alpha2": {
+        "value": 100.0,
+        "unit": "N s/mm"
+      },
+      "stribeck": null
+    },
+    "eccentric": [],
+    "dynamics": {
+      "kind": "static"
+    }
+  },
+  "break_away_um": null,
+  "cannot_tell": [],
   "warnings": [
     "speeds above 9 mm/s were seen once"
   ]
 }
 )";
   EXPECT_EQ(io::dump(to_json(result, "x")), expected);
+}
+
+TEST(IdentifyJson, CarriesTheWholeModel) {
+  const auto json = to_json(testing::whole_fit(), "x");
+  const auto& friction = json["friction"];
+  EXPECT_EQ(friction["eccentric"].dump(),
+            R"([{"amplitude":{"value":1.5,"unit":"N"},"period":{"value":2.5,"unit":"mm"},)"
+            R"("phase":{"value":0.25,"unit":"rad"},"form":"proportional"}])");
+  EXPECT_EQ(
+      friction["dynamics"].dump(),
+      R"({"kind":"lugre","sigma0":{"value":2000.0,"unit":"N/mm"},"sigma1":{"value":0.0,"unit":"N s/mm"},)"
+      R"("damping_velocity":null})");
+  EXPECT_EQ(json["break_away_um"], 12.0);
+  EXPECT_EQ(json["load_N"], -3.25);
+  EXPECT_EQ(json["cannot_tell"][0], "the stiffness of pre-sliding: the encoder is too coarse");
+  EXPECT_EQ(json["parameters"][5].dump(),
+            R"({"name":"force_shift","value":1.5,"unit":"ms","ci95":[1.25,1.75],"identifiable":true})");
+}
+
+// A number never stands under a key with a unit that is not its own.
+TEST(IdentifyJson, KeysDoNotLieAboutUnits) {
+  auto json = to_json(testing::own_units(false), "x");
+  EXPECT_EQ(json["force_unit"], "A");
+  EXPECT_EQ(json["position_unit"], "m");
+  EXPECT_TRUE(json["mass_kg"].is_null());
+  EXPECT_EQ(json["mass"], 57650.123);
+  EXPECT_TRUE(json["held_out_rms_N"].is_null());
+  EXPECT_EQ(json["held_out_rms"], 20.5);
+  EXPECT_EQ(json["velocity_range_mm_per_s"][1], 9.5);
+  EXPECT_FALSE(json.contains("velocity_range"));
+  EXPECT_EQ(
+      json["curve"][0].dump(),
+      R"({"velocity_mm_per_s":-9.5,"friction_N":null,"friction":-2000.0,"ci95_N":null,"ci95":[-2010.0,-1990.0]})");
+  EXPECT_EQ(json["parameters"][1]["unit"], "A s/mm");
+  EXPECT_EQ(json["friction"]["steady"]["alpha2"]["unit"], "A s/mm");
+  EXPECT_TRUE(json["models"][0]["held_out_rms_N"].is_null());
+  EXPECT_EQ(json["models"][0]["held_out_rms"], 20.5);
+
+  json = to_json(testing::own_units(true), "x");
+  EXPECT_TRUE(json["velocity_range_mm_per_s"].is_null());
+  EXPECT_EQ(json["velocity_range"][1], 9.5e-3);
+  EXPECT_EQ(json["parameters"][0]["unit"], "A s2/rad");
+  EXPECT_EQ(json["parameters"][0]["value"], 57650.0);
+  EXPECT_EQ(json["parameters"][4]["unit"], "rad");
+  EXPECT_EQ(json["friction"]["eccentric"][0]["period"].dump(), R"({"value":0.0025,"unit":"rad"})");
+  EXPECT_EQ(json["break_away"], 12e-6);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/io/units.hpp>
@@ -47,15 +48,15 @@ std::vector<double> velocities(double low, double high) {
   return v;
 }
 
-Series line(std::string label, const std::vector<double>& at, const Force& force, const Force& less,
-            std::string_view color, double width, bool dashed) {
+Series line(std::string label, const std::vector<double>& at, double scale, const Force& force,
+            const Force& less, std::string_view color, double width, bool dashed) {
   Series s;
   s.label = std::move(label);
   s.color = std::string(color);
   s.width = width;
   s.dashed = dashed;
   for (const double v : at) {
-    s.x.push_back(v * 1e3);
+    s.x.push_back(v * scale);
     s.y.push_back(std::isfinite(v) ? force(v) - less(v) : kNaN);
   }
   return s;
@@ -87,10 +88,12 @@ std::optional<Range> close_range(const std::vector<Series>& series, double room)
 
 }  // namespace
 
-ShownParameter shown(const ident::Parameter& p) {
-  const std::string unit = p.shown.empty() ? p.unit : p.shown;
+ShownUnits units_of(const ident::Result& result) { return {result.force_unit, result.position_unit}; }
+
+ShownParameter shown(const ident::Parameter& p, const ShownUnits& units) {
+  const std::string unit(units.chosen(p.unit, p.shown));
   const io::Conversion to_shown = io::conversion(p.unit, unit);
-  return {to_shown(p.value), to_shown(p.ci_low), to_shown(p.ci_high), unit};
+  return {to_shown(p.value), to_shown(p.ci_low), to_shown(p.ci_high), units.named(unit)};
 }
 
 std::string shown_number(double value, double low, double high) {
@@ -102,12 +105,13 @@ std::string shown_number(double value, double low, double high) {
 }
 
 Table parameter_table(const ident::Result& result) {
+  const ShownUnits units = units_of(result);
   Table t{
       "",
       {{"parameter", "", false}, {"value", ""}, {"95 % interval", ""}, {"unit", "", false}, {"", "", false}},
       {}};
   for (const ident::Parameter& p : result.parameters) {
-    const ShownParameter s = shown(p);
+    const ShownParameter s = shown(p, units);
     const bool known = std::isfinite(s.low) && std::isfinite(s.high);
     t.rows.push_back(
         {{p.name},
@@ -120,25 +124,39 @@ Table parameter_table(const ident::Result& result) {
   return t;
 }
 
+int candidate_digits(const ident::Result& result) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ident::Candidate& c : result.models) {
+    if (c.held_out_rms > 0.0) least = std::fmin(least, c.held_out_rms);
+  }
+  if (!std::isfinite(least)) return 2;
+  return std::clamp(3 - static_cast<int>(std::floor(std::log10(least))), 2, 8);
+}
+
 Table candidate_table(const ident::Result& result) {
+  const std::string unit = units_of(result).force;
   Table t{"Models that were tried",
           {{"model", "", false},
            {"parameters", ""},
-           {"RMS on held-out motion", "N"},
-           {"standard error of the difference from the best", "N"},
+           {"RMS on held-out motion", unit},
+           {"standard error of the difference from the best", unit},
            {"", "", false}},
           {}};
+  const int digits = candidate_digits(result);
   for (const ident::Candidate& c : result.models) {
     t.rows.push_back({{c.name, "", "", c.chosen},
                       {std::to_string(c.parameters)},
-                      {decimals(c.held_out_rms, 2), "", "", c.chosen},
-                      {decimals(c.standard_error, 2)},
+                      {decimals(c.held_out_rms, digits), "", "", c.chosen},
+                      {decimals(c.standard_error, digits)},
                       {c.chosen ? "chosen" : ""}});
   }
   return t;
 }
 
 std::vector<Plot> friction_plots(const FrictionMap& map) {
+  const ShownUnits units = map.fit != nullptr ? units_of(*map.fit) : ShownUnits();
+  const double scale = units.per_velocity;
+  const bool periodic = map.fit != nullptr && !map.fit->friction.eccentric.empty();
   const bool fitted = map.fit != nullptr && map.fit->curve.size() > 1;
   const double low = fitted ? map.fit->curve.front().velocity : -map.speed;
   const double high = fitted ? map.fit->curve.back().velocity : map.speed;
@@ -157,21 +175,23 @@ std::vector<Plot> friction_plots(const FrictionMap& map) {
 
   const auto draw = [&](const Force& less, bool difference) {
     Plot p;
-    p.title =
-        difference ? "Axis " + map.axis + ": difference from the fit" : "Axis " + map.axis + ": friction map";
-    p.x_label = "velocity [mm/s]";
-    p.y_label = difference ? "difference [N]" : "friction [N]";
+    const std::string of = map.axis.empty() ? "" : "Axis " + map.axis + ": ";
+    p.title = of + (difference ? "difference from the fit" : "friction map");
+    p.x_label = "velocity [" + units.velocity + "]";
+    p.y_label = (difference ? "difference [" : "friction [") + units.force + "]";
     p.width = 560;
     p.height = 380;
     p.legend = Legend::kAbove;
-    p.x_range = Range{low * 1e3 * 1.02, high * 1e3 * 1.02};
+    p.x_range = Range{low * scale * 1.02, high * scale * 1.02};
     if (map.fit != nullptr && !map.fit->map.empty()) {
-      Series points{
-          .label = "measured", .style = Style::kPoints, .color = std::string(kPointColor), .width = 1.2};
+      Series points{.label = periodic ? "measured, less periodic terms" : "measured",
+                    .style = Style::kPoints,
+                    .color = std::string(kPointColor),
+                    .width = 1.2};
       for (const ident::MapPoint& m : map.fit->map) {
         const double base = less(m.velocity);
         if (!std::isfinite(base)) continue;
-        points.x.push_back(m.velocity * 1e3);
+        points.x.push_back(m.velocity * scale);
         points.y.push_back(m.friction - base);
       }
       p.series.push_back(std::move(points));
@@ -185,7 +205,7 @@ std::vector<Plot> friction_plots(const FrictionMap& map) {
         }
         before = c.velocity;
         const double base = less(c.velocity);
-        band.x.push_back(c.velocity * 1e3);
+        band.x.push_back(c.velocity * scale);
         band.y_low.push_back(c.ci_low - base);
         band.y_high.push_back(c.ci_high - base);
       }
@@ -193,19 +213,153 @@ std::vector<Plot> friction_plots(const FrictionMap& map) {
     }
     if (map.conventional) {
       p.series.push_back(
-          line("conventional", at, steady(*map.conventional), less, kConventionalColor, 1.6, false));
+          line("conventional", at, scale, steady(*map.conventional), less, kConventionalColor, 1.6, false));
     }
     if (fitted || map.model) {
-      p.series.push_back(line(fitted ? "fit" : map.model_label, at, fit, less, kFitColor, 2.0, false));
+      p.series.push_back(line(fitted ? "fit" : map.model_label, at, scale, fit, less, kFitColor, 2.0, false));
     }
     if (map.truth)
-      p.series.push_back(line(map.truth_label, at, steady(*map.truth), less, "#000000", 1.3, true));
+      p.series.push_back(line(map.truth_label, at, scale, steady(*map.truth), less, "#000000", 1.3, true));
     if (difference) p.y_range = close_range(p.series, map.conventional ? 2.5 : 1.15);
     return p;
   };
   std::vector<Plot> plots{draw(zero, false)};
   if (fitted || map.model) plots.push_back(draw(fit, true));
   return plots;
+}
+
+namespace {
+
+/// Means of equal slices of x with twice their standard error; slices with few points are gaps.
+void add_means(Plot& plot) {
+  constexpr int kSlices = 30;
+  constexpr std::size_t kFewest = 5;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Series& s : plot.series) {
+    for (const double x : s.x) {
+      low = std::fmin(low, x);
+      high = std::fmax(high, x);
+    }
+  }
+  if (!(high > low)) return;
+  struct Slice {
+    std::size_t n = 0;
+    double sum = 0.0;
+    double squares = 0.0;
+  };
+  std::array<Slice, kSlices> slices{};
+  for (const Series& s : plot.series) {
+    for (std::size_t k = 0; k < s.x.size(); ++k) {
+      const auto i = static_cast<std::size_t>(
+          std::clamp(std::floor((s.x[k] - low) / (high - low) * kSlices), 0.0, kSlices - 1.0));
+      ++slices[i].n;
+      slices[i].sum += s.y[k];
+      slices[i].squares += s.y[k] * s.y[k];
+    }
+  }
+  Series band{
+      .label = "± 2 standard errors", .style = Style::kBand, .color = std::string(kConventionalColor)};
+  Series mean{.label = "mean of slices", .color = std::string(kConventionalColor), .width = 2.0};
+  for (std::size_t i = 0; i < kSlices; ++i) {
+    const Slice& s = slices[i];
+    const double x = low + (high - low) * (static_cast<double>(i) + 0.5) / kSlices;
+    const auto n = static_cast<double>(s.n);
+    const bool known = s.n >= kFewest;
+    const double m = known ? s.sum / n : kNaN;
+    const double error = known ? std::sqrt(std::fmax(s.squares / n - m * m, 0.0) / (n - 1.0)) : kNaN;
+    mean.x.push_back(x);
+    mean.y.push_back(m);
+    band.x.push_back(x);
+    band.y_low.push_back(m - 2.0 * error);
+    band.y_high.push_back(m + 2.0 * error);
+  }
+  plot.series.push_back(std::move(band));
+  plot.series.push_back(std::move(mean));
+}
+
+}  // namespace
+
+std::vector<Plot> residual_plots(const ident::Result& result) {
+  if (result.residuals.empty()) return {};
+  const ShownUnits units = units_of(result);
+  struct View {
+    std::string over;
+    std::string unit;
+    double ident::ResidualPoint::*member;
+    double scale;
+  };
+  const std::array views{
+      View{"velocity", units.velocity, &ident::ResidualPoint::v, units.per_velocity},
+      View{"position", units.position, &ident::ResidualPoint::x, units.per_position},
+      View{"time", "s", &ident::ResidualPoint::t, 1.0},
+  };
+  std::vector<double> sizes;
+  for (const auto& p : result.residuals) {
+    if (std::isfinite(p.error)) sizes.push_back(std::abs(p.error));
+  }
+  if (sizes.empty()) return {};
+  // A few points far out must not flatten the rest.
+  const auto most =
+      sizes.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), most, sizes.end());
+  const double border = 1.25 * *most;
+  std::vector<Plot> plots;
+  for (const View& view : views) {
+    Plot p;
+    p.title = "Residual against " + view.over;
+    p.x_label = view.over + " [" + view.unit + "]";
+    p.y_label = "residual [" + units.force + "]";
+    p.width = 560;
+    p.height = 300;
+    if (border > 0.0) p.y_range = Range{-border, border};
+    Series points{.label = "measured less model",
+                  .style = Style::kPoints,
+                  .color = std::string(kPointColor),
+                  .width = 1.2};
+    for (const auto& r : result.residuals) {
+      if (!std::isfinite(r.error) || !std::isfinite(r.*view.member)) continue;
+      points.x.push_back(r.*view.member * view.scale);
+      points.y.push_back(r.error);
+    }
+    p.series.push_back(std::move(points));
+    add_means(p);
+    plots.push_back(std::move(p));
+  }
+  return plots;
+}
+
+std::optional<Plot> spectrum_plot(const ident::Result& result) {
+  if (result.spectrum.size() < 2) return std::nullopt;
+  const ShownUnits units = units_of(result);
+  Plot p;
+  p.title = "What repeats with the position";
+  p.x_label = "period [" + units.position + "]";
+  p.y_label = "amplitude [" + units.force + "]";
+  p.width = 560;
+  p.height = 300;
+  p.log_x = true;
+  Series line{.label = "residual before periodic terms", .color = std::string(kFitColor), .width = 1.4};
+  for (const auto& s : result.spectrum) {
+    if (!(s.period > 0.0)) continue;
+    line.x.push_back(s.period * units.per_position);
+    line.y.push_back(s.amplitude);
+  }
+  if (line.x.size() < 2) return std::nullopt;
+  const double low = line.x.front();
+  const double high = line.x.back();
+  p.series.push_back(std::move(line));
+  Series terms{
+      .label = "terms that the model took", .style = Style::kPoints, .color = "#d55e00", .width = 5.0};
+  for (const auto& term : result.friction.eccentric) {
+    const double period = term.period * units.per_position;
+    if (period < low || period > high) continue;
+    terms.x.push_back(period);
+    terms.y.push_back(term.amplitude);
+    p.markers.push_back({period, significant(period, 3) + " " + units.position});
+  }
+  if (!terms.x.empty()) p.series.push_back(std::move(terms));
+  return p;
 }
 
 }  // namespace stribeck::report

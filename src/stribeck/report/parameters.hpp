@@ -7,6 +7,7 @@
 #include <optional>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/shown_units.hpp>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,15 @@ struct ShownParameter {
   std::string unit = {};
 };
 
-ShownParameter shown(const ident::Parameter& parameter);
+ShownParameter shown(const ident::Parameter& parameter, const ShownUnits& units = {});
+ShownUnits units_of(const ident::Result& result);
 
 /// With the decimals that the interval deserves: 57.65 for 57.18 … 58.14.
 std::string shown_number(double value, double low, double high);
 
 Table parameter_table(const ident::Result& result);
+/// Decimals that tell the candidates' errors apart.
+int candidate_digits(const ident::Result& result);
 Table candidate_table(const ident::Result& result);
 
 /// What to plot of one axis; absent parts are left out.
@@ -40,7 +44,15 @@ struct FrictionMap {
   double speed = 0.0;  ///< largest velocity to draw where there is no fit [m/s]
 };
 
-/// The map, and everything in it as difference from the fit (or the model).
+/// The map, and everything in it as difference from the fit (or the model). Periodic terms are not in it.
 std::vector<Plot> friction_plots(const FrictionMap& map);
+
+/// What the model leaves, against velocity, position and time, with the mean of slices and twice its standard
+/// error; nothing where the result holds no residuals.
+std::vector<Plot> residual_plots(const ident::Result& result);
+
+/// Amplitude over the period in position of the residual before periodic terms, those of the model marked; none
+/// without lines.
+std::optional<Plot> spectrum_plot(const ident::Result& result);
 
 }  // namespace stribeck::report

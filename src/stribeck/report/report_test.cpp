@@ -179,6 +179,37 @@ TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
   EXPECT_THAT(page, Not(HasSubstr("<script")));
 }
 
+TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
+  const std::string page =
+      identify_report({"x", {testing::whole_fit()}, "log.csv", "stribeck identify", "0.1.0"});
+  // Map 2, residual 3, spectrum 1.
+  EXPECT_EQ(count(page, "<svg "), 6u);
+  EXPECT_THAT(page, HasSubstr("A force of 1.50 N repeats every 2.500 mm and reverses with the direction"));
+  EXPECT_THAT(page, HasSubstr("settles over 12 µm of travel"));
+  EXPECT_THAT(page, HasSubstr("What this log cannot tell</b><ul>\n<li>the stiffness of pre-sliding"));
+  EXPECT_THAT(page, HasSubstr("measured, less periodic terms"));
+  EXPECT_THAT(page, HasSubstr("Residual against position"));
+  EXPECT_THAT(page, HasSubstr("2.50 mm</text>"));
+}
+
+TEST(IdentifyReport, KeepsTheUnitsOfTheLog) {
+  const std::string page = identify_report({"x", {testing::own_units(true)}, "log.csv", "", ""});
+  EXPECT_THAT(page, HasSubstr("Mass 57650 A s2/rad"));
+  EXPECT_THAT(page, HasSubstr("velocity [rad/s]"));
+  EXPECT_THAT(page, HasSubstr("residual [A]"));
+  EXPECT_THAT(page, HasSubstr("period [rad]"));
+  EXPECT_THAT(page, HasSubstr("The log gives no scale: forces stand in A, positions in rad."));
+  for (const char* foreign : {"[N]", "mm/s", " N RMS", "µm", ">N<"})
+    EXPECT_THAT(page, Not(HasSubstr(foreign)));
+}
+
+TEST(IdentifyReport, SurvivesAnEmptyResult) {
+  ident::Result r;
+  r.residuals.resize(3);
+  r.spectrum.resize(3);
+  EXPECT_THAT(identify_report({"", {r}, "", "", ""}), HasSubstr("</html>"));
+}
+
 TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(57.6612, 57.18, 58.14), "57.66");
   EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");

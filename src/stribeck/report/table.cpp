@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/report/columns.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -9,57 +10,6 @@
 
 namespace stribeck::report {
 namespace {
-
-/// A column with its heads; wide enough for its longest entry.
-struct TextColumn {
-  std::string head;
-  std::string unit;
-  std::vector<std::string> entries;
-  bool number = true;
-  std::string group = {};  ///< above the head
-  std::size_t most = kTableWidth;
-
-  [[nodiscard]] std::size_t width() const {
-    std::size_t w = std::max({text_width(group), text_width(head), text_width(unit)});
-    for (const std::string& e : entries) w = std::max(w, text_width(e));
-    return std::min(w, most);
-  }
-};
-
-std::string lay_out(std::vector<TextColumn> columns) {
-  std::size_t total = 0;
-  for (const TextColumn& c : columns) total += c.width() + 2;
-  // What does not fit is taken from the text columns, longest first.
-  while (total > kTableWidth + 2) {
-    auto longest = columns.end();
-    for (auto c = columns.begin(); c != columns.end(); ++c) {
-      if (!c->number && (longest == columns.end() || c->width() > longest->width())) longest = c;
-    }
-    if (longest == columns.end() || longest->width() < 8) break;
-    longest->most = longest->width() - 1;
-    --total;
-  }
-  const auto row = [&](auto&& entry) {
-    std::string text;
-    for (const TextColumn& c : columns) {
-      if (!text.empty()) text += "  ";
-      const std::string e = entry(c);
-      text += c.number ? right_aligned(e, c.width()) : left_aligned(e, c.width());
-    }
-    text.erase(text.find_last_not_of(' ') + 1);
-    return text + '\n';
-  };
-  std::string out;
-  for (const auto member : {&TextColumn::group, &TextColumn::head, &TextColumn::unit}) {
-    const bool needed = std::any_of(columns.begin(), columns.end(),
-                                    [&](const TextColumn& c) { return !(c.*member).empty(); });
-    if (needed) out += row([&](const TextColumn& c) { return c.*member; });
-  }
-  for (std::size_t i = 0; i < columns.front().entries.size(); ++i) {
-    out += row([i](const TextColumn& c) { return c.entries[i]; });
-  }
-  return out;
-}
 
 std::string micrometres(double metres) { return decimals(metres * 1e6, 2); }
 
@@ -132,11 +82,12 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
 }
 
 std::string text_table(const ident::Result& result, std::string_view axis) {
+  const ShownUnits units = units_of(result);
   std::string out = fmt::format("{}{} model by {}, {} rows",
                                 axis.empty() ? std::string() : "axis " + clean_text(axis) + ": ",
                                 clean_text(result.model), clean_text(result.method), result.rows);
   if (std::isfinite(result.held_out_rms)) {
-    out += fmt::format(", {} N RMS on held-out motion", significant(result.held_out_rms, 3));
+    out += fmt::format(", {} {} RMS on held-out motion", significant(result.held_out_rms, 3), units.force);
   }
   out += '\n';
   TextColumn name{"parameter", "", {}, false};
@@ -146,7 +97,7 @@ std::string text_table(const ident::Result& result, std::string_view axis) {
   TextColumn unit{"unit", "", {}, false};
   TextColumn remark{"", "", {}, false};
   for (const ident::Parameter& p : result.parameters) {
-    const ShownParameter s = shown(p);
+    const ShownParameter s = shown(p, units);
     name.entries.push_back(clean_text(p.name));
     value.entries.push_back(shown_number(s.value, s.low, s.high));
     low.entries.push_back(shown_number(s.low, s.low, s.high));
@@ -157,17 +108,24 @@ std::string text_table(const ident::Result& result, std::string_view axis) {
   out += lay_out({name, value, low, high, unit, remark});
   if (!result.models.empty()) {
     TextColumn model{"model", "", {}, false};
-    TextColumn held{"held-out RMS", "N", {}};
-    TextColumn error{"± from best", "N", {}};
+    TextColumn held{"held-out RMS", units.force, {}};
+    TextColumn error{"± from best", units.force, {}};
     TextColumn chosen{"", "", {}, false};
+    const int digits = candidate_digits(result);
     for (const ident::Candidate& c : result.models) {
       model.entries.push_back(clean_text(c.name));
-      held.entries.push_back(decimals(c.held_out_rms, 2));
-      error.entries.push_back(decimals(c.standard_error, 2));
+      held.entries.push_back(decimals(c.held_out_rms, digits));
+      error.entries.push_back(decimals(c.standard_error, digits));
       chosen.entries.push_back(c.chosen ? "chosen" : "");
     }
     out += '\n' + lay_out({model, held, error, chosen});
   }
+  if (!units.physical()) {
+    out += fmt::format("\nForces stand in {}, positions in {}: the log gives no scale.\n", units.force,
+                       units.linear() ? "mm" : units.position);
+  }
+  if (!result.cannot_tell.empty()) out += "\nThis log does not tell:\n";
+  for (const std::string& c : result.cannot_tell) out += "  - " + clean_text(c) + '\n';
   for (const std::string& w : result.warnings) out += "warning: " + clean_text(w) + '\n';
   return out;
 }

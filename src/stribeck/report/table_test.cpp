@@ -79,5 +79,20 @@ TEST(TextTable, ShowsAFit) {
             "warning: speeds above 9 mm/s were seen once\n");
 }
 
+TEST(TextTable, SaysWhatTheLogCannotTellInItsUnits) {
+  ident::Result r = testing::own_units(false);
+  r.models = {{"a", 0, 2, 0.0412, 0.0003, true}};
+  const std::string text = text_table(r, "x");
+  EXPECT_THAT(text, ::testing::HasSubstr("57.650     57.600  57.700  A s2/mm\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr("force_shift"));
+  EXPECT_THAT(text, ::testing::HasSubstr("20.5 A RMS on held-out motion"));
+  EXPECT_THAT(text, ::testing::HasSubstr("0.04120      0.00030  chosen"));
+  EXPECT_THAT(text, ::testing::HasSubstr("Forces stand in A, positions in mm: the log gives no scale."));
+  EXPECT_THAT(text,
+              ::testing::HasSubstr("This log does not tell:\n  - the stiffness of pre-sliding: the encoder "
+                                   "is too coarse\n"));
+  EXPECT_THAT(text, ::testing::Not(::testing::ContainsRegex("[0-9] +N( |\n)")));
+}
+
 }  // namespace
 }  // namespace stribeck::report

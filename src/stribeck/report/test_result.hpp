@@ -107,4 +107,34 @@ inline ident::Result fit() {
   return r;
 }
 
+/// A fit with everything that a result may hold: a ripple of 2.5 mm, bristles, residuals, a spectrum.
+inline ident::Result whole_fit() {
+  ident::Result r = fit();
+  r.method = "auto";
+  r.model = "gaussian + periodic";
+  r.load = -3.25;
+  r.break_away_distance = 12e-6;
+  r.parameters.push_back({"periodic_amplitude_1", 1.5, "N", "N", 1.25, 1.75, true});
+  r.parameters.push_back({"periodic_period_1", 2.5e-3, "m", "mm", 2.4e-3, 2.6e-3, true});
+  r.parameters.push_back({"force_shift", 1.5e-3, "s", "ms", 1.25e-3, 1.75e-3, true});
+  r.friction.eccentric.push_back({1.5, 2.5e-3, 0.25, friction::EccentricForm::kProportional});
+  r.friction.dynamics = friction::LuGre<double>{2e6, 0.0, {}};
+  for (int k = 0; k < 400; ++k) {
+    const double x = 1e-4 * k;
+    r.residuals.push_back({0.01 * k, x, (k < 200 ? 1.0 : -1.0) * 5e-3, std::sin(6.0 * k), 0});
+  }
+  for (int k = 1; k < 100; ++k) r.spectrum.push_back({1e-4 * k, 0.05 + 0.2 * std::exp(-std::pow(k - 25, 2))});
+  r.cannot_tell = {"the stiffness of pre-sliding: the encoder is too coarse"};
+  return r;
+}
+
+/// The same with a force in ampere and, for `angle`, a position in radian.
+inline ident::Result own_units(bool angle) {
+  ident::Result r = whole_fit();
+  r.force_unit = "A";
+  if (angle) r.position_unit = "rad";
+  r.warnings.clear();
+  return r;
+}
+
 }  // namespace stribeck::report::testing

@@ -1,0 +1,32 @@
+#pragma once
+/// Columns of text for a terminal.
+/// Real time: no.
+
+#include <algorithm>
+#include <stribeck/report/table.hpp>
+#include <stribeck/report/text.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+/// A column with its heads; wide enough for its longest entry.
+struct TextColumn {
+  std::string head;
+  std::string unit;
+  std::vector<std::string> entries;
+  bool number = true;
+  std::string group = {};  ///< above the head
+  std::size_t most = kTableWidth;
+
+  [[nodiscard]] std::size_t width() const {
+    std::size_t w = std::max({text_width(group), text_width(head), text_width(unit)});
+    for (const std::string& e : entries) w = std::max(w, text_width(e));
+    return std::min(w, most);
+  }
+};
+
+/// The heads and rows of all columns; what is wider than a terminal is taken from the text columns.
+std::string lay_out(std::vector<TextColumn> columns);
+
+}  // namespace stribeck::report

@@ -1,0 +1,42 @@
+#pragma once
+/// The units in which a result is shown. Usually N and mm; a log whose force has no known scale keeps its own
+/// (A, %, V), and an axis without a lead keeps the angle. Then every N of a unit stands for that force and
+/// every m for that position, and a mass in kg is N·s²/m of these.
+/// Real time: no.
+
+#include <stribeck/core/fields.hpp>
+#include <string>
+#include <string_view>
+
+namespace stribeck::report {
+
+class ShownUnits {
+ public:
+  ShownUnits() = default;
+  ShownUnits(std::string force_unit, std::string position_unit);
+
+  /// Force in N and position in m: the names of units may stand for themselves.
+  [[nodiscard]] bool physical() const noexcept { return force == "N" && linear_; }
+  [[nodiscard]] bool linear() const noexcept { return linear_; }
+
+  /// A unit with N, m and kg replaced: "N s/m" → "A s/rad".
+  [[nodiscard]] std::string named(std::string_view unit) const;
+  /// Which of the two units people read: mm and the like, but not for an angle.
+  [[nodiscard]] std::string_view chosen(std::string_view si, std::string_view shown) const noexcept;
+
+  std::string force = "N";
+  std::string position = "mm";
+  std::string fine = "µm";  ///< of small ways
+  std::string velocity = "mm/s";
+  std::string mass = "N s2/mm";
+  double per_position = 1e3;  ///< shown = SI times this
+  double per_fine = 1e6;
+  double per_velocity = 1e3;
+  double per_mass = 1e-3;
+
+ private:
+  bool linear_ = true;
+  std::string base_ = "m";
+};
+
+}  // namespace stribeck::report
