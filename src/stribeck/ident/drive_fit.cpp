@@ -32,6 +32,8 @@ constexpr std::size_t kSampleRows = 60000;  // enough for what is only looked at
 constexpr std::size_t kSampleChunk = 2000;  // rows in sequence: their correlation is seen
 constexpr double kLongestShift = 0.03;      // [s]
 constexpr double kMostShiftRows = 40.0;
+constexpr double kWorthwhileShift = 1.02;  // ratio of the sums of squares: 1 % of the residual
+constexpr double kPlainShift = 1.1;
 constexpr double kSlowestLoop = 0.6;  // [s] that a position follows its reference by
 constexpr std::size_t kShownResiduals = 4000;
 
@@ -432,20 +434,42 @@ class DriveFit {
     }
     near_ = std::max(hysteresis, 2e-3 * stroke);
     gather(near_, kSmallSpeed, 0.0);
+    thin_out();
     mass_ = options_.mass.value_or(0.0);
     solve(false);
     solve(true);
   }
 
+  /// Goes on with a sample of the rows. Until friction has settled no more is needed.
+  void thin_out() {
+    const std::vector<std::size_t> kept = sample();
+    if (kept.size() == rows_.size()) return;
+    Rows rows;
+    std::vector<std::uint8_t> block;
+    for (const std::size_t i : kept) {
+      rows.record.push_back(rows_.record[i]);
+      rows.at.push_back(rows_.at[i]);
+      rows.stretch.push_back(rows_.stretch[i]);
+      rows.side.push_back(rows_.side[i]);
+      rows.bin.push_back(rows_.bin[i]);
+      rows.lag.push_back(rows_.lag[i]);
+      block.push_back(block_[i]);
+    }
+    rows_ = std::move(rows);
+    block_ = std::move(block);
+  }
+
   void settle() {
     const Relaxation relaxation = find_relaxation(motions_, level(), mass_, offset_, near_);
-    if (relaxation.length > 0.0) {
-      result_.break_away_distance = relaxation.length;
-      gather(kRelaxations * relaxation.length, 0.5 * kSmallSpeed, relaxation.length);
+    const double length = relaxation.length;
+    if (length > 0.0) {
+      result_.break_away_distance = length;
+      gather(kRelaxations * length, 0.5 * kSmallSpeed, length);
       find_lag(motions_, level(), relaxation, rows_);
       solve(true);
       find_lag(motions_, level(), relaxation, rows_);
     } else {
+      gather(near_, kSmallSpeed, 0.0);
       warn(
           "no reversal of motion in the log: the distance to break away is not known and nothing is left out "
           "for it");
@@ -574,7 +598,26 @@ class DriveFit {
   /// exactly: nothing is gained by estimating what is known.
   void judge_shift() {
     const double limit = std::max(3.0, std::ceil(kLongestShift / records_.front().sample_time));
-    const double half_width = shift_free_ ? (newton_shift(), shift_half_width()) : 0.0;
+    double half_width = 0.0;
+    double gain = 1.0;
+    if (shift_free_) {
+      const Rows rows = rows_;
+      const std::vector<std::uint8_t> block = block_;
+      thin_out();
+      newton_shift();
+      half_width = shift_half_width();
+      const double found = shift_, with = left_over();
+      shift_free_ = false;
+      align(-0.5);
+      solve(true);
+      gain = left_over() / std::max(with, 1e-300);
+      shift_free_ = true;
+      align(found);
+      rows_ = rows;
+      block_ = block;
+      ask();
+      solve(true);
+    }
     const bool told = shift_free_ && half_width < 2.0 && std::abs(shift_) < limit;
     if (!told) {
       result_.cannot_tell.emplace_back(
@@ -582,11 +625,29 @@ class DriveFit {
           "commanded "
           "force under its zero-order hold");
     }
-    if (told && std::abs(shift_ + 0.5) > std::max(1.5 * half_width, 0.02)) return;
+    // A shift that leaves as much of the force as none has no reason to be believed; one that leaves much less needs
+    // no further witness: its half width is taken from the residual, which remembers longer than what moves it.
+    const double away = std::abs(shift_ + 0.5);
+    const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
+    const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);
+    if (told && (seen || plain)) return;
     shift_free_ = false;
     align(-0.5);
     solve(true);
     solve(true);
+  }
+
+  /// Σ residual² with friction of every bin free [N²].
+  [[nodiscard]] double left_over() const {
+    const std::size_t q = columns();
+    std::vector<double> c(q + 1);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      double e = fill(i, c.data()) - kDirection[rows_.side[i]] * line_[rows_.side[i]](std::abs(velocity(i)));
+      for (std::size_t j = 0; j < q; ++j) e -= linear_(static_cast<Index>(j)) * c[j];
+      sum += e * e;
+    }
+    return sum;
   }
 
   /// 95 % half width of the shift beside the mass [rows].

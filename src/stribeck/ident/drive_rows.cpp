@@ -22,16 +22,6 @@ void Polyline::build(const Grid& g, const std::vector<double>& n, const std::vec
   }
 }
 
-double Polyline::operator()(double s) const noexcept {
-  if (s <= speed.front()) return force.front();
-  if (s >= speed.back()) return force.back();
-  auto i = static_cast<std::size_t>(next[static_cast<std::size_t>(grid.bin(s))]);
-  while (speed[i] < s) ++i;
-  if (i == 0) return force.front();
-  const double share = (s - speed[i - 1]) / (speed[i] - speed[i - 1]);
-  return force[i - 1] + share * (force[i] - force[i - 1]);
-}
-
 Polyline::Line Polyline::line() const {
   double n = 0, sv = 0, sf = 0, svv = 0, svf = 0;
   for (std::size_t i = 0; i < speed.size(); ++i) {

@@ -45,6 +45,16 @@ struct Polyline {
   [[nodiscard]] Line line() const;
 };
 
+inline double Polyline::operator()(double s) const noexcept {
+  if (s <= speed.front()) return force.front();
+  if (s >= speed.back()) return force.back();
+  auto i = static_cast<std::size_t>(next[static_cast<std::size_t>(grid.bin(s))]);
+  while (speed[i] < s) ++i;
+  if (i == 0) return force.front();
+  const double share = (s - speed[i - 1]) / (speed[i] - speed[i - 1]);
+  return force[i - 1] + share * (force[i] - force[i - 1]);
+}
+
 /// Rows that are used, one behind the other over all records.
 struct Rows {
   std::vector<int> record;

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <string_view>
 
 namespace stribeck::ident {
 namespace {
@@ -12,13 +14,20 @@ constexpr double kReserve = 0.95;  // of the speed limit
 constexpr double kDoubt = 0.85;    // speeds are predicted with this share of the friction: the idea is rough
 constexpr double kBaseScale =
     4.0;  // the scale that just moves the axis (thesis: results are taken from K_u = 4)
-constexpr double kJustMoves = 1.25;  // its height over the Coulomb force
-constexpr double kRest = 0.15;       // between pulses, after the axis has stopped [s]
-constexpr double kStep = 1e-3;       // of the prediction [s]
+constexpr double kJustMoves = 1.25;   // its height over the Coulomb force
+constexpr double kRest = 0.15;        // between pulses, after the axis has stopped [s]
+constexpr double kStep = 1e-3;        // of the prediction [s]
+constexpr double kShortestJog = 1.0;  // of constant speed: settling is left out [s]
+constexpr double kLongestJog = 60.0;  // for the sake of whole periods [s]
+constexpr double kSettle = 0.5;       // left out by the identification [s]
+constexpr double kBeyond = 1.3;       // peak of a ramp over the rough Coulomb force
+constexpr double kBack = 0.2;         // from there to zero [s]
+constexpr double kGcodeStep = 0.02;   // [s]
+constexpr double kFinest = 1e-7;      // shortest move of G-code [m]
 
 template <class... T>
 std::string text(const char* format, T... values) {
-  char buffer[400];
+  char buffer[500];
   std::snprintf(buffer, sizeof buffer, format, values...);
   return buffer;
 }
@@ -193,8 +202,18 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
   return e;
 }
 
+std::vector<double> jog_speeds(double fastest) {
+  std::vector<double> speeds;
+  for (const double mm : {0.01, 0.04, 0.08, 0.15, 0.2, 0.4, 0.5, 1.0, 1.5,  2.5,  3.0,  3.5,  4.0,  4.5, 5.0,
+                          5.5,  6.0,  6.5,  7.0,  7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0}) {
+    if (mm * 1e-3 <= fastest * (1.0 + 1e-9)) speeds.push_back(mm * 1e-3);
+  }
+  return speeds;
+}
+
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design) {
   check(limits, sample_time, design.start);
+  if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
   const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
   const double room =
       design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
@@ -210,8 +229,15 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     }
     // Long enough to leave the bristle behind (some tens of micrometres) and to average noise.
     const double ramp = std::max(4.0 * sample_time, v / a);
-    const double flat = std::min(std::max(2.0, 0.2e-3 / v), (0.95 * room - v * ramp) / v);
-    if (flat < 0.5) {
+    const double longest = (0.95 * room - v * ramp) / v;
+    double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
+    if (design.period > 0.0) {
+      // What is left out until the axis has settled comes on top of the whole periods.
+      const double settled = flat - std::min(kSettle, 0.3 * flat);
+      const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
+      if (whole <= std::min(longest, kLongestJog)) flat = whole;
+    }
+    if (flat < kShortestJog) {
       throw Refused(text(
           "jog: %g mm/s has only %.3g s of constant speed in the travel; start elsewhere or leave it out",
           v * 1e3, flat));
@@ -246,7 +272,7 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
     throw Refused("sine: amplitude, frequency and number of periods must be positive");
   }
   Excitation e;
-  e.method = "sine";
+  e.method = design.from_middle ? "position-sine" : "sine";
   e.sample_time = sample_time;
   // φ' rises as 3s² − 2s³ over the first second and stays: position, speed and acceleration begin at rest.
   const double end = 2.0 * kPi * design.periods / design.frequency + 0.5;
@@ -254,10 +280,22 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   for (std::size_t k = 0; k < rows; ++k) {
     const double t = sample_time * static_cast<double>(k);
     const double s = t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5;
-    e.r.push_back(design.start - design.amplitude + design.amplitude * std::cos(design.frequency * s));
+    const double phase = design.frequency * s;
+    e.r.push_back(design.from_middle ? design.start + design.amplitude * std::sin(phase)
+                                     : design.start - design.amplitude + design.amplitude * std::cos(phase));
   }
   stamp(e, rows);
   check_positions(e, limits);
+  if (design.from_middle) {
+    e.says = text(
+        "position sine: %.1f s, %d periods, up to %.3g mm/s over %.3g mm. Determines Coulomb and viscous "
+        "friction and "
+        "terms periodic in position (period, amplitude, phase of this homing) up to a third of the way; says "
+        "little "
+        "about a Stribeck rise, and about the mass less than pulses.",
+        e.t.back(), design.periods, design.amplitude * design.frequency * 1e3, 2e3 * design.amplitude);
+    return e;
+  }
   e.says = text(
       "sine: %.1f s, %d periods, up to %.3g mm/s. Determines friction at every speed up to there; the mass "
       "less well than "
@@ -265,6 +303,206 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
       e.t.back(), design.periods, design.amplitude * design.frequency * 1e3,
       design.amplitude * design.frequency * design.frequency * 1e3);
   return e;
+}
+
+namespace {
+
+struct Slipped {
+  double top = 0.0;  // [m/s]
+  double way = 0.0;  // [m]
+  double end = 0.0;  // time until the axis rests [s]
+};
+
+double ramp_force(double t, double up, double peak) {
+  return t < up ? peak * t / up : std::max(0.0, peak * (1.0 - (t - up) / kBack));
+}
+
+/// What an axis with less friction than thought does once it slips.
+Slipped predict_slip(const RoughDrive& easy, double up, double peak, double enough) {
+  Slipped s;
+  double v = 0.0, t = 0.0;
+  while ((t < up + kBack || v > 0.0) && s.way < enough) {
+    const double f = ramp_force(t, up, peak);
+    if (v > 0.0 || f > easy.coulomb) {
+      v = std::max(0.0, v + kStep * (f - easy.coulomb - easy.viscous * v) / easy.mass);
+      s.way += kStep * v;
+      s.top = std::max(s.top, v);
+    }
+    t += kStep;
+  }
+  s.end = t;
+  return s;
+}
+
+}  // namespace
+
+Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sample_time,
+                       const RampDesign& design) {
+  constexpr double kLongestRise = 15.0;  // [s]
+  constexpr double kShortestRise = 1.0;  // [s]
+  check(limits, sample_time, design.start);
+  if (!(drive.mass > 0.0) || !(drive.coulomb > 0.0) || !(design.rise.value_or(1.0) > 0.0) ||
+      design.repeats < 1) {
+    throw Refused(
+        "ramp: a rough mass and Coulomb force, a time of rise and a number of repeats are needed, all "
+        "positive");
+  }
+  const double peak = kBeyond * drive.coulomb;
+  if (limits.force > 0.0 && peak > limits.force) {
+    throw Refused(text("ramp: needs %.4g N, the limit of force is %.4g N", peak, limits.force));
+  }
+  const RoughDrive easy{drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous};
+  const double room = std::min(limits.travel_max - design.start, design.start - limits.travel_min);
+  double rise = design.rise.value_or(kLongestRise);
+  Slipped slipped = predict_slip(easy, kBeyond * rise, peak, 2.0 * room);
+  while (!design.rise && rise > kShortestRise && (slipped.top > limits.speed || 1.5 * slipped.way > room)) {
+    rise *= 0.9;
+    slipped = predict_slip(easy, kBeyond * rise, peak, 2.0 * room);
+  }
+  if (slipped.top > limits.speed) {
+    throw Refused(
+        text("ramp: the axis may reach %.3g mm/s after it slips, the limit of speed is %g mm/s; take a "
+             "shorter rise, now %.3g s",
+             slipped.top * 1e3, limits.speed * 1e3, rise));
+  }
+  if (1.5 * slipped.way > room) {
+    throw Refused(
+        text("ramp: the axis may move %.3g mm after it slips, the nearer end of the travel is %.3g mm away; "
+             "take a shorter rise, now %.3g s",
+             slipped.way * 1e3, room * 1e3, rise));
+  }
+  const double up = kBeyond * rise;
+  Excitation e;
+  e.method = "ramp";
+  e.sample_time = sample_time;
+  const double whole = std::max(slipped.end, up + kBack) + 2.0 * kRest + 0.5;
+  const auto rows = static_cast<std::size_t>(std::ceil(whole / sample_time));
+  for (int i = 0; i < design.repeats; ++i) {
+    for (const double direction : {1.0, -1.0}) {
+      for (std::size_t k = 0; k < rows; ++k) {
+        e.force.push_back(direction * ramp_force(sample_time * static_cast<double>(k), up, peak));
+      }
+    }
+  }
+  stamp(e, e.force.size());
+  e.says = text(
+      "ramp: %.1f s, %d ramps in each direction, up to %.4g N with %.3g N/s; after the slip the axis moves "
+      "up to about "
+      "%.2g mm. Determines the force and the distance of break-away; says nothing about friction at speed or "
+      "the mass.",
+      e.t.back(), design.repeats, peak, peak / up, slipped.way * 1e3);
+  return e;
+}
+
+Excitation design_constant_acceleration(const Limits& limits, double sample_time,
+                                        const AccelerationDesign& design) {
+  check(limits, sample_time, design.start);
+  if (!(design.flank > 0.0) || design.repeats < 1) {
+    throw Refused("constant acceleration: time of a flank and number of repeats must be positive");
+  }
+  const double room =
+      design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+  double v = kReserve * limits.speed;
+  double flank = design.flank;
+  if (limits.acceleration > 0.0) flank = std::max(flank, v / (0.5 * limits.acceleration));
+  v = std::min(v, 0.95 * room / flank);  // both flanks together go v·flank
+  const auto rows = static_cast<std::size_t>(std::ceil(flank / sample_time));
+  if (rows < 20) {
+    throw Refused(text("constant acceleration: a flank of %.3g s has only %zu samples, expected at least 20",
+                       flank, rows));
+  }
+  Excitation e;
+  e.method = "constant-acceleration";
+  e.sample_time = sample_time;
+  double r = design.start;
+  e.r.push_back(r);
+  for (int i = 0; i < design.repeats; ++i) {
+    for (const double way : {design.direction, -design.direction}) {
+      for (std::size_t k = 0; k < 2 * rows; ++k) {
+        const double up = (static_cast<double>(k) + 0.5) / static_cast<double>(rows);
+        r += way * v * std::min(up, 2.0 - up) * sample_time;
+        e.r.push_back(r);
+      }
+      for (double t = 0.0; t < 0.2; t += sample_time) e.r.push_back(r);
+    }
+    r = design.start;
+  }
+  stamp(e, e.r.size());
+  check_positions(e, limits);
+  e.says = text(
+      "constant acceleration: %.1f s, %d triangles of speed in each direction, %.3g mm/s2 up to %.3g mm/s. "
+      "Determines "
+      "the mass, from accelerating against braking at the same speed, whatever the friction; friction only "
+      "roughly.",
+      e.t.back(), design.repeats, v / flank * 1e3, v * 1e3);
+  return e;
+}
+
+namespace {
+
+/// Rounded as printed, without a sign before zero.
+double millimetres(double metres) { return std::round(metres * 1e9) * 1e-6 + 0.0; }
+
+}  // namespace
+
+std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine) {
+  if (e.r.empty()) {
+    throw Refused(e.method +
+                  ": forces in open loop cannot be asked for by G-code, which moves positions only; give the "
+                  "table to a "
+                  "control that takes forces, or choose jog, sine, position-sine or constant-acceleration");
+  }
+  static constexpr std::string_view kLetters = "XYZABCUVW";
+  const char letter =
+      axis.size() == 1 ? static_cast<char>(std::toupper(static_cast<unsigned char>(axis[0]))) : '?';
+  if (kLetters.find(letter) == std::string_view::npos) {
+    throw Refused("G-code: axis " + axis + " has no letter of its own, expected one of X Y Z A B C U V W");
+  }
+  // Parentheses end a comment.
+  std::string name = machine;
+  std::erase_if(name, [](char c) { return c == '(' || c == ')' || c == '\n' || c < ' '; });
+  std::string out =
+      text("(%s of axis %c, %s)\n", e.method.c_str(), letter, name.c_str()) +
+      text("(%.1f s; millimetres, millimetres per minute; record position and drive force meanwhile)\n",
+           e.t.back()) +
+      "(the control adds its own ramps: feed override 100 %, nothing else moving, no cutting)\n" +
+      "G21 G90 G94 G64\n" + text("G0 %c%.6f\nG4 P1\n", letter, millimetres(e.r.front()));
+  const double T = e.sample_time;
+  const bool flats = e.method == "jog";
+  const auto dense = static_cast<std::size_t>(std::max(1.0, std::round(kGcodeStep / T)));
+  std::size_t k = 0;
+  while (k + 1 < e.r.size()) {
+    std::size_t last = k + 1;
+    const double step = e.r[last] - e.r[k];
+    if (step == 0.0) {
+      while (last + 1 < e.r.size() && e.r[last + 1] == e.r[last]) ++last;
+      out += text("G4 P%.3f\n", static_cast<double>(last - k) * T);
+      k = last;
+      continue;
+    }
+    double fastest = std::abs(step);
+    if (flats) {
+      // One way: the ramps are the control's, the feed is that of the flat part.
+      while (last + 1 < e.r.size() && (e.r[last + 1] - e.r[last]) * step > 0.0) {
+        ++last;
+        fastest = std::max(fastest, std::abs(e.r[last] - e.r[last - 1]));
+      }
+    } else {
+      while (last + 1 < e.r.size() && (e.r[last + 1] - e.r[last]) * step > 0.0 &&
+             (last - k < dense || std::abs(e.r[last] - e.r[k]) < kFinest)) {
+        ++last;
+      }
+      if (std::abs(e.r[last] - e.r[k]) < kFinest) {  // a feed of nearly zero is an error to the control
+        out += text("G4 P%.3f\n", static_cast<double>(last - k) * T);
+        k = last;
+        continue;
+      }
+      fastest = std::abs(e.r[last] - e.r[k]) / static_cast<double>(last - k);
+    }
+    out += text("G1 %c%.6f F%.5f\n", letter, millimetres(e.r[last]), fastest / T * 60e3);
+    k = last;
+  }
+  return out + "M2\n";
 }
 
 }  // namespace stribeck::ident

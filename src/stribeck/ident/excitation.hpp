@@ -4,7 +4,10 @@
 ///   pulses  force, open loop: trapezoids in pairs (+, −) of height base·K_u,
 ///           K_u = 1, 1.5, 3, 4, 5, 6, 7, 8, 8.5, 9
 ///   jog     position, closed loop: constant speeds forward and back
-///   sine    position, closed loop: r = r0 − A + A·cos φ, φ' = ω after one second of run-in from rest
+///   sine    position, closed loop: r = r0 − A + A·cos φ, φ' = ω after one second of run-in from rest;
+///           or r = r0 + A·sin φ (Model D)
+///   ramp    force, open loop: slowly up to beyond break-away, quickly back, in both directions
+///   constant acceleration   position, closed loop: triangles of speed
 ///
 /// An axis with friction does not move below the force of break-away, and above it the speed depends on how
 /// much above: pulses need a rough idea of the drive (a slow jog gives the Coulomb force). Base is chosen so
@@ -13,14 +16,17 @@
 /// keeps the axis slower than predicted: identify a first run, make a better idea of it with rough_drive(),
 /// design again.
 ///
+/// Positions are also written as G-code for controls that take no table; forces cannot be.
+///
 /// Position tables start at r0; force tables start at rest. A design that would break a limit is not
 /// returned.
 ///
-/// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33).
+/// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33), (2.38), §4.4.1, §4.5.3.
 /// Not modelled: the machine's own limits of jerk; elasticity.
 /// Real time: no.
 /// Errors: Refused names the limit, what was asked and what would fit.
 
+#include <optional>
 #include <stribeck/ident/record.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
@@ -47,7 +53,7 @@ struct RoughDrive {
 RoughDrive rough_drive(const Result& first);
 
 struct Excitation {
-  std::string method;         ///< "pulses", "jog", "sine"
+  std::string method;         ///< "pulses", "jog", "sine", "position-sine", "ramp", "constant-acceleration"
   double sample_time = 0.0;   ///< [s]
   std::vector<double> t;      ///< [s]
   std::vector<double> r;      ///< [m]; empty for pulses
@@ -64,11 +70,15 @@ struct PulseDesign {
 Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
                          const PulseDesign& design = {});
 
+/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s].
+std::vector<double> jog_speeds(double fastest);
+
 struct JogDesign {
-  std::vector<double> speeds{0.01e-3, 0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3, 0.75e-3, 1e-3,
-                             2e-3,    3e-3,    4e-3,    5e-3,   6e-3,   7e-3,   8e-3,   9e-3};  ///< [m/s]
-  double start = 0.0;                                                                           ///< [m]
-  double direction = 1.0;  ///< first way: +1 or −1
+  std::vector<double> speeds = jog_speeds(9.0e-3);  ///< [m/s]
+  double start = 0.0;                               ///< [m]
+  double direction = 1.0;                           ///< first way: +1 or −1
+  double period =
+      0.0;  ///< of a term periodic in position: every way holds whole numbers of it, where it fits [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 
@@ -77,7 +87,32 @@ struct SineDesign {
   double amplitude = 0.02;   ///< A [m]; the motion goes from r0 to r0 − 2A
   double frequency = 0.475;  ///< ω [rad/s]
   int periods = 4;
+  bool from_middle = false;  ///< r0 + A·sin φ instead
 };
 Excitation design_sine(const Limits& limits, double sample_time, const SineDesign& design = {});
+
+struct RampDesign {
+  double start = 0.0;  ///< [m]
+  /// Time until the rough Coulomb force is reached [s]; absent: at most 15 s, shorter where the axis would slip too
+  /// far or too fast.
+  std::optional<double> rise;
+  int repeats = 4;  ///< of each direction
+};
+Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sample_time,
+                       const RampDesign& design = {});
+
+struct AccelerationDesign {
+  double start = 0.0;      ///< [m]
+  double direction = 1.0;  ///< first way: +1 or −1
+  double flank = 1.0;      ///< shortest time from rest to the highest speed [s]
+  int repeats = 5;         ///< of each direction
+};
+Excitation design_constant_acceleration(const Limits& limits, double sample_time,
+                                        const AccelerationDesign& design = {});
+
+/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move), on one axis letter.
+/// Constant speeds are one move each, other motions moves of about 20 ms. Refused for forces, which no G-code
+/// can ask for.
+std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
 
 }  // namespace stribeck::ident

@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -101,6 +104,82 @@ TEST(Excitation, NamesTheLimitThatWouldBreak) {
   Limits gentle = kTable;
   gentle.acceleration = 0.001;
   EXPECT_THAT([&] { design_sine(gentle, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("acceleration")));
+}
+
+TEST(Excitation, JogOfAScrewGoesWholeTurns) {
+  JogDesign design;
+  design.speeds = {0.1e-3, 1e-3, 9e-3};
+  design.period = 2e-3;
+  const Excitation e = design_jog(kTable, kPeriod, design);
+  for (const double v : design.speeds) {
+    double way = 0.0;
+    for (std::size_t k = 1; k < e.r.size(); ++k) {
+      const double step = e.r[k] - e.r[k - 1];
+      if (std::abs(step / kPeriod - v) < 1e-9) way += step;
+    }
+    const double turns = (way - 0.5 * v) / design.period;  // half a second is left out by the identification
+    EXPECT_NEAR(turns, std::round(turns), 0.03) << v;
+    EXPECT_GE(turns, 0.97) << v;
+  }
+}
+
+TEST(Excitation, PositionSineIsThePrintedOneFromRest) {
+  SineDesign design{0.0, 0.010, 0.9, 4, true};
+  const Excitation e = design_sine(kTable, kPeriod, design);
+  EXPECT_NEAR(e.r[2000], 0.010 * std::sin(0.9 * 9.5), 1e-12);
+  EXPECT_EQ(e.r.front(), 0.0);
+  EXPECT_NEAR((e.r[1] - e.r[0]) / kPeriod, 0.0, 1e-6);
+}
+
+TEST(Excitation, TrianglesOfSpeedReturnAndAccelerateEvenly) {
+  const Excitation e = design_constant_acceleration(kTable, kPeriod);
+  EXPECT_NEAR(e.r.back(), 0.0, 1e-12);
+  double largest = 0.0;
+  int even = 0;
+  for (std::size_t k = 1; k + 1 < e.r.size(); ++k) {
+    const double a = (e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (kPeriod * kPeriod);
+    largest = std::max(largest, std::abs(a));
+    even += std::abs(std::abs(a) - 9.5e-3) < 1e-5;
+  }
+  EXPECT_LE(largest, 9.6e-3);  // 9.5 mm/s in one second
+  EXPECT_GT(even, 0.85 * static_cast<double>(e.r.size()));
+}
+
+TEST(Excitation, RampKeepsToTheLimitsOfAnAxisThatSlips) {
+  const Excitation e = design_ramp(kTable, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(e.force.begin(), e.force.end()), 1.3 * 1200.0, 1.0);
+  EXPECT_NEAR(*std::min_element(e.force.begin(), e.force.end()), -1.3 * 1200.0, 1.0);
+  RampDesign slow;
+  slow.rise = 500.0;
+  EXPECT_THAT(
+      [&] {
+        design_ramp(kTable, {60e3, 1200.0, 0.0}, kPeriod, slow);
+      },
+      ThrowsMessage<Refused>(HasSubstr("shorter rise")));
+}
+
+// The moves of the program add up to the table: ends of the ways and the time at the feeds.
+TEST(Excitation, GcodeRepeatsTheTable) {
+  const Excitation e = design_sine(kTable, kPeriod, {0.0, 0.010, 0.9, 1});
+  const std::string code = as_gcode(e, "x", "table (test)");
+  EXPECT_EQ(code.find("(test)"), std::string::npos);
+  EXPECT_NE(code.find("G21 G90 G94 G64"), std::string::npos);
+  std::istringstream in(code);
+  double x = 0.0, time = 0.0, lowest = 0.0;
+  for (std::string line; std::getline(in, line);) {
+    double to = 0.0, feed = 0.0;
+    if (std::sscanf(line.c_str(), "G1 X%lf F%lf", &to, &feed) == 2) {
+      time += std::abs(to - x) / feed * 60.0;
+      x = to;
+      lowest = std::min(lowest, x);
+    }
+  }
+  EXPECT_NEAR(x, e.r.back() * 1e3, 1e-6);
+  EXPECT_NEAR(lowest, -20.0, 1e-3);
+  EXPECT_NEAR(time, e.t.back(), 0.02 * e.t.back());
+  EXPECT_THROW(as_gcode(e, "spindle", "table"), Refused);
+  const Excitation pulses = design_pulses(kTable, kRough, kPeriod);
+  EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/least_squares_a.hpp>
-#include <stribeck/ident/uncertainty.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/uncertainty.hpp>
 
 namespace stribeck::ident {
 namespace {

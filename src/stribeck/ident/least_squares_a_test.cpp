@@ -90,5 +90,36 @@ TEST(LeastSquaresA, RefusesWhenNothingMoves) {
   EXPECT_THROW(identify_least_squares_a({still}), Refused);
 }
 
+// Independent reference: jogs of the virtual drive. Pulses alone misjudge the viscous coefficient of a drive with a
+// Stribeck rise; both observers read the same friction, and the slope of it is right.
+TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
+  testing::Drive drive = straight(20.0);
+  drive.friction.positive = {1000.0, 105.54e3, {}};
+  drive.friction.positive.gaussians.push_back({300.0, 0.0, 0.4e-3});
+  drive.friction.negative = {-1000.0, 105.54e3, {}};
+  drive.friction.negative.gaussians.push_back({-300.0, 0.0, 0.4e-3});
+  JogDesign design;
+  for (double& v : design.speeds = {0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0}) v *= 1e-3;
+  const Record jogs =
+      testing::run_closed(drive, 55e3, design_jog({-0.05, 0.05, 0.010, 0.2, 10480.0}, kPeriod, design).r, 7);
+  for (const Solver solver : {Solver::kDerivatives, Solver::kSimplex}) {
+    LeastSquaresAOptions options;
+    options.solver = solver;
+    const LeastSquaresA a = identify_least_squares_a({pulses(drive, 7)}, {jogs}, options);
+    ASSERT_EQ(a.jogs.size(), 18u);
+    for (const ObservedFriction& j : a.jogs) {
+      EXPECT_NEAR(j.observer, j.kalman, 10.0) << j.speed;
+      EXPECT_NEAR(j.observer, drive.steady(j.speed), 30.0) << j.speed;
+    }
+    EXPECT_NEAR(a.observer->alpha2 / 105.54e3, 1.0, 0.03);
+    EXPECT_NEAR(a.kalman->alpha2 / 105.54e3, 1.0, 0.03);
+    EXPECT_NEAR(a.observer->alpha0_positive, 1000.0, 20.0);
+    EXPECT_NEAR(a.observer->alpha0_negative, -1000.0, 20.0);
+    ASSERT_TRUE(a.observer->stribeck.has_value());
+    EXPECT_NEAR(a.observer->stribeck->alpha1, 1300.0, 60.0);
+    EXPECT_NEAR(a.observer->stribeck->v0, 0.4e-3, 0.08e-3);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::ident

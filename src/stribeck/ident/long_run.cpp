@@ -58,20 +58,22 @@ double* LongRun::row(int record, std::size_t at) {
 std::vector<double> LongRun::covariance() const {
   const std::size_t d = dimension_;
   std::vector<double> s(d * d, 0.0);
+  std::vector<double> before(d);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const double* x = sums_.data() + b * d;
-    for (std::size_t c = b + 1; c-- > 0;) {
+    // The weighted sum of the blocks before comes first: one product of vectors instead of one for every lag.
+    std::fill(before.begin(), before.end(), 0.0);
+    for (std::size_t c = b; c-- > 0;) {
       if (blocks_[c].record != blocks_[b].record) break;
       const std::size_t lag = blocks_[b].number - blocks_[c].number;
       if (lag > memory_.lags) break;
       const double w =
           std::min(1.0, 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(memory_.lags + 1)));
       const double* y = sums_.data() + c * d;
-      for (std::size_t i = 0; i < d; ++i) {
-        const double xi = w * x[i];
-        const double yi = w * y[i];
-        for (std::size_t j = 0; j < d; ++j) s[i * d + j] += lag == 0 ? xi * y[j] : xi * y[j] + yi * x[j];
-      }
+      for (std::size_t j = 0; j < d; ++j) before[j] += w * y[j];
+    }
+    for (std::size_t i = 0; i < d; ++i) {
+      for (std::size_t j = 0; j < d; ++j) s[i * d + j] += x[i] * (x[j] + before[j]) + before[i] * x[j];
     }
   }
   return s;

@@ -74,16 +74,33 @@ struct AxialMode {
   }
 };
 
-/// First-order coloured force noise: standard deviation and correlation time; drawn per control period and
-/// held.
+enum class NoiseKind { kGaussian, kUniform };
+
+/// Force noise, drawn per control period and held. Gaussian: first-order coloured, by standard deviation and
+/// correlation time. Uniform: independent from period to period within ±√3·rms.
 struct ForceNoise {
   double rms = 0.0;
   double correlation_time = 0.0;
+  NoiseKind distribution = NoiseKind::kGaussian;
 
   static constexpr auto fields() {
     return std::tuple{field("rms", &ForceNoise::rms, quantity("N", "N").not_negative(), "standard deviation"),
                       field("correlation_time", &ForceNoise::correlation_time, quantity("s", "ms").positive(),
-                            "time to 1/e")};
+                            "time to 1/e of gaussian noise")
+                          .or_default(),
+                      field("distribution", &ForceNoise::distribution,
+                            "gaussian (coloured), or uniform: independent values within sqrt(3) times rms")
+                          .or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (distribution == NoiseKind::kGaussian && !(correlation_time > 0.0)) {
+      report("correlation_time", "missing, expected a time above 0; or set distribution to uniform");
+    }
+    if (distribution == NoiseKind::kUniform && correlation_time != 0.0) {
+      report("correlation_time",
+             "uniform noise is independent from period to period; leave correlation_time out");
+    }
   }
 };
 
@@ -178,4 +195,11 @@ struct stribeck::EnumNames<stribeck::plant::EncoderSide> {
   static constexpr std::array names{
       std::pair{stribeck::plant::EncoderSide::kDrive, std::string_view{"drive"}},
       std::pair{stribeck::plant::EncoderSide::kTable, std::string_view{"table"}}};
+};
+
+template <>
+struct stribeck::EnumNames<stribeck::plant::NoiseKind> {
+  static constexpr std::array names{
+      std::pair{stribeck::plant::NoiseKind::kGaussian, std::string_view{"gaussian"}},
+      std::pair{stribeck::plant::NoiseKind::kUniform, std::string_view{"uniform"}}};
 };

@@ -261,6 +261,23 @@ TEST(NoiseSource, HasTheDeviationAndCorrelationAskedFor) {
   EXPECT_NEAR(lagged / square, std::exp(-5.0 / 47.0), 0.005);
 }
 
+TEST(NoiseSource, UniformNoiseStaysWithinItsBoundsWithoutMemory) {
+  NoiseSource noise({0.2 / std::sqrt(3.0), 0.0, NoiseKind::kUniform}, kPeriod, {1, 0, 0});
+  double square = 0.0, neighbours = 0.0, last = 0.0, largest = 0.0;
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double now = noise.next();
+    square += now * now / kDraws;
+    neighbours += now * last / kDraws;
+    largest = std::max(largest, std::abs(now));
+    last = now;
+  }
+  EXPECT_LE(largest, 0.2);
+  EXPECT_GE(largest, 0.199);
+  EXPECT_NEAR(square, 0.04 / 3.0, 0.0003);  // three standard errors
+  EXPECT_NEAR(neighbours / square, 0.0, 0.022);
+}
+
 TEST(NoiseSource, StreamsAreReproducibleAndTheirOwn) {
   const auto first = [](const Stream& s) { return NoiseSource({20.0, 47e-3}, kPeriod, s).next(); };
   EXPECT_EQ(first({1, 2, 0}), first({1, 2, 0}));

@@ -1,0 +1,34 @@
+#pragma once
+/// Nelder–Mead's simplex, as the papers of this field use it (fminsearch), by NLopt.
+///
+/// Needs no derivatives, is slow and stops at the nearest local minimum: the fits of this folder use derivatives
+/// and many starts, and offer the simplex for comparison with printed results.
+///
+/// Source: Nelder, Mead 1965, doi:10.1093/comjnl/7.4.308; NLopt (LN_NELDERMEAD).
+/// Real time: no.
+/// Errors: Refused when the function is not finite at the start.
+
+#include <functional>
+#include <vector>
+
+namespace stribeck::ident {
+
+struct SimplexOptions {
+  double tolerance = 1e-10;  ///< relative, of the value and of every coordinate
+  int evaluations = 8000;
+};
+
+struct SimplexResult {
+  std::vector<double> x;
+  double value = 0.0;
+  int evaluations = 0;
+  bool converged = false;  ///< false: the evaluations were used up
+};
+
+/// Minimum of f near `start`; `step` is the size of the first simplex in each coordinate. Values that are not
+/// finite count as very large.
+SimplexResult minimise_simplex(const std::function<double(const std::vector<double>&)>& f,
+                               std::vector<double> start, std::vector<double> step,
+                               const SimplexOptions& options = {});
+
+}  // namespace stribeck::ident
