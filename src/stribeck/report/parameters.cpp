@@ -139,7 +139,7 @@ Table candidate_table(const ident::Result& result) {
           {{"model", "", false},
            {"parameters", ""},
            {"RMS on held-out motion", unit},
-           {"standard error of the difference from the best", unit},
+           {"± from the best", unit},
            {"", "", false}},
           {}};
   const int digits = candidate_digits(result);
