@@ -1,10 +1,15 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
 
@@ -17,8 +22,13 @@ struct Options {
   std::string method;
   std::string axis;
   std::string output;
-  int periods = kSinePeriods;
+  std::string gcode;
   std::string known;
+  std::string lead;
+  std::string rise;
+  std::vector<std::string> speeds;
+  std::optional<int> periods;
+  std::optional<int> repeats;
 };
 
 /// The rough idea that an axis file gives: its friction at two speeds, the larger direction.
@@ -37,15 +47,93 @@ ident::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits
   return ident::rough_drive(result);
 }
 
+bool is_gcode(const std::string& path) {
+  return path.ends_with(".ngc") || path.ends_with(".nc") || path.ends_with(".gcode");
+}
+
+/// Options of one method are refused with another, not ignored.
+void check_options(const Options& o) {
+  const auto only = [&](bool given, const char* option, std::initializer_list<std::string_view> methods) {
+    if (!given || std::find(methods.begin(), methods.end(), o.method) != methods.end()) return;
+    refuse_option(
+        option, fmt::format("does not apply to --method {}, only to {}", o.method, fmt::join(methods, ", ")));
+  };
+  only(o.periods.has_value(), "--periods", {"sine", "position-sine"});
+  only(o.repeats.has_value(), "--repeats", {"ramp", "constant-acceleration"});
+  only(!o.known.empty(), "--known", {"pulses", "ramp"});
+  only(!o.speeds.empty(), "--speeds", {"jog"});
+  only(!o.lead.empty(), "--lead", {"jog"});
+  only(!o.rise.empty(), "--rise", {"ramp"});
+  if (!o.gcode.empty() || is_gcode(o.output)) {
+    const bool force = o.method == "pulses" || o.method == "ramp";
+    if (force) {
+      refuse_option(
+          o.gcode.empty() ? "--output" : "--gcode",
+          fmt::format(
+              "G-code cannot ask for forces, which --method {} needs (write a CSV, or choose a method "
+              "that moves positions)",
+              o.method));
+    }
+  }
+}
+
+ident::Excitation design(const Options& o, const sim::Machine& machine, std::size_t which) {
+  const sim::MachineAxis& axis = machine.axes[which].second;
+  const ident::Limits limits{axis.limits.travel_min, axis.limits.travel_max, axis.limits.speed,
+                             axis.limits.acceleration, axis.force_limit()};
+  const double middle = 0.5 * (limits.travel_min + limits.travel_max);
+  const std::optional<ident::RoughDrive> known =
+      o.known.empty() ? std::nullopt : std::optional(rough_idea(o.known, axis.limits));
+  if (o.method == "jog") {
+    ident::JogDesign jog;
+    jog.start = middle;
+    jog.speeds = ident::jog_speeds(0.95 * limits.speed);
+    if (!o.speeds.empty()) jog.speeds.clear();
+    for (const std::string& speed : o.speeds) {
+      jog.speeds.push_back(option_si("--speeds", speed, quantity("m/s", "mm/s").positive()));
+    }
+    if (!o.lead.empty()) jog.period = option_si("--lead", o.lead, quantity("m", "mm").positive());
+    return ident::design_jog(limits, machine.sample_time, jog);
+  }
+  if (o.method == "ramp") {
+    ident::RampDesign ramp;
+    ramp.start = middle;
+    ramp.repeats = o.repeats.value_or(ramp.repeats);
+    if (!o.rise.empty()) ramp.rise = option_si("--rise", o.rise, quantity("s", "s").positive());
+    return ident::design_ramp(
+        limits, known.value_or(ident::RoughDrive{axis.commissioning.mass, axis.commissioning.friction, 0.0}),
+        machine.sample_time, ramp);
+  }
+  if (o.method == "constant-acceleration") {
+    ident::AccelerationDesign triangles;
+    triangles.start = middle;
+    triangles.repeats = o.repeats.value_or(triangles.repeats);
+    return ident::design_constant_acceleration(limits, machine.sample_time, triangles);
+  }
+  if (o.method == "position-sine") {
+    ident::SineDesign sine;  // (2.38): 10 sin t mm
+    sine.start = middle;
+    sine.amplitude = 0.010;
+    sine.frequency = 1.0;
+    sine.periods = o.periods.value_or(sine.periods);
+    sine.from_middle = true;
+    return ident::design_sine(limits, machine.sample_time, sine);
+  }
+  return cli::design(machine, which, o.method, o.periods.value_or(kSinePeriods), known);
+}
+
 int excite(const Options& o) {
-  check_distinct({o.machine, o.known}, {o.output, o.common.json});
+  check_options(o);
+  check_distinct({o.machine, o.known}, {o.output, o.gcode, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
+  check_writable(o.gcode);
   const sim::Machine machine = load_machine(o.machine);
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
-  const ident::Excitation e = design(
-      machine, axis, o.method, o.periods,
-      o.known.empty() ? std::nullopt : std::optional(rough_idea(o.known, machine.axes[axis].second.limits)));
+  const ident::Excitation e = design(o, machine, axis);
+  for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
+    if (!path.empty()) io::write_atomically(path, ident::as_gcode(e, o.axis, machine.name));
+  }
   sim::Recording table;
   table.t = e.t;
   table.r = e.r;
@@ -54,7 +142,7 @@ int excite(const Options& o) {
   for (const double f : e.force) table.u.push_back(f / gain);
   io::Log log = as_log(table);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"method", o.method}};
-  io::write_csv(o.output, log);
+  if (!is_gcode(o.output)) io::write_csv(o.output, log);
   report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, o.method), e.says);
   write_json(o.common.json, {{"schema", "stribeck.excite/1"},
                              {"machine", machine.name},
@@ -64,6 +152,7 @@ int excite(const Options& o) {
                              {"duration_s", e.t.back()},
                              {"says", e.says}});
   say(o.common, fmt::format("{}\nReference in {} ({} rows).\n", e.says, o.output, e.t.size()));
+  if (!o.gcode.empty()) say(o.common, fmt::format("G-code in {}.\n", o.gcode));
   return 0;
 }
 
@@ -74,18 +163,38 @@ void add_excite(CLI::App& app, Action& action) {
       app.add_subcommand("excite", "What to run on the machine so that a log of it tells friction and mass");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  verb->add_option("--method", o->method, "pulses (force, open loop), jog or sine (position, closed loop)")
+  verb->add_option("--method", o->method,
+                   "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
+                   "position-sine "
+                   "(terms of the screw), constant-acceleration (mass)")
       ->required()
-      ->check(CLI::IsMember({"pulses", "jog", "sine"}));
+      ->check(CLI::IsMember({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
-  verb->add_option("-o,--output", o->output, "CSV to write: t, r or t, u, f")
+  verb->add_option("-o,--output", o->output,
+                   "CSV to write: t, r or t, u, f; a name that ends in .ngc, .nc or .gcode: G-code instead")
       ->required()
       ->type_name("REF.csv");
-  verb->add_option("--periods", o->periods, "Periods of the sine")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
+  verb->add_option("--periods", o->periods,
+                   fmt::format("Periods of sine (left out: {}) or position-sine (4)", kSinePeriods))
+      ->check(CLI::Range(1, 1000));
+  verb->add_option("--repeats", o->repeats,
+                   "Of each direction: ramp (left out: 4), constant-acceleration (5)")
+      ->check(CLI::Range(1, 1000));
+  verb->add_option(
+          "--speeds", o->speeds,
+          "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit")
+      ->type_name("SPEED");
+  verb->add_option("--lead", o->lead, "Lead of the screw: ways of jog then hold whole turns")
+      ->type_name("LENGTH");
+  verb->add_option(
+          "--rise", o->rise,
+          "Time in which ramp reaches the rough friction (left out: as the limits allow, up to 15 s)")
+      ->type_name("TIME");
   verb->add_option("--known", o->known,
-                   "Axis file of an earlier identification: pulses then cover all speeds of the axis")
+                   "Axis file of an earlier identification: pulses then cover all speeds of the axis, ramps "
+                   "end at its "
+                   "friction")
       ->type_name("AXIS.toml");
   add_common(*verb, o->common);
   verb->footer(

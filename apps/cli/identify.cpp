@@ -1,17 +1,29 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/inspect.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/ident/break_away.hpp>
+#include <stribeck/ident/drive_fit.hpp>
 #include <stribeck/ident/idim_ls.hpp>
+#include <stribeck/ident/jog.hpp>
 #include <stribeck/ident/least_squares_a.hpp>
+#include <stribeck/ident/position_map.hpp>
 #include <stribeck/ident/velocity_map.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/report/identify_report.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/table.hpp>
@@ -25,51 +37,162 @@ struct Options {
   LogOptions log;
   std::string model = "auto";
   std::string method = "auto";
+  std::string solver = "derivatives";
   std::string output;
+  std::string mass;
+  std::string cut_off;
+  std::string turn;
   int terms = -1;
+  bool inspect = false;
 };
 
-/// The method that gives a kind of model, where the user left it open.
-std::string method_of(const Options& o) {
-  if (o.method != "auto") return o.method;
-  if (o.model == "conventional") return "least-squares";
-  return "velocity-map";
+/// Which options a method takes, beyond those of every method.
+struct Method {
+  std::string name;
+  std::vector<std::string> models;
+  bool terms, mass, cut_off, turn, solver;
+};
+
+const std::vector<Method>& methods() {
+  static const std::vector<Method> all{
+      {"auto", {"auto", "conventional", "gaussian"}, true, true, true, false, false},
+      {"velocity-map", {"auto", "gaussian"}, true, true, false, false, false},
+      {"position-map", {"auto"}, false, true, false, true, false},
+      {"jog", {"auto", "conventional", "gaussian"}, true, true, false, false, true},
+      {"least-squares", {"auto", "conventional"}, false, false, false, false, true},
+      {"idim-ls", {"auto", "conventional", "asymmetric"}, false, false, false, false, false},
+      {"break-away", {"auto"}, false, true, false, false, false}};
+  return all;
 }
 
-void refuse_pair(const std::string& method, const std::string& model, const std::string& expected) {
-  refuse_option("--model",
-                fmt::format("got {}, which --method {} cannot give (expected {})", model, method, expected));
+/// Every option that the method would ignore is refused.
+void check_options(const Options& o) {
+  const auto m =
+      *std::find_if(methods().begin(), methods().end(), [&](const Method& x) { return x.name == o.method; });
+  const auto takes = [&](bool given, bool taken, const char* option) {
+    if (given && !taken) refuse_option(option, fmt::format("--method {} does not take it", o.method));
+  };
+  takes(o.terms >= 0, m.terms, "--terms");
+  takes(!o.mass.empty(), m.mass, "--mass");
+  takes(!o.cut_off.empty(), m.cut_off, "--cut-off");
+  takes(!o.turn.empty(), m.turn, "--turn");
+  takes(o.solver != "derivatives", m.solver, "--solver");
+  if (std::find(m.models.begin(), m.models.end(), o.model) == m.models.end()) {
+    refuse_option("--model", fmt::format("got {}, which --method {} cannot give (expected {})", o.model,
+                                         o.method, fmt::join(m.models, ", ")));
+  }
 }
 
-/// A result, and what a published protocol prints beside it.
+/// Everything that is to be said of the logs, and their records.
+struct Input {
+  std::vector<ident::Record> records;
+  std::size_t runs = 0;  ///< logged apart from each other
+  std::vector<std::string> notes;
+  std::string sources;
+};
+
+/// A result, and what belongs to one method alone.
 struct Identified {
   ident::Result result;
+  std::vector<ident::Result> beside;  ///< results that stand beside it: other days
   std::optional<ident::LeastSquaresA> model_a;
   std::optional<ident::IdimResult::Published> published;
+  std::string says;  ///< text below the table
 };
 
-Identified identify_records(const Options& o, const std::vector<ident::Record>& records) {
-  const std::string method = method_of(o);
-  if (method == "idim-ls" && records.size() > 1) {
-    refuse_option("LOG", fmt::format("{} logs, but --method {} takes one", records.size(), method));
+std::optional<double> optional_si(const std::string& text, const Quantity& quantity, const char* option) {
+  if (text.empty()) return std::nullopt;
+  return option_si(option, text, quantity);
+}
+
+/// Runs of constant speed, each logged by itself: the speeds of a jog as many controls export them.
+bool steady_speeds(const std::vector<ident::Record>& records, std::size_t runs) {
+  constexpr std::size_t kFewestRuns = 4;
+  if (runs < kFewestRuns) return false;
+  std::size_t steady = 0;
+  std::vector<char> seen(records.size(), 0);
+  try {
+    for (const ident::SteadyRun& run : ident::find_steady_runs(records).runs) {
+      if (!seen[run.record]) ++steady;
+      seen[run.record] = 1;
+    }
+  } catch (const ident::Refused&) {
+    return false;
   }
-  if (method == "idim-ls") {
-    if (o.model == "gaussian") refuse_pair(method, o.model, "auto, conventional or asymmetric");
+  return 10 * steady >= 7 * records.size();
+}
+
+Identified by_jog(const Options& o, const std::vector<ident::Record>& records) {
+  ident::JogOptions options;
+  options.solver = o.solver == "simplex" ? ident::Solver::kSimplex : ident::Solver::kDerivatives;
+  if (o.terms >= 0) options.terms = o.terms;
+  options.gaussians = o.model != "conventional";
+  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  ident::Jog jog = ident::identify_jog(records, options);
+  return {std::move(jog.result), std::move(jog.groups), {}, {}, {}};
+}
+
+Identified by_position(const Options& o, const std::vector<ident::Record>& records) {
+  ident::PositionMapOptions options;
+  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  options.turn = optional_si(o.turn, quantity("m", "mm"), "--turn");
+  if (records.front().position_unit == "rad")
+    options.turn = optional_si(o.turn, quantity("rad", "rad"), "--turn");
+  return {ident::identify_position_map(records, options), {}, {}, {}, {}};
+}
+
+Identified by_least_squares(const Options& o, const std::vector<ident::Record>& records) {
+  // Pulses are driven in open loop, jogs follow a position: without pulses everything is taken for them.
+  std::vector<ident::Record> pulses, jogs;
+  for (const ident::Record& r : records) (r.r.empty() ? pulses : jogs).push_back(r);
+  if (pulses.empty()) std::swap(pulses, jogs);
+  ident::LeastSquaresAOptions options;
+  options.solver = o.solver == "simplex" ? ident::Solver::kSimplex : ident::Solver::kDerivatives;
+  ident::LeastSquaresA a = jogs.empty() ? ident::identify_least_squares_a(pulses, options)
+                                        : ident::identify_least_squares_a(pulses, jogs, options);
+  ident::Result result = a.result;
+  return {std::move(result), {}, std::move(a), {}, {}};
+}
+
+Identified by_break_away(const Options& o, const std::vector<ident::Record>& records) {
+  ident::BreakAwayOptions options;
+  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  return {ident::identify_break_away(records, options).result, {}, {}, {}, {}};
+}
+
+Identified identify_records(const Options& o, const Input& in) {
+  const std::vector<ident::Record>& records = in.records;
+  if (o.method == "idim-ls") {
+    if (records.size() > 1) {
+      refuse_option("LOG",
+                    fmt::format("{} records, but --method idim-ls takes one without gaps", records.size()));
+    }
     ident::IdimOptions options;
     options.by_direction = o.model == "asymmetric";
     ident::IdimResult idim = ident::identify_idim_ls(records.front(), options);
-    return {std::move(idim.result), {}, std::move(idim.published)};
+    return {std::move(idim.result), {}, {}, std::move(idim.published), {}};
   }
-  if (method == "least-squares") {
-    if (o.model != "auto" && o.model != "conventional") refuse_pair(method, o.model, "auto or conventional");
-    ident::LeastSquaresA a = ident::identify_least_squares_a(records);
-    ident::Result result = a.result;
-    return {std::move(result), std::move(a), {}};
+  if (o.method == "least-squares") return by_least_squares(o, records);
+  if (o.method == "break-away") return by_break_away(o, records);
+  if (o.method == "position-map") return by_position(o, records);
+  if (o.method == "jog") return by_jog(o, records);
+  if (o.method == "velocity-map") {
+    ident::VelocityMapOptions options;
+    if (o.terms >= 0) options.terms = o.terms;
+    options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+    return {ident::identify_velocity_map(records, options), {}, {}, {}, {}};
   }
-  if (o.model != "auto" && o.model != "gaussian") refuse_pair(method, o.model, "auto or gaussian");
-  ident::VelocityMapOptions options;
+  if (ident::held_at_standstill(records)) return by_position(o, records);
+  if (steady_speeds(records, in.runs)) return by_jog(o, records);
+  ident::DriveFitOptions options;
   if (o.terms >= 0) options.terms = o.terms;
-  return {ident::identify_velocity_map(records, options), {}, {}};
+  if (o.model == "conventional") options.most_terms = 0;
+  if (o.model == "gaussian") options.symmetric = false;
+  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  options.cut_off = optional_si(o.cut_off, quantity("Hz", "Hz").positive(), "--cut-off").value_or(0.0);
+  std::vector<ident::Record> with_positions;
+  for (const ident::Record& r : records) with_positions.push_back(ident::with_positions(r));
+  return {ident::identify_drive(with_positions, options), {}, {}, {}, {}};
 }
 
 /// Names and SI units in the order of the law.
@@ -106,60 +229,116 @@ std::string published_text(const ident::IdimResult::Published& p, bool by_direct
              p.error_norm, 100.0 * p.relative_error, p.error_deviation, p.condition);
 }
 
+std::string model_a_text(const ident::LeastSquaresA& a) {
+  std::string out = fmt::format(
+      "\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least squares, without Coulomb "
+      "friction: "
+      "{:.4g} N s2/mm.\n",
+      a.mass_euler * 1e-3, a.simple_mass * 1e-3);
+  const auto line = [&](const char* name, const std::optional<ident::ViscousCorrection>& c) {
+    if (!c) return;
+    out += fmt::format(
+        "Viscous coefficient corrected by jogging, {}: {:.5g} N s/mm (95 %: {:.5g} … {:.5g}), Coulomb "
+        "{:.5g} and {:.5g} N",
+        name, c->alpha2 * 1e-3, c->alpha2_interval.low * 1e-3, c->alpha2_interval.high * 1e-3,
+        c->alpha0_positive, c->alpha0_negative);
+    if (c->stribeck)
+      out += fmt::format(", static {:.5g} N, v0 {:.3g} mm/s", c->stribeck->alpha1, c->stribeck->v0 * 1e3);
+    out += ".\n";
+  };
+  line("disturbance observer", a.observer);
+  line("Kalman", a.kalman);
+  return out;
+}
+
 /// What the logs themselves say about how far the result can be trusted.
 void warn_of_records(const std::vector<ident::Record>& records, const std::string& method,
                      std::vector<std::string>& warnings) {
-  for (const ident::Record& r : records) {
-    if (method == "least-squares" && !r.r.empty()) {
-      warnings.push_back(r.source +
-                         ": least squares is made for pulses in open loop; in a closed-loop log the force "
-                         "reacts to the noise, "
-                         "and mass and interval can be far off (use --method velocity-map)");
+  if (method != "least-squares") return;
+  bool open = false;
+  for (const ident::Record& r : records) open = open || r.r.empty();
+  if (open) return;
+  warnings.push_back(
+      records.front().source +
+      ": least squares is made for pulses in open loop; in a closed-loop log the force reacts to the "
+      "noise, and mass and interval can be far off (use --method velocity-map)");
+}
+
+Input read_logs(const Options& o) {
+  Input in;
+  const LogOptions log_options = with_map_file(o.log);
+  for (const std::string& path : o.logs) {
+    const io::Log log = read_log(path, log_options);
+    std::vector<std::string> notes;
+    // Gaps are found again, with their repair, when the log is cleaned.
+    for (const std::string& note : log.notes) {
+      if (!note.starts_with("time has")) notes.push_back(note);
     }
-    // A controller's force that stays at its extreme is cut off; programmed pulses have flat tops of their own.
-    if (r.r.empty()) continue;
-    const auto [low, high] = std::minmax_element(r.f.begin(), r.f.end());
-    std::size_t cut = 0;
-    std::size_t first = 0;
-    for (std::size_t k = 1; k < r.f.size(); ++k) {
-      if ((r.f[k] == *low || r.f[k] == *high) && r.f[k] == r.f[k - 1] && cut++ == 0) first = k;
+    ident::Conditioned clean = condition_log(log, log_options, &notes);
+    for (const ident::Finding& f : clean.findings) notes.push_back(f.text);
+    for (std::string& note : notes) {
+      in.notes.push_back(note.starts_with(path) ? std::move(note) : fmt::format("{}: {}", path, note));
     }
-    constexpr double kFew = 0.005;
-    if (static_cast<double>(cut) > kFew * static_cast<double>(r.f.size())) {
-      warnings.push_back(
-          fmt::format("{}: the force stands at its largest value in {} rows, first in row {}: the drive was "
-                      "at its limit or "
-                      "the channel is cut off, and the result is biased",
-                      r.source, cut, first + 1));
-    }
+    in.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
+    for (ident::Record& r : clean.records) in.records.push_back(std::move(r));
+    in.sources += (in.sources.empty() ? "" : ", ") + path;
   }
+  return in;
+}
+
+int inspect_logs(const Options& o) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  bool usable = true;
+  const LogOptions log_options = with_map_file(o.log);
+  for (const std::string& path : o.logs) {
+    const Inspection found = inspect(read_log(path, log_options), log_options);
+    say(o.common, found.text);
+    json.push_back(found.json);
+    usable = usable && found.usable;
+  }
+  write_json(o.common.json, json.size() == 1 ? json.front() : json);
+  return usable ? 0 : 1;
 }
 
 int identify(const Options& o) {
+  check_options(o);
   check_distinct(o.logs, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
-  std::vector<ident::Record> records;
-  std::vector<std::string> notes;
-  std::string sources;
-  for (const std::string& path : o.logs) {
-    const io::Log log = io::read_csv(path);
-    for (const std::string& note : log.notes) notes.push_back(path + ": " + note);
-    records.push_back(make_record(log, o.log));
-    sources += (sources.empty() ? "" : ", ") + path;
+  if (o.inspect) {
+    if (!o.output.empty())
+      refuse_option("--output", "--inspect identifies nothing, so there is no axis file");
+    return inspect_logs(o);
   }
-  Identified identified = identify_records(o, records);
+  const Input in = read_logs(o);
+  Identified identified = identify_records(o, in);
   ident::Result& result = identified.result;
-  refuse_nonsense(result, sources);
-  warn_of_records(records, method_of(o), result.warnings);
-  result.warnings.insert(result.warnings.begin(), notes.begin(), notes.end());
+  // Constant speeds, standstill and ramps say nothing about the mass; the result says so.
+  const bool without_mass =
+      result.method == "jog" || result.method == "position-map" || result.method == "break-away";
+  if (!without_mass || std::isfinite(result.mass)) refuse_nonsense(result, in.sources);
+  warn_of_records(in.records, o.method, result.warnings);
+  result.warnings.insert(result.warnings.begin(), in.notes.begin(), in.notes.end());
   const std::string& axis = o.log.axis;
   if (!o.output.empty()) {
+    if (result.force_unit != "N" || result.position_unit != "m") {
+      refuse_option(
+          "--output",
+          fmt::format("an axis file holds newtons and metres, but this log was identified in {} and {}; give "
+                      "--gain{}",
+                      result.force_unit, result.position_unit,
+                      result.position_unit == "m" ? "" : " and --lead"));
+    }
+    if (!(result.mass > 0.0)) {
+      refuse_option("--output",
+                    "an axis file needs the mass, which this log does not tell; give --mass or add a log "
+                    "with acceleration");
+    }
     io::write_atomically(
         o.output,
         io::write_toml(as_model(result), fmt::format("{}{}, identified from {} by stribeck {} ({}).",
                                                      axis.empty() ? "" : "Axis " + axis + ": ", result.model,
-                                                     sources, STRIBECK_VERSION, result.method)));
+                                                     in.sources, STRIBECK_VERSION, result.method)));
   }
   auto json = report::to_json(result, axis);
   if (identified.published)
@@ -169,23 +348,21 @@ int identify(const Options& o) {
     json["forward_euler_mass_kg"] = identified.model_a->mass_euler;
     json["simple_least_squares_mass_kg"] = identified.model_a->simple_mass;
   }
+  for (const ident::Result& other : identified.beside) json["beside"].push_back(report::to_json(other, axis));
   write_json(o.common.json, json);
+  std::vector<ident::Result> shown{result};
+  shown.insert(shown.end(), identified.beside.begin(), identified.beside.end());
   if (!o.common.report.empty()) {
     report::write_identify_report(o.common.report,
-                                  {axis, {result}, sources, typed_command(), STRIBECK_VERSION});
+                                  {axis, shown, in.sources, typed_command(), STRIBECK_VERSION});
   }
-  say(o.common, report::text_table(result, axis));
-  if (result.peaks) {
+  for (const ident::Result& r : shown) say(o.common, report::text_table(r, axis));
+  if (result.peaks && o.method == "velocity-map") {
     say(o.common, fmt::format("\nPeaks of the smoothed map, by which the thesis chooses the number of terms: "
                               "{} for v > 0, {} for v < 0.\n",
                               (*result.peaks)[0], (*result.peaks)[1]));
   }
-  if (identified.model_a) {
-    say(o.common, fmt::format("\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least "
-                              "squares, without Coulomb friction: "
-                              "{:.4g} N s2/mm.\n",
-                              identified.model_a->mass_euler * 1e-3, identified.model_a->simple_mass * 1e-3));
-  }
+  if (identified.model_a) say(o.common, model_a_text(*identified.model_a));
   if (identified.published) say(o.common, published_text(*identified.published, o.model == "asymmetric"));
   return 0;
 }
@@ -198,26 +375,34 @@ void add_identify(CLI::App& app, Action& action) {
   verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")
       ->required()
       ->type_name("LOG");
-  verb->add_option("--axis", o->log.axis, "Name of the axis; a log of several axes has columns like x_NAME")
-      ->type_name("NAME");
+  verb->add_flag("--inspect", o->inspect,
+                 "Print what the logs hold and what could be identified; identify nothing");
   verb->add_option("--model", o->model,
-                   "auto, gaussian, conventional, or asymmetric (idim-ls, friction by direction)")
+                   "auto, conventional, gaussian, or asymmetric (idim-ls, friction by direction)")
       ->check(CLI::IsMember({"auto", "gaussian", "conventional", "asymmetric"}))
       ->capture_default_str();
-  verb->add_option("--method", o->method,
-                   "auto, velocity-map (continuous velocity-friction map), least-squares (unbiased, from "
-                   "pulses), or idim-ls (the "
-                   "published EMPS protocol)")
-      ->check(CLI::IsMember({"auto", "velocity-map", "least-squares", "idim-ls"}))
+  verb->add_option(
+          "--method", o->method,
+          "auto (any motion); by name: velocity-map (Model C), position-map (Model D, or cogging at "
+          "standstill), jog (Model B, constant speeds), least-squares (Model A, pulses, and jogs for the "
+          "viscous correction), break-away (slow ramps), idim-ls (published protocol)")
+      ->check(CLI::IsMember(
+          {"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away", "idim-ls"}))
       ->capture_default_str();
   verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")
       ->check(CLI::Range(0, 6));
-  verb->add_option("--map", o->log.maps,
-                   "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
-      ->type_name("MAP");
-  verb->add_option("--gain", o->log.gain,
-                   "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"")
-      ->type_name("GAIN");
+  verb->add_option("--mass", o->mass, "Known equivalent mass, e.g. \"57.65 N s2/mm\"; left out: identified")
+      ->type_name("MASS");
+  verb->add_option("--cut-off", o->cut_off,
+                   "Low-pass filter at this frequency; left out: chosen from the noise")
+      ->type_name("HZ");
+  verb->add_option("--turn", o->turn,
+                   "Known travel of one turn, whose whole parts are searched (position-map)")
+      ->type_name("TURN");
+  verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as papers use it)")
+      ->check(CLI::IsMember({"derivatives", "simplex"}))
+      ->capture_default_str();
+  add_log_options(*verb, o->log);
   verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");
   add_common(*verb, o->common);
   verb->footer(

@@ -1,37 +1,98 @@
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 
 namespace stribeck::cli {
 namespace {
 
-/// A quantity that a log may hold: its SI unit, the unit people read, and the names that logs give it.
+constexpr double kPi = 3.14159265358979323846;
+
+/// Names of one signal, lower case. A family is one notation in order of preference; columns of two families
+/// are two candidates.
+using Family = std::vector<std::string_view>;
+
 struct Known {
   std::string_view name;
   Quantity quantity;
-  std::vector<std::string_view> names;
+  std::vector<Family> families;
 };
 
 const std::vector<Known>& known_quantities() {
   static const std::vector<Known> all{
-      {"t", quantity("s", "s"), {"t", "time", "zeit"}},
+      {"t", quantity("s", "s"), {{"t", "time", "zeit"}}},
       {"r",
        quantity("m", "mm"),
-       {"r", "ref", "reference", "q_ref", "x_ref", "pos_ref", "position_ref", "x_cmd", "pos_cmd"}},
-      {"x", quantity("m", "mm"), {"x", "q", "pos", "position", "pos_act", "position_act", "x_act", "q_act"}},
-      {"force", quantity("N", "N"), {"f", "force", "kraft"}},
-      {"torque", quantity("N m", "N m"), {"torque", "moment", "drehmoment"}},
-      {"current", quantity("A", "A"), {"i", "current", "strom", "iq"}},
-      {"voltage", quantity("V", "V"), {"u", "voltage", "spannung"}},
-      {"percent", quantity("", ""), {"percent", "load"}}};
+       {{"r"},
+        {"ref", "reference"},
+        {"q_ref", "q_cmd", "q_des"},
+        {"x_ref", "x_cmd", "x_soll"},
+        {"pos_ref", "position_ref", "pos_cmd", "pos_soll", "lagesollwert", "sollposition"},
+        {"des_pos"},
+        {"commandposition"},
+        {"s soll", "s nominal", "s nom"},
+        {"setpos", "position demand value"}}},
+      {"x",
+       quantity("m", "mm"),
+       {{"x"},
+        {"q"},
+        {"pos", "position"},
+        {"pos_act", "position_act", "x_act", "q_act", "pos_ist", "lageistwert", "istposition"},
+        {"enc_pos", "enc1_pos", "enc2_pos"},
+        {"actualposition"},
+        {"s ist", "s actual", "s act"},
+        {"actpos", "position actual value"}}},
+      {"v",
+       quantity("m/s", "mm/s"),
+       {{"v"},
+        {"dq", "qd", "q_dot"},
+        {"vel", "velocity", "speed"},
+        {"vel_act", "velocity_act", "v_act", "vel_ist"},
+        {"actualvelocity"},
+        {"v ist", "v actual", "v act"},
+        {"actvelo", "velocity actual value averaged", "velocity actual value"},
+        {"servo motor speed", "motor speed"}}},
+      {"v_ref",
+       quantity("m/s", "mm/s"),
+       {{"vel_ref", "velocity_ref", "v_ref", "vel_cmd"},
+        {"commandvelocity"},
+        {"v soll", "v nominal", "v nom"},
+        {"setvelo", "velocity demand value"},
+        {"speed command"},
+        {"vel_ffw"}}},
+      {"a", quantity("m/s2", "mm/s2"), {{"a", "acc", "acceleration"}, {"actualacceleration"}}},
+      {"force", quantity("N", "N"), {{"f", "force", "kraft"}}},
+      {"torque",
+       quantity("N m", "N m"),
+       {{"torque", "moment", "drehmoment", "tau"},
+        {"acttorque", "torque actual value averaged", "torque actual value"}}},
+      {"current",
+       quantity("A", "A"),
+       {{"i", "current", "strom", "iq"},
+        {"i_act", "current_act", "iq_act"},
+        {"current_ref", "i_ref", "iq_ref"},
+        {"current_abs"},
+        {"currentfeedback"},
+        {"i ist", "i actual", "i act"},
+        {"actcurrent", "current actual value averaged", "current actual value"}}},
+      {"voltage", quantity("V", "V"), {{"u", "voltage", "spannung"}, {"outputvoltage"}}},
+      {"percent", quantity("", ""), {{"percent", "load"}}}};
   return all;
 }
+
+/// Where no gain says otherwise, the first of these that a log has is the force.
+constexpr std::array<std::string_view, 5> kForces{"force", "current", "torque", "percent", "voltage"};
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -45,6 +106,17 @@ const Known& known(std::string_view name) {
     names += (names.empty() ? "" : ", ") + std::string(k.name);
   }
   refuse_option("--map", fmt::format("unknown quantity {}, expected one of {}", io::in_quotes(name), names));
+}
+
+const std::string& header_of(const io::Column& c) { return c.header.empty() ? c.name : c.header; }
+
+std::string column_names(const io::Log& log) {
+  std::string names;
+  constexpr std::size_t kMost = 60;
+  for (std::size_t i = 0; i < log.columns.size() && i < kMost; ++i)
+    names += (names.empty() ? "" : ", ") + io::in_quotes(header_of(log.columns[i]));
+  if (log.columns.size() > kMost) names += fmt::format(", and {} more", log.columns.size() - kMost);
+  return names;
 }
 
 /// quantity=column [unit]; the unit is the last word where it is one and no column has the whole name.
@@ -72,99 +144,766 @@ Map parse_map(const std::string& text, const io::Log& log) {
     }
   }
   if (map.column == nullptr) static_cast<void>(log.at(rest));  // throws with the columns there are
+  if (map.column->values.empty()) {
+    refuse_option("--map", fmt::format("column {} holds text, expected numbers",
+                                       io::in_quotes(header_of(*map.column))));
+  }
   return map;
 }
 
-/// The column that holds the quantity for the axis by its name: r_x before r.
-const io::Column* find_by_name(const io::Log& log, const Known& quantity, const std::string& axis) {
-  for (const bool with_axis : {true, false}) {
-    if (with_axis && axis.empty()) continue;
-    for (const std::string_view name : quantity.names) {
-      const std::string wanted = with_axis ? fmt::format("{}_{}", name, lower(axis)) : std::string(name);
-      for (const io::Column& c : log.columns) {
-        if (lower(c.name) == wanted) return &c;
+/// What a column's name says: the signal and the axis that stands in it.
+struct Label {
+  std::string base;
+  std::string axis;
+};
+
+std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
+  const std::string name = lower(c.name);
+  std::vector<Label> out{{name, {}}};
+  for (const char mark : {'|', '/'}) {
+    const auto at = name.rfind(mark);
+    if (at != std::string::npos && at > 0 && at + 1 < name.size())
+      out.push_back({name.substr(0, at), name.substr(at + 1)});
+  }
+  const auto bar = name.find('_');
+  if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
+    const std::string prefix = name.substr(0, bar);
+    const bool is_axis =
+        std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos &&
+        std::all_of(prefix.begin() + 1, prefix.end(), [](unsigned char d) { return std::isdigit(d); });
+    if (is_axis) out.push_back({name.substr(bar + 1), prefix});
+  }
+  const auto digit = name.find_last_not_of("0123456789");
+  if (digit != std::string::npos && digit + 1 < name.size())
+    out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
+  const auto last = name.rfind('_');
+  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower(axis))
+    out.push_back({name.substr(0, last), lower(axis)});
+  return out;
+}
+
+/// "x" is the axis X1 of a log that calls its axes so; "X1" may stand in the metadata for the axis 1.
+bool same_axis(const io::Log& log, const std::string& wanted, const std::string& found) {
+  const std::string w = lower(wanted);
+  if (w == found) return true;
+  const auto is_first = [](const std::string& name, const std::string& short_name) {
+    return name.size() == short_name.size() + 1 && name.compare(0, short_name.size(), short_name) == 0 &&
+           name.back() == '1';
+  };
+  if (is_first(found, w)) return true;
+  for (const auto& [key, value] : log.metadata) {
+    if (lower(key) != "axis " + found) continue;
+    const std::string v = lower(value);
+    if (v == w || is_first(v, w)) return true;
+  }
+  return false;
+}
+
+struct Candidate {
+  const io::Column* column = nullptr;
+  std::string axis;
+  std::size_t family = 0;
+  std::size_t rank = 0;
+};
+
+std::vector<Candidate> candidates(const io::Log& log, const Known& k, const std::string& axis) {
+  std::vector<Candidate> out;
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty()) continue;
+    for (const Label& label : labels_of(c, axis)) {
+      bool done = false;
+      for (std::size_t f = 0; f < k.families.size() && !done; ++f) {
+        const auto at = std::find(k.families[f].begin(), k.families[f].end(), label.base);
+        if (at == k.families[f].end()) continue;
+        out.push_back({&c, label.axis, f, static_cast<std::size_t>(at - k.families[f].begin())});
+        done = true;
       }
+      if (done) break;
     }
   }
-  return nullptr;
+  return out;
 }
 
-/// The column in SI; errors name the file.
-std::vector<double> values_in_si(const io::Log& log, const io::Column& column, const Quantity& quantity) {
+/// The column of a quantity by its name, or none. Throws when several could be it.
+const io::Column* find_by_name(const io::Log& log, const Known& k, const std::string& axis) {
+  std::vector<Candidate> all = candidates(log, k, axis);
+  if (all.empty()) return nullptr;
+  const auto keep = [&](auto&& good) {
+    std::vector<Candidate> some;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(some), good);
+    return some;
+  };
+  if (!axis.empty()) {
+    std::vector<Candidate> of_axis =
+        keep([&](const Candidate& c) { return !c.axis.empty() && lower(axis) == c.axis; });
+    if (of_axis.empty())
+      of_axis = keep([&](const Candidate& c) { return !c.axis.empty() && same_axis(log, axis, c.axis); });
+    if (of_axis.empty()) of_axis = keep([](const Candidate& c) { return c.axis.empty(); });
+    all = std::move(of_axis);
+    if (all.empty()) return nullptr;
+  }
+  std::vector<std::string> axes;
+  for (const Candidate& c : all) {
+    if (std::find(axes.begin(), axes.end(), c.axis) == axes.end()) axes.push_back(c.axis);
+  }
+  if (axes.size() > 1 && axis.empty()) {
+    // A column without an axis in its name goes before those with one.
+    const std::vector<Candidate> plain = keep([](const Candidate& c) { return c.axis.empty(); });
+    if (plain.empty()) {
+      std::string list;
+      for (const std::string& a : axes) list += (list.empty() ? "" : ", ") + a;
+      throw io::InputError({log.source, 0, std::string(k.name),
+                            fmt::format("a log of several axes: {} (choose one with --axis NAME)", list)});
+    }
+    all = plain;
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    return std::pair{a.family, a.rank} < std::pair{b.family, b.rank};
+  });
+  const auto rivals =
+      keep([&](const Candidate& c) { return c.family != all.front().family || c.rank == all.front().rank; });
+  if (rivals.size() > 1) {
+    std::string list;
+    for (const Candidate& c : all) list += (list.empty() ? "" : ", ") + io::in_quotes(header_of(*c.column));
+    throw io::InputError({log.source, 0, std::string(k.name),
+                          fmt::format("{} columns could be it: {} (choose one with --map {}=\"COLUMN UNIT\")",
+                                      all.size(), list, k.name)});
+  }
+  return all.front().column;
+}
+
+/// A column chosen for a quantity.
+struct Chosen {
+  const io::Column* column = nullptr;
+  std::string unit;
+};
+
+std::optional<io::Conversion> converts(const std::string& unit, std::string_view si) {
+  if (unit.empty()) return std::nullopt;
   try {
-    return io::in_si(column, quantity);
-  } catch (const io::InputError& e) {
-    io::Problem problem = e.problems().front();
-    problem.file = log.source;
-    throw io::InputError(problem);
+    return io::conversion(unit, si);
+  } catch (const io::InputError&) {
+    return std::nullopt;
   }
 }
 
-std::string column_names(const io::Log& log) {
+std::vector<double> converted(const std::vector<double>& values, const io::Conversion& c,
+                              double factor = 1.0) {
+  std::vector<double> out(values.size());
+  // The divisor outside the loop: the same value as c(x), without a power per sample.
+  const double divisor = c.decimal && c.power < 0 ? std::pow(10.0, -c.power) : 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    out[k] = (divisor > 0.0 ? values[k] / divisor : values[k] * c.factor) * factor;
+  return out;
+}
+
+/// Throws, naming the file, where the column in this unit is not the quantity.
+void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q) {
+  io::Column empty;
+  empty.name = column.name;
+  empty.unit_text = unit;
+  empty.header = column.header;
+  try {
+    static_cast<void>(io::in_si(empty, q));
+  } catch (const io::InputError& e) {
+    io::Problem p = e.problems().front();
+    p.file = log.source;
+    throw io::InputError(p);
+  }
+}
+
+[[noreturn]] void refuse_column(const io::Log& log, const Chosen& c, const std::string& message) {
+  throw io::InputError({log.source, 0, "column " + io::in_quotes(header_of(*c.column)), message});
+}
+
+/// The map file: any of the options, so that nothing is typed twice.
+struct MapFile {
+  std::string axis;
+  std::vector<std::string> map;
+  std::string gain;
+  std::string lead;
+  std::vector<std::string> where;
+  std::vector<std::string> runs;
+  std::string sample_time;
+  std::vector<std::string> keep;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("axis", &MapFile::axis, "name of the axis in the log").or_default(),
+        field("map", &MapFile::map, "which column is what, each quantity=column unit").or_default(),
+        field("gain", &MapFile::gain, "force per volt, ampere, newton metre or percent, with its unit")
+            .or_default(),
+        field("lead", &MapFile::lead, "travel per turn, with its unit").or_default(),
+        field("where", &MapFile::where, "rows that count, each COLUMN=VALUE").or_default(),
+        field("runs", &MapFile::runs, "columns whose change begins a new run").or_default(),
+        field("sample_time", &MapFile::sample_time,
+              "time between rows, with its unit, for logs without times")
+            .or_default(),
+        field("keep", &MapFile::keep, "kinds of findings that are left alone").or_default()};
+  }
+};
+
+/// Rows that count, and the row after which each run ends.
+struct Selection {
+  bool all = true;
+  std::vector<std::vector<std::size_t>> runs;  ///< rows, from 0
+};
+
+const io::Column& column_for(const io::Log& log, const std::string& option, const std::string& name) {
+  const io::Column* c = log.find(name);
+  if (c == nullptr) {
+    std::string message;
+    try {
+      static_cast<void>(log.at(name));
+    } catch (const io::InputError& e) {
+      message = e.problems().front().message;
+    }
+    refuse_option(option, message);
+  }
+  const std::size_t rows = c->texts.empty() ? c->values.size() : c->texts.size();
+  if (rows != log.rows)
+    refuse_option(option, fmt::format("column {} has {} rows of {}, expected all", io::in_quotes(name), rows,
+                                      log.rows));
+  return *c;
+}
+
+std::optional<double> as_number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != '\0') return std::nullopt;
+  return value;
+}
+
+Selection select(const io::Log& log, const LogOptions& options) {
+  Selection s;
+  if (options.where.empty() && options.runs.empty()) return s;
+  s.all = false;
+  std::vector<std::uint8_t> counts(log.rows, 1);
+  for (const std::string& text : options.where) {
+    const auto equals = text.rfind('=');
+    if (equals == std::string::npos || equals == 0)
+      refuse_option("--where", fmt::format("got {}, expected COLUMN=VALUE", io::in_quotes(text)));
+    const std::string value = text.substr(equals + 1);
+    const io::Column& c = column_for(log, "--where", text.substr(0, equals));
+    const auto number = as_number(value);
+    if (c.texts.empty() && !number)
+      refuse_option("--where", fmt::format("got {}, expected a number as in column {}", io::in_quotes(value),
+                                           io::in_quotes(c.name)));
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < log.rows; ++k) {
+      const bool same = c.texts.empty() ? c.values[k] == *number : c.texts[k] == value;
+      if (!same) counts[k] = 0;
+      found += same ? 1 : 0;
+    }
+    if (found == 0) refuse_option("--where", fmt::format("no row has {}", io::in_quotes(text)));
+  }
+  std::vector<const io::Column*> marks;
+  for (const std::string& name : options.runs) marks.push_back(&column_for(log, "--runs", name));
+  std::size_t last = 0;
+  for (std::size_t k = 0; k < log.rows; ++k) {
+    if (counts[k] == 0) continue;
+    bool begins = s.runs.empty();
+    for (const io::Column* c : marks) {
+      if (begins) break;
+      begins = c->texts.empty() ? c->values[k] != c->values[last] : c->texts[k] != c->texts[last];
+    }
+    if (begins) s.runs.emplace_back();
+    s.runs.back().push_back(k);
+    last = k;
+  }
+  if (s.runs.empty()) refuse_option("--where", "no row is left");
+  return s;
+}
+
+std::string run_name(const io::Log& log, const LogOptions& options, std::size_t row) {
+  std::string name;
+  for (const std::string& column : options.runs) {
+    const io::Column& c = *log.find(column);
+    name += (name.empty() ? "" : ", ") + column + "=" +
+            (c.texts.empty() ? io::number_text(c.values[row]) : c.texts[row]);
+  }
+  return name.empty() ? log.source : log.source + " (" + name + ")";
+}
+
+/// Columns that change where time begins anew, and only there: they tell runs apart.
+std::string marks_of_runs(const io::Log& log, const std::vector<double>& t) {
+  std::vector<std::size_t> starts;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    if (t[k] < t[k - 1]) starts.push_back(k);
+  }
+  if (starts.empty() || t.size() != log.rows) return {};
   std::string names;
-  for (const io::Column& c : log.columns) names += (names.empty() ? "" : ", ") + io::in_quotes(c.header);
+  for (const io::Column& c : log.columns) {
+    const bool text = !c.texts.empty();
+    if ((text ? c.texts.size() : c.values.size()) != log.rows) continue;
+    std::size_t inside = 0;
+    std::size_t at_start = 0;
+    std::size_t next = 0;
+    for (std::size_t k = 1; k < log.rows && inside == 0; ++k) {
+      const bool start = next < starts.size() && starts[next] == k;
+      if (start) ++next;
+      if (!(text ? c.texts[k] != c.texts[k - 1] : c.values[k] != c.values[k - 1])) continue;
+      ++(start ? at_start : inside);
+    }
+    if (inside == 0 && at_start > 0)
+      names += (names.empty() ? "" : ", ") + io::in_quotes(c.header.empty() ? c.name : c.header);
+  }
   return names;
+}
+
+/// Effort of the drive → force.
+struct Effort {
+  Chosen chosen;
+  std::string kind;  ///< force, torque, …
+  double factor = 1.0;
+  std::string unit = "N";
+  io::Conversion conversion;
+};
+
+/// Kind of an effort by its unit: a torque in percent is a percentage.
+std::string kind_by_unit(const std::string& unit, std::string_view by_name) {
+  for (const std::string_view name : kForces) {
+    const Quantity q = known(name).quantity;
+    if (name == "percent" ? (unit == "%" || unit == "pct" || unit == "percent")
+                          : converts(unit, q.unit).has_value())
+      return std::string(name);
+  }
+  return std::string(by_name);
 }
 
 }  // namespace
 
-ident::Record make_record(const io::Log& log, const LogOptions& options) {
+void add_log_options(CLI::App& verb, LogOptions& o) {
+  verb.add_option("--axis", o.axis,
+                  "Name of the axis; a log of several axes has columns like x_NAME or NAME_ActualPosition")
+      ->type_name("NAME");
+  verb.add_option("--map", o.maps,
+                  "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
+      ->type_name("MAP");
+  verb.add_option(
+          "--gain", o.gain,
+          "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"; left out: the log's own unit")
+      ->type_name("GAIN");
+  verb.add_option("--lead", o.lead,
+                  "Travel per turn of the motor, e.g. \"5 mm\": angles become positions, torque force")
+      ->type_name("LEAD");
+  verb.add_option("--where", o.where, "Only rows with this value, repeatable")->type_name("COLUMN=VALUE");
+  verb.add_option("--runs", o.runs, "A change in this column begins a new run, repeatable")
+      ->type_name("COLUMN");
+  verb.add_option("--sample-time", o.sample_time,
+                  "Time between rows of a log without a time column, e.g. \"100 ms\"")
+      ->type_name("TIME");
+  verb.add_option("--keep", o.keep,
+                  "Leave findings of this kind alone, repeatable (--inspect shows the kinds)")
+      ->type_name("KIND");
+  verb.add_option("--map-file", o.map_file,
+                  "TOML file with map, axis, gain, lead, where, runs, sample_time, keep")
+      ->type_name("MAP.toml");
+}
+
+LogOptions with_map_file(const LogOptions& options) {
+  if (options.map_file.empty()) return options;
+  const auto file = io::read_toml<MapFile>(options.map_file);
+  LogOptions o = options;
+  const auto one = [](std::string& mine, const std::string& theirs) {
+    if (mine.empty()) mine = theirs;
+  };
+  const auto both = [](std::vector<std::string>& mine, const std::vector<std::string>& theirs) {
+    mine.insert(mine.end(), theirs.begin(), theirs.end());
+  };
+  one(o.axis, file.axis);
+  one(o.gain, file.gain);
+  one(o.lead, file.lead);
+  one(o.sample_time, file.sample_time);
+  both(o.maps, file.map);  // behind those of the command line: the first of a quantity counts
+  both(o.where, file.where);
+  both(o.keep, file.keep);
+  if (o.runs.empty()) o.runs = file.runs;
+  o.map_file.clear();
+  return o;
+}
+
+io::Log read_log(const std::string& path, const LogOptions& given) {
+  const LogOptions options = with_map_file(given);
+  io::ReadOptions read;
+  if (!options.sample_time.empty())
+    read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
+  for (const std::string& text : options.maps) {
+    if (text.rfind("t=", 0) != 0) continue;
+    // Only a name that stands there as it is; a unit behind it is for later.
+    read.time_column =
+        text.substr(2, text.rfind(' ') == std::string::npos ? std::string::npos : text.rfind(' ') - 2);
+  }
+  return io::read_log(path, read);
+}
+
+LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
+  const LogOptions options = with_map_file(given);
+  LoggedAxis out;
   std::vector<Map> maps;
   for (const std::string& text : options.maps) maps.push_back(parse_map(text, log));
-
-  const auto find = [&](std::string_view name) -> std::optional<std::vector<double>> {
-    const Known& k = known(name);
+  const auto mapped = [&](const Known& k) -> std::optional<Chosen> {
     for (const Map& m : maps) {
-      if (m.quantity != &k) continue;
-      io::Column copy = *m.column;
-      if (!m.unit.empty()) copy.unit_text = m.unit;
-      return values_in_si(log, copy, k.quantity);
+      if (m.quantity == &k) return Chosen{m.column, m.unit.empty() ? m.column->unit_text : m.unit};
     }
+    return std::nullopt;
+  };
+  const auto find = [&](std::string_view name) -> std::optional<Chosen> {
+    const Known& k = known(name);
+    if (auto m = mapped(k)) return m;
     const io::Column* c = find_by_name(log, k, options.axis);
     if (c == nullptr) return std::nullopt;
-    return values_in_si(log, *c, k.quantity);
-  };
-  const auto need = [&](std::string_view name, std::string_view what) {
-    auto values = find(name);
-    if (!values) {
-      throw io::InputError(
-          {log.source, 0, std::string(name),
-           fmt::format("no column for {}; the log has {} (name it with --map {}=\"COLUMN UNIT\")", what,
-                       column_names(log), name)});
-    }
-    return std::move(*values);
+    return Chosen{c, c->unit_text};
   };
 
+  double per_radian = 0.0;  // [m/rad]
+  if (!options.lead.empty()) {
+    const double lead = option_si("--lead", options.lead, quantity("m", "mm"));
+    if (lead == 0.0) refuse_option("--lead", "got 0, expected the travel per turn");
+    per_radian = lead / (2.0 * kPi);
+  }
+
+  // Position and velocity decide whether the axis is one of metres or of angles.
+  std::optional<Chosen> x = find("x");
+  std::optional<Chosen> v = find("v");
+  if (!x && !v) {
+    throw io::InputError(
+        {log.source, 0, "x",
+         fmt::format("no column for the position, nor for the velocity; the log has {} (name it with "
+                     "--map x=\"COLUMN UNIT\")",
+                     column_names(log))});
+  }
+  struct Motion {
+    std::optional<Chosen> chosen;
+    int order;
+    std::string_view name;
+    io::Conversion conversion{};
+    bool angle = false;
+    std::vector<double> values{};
+  };
+  std::array<Motion, 4> motion{{{x, 0, "x"}, {find("r"), 0, "r"}, {v, 1, "v"}, {std::nullopt, 1, "v_ref"}}};
+  if (!motion[1].chosen) motion[3].chosen = find("v_ref");
+  bool angle = false;
+  for (Motion& m : motion) {
+    if (!m.chosen) continue;
+    const std::string& unit = m.chosen->unit;
+    const bool first = &m == &motion[0] || (&m == &motion[2] && !x);
+    if (unit.empty() && !first && !mapped(known(m.name))) {
+      out.notes.push_back(
+          fmt::format("column {} has no unit and is not used (give it with --map {}=\"COLUMN UNIT\")",
+                      io::in_quotes(header_of(*m.chosen->column)), m.name));
+      m.chosen.reset();
+      continue;
+    }
+    const auto linear = converts(unit, m.order == 0 ? "m" : "m/s");
+    const auto turning = converts(unit, m.order == 0 ? "rad" : "rad/s");
+    if (!linear && !turning) {
+      const Quantity q = m.order == 0 ? quantity("m", "mm") : quantity("m/s", "mm/s");
+      check_unit(log, *m.chosen->column, unit, q);
+      refuse_column(log, *m.chosen,
+                    fmt::format("unit {} is none of a {}", io::in_quotes(unit),
+                                m.order == 0 ? "position" : "velocity"));
+    }
+    m.angle = !linear;
+    m.conversion = linear ? *linear : *turning;
+    if (first) angle = m.angle && per_radian == 0.0;
+    if (m.angle && per_radian == 0.0 && !angle) {
+      refuse_column(
+          log, *m.chosen,
+          fmt::format("turns ({}), the position does not; give the travel per turn (--lead \"5 mm\")", unit));
+    }
+    if (!m.angle && angle) {
+      refuse_column(
+          log, *m.chosen,
+          fmt::format(
+              "is a length ({}), the position is an angle; give the travel per turn (--lead \"5 mm\")",
+              unit));
+    }
+  }
+
+  // The force: mapped first, then by the unit of the gain, then by preference.
+  std::vector<Effort> efforts;
+  std::optional<io::InputError> ambiguous;
+  for (const bool by_map : {true, false}) {
+    for (const std::string_view name : kForces) {
+      std::optional<Chosen> c = mapped(known(name));
+      if (by_map != c.has_value()) continue;
+      try {
+        if (!by_map) c = find(name);
+      } catch (const io::InputError& e) {
+        // With a gain another quantity may still be meant.
+        if (options.gain.empty()) throw;
+        if (!ambiguous) ambiguous = e;
+      }
+      if (!c) continue;
+      Effort e;
+      e.chosen = *c;
+      e.kind = by_map || c->unit.empty() ? std::string(name) : kind_by_unit(c->unit, name);
+      efforts.push_back(e);
+      if (options.gain.empty()) break;
+    }
+    if (!efforts.empty()) break;
+  }
+  if (efforts.empty()) {
+    if (ambiguous) throw *ambiguous;
+    throw io::InputError(
+        {log.source, 0, "force",
+         fmt::format("no column for the force, nor for torque, current, voltage or percent; the log has {} "
+                     "(name it with --map force=\"COLUMN UNIT\")",
+                     column_names(log))});
+  }
+  Effort effort = efforts.front();
+  const auto to_force = [&](Effort& e, double factor, bool is_torque) {
+    e.factor = factor;
+    e.unit = "N";
+    if (!is_torque) return;
+    if (per_radian != 0.0) {
+      e.factor /= per_radian;
+    } else {
+      e.unit = "N m";
+    }
+  };
+  if (!options.gain.empty()) {
+    bool fits = false;
+    for (Effort& e : efforts) {
+      const Quantity q = known(e.kind).quantity;
+      const std::string per = e.kind == "percent" ? "" : "/(" + std::string(q.unit) + ")";
+      struct Target {
+        std::string unit;
+        bool torque;
+      };
+      for (const Target& t :
+           {Target{e.kind == "torque" ? "1/m" : "N" + per, false}, Target{"N m" + per, true}}) {
+        double gain = 0.0;
+        try {
+          gain = io::to_si(options.gain, Quantity{t.unit, t.unit});
+        } catch (const io::InputError&) {
+          continue;
+        }
+        if (gain == 0.0) refuse_option("--gain", "got 0, expected the force per unit of the column");
+        to_force(e, gain, t.torque);
+        if (e.unit != "N" && !angle) {
+          refuse_option("--gain",
+                        fmt::format("got {}, a torque; give the travel per turn too (--lead \"5 mm\")",
+                                    io::in_quotes(options.gain)));
+        }
+        effort = e;
+        fits = true;
+        break;
+      }
+      if (fits) break;
+    }
+    if (!fits) {
+      if (ambiguous) throw *ambiguous;
+      std::string kinds;
+      for (const Effort& e : efforts) kinds += (kinds.empty() ? "" : ", ") + e.kind;
+      refuse_option("--gain",
+                    fmt::format("got {}, expected a number with a unit like {} for the {} of this log",
+                                io::in_quotes(options.gain),
+                                efforts.front().kind == "voltage"   ? "N/V"
+                                : efforts.front().kind == "current" ? "N/A"
+                                : efforts.front().kind == "percent" ? "N (at 100 %)"
+                                : efforts.front().kind == "torque"  ? "1/mm"
+                                                                    : "N/V, N/A",
+                                kinds));
+    }
+  } else if (effort.kind == "torque" && !effort.chosen.unit.empty()) {
+    to_force(effort, 1.0, true);
+    if (effort.unit != "N") {
+      out.notes.push_back(
+          angle ? "the force is a torque in N m about an angle in rad"
+                : "the force stands as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
+    }
+  } else if (effort.kind != "force") {
+    const std::string& unit = effort.chosen.unit;
+    const auto said = [&](const char* si) { return unit.empty() ? std::string("units") : std::string(si); };
+    effort.unit = effort.kind == "current"   ? said("A")
+                  : effort.kind == "voltage" ? said("V")
+                  : effort.kind == "percent" ? "%"
+                                             : said("N m");
+    out.notes.push_back(
+        fmt::format("the scale of the force is not known: {} is identified in its own unit, {} (with "
+                    "--gain \"1048 {}\" it becomes newton)",
+                    io::in_quotes(header_of(*effort.chosen.column)), effort.unit,
+                    effort.kind == "current"   ? "N/A"
+                    : effort.kind == "voltage" ? "N/V"
+                    : effort.kind == "percent" ? "N"
+                                               : "1/mm"));
+  }
+  {
+    const Quantity q = known(effort.kind).quantity;
+    const std::string& unit = effort.chosen.unit;
+    if (effort.unit == "units" || (effort.unit == "%" && unit.empty())) {
+      effort.conversion = {};
+    } else if (const auto c = converts(unit, q.unit)) {
+      effort.conversion = *c;
+      if (effort.unit == "%") effort.factor = 100.0;
+    } else {
+      check_unit(log, *effort.chosen.column, unit, q);
+    }
+  }
+
+  // Time.
+  const auto time_of = [&](const io::Column& c) -> int {
+    if (const auto m = mapped(known("t"))) return static_cast<int>(m->column - log.columns.data());
+    if (c.time >= 0) return c.time;
+    return io::time_column(log);
+  };
+  const std::string time_unit = [&] {
+    const auto m = mapped(known("t"));
+    return m ? m->unit : std::string();
+  }();
+  const auto seconds = [&](int index) {
+    const io::Column& c = log.columns[static_cast<std::size_t>(index)];
+    io::Column copy = c;
+    if (!time_unit.empty()) copy.unit_text = time_unit;
+    try {
+      return io::in_si(copy, quantity("s", "s"));
+    } catch (const io::InputError& e) {
+      io::Problem p = e.problems().front();
+      p.file = log.source;
+      throw io::InputError(p);
+    }
+  };
+  const double sample_time = options.sample_time.empty() ? 0.0
+                                                         : option_si("--sample-time", options.sample_time,
+                                                                     quantity("s", "ms").positive());
+
+  const Chosen& base = x ? *x : *v;
+  const int base_time = time_of(*base.column);
+  if (base_time < 0 && sample_time == 0.0) {
+    throw io::InputError(
+        {log.source, 0, "t",
+         fmt::format("no column for the time; the log has {} (name it with --map t=\"COLUMN UNIT\", or give "
+                     "the time between rows with --sample-time \"1 ms\")",
+                     column_names(log))});
+  }
+  if (base_time >= 0 && &log.columns[static_cast<std::size_t>(base_time)] == base.column)
+    refuse_column(log, base, "is the time itself, expected a position");
+  std::vector<std::pair<int, std::vector<double>>> times;
+  const auto time_values = [&](int index) -> const std::vector<double>& {
+    for (const auto& [i, values] : times) {
+      if (i == index) return values;
+    }
+    times.emplace_back(index, seconds(index));
+    return times.back().second;
+  };
+  times.reserve(log.columns.size() + 1);
+
+  const Selection selection = select(log, options);
+  if (selection.all && base_time >= 0) {
+    const std::string marks = marks_of_runs(log, log.columns[static_cast<std::size_t>(base_time)].values);
+    if (!marks.empty()) {
+      out.notes.push_back(
+          fmt::format("several runs one below the other, told apart by {}: take those that belong together "
+                      "with --where COLUMN=VALUE, and name them with --runs COLUMN",
+                      marks));
+    }
+  }
+  const auto pick = [](const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+    std::vector<double> some(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) some[i] = values[rows[i]];
+    return some;
+  };
+  for (Motion& m : motion) {
+    if (!m.chosen) continue;
+    m.values = converted(m.chosen->column->values, m.conversion, m.angle && !angle ? per_radian : 1.0);
+    out.columns.emplace_back(
+        m.name, header_of(*m.chosen->column) + (m.chosen->unit.empty() ? "" : " [" + m.chosen->unit + "]"));
+  }
+  std::vector<double> force = converted(effort.chosen.column->values, effort.conversion, effort.factor);
+  out.columns.emplace_back(
+      effort.kind,
+      header_of(*effort.chosen.column) + (effort.chosen.unit.empty() ? "" : " [" + effort.chosen.unit + "]"));
+  const std::size_t runs = selection.all ? 1 : selection.runs.size();
+  for (std::size_t i = 0; i < runs; ++i) {
+    ident::RawLog raw;
+    raw.source = selection.all ? log.source : run_name(log, options, selection.runs[i].front());
+    raw.force_unit = effort.unit;
+    raw.position_unit = angle ? "rad" : "m";
+    raw.sample_time = sample_time;
+    const auto signal = [&](std::vector<double>& values, const io::Column& column, bool is_base) {
+      ident::Signal s;
+      const int index = time_of(column);
+      const bool own = index >= 0 && (is_base || index != base_time);
+      if (selection.all) {
+        s.y = std::move(values);
+        if (own) s.t = time_values(index);
+        return s;
+      }
+      if (column.values.size() != log.rows)
+        refuse_option("--where",
+                      fmt::format("column {} has rows of its own", io::in_quotes(header_of(column))));
+      s.y = pick(values, selection.runs[i]);
+      if (own) s.t = pick(time_values(index), selection.runs[i]);
+      return s;
+    };
+    for (Motion& m : motion) {
+      if (!m.chosen) continue;
+      ident::Signal& s = m.name == "x" ? raw.x : m.name == "r" ? raw.r : m.name == "v" ? raw.v : raw.v_ref;
+      s = signal(m.values, *m.chosen->column, m.chosen->column == base.column);
+    }
+    raw.f = signal(force, *effort.chosen.column, false);
+    if (!selection.all) {
+      raw.row = selection.runs[i];
+      for (std::size_t& k : raw.row) ++k;
+    }
+    out.runs.push_back(std::move(raw));
+  }
+  return out;
+}
+
+ident::Conditioned condition_log(const io::Log& log, const LogOptions& given,
+                                 std::vector<std::string>* notes) {
+  const LogOptions options = with_map_file(given);
+  LoggedAxis axis = logged_axis(log, options);
+  if (notes != nullptr) notes->insert(notes->end(), axis.notes.begin(), axis.notes.end());
+  const ident::ConditionOptions condition{options.keep};
+  ident::Conditioned clean;
+  try {
+    clean = ident::condition(std::move(axis.runs), condition);
+  } catch (const ident::Refused& why) {
+    // The log itself is at fault, not what it can tell.
+    throw io::InputError(io::Problem{"", 0, "", why.what()});
+  }
+  const bool look = std::find(options.keep.begin(), options.keep.end(), "mixed-runs") == options.keep.end();
+  if (look) {
+    std::vector<ident::Finding> mixed = ident::warn_of_mixed_runs(clean.records);
+    for (ident::Finding& f : mixed) {
+      f.text = log.source + ": " + f.text;
+      clean.findings.push_back(std::move(f));
+    }
+  }
+  return clean;
+}
+
+ident::Record make_record(const io::Log& log, const LogOptions& options) {
+  const LoggedAxis axis = logged_axis(log, options);
+  if (axis.runs.size() != 1) {
+    throw io::InputError(
+        {log.source, 0, {}, fmt::format("{} runs, expected one (choose it with --where)", axis.runs.size())});
+  }
+  const ident::RawLog& raw = axis.runs.front();
+  if (raw.force_unit != "N" || raw.position_unit != "m") {
+    const bool voltage = raw.force_unit == "V";
+    throw io::InputError(
+        {log.source, 0,
+         voltage                 ? "voltage"
+         : raw.force_unit == "A" ? "current"
+                                 : "force",
+         fmt::format("the force stands as {}; say how much force that is (--gain \"1048 N/{}\")",
+                     voltage ? "voltage" : raw.force_unit, voltage ? "V" : raw.force_unit)});
+  }
   ident::Record record;
   record.source = log.source;
-  record.t = need("t", "the time");
-  record.x = need("x", "the position");
-  if (auto r = find("r")) record.r = std::move(*r);
-  if (auto f = find("force")) {
-    record.f = std::move(*f);
-  } else {
-    struct Source {
-      std::string_view name;
-      Quantity gain;
-    };
-    constexpr std::array kSources{Source{"voltage", {"N/V", "N/V"}}, Source{"current", {"N/A", "N/A"}},
-                                  Source{"torque", {"1/m", "1/mm"}}, Source{"percent", {"N", "N"}}};
-    for (const Source& s : kSources) {
-      auto values = find(s.name);
-      if (!values) continue;
-      if (options.gain.empty()) {
-        throw io::InputError(
-            {log.source, 0, std::string(s.name),
-             fmt::format("the force stands as {}; say how much force that is (--gain \"1048 {}\")", s.name,
-                         s.gain.shown)});
-      }
-      const double gain = option_si("--gain", options.gain, s.gain);
-      if (gain == 0.0) refuse_option("--gain", "got 0, expected the force per unit of the column");
-      for (double& v : *values) v *= gain;
-      record.f = std::move(*values);
-      break;
-    }
-    if (record.f.empty()) record.f = need("force", "the force (or voltage, current, torque, percent)");
+  record.t = raw.x.t.empty() ? raw.v.t : raw.x.t;
+  record.x = raw.x.y;
+  record.r = raw.r.y;
+  record.v = raw.v.y;
+  record.f = raw.f.y;
+  if (record.t.empty()) {
+    for (std::size_t k = 0; k < record.x.size(); ++k)
+      record.t.push_back(raw.sample_time * static_cast<double>(k));
   }
   const io::TimeCheck time = io::check_time(record.t, log.source, "t");
   record.sample_time = (record.t.back() - record.t.front()) / static_cast<double>(record.t.size() - 1);

@@ -1,21 +1,62 @@
 #pragma once
-/// From the columns of a log to a record for identification: which column is what, in which unit, and how a
-/// voltage, current, torque or percentage becomes a force.
+/// From the columns of a log to signals of one axis: which column is what, in which unit, and how torque,
+/// current, voltage or percent become a force.
+///
+///   position   m, or rad where the log has angles and no --lead is given
+///   force      N; torque with --lead; anything with --gain; without one the log's own unit ("A", "%", "V",
+///              "N m"), and a note says so
+///
+/// A column is chosen by --map, else by its name in the notations of the controls that io::read_log knows,
+/// with the axis in it (x_y, X1_ActualPosition, ENC_POS|2, s ist/Y, q1). Two columns that could both be it are
+/// refused, so is a position without a unit. A force with a gain is looked for among the columns of the gain's unit.
+/// Errors: InputError naming file, column or option.
 
+#include <stribeck/ident/condition.hpp>
 #include <stribeck/ident/record.hpp>
 #include <stribeck/io/log.hpp>
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace stribeck::cli {
 
 struct LogOptions {
-  std::string axis;
-  std::vector<std::string> maps;  ///< quantity=column [unit]
-  std::string gain;               ///< force per volt, ampere, newton metre or percent; empty: none
+  std::string axis{};
+  std::vector<std::string> maps{};   ///< quantity=column [unit]
+  std::string gain{};                ///< force per volt, ampere, newton metre or percent; empty: none
+  std::string lead{};                ///< travel per turn; empty: none
+  std::vector<std::string> where{};  ///< COLUMN=VALUE, rows that count
+  std::vector<std::string> runs{};   ///< columns whose change begins a new run
+  std::string sample_time{};         ///< for logs without a time column
+  std::vector<std::string> keep{};   ///< kinds of findings that are left alone
+  std::string map_file{};            ///< TOML file with any of these
 };
 
-/// Throws io::InputError naming file and column.
+/// Declares the options on a verb.
+void add_log_options(CLI::App& verb, LogOptions& options);
+
+/// The options with those of the map file, which the command line overrides.
+LogOptions with_map_file(const LogOptions& options);
+
+/// Any log, as io::read_log; a given sample time stands for a missing time column.
+io::Log read_log(const std::string& path, const LogOptions& options);
+
+/// One axis of a log.
+struct LoggedAxis {
+  std::vector<ident::RawLog> runs;
+  std::vector<std::string> notes;  ///< what was chosen where a choice had to be made
+  std::vector<std::pair<std::string, std::string>> columns;  ///< quantity, header of its column and unit
+};
+LoggedAxis logged_axis(const io::Log& log, const LogOptions& options);
+
+/// The same, cleaned. Findings of mixed runs are among the findings.
+ident::Conditioned condition_log(const io::Log& log, const LogOptions& options,
+                                 std::vector<std::string>* notes = nullptr);
+
+/// One clean record with a force in newton; refuses everything else.
 ident::Record make_record(const io::Log& log, const LogOptions& options);
 
 }  // namespace stribeck::cli

@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <apps/cli/commands.hpp>
+#include <apps/cli/log_record.hpp>
+#include <apps/cli/shared.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/replay.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/verify_report.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+struct Options {
+  Common common;
+  std::vector<std::string> files;  ///< axis files, then the log
+  LogOptions log;
+  std::string controller;
+  std::string force_shift;
+};
+
+int verify(const Options& o) {
+  if (o.files.size() < 2) {
+    refuse_option("AXIS.toml", "missing, expected one or more axis files and then the log");
+  }
+  const std::string& path = o.files.back();
+  std::vector<std::string> inputs = o.files;
+  inputs.push_back(o.controller);
+  check_distinct(inputs, {o.common.json});
+  check_outputs(o.common);
+  std::vector<std::pair<std::string, friction::AxisModel>> models;
+  for (std::size_t i = 0; i + 1 < o.files.size(); ++i) {
+    models.emplace_back(o.files[i], io::read_toml<friction::AxisModel>(o.files[i]));
+  }
+  std::optional<ident::ReplayController> controller;
+  if (!o.controller.empty()) controller = io::read_toml<ident::ReplayController>(o.controller);
+
+  report::VerifyReportInput page;
+  page.axis = with_map_file(o.log).axis;
+  page.source = path;
+  page.command = typed_command();
+  page.version = STRIBECK_VERSION;
+  const io::Log log = read_log(path, o.log);
+  page.warnings = log.notes;
+  const ident::Conditioned clean = condition_log(log, o.log, &page.warnings);
+  for (const ident::Finding& f : clean.findings) page.warnings.push_back(f.text);
+
+  std::string why;
+  for (const ident::Record& record : clean.records) {
+    ident::ReplayOptions options;
+    if (!o.force_shift.empty()) {
+      // A held force belongs to the motion half a row later without any delay (ident/motion.hpp).
+      options.delay =
+          -option_si("--force-shift", o.force_shift, quantity("s", "ms")) - 0.5 * record.sample_time;
+    }
+    report::VerifiedPart part;
+    try {
+      for (const auto& [name, model] : models) {
+        report::VerifiedModel one{name, ident::replay_open_loop(model, record, options), {}};
+        if (controller) one.closed = ident::replay_closed_loop(model, *controller, record, options);
+        if (const std::size_t outside = one.open.restarted.outside; outside > 0) {
+          page.warnings.push_back(
+              fmt::format("{}: {} of {} rows are at velocities that the model was not identified on", name,
+                          outside, record.x.size()));
+        }
+        part.models.push_back(std::move(one));
+      }
+    } catch (const ident::Refused& e) {
+      // One piece of a cut log may be too short or stand still; the others still count.
+      if (why.empty()) why = e.what();
+      if (clean.records.size() == 1) throw;
+      page.warnings.push_back(fmt::format("a part is left out: {}", e.what()));
+      continue;
+    }
+    part.record = record;
+    page.parts.push_back(std::move(part));
+  }
+  if (page.parts.empty()) throw ident::Refused(why.empty() ? path + ": no part can be replayed" : why);
+
+  write_json(o.common.json, report::to_json(page));
+  if (!o.common.report.empty()) report::write_verify_report(o.common.report, page);
+  say(o.common, report::text_table(page));
+  return 0;
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, Action& action) {
+  auto* verb = app.add_subcommand(
+      "verify",
+      "Identified models on motion that they have not seen: open loop, and in the log's closed loop");
+  auto o = std::make_shared<Options>();
+  verb->add_option("files", o->files, "Axis files that identify wrote, and as the last one the log")
+      ->required()
+      ->type_name("AXIS.toml... LOG");
+  add_log_options(*verb, o->log);
+  verb->add_option(
+          "--controller", o->controller,
+          "TOML file of the position controller that made the log (kind cascade or pd, forces in N): "
+          "replays the closed loop as well")
+      ->type_name("FILE.toml");
+  verb->add_option(
+          "--force-shift", o->force_shift,
+          "Time by which the force stands later in the log than its motion, the parameter force_shift of "
+          "identify; left out: commanded, under its hold")
+      ->type_name("TIME");
+  add_common(*verb, o->common);
+  verb->footer(
+      "Example:\n  stribeck verify a.toml b.toml c.toml x-unseen-log.csv --axis x --report report\n"
+      "  stribeck verify x.toml log.csv --gain \"35.15 N/V\" --controller controller.toml");
+  verb->callback([o, &action] { action = [o] { return verify(*o); }; });
+}
+
+}  // namespace stribeck::cli
