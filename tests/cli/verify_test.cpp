@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tests/cli/command.hpp>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kAxis =
+    "mass = \"100 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"20 N\"\nalpha2 = \"200 N "
+    "s/m\"\n";
+const std::string kController =
+    "[controller]\nkind = \"pd\"\nstiffness = \"400000 N/m\"\ndamping = \"12000 N s/m\"\n";
+
+/// x = A·(1 − cos wt) with the force that a rigid axis with this friction needs, read as a control would log it.
+std::string log_text(double coulomb) {
+  std::string text = "t [s],r [mm],x [mm],f [N]\n";
+  for (int k = 0; k < 2000; ++k) {
+    const double w = 3.0;
+    const double t = 0.002 * k;
+    const double mid = t + 0.001;  // the force is held: that of the middle of the sample
+    const double v = 0.02 * w * std::sin(w * mid);
+    const double f = 100.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v + (v > 0 ? coulomb : -coulomb);
+    const double x = 20.0 * (1.0 - std::cos(w * t));
+    text += std::to_string(t) + ',' + std::to_string(x) + ',' + std::to_string(x) + ',' + std::to_string(f) +
+            '\n';
+  }
+  return text;
+}
+
+TEST(Verify, ComparesAxisFilesOnALog) {
+  const Folder folder;
+  const std::string right = folder.write("right.toml", kAxis);
+  std::string text = kAxis;
+  text.replace(text.find("20 N"), 4, "26 N");
+  const std::string wrong = folder.write("wrong.toml", text);
+  const std::string log = folder.write("log.csv", log_text(20.0));
+  const std::string controller = folder.write("controller.toml", kController);
+  const Said said = command({"verify", right, wrong, log, "--controller", controller, "--json",
+                             folder / "v.json", "--report", folder / "page"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(folder / "v.json"));
+  EXPECT_EQ(json["schema"], "stribeck.verify/1");
+  const auto& models = json["parts"][0]["models"];
+  const auto open = [&](int i) { return models[i]["open_loop"]["velocity_relative_percent"].get<double>(); };
+  EXPECT_LT(open(0), 1.0);
+  EXPECT_GT(open(1), 5.0);
+  EXPECT_TRUE(models[0]["closed_loop"]["force_relative_percent"].is_number());
+  EXPECT_THAT(said.out, HasSubstr("right.toml"));
+  EXPECT_THAT(text_of(folder / "page/index.html"), HasSubstr("the best of 2 models"));
+  // Same input, same bytes.
+  const std::string before = text_of(folder / "v.json");
+  command({"verify", right, wrong, log, "--controller", controller, "--json", folder / "v.json", "--quiet"});
+  EXPECT_EQ(text_of(folder / "v.json"), before);
+}
+
+TEST(Verify, SaysWhatIsWrong) {
+  const Folder folder;
+  const std::string axis = folder.write("axis.toml", kAxis);
+  const std::string log = folder.write("log.csv", log_text(20.0));
+  const auto said = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "verify");
+    return command(words);
+  };
+  EXPECT_EQ(said({log}).code, 2);
+  EXPECT_THAT(said({log}).err, HasSubstr("one or more axis files and then the log"));
+  EXPECT_EQ(said({folder / "none.toml", log}).code, 2);
+  const std::string controller = folder.write("c.toml", "[controller]\nkind = \"pdd\"\n");
+  const Said wrong = said({axis, log, "--controller", controller});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("c.toml:2"));
+  EXPECT_THAT(wrong.err, HasSubstr("cascade"));
+  EXPECT_EQ(said({axis, log, "--json", axis}).code, 2);  // would overwrite an input
+  EXPECT_EQ(text_of(axis), kAxis);
+  EXPECT_EQ(said({axis, log, "--force-shift", "3"}).code, 2);
+  EXPECT_EQ(said({axis, log, "--force-shift", "1 ms"}).code, 0);
+  std::string runaway = kAxis;
+  runaway.replace(runaway.find("100 kg"), 6, "0.1 ug");
+  EXPECT_NE(said({folder.write("light.toml", runaway), log}).code,
+            2);  // the answer may be no, the input is good
+}
+
+}  // namespace
+}  // namespace stribeck::test
