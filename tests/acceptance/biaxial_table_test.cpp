@@ -89,8 +89,8 @@ Recovery recover(std::size_t axis) {
           const auto p = plant.friction.parts(at, 0.0);
           return p.level * sign(at) + p.viscous;
         };
-        const auto fitted =
-            std::visit([&](const auto& m) { return friction::steady_force(m, v); }, l.gaussian.friction.steady);
+        const auto fitted = std::visit([&](const auto& m) { return friction::steady_force(m, v); },
+                                       l.gaussian.friction.steady);
         r.worst_curve = std::max(r.worst_curve, std::abs(fitted / truth(v) - 1.0));
         // The band at the point of the curve nearest to v, where the truth must lie inside.
         const auto& points = l.gaussian.curve;

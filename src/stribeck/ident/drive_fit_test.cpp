@@ -125,7 +125,11 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
   EXPECT_NEAR(25.0 * volt.mass, newton.mass, 1e-6 * newton.mass);
   Record other = rec;
   other.force_unit = "N";
-  EXPECT_THAT([&] { identify_drive({rec, other}); }, ::testing::ThrowsMessage<Refused>(HasSubstr("expected V and m")));
+  EXPECT_THAT(
+      [&] {
+        identify_drive({rec, other});
+      },
+      ::testing::ThrowsMessage<Refused>(HasSubstr("expected V and m")));
 }
 
 TEST(DriveFit, SaysWhatWarmingUpDoes) {

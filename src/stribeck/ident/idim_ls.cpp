@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stribeck/ident/filter.hpp>
 #include <stribeck/ident/idim_ls.hpp>
-#include <stribeck/ident/uncertainty.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/uncertainty.hpp>
 
 namespace stribeck::ident {
 namespace {

@@ -38,7 +38,7 @@ struct Record {
   std::vector<double> x;     ///< [m]
   std::vector<double> f;     ///< [N]
   Loop loop = Loop::kAutomatic;
-  std::vector<double> v;  ///< [m/s], may be empty
+  std::vector<double> v;           ///< [m/s], may be empty
   std::vector<std::uint8_t> skip;  ///< 1: the row is not fitted (sign of the force unsure, …); may be empty
   std::string force_unit = "N";
   std::string position_unit = "m";

@@ -74,12 +74,12 @@ struct SpectrumLine {
 };
 
 struct Result {
-  std::string method;                      ///< "auto", "velocity-map", "jog", "position-map", …
-  std::string model;                       ///< "gaussian", "conventional"
-  std::string force_unit = "N";            ///< unit of every force here
-  std::string position_unit = "m";         ///< "m" or "rad"
-  double mass = 0.0;                       ///< [kg]
-  Interval mass_interval;                  ///< [kg]
+  std::string method;               ///< "auto", "velocity-map", "jog", "position-map", …
+  std::string model;                ///< "gaussian", "conventional"
+  std::string force_unit = "N";     ///< unit of every force here
+  std::string position_unit = "m";  ///< "m" or "rad"
+  double mass = 0.0;                ///< [kg]
+  Interval mass_interval;           ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   double load = 0.0;                       ///< constant force against +x, e.g. weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
