@@ -16,6 +16,7 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/break_away.hpp>
 #include <stribeck/ident/drive_fit.hpp>
+#include <stribeck/ident/equal_speed.hpp>
 #include <stribeck/ident/idim_ls.hpp>
 #include <stribeck/ident/jog.hpp>
 #include <stribeck/ident/least_squares_a.hpp>
@@ -61,7 +62,9 @@ const std::vector<Method>& methods() {
       {"jog", {"auto", "conventional", "gaussian"}, true, true, false, false, true},
       {"least-squares", {"auto", "conventional"}, false, false, false, false, true},
       {"idim-ls", {"auto", "conventional", "asymmetric"}, false, false, false, false, false},
-      {"break-away", {"auto"}, false, true, false, false, false}};
+      {"break-away", {"auto"}, false, true, false, false, false},
+      {"gravity", {"auto"}, false, false, false, false, false},
+      {"constant-acceleration", {"auto"}, false, false, false, false, false}};
   return all;
 }
 
@@ -174,6 +177,9 @@ Identified identify_records(const Options& o, const Input& in) {
   }
   if (o.method == "least-squares") return by_least_squares(o, records);
   if (o.method == "break-away") return by_break_away(o, records);
+  if (o.method == "gravity") return {ident::identify_gravity(records), {}, {}, {}, {}};
+  if (o.method == "constant-acceleration")
+    return {ident::identify_constant_acceleration(records), {}, {}, {}, {}};
   if (o.method == "position-map") return by_position(o, records);
   if (o.method == "jog") return by_jog(o, records);
   if (o.method == "velocity-map") {
@@ -302,6 +308,12 @@ int inspect_logs(const Options& o) {
 
 int identify(const Options& o) {
   check_options(o);
+  for (std::size_t i = 1; i < o.logs.size(); ++i) {
+    if (std::find(o.logs.begin(), o.logs.begin() + static_cast<std::ptrdiff_t>(i), o.logs[i]) !=
+        o.logs.begin() + static_cast<std::ptrdiff_t>(i)) {
+      refuse_option("LOG", fmt::format("{} is given twice: it would count as two runs", o.logs[i]));
+    }
+  }
   check_distinct(o.logs, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
@@ -314,8 +326,8 @@ int identify(const Options& o) {
   Identified identified = identify_records(o, in);
   ident::Result& result = identified.result;
   // Constant speeds, standstill and ramps say nothing about the mass; the result says so.
-  const bool without_mass =
-      result.method == "jog" || result.method == "position-map" || result.method == "break-away";
+  const bool without_mass = result.method == "jog" || result.method == "position-map" ||
+                            result.method == "break-away" || result.method == "gravity";
   if (!without_mass || std::isfinite(result.mass)) refuse_nonsense(result, in.sources);
   warn_of_records(in.records, o.method, result.warnings);
   result.warnings.insert(result.warnings.begin(), in.notes.begin(), in.notes.end());
@@ -385,9 +397,10 @@ void add_identify(CLI::App& app, Action& action) {
           "--method", o->method,
           "auto (any motion); by name: velocity-map (Model C), position-map (Model D, or cogging at "
           "standstill), jog (Model B, constant speeds), least-squares (Model A, pulses, and jogs for the "
-          "viscous correction), break-away (slow ramps), idim-ls (published protocol)")
-      ->check(CLI::IsMember(
-          {"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away", "idim-ls"}))
+          "viscous correction), break-away (slow ramps), gravity (both directions at equal speed), "
+          "constant-acceleration (mass), idim-ls (published protocol)")
+      ->check(CLI::IsMember({"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away",
+                             "gravity", "constant-acceleration", "idim-ls"}))
       ->capture_default_str();
   verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")
       ->check(CLI::Range(0, 6));

@@ -541,7 +541,21 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   const LogOptions options = with_map_file(given);
   LoggedAxis out;
   std::vector<Map> maps;
-  for (const std::string& text : options.maps) maps.push_back(parse_map(text, log));
+  for (const std::string& text : options.maps) {
+    Map map = parse_map(text, log);
+    for (const Map& other : maps) {
+      if (other.quantity == map.quantity) {
+        refuse_option("--map",
+                      fmt::format("{} is given twice, expected one column for it", map.quantity->name));
+      }
+      if (other.column == map.column) {
+        refuse_option("--map", fmt::format("column {} is given for {} and {}, expected one quantity for it",
+                                           io::in_quotes(map.column->header), other.quantity->name,
+                                           map.quantity->name));
+      }
+    }
+    maps.push_back(std::move(map));
+  }
   const auto mapped = [&](const Known& k) -> std::optional<Chosen> {
     for (const Map& m : maps) {
       if (m.quantity == &k) return Chosen{m.column, m.unit.empty() ? m.column->unit_text : m.unit};

@@ -54,6 +54,11 @@ int verify(const Options& o) {
 
   std::string why;
   for (const ident::Record& record : clean.records) {
+    if (record.force_unit != "N" || record.position_unit != "m") {
+      refuse_option("--gain",
+                    fmt::format("missing: an axis file holds newtons and metres, the log has {} and {}",
+                                record.force_unit, record.position_unit));
+    }
     ident::ReplayOptions options;
     if (!o.force_shift.empty()) {
       // A held force belongs to the motion half a row later without any delay (ident/motion.hpp).

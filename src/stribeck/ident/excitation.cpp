@@ -275,11 +275,15 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   e.method = design.from_middle ? "position-sine" : "sine";
   e.sample_time = sample_time;
   // φ' rises as 3s² − 2s³ over the first second and stays: position, speed and acceleration begin at rest.
-  const double end = 2.0 * kPi * design.periods / design.frequency + 0.5;
+  // A cosine ends at rest by itself; a sine, which passes its middle at full speed, slows down as it began.
+  const double whole = 2.0 * kPi * design.periods / design.frequency;
+  const double end = design.from_middle ? std::max(whole + 1.0, 2.0) : whole + 0.5;
   const auto rows = static_cast<std::size_t>(std::floor(end / sample_time)) + 1;
+  const auto from_rest = [](double t) { return t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5; };
   for (std::size_t k = 0; k < rows; ++k) {
     const double t = sample_time * static_cast<double>(k);
-    const double s = t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5;
+    const bool slowing = design.from_middle && end - t < 1.0;
+    const double s = slowing ? whole - from_rest(end - t) : from_rest(t);
     const double phase = design.frequency * s;
     e.r.push_back(design.from_middle ? design.start + design.amplitude * std::sin(phase)
                                      : design.start - design.amplitude + design.amplitude * std::cos(phase));

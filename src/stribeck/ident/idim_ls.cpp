@@ -5,6 +5,7 @@
 #include <stribeck/ident/idim_ls.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/uncertainty.hpp>
+#include <string>
 
 namespace stribeck::ident {
 namespace {
@@ -45,6 +46,12 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
   if (n < options.drop + 40 * options.decimation) {
     throw Refused("idim-ls: " + std::to_string(n) + " rows are too few for decimation by " +
                   std::to_string(options.decimation));
+    if (!(options.cut_off * 2.0 * T < 1.0)) {
+      throw Refused(record.source + ": sampled at " + std::to_string(std::lround(1.0 / T)) +
+                    " Hz, but the published protocol filters at " +
+                    std::to_string(std::lround(options.cut_off)) +
+                    " Hz and needs more than twice that; use --method auto");
+    }
   }
   const std::vector<double> x =
       forward_backward(butterworth(options.order, options.cut_off * 2.0 * T), record.x);

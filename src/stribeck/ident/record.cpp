@@ -8,6 +8,7 @@ namespace {
 /// Rows that a second difference, a smoothing window and one stretch of sliding need at the least.
 constexpr std::size_t kFewestRows = 100;
 constexpr double kJitter = 0.01;
+constexpr double kAbsurd = 1e30;  // squares of it and their sums are still numbers
 
 std::string text(const char* format, auto... values) {
   char buffer[256];
@@ -23,9 +24,11 @@ void check_column(const Record& record, const char* name, const std::vector<doub
     return;
   }
   for (std::size_t k = 0; k < column.size(); ++k) {
-    if (!std::isfinite(column[k])) {
+    if (!(std::abs(column[k]) < kAbsurd)) {
       found.push_back(record.source +
-                      text(": column %s, row %zu: not a finite number; repair or cut the log", name, k));
+                      text(": column %s, row %zu: %g is no number that a machine logs; repair or cut "
+                           "the log, or check its unit",
+                           name, k, column[k]));
       return;
     }
   }
