@@ -334,7 +334,8 @@ class DriveFit {
       all += c;
     }
     const auto z = static_cast<Index>(zi);
-    const auto solved = [&](const MatrixXd& c, bool with_instrument) {
+    const auto solved = [&](const MatrixXd& c, bool with_instrument) -> VectorXd {
+      if (q == 0) return {};
       MatrixXd a = c.topLeftCorner(static_cast<Index>(q), static_cast<Index>(q));
       VectorXd b = c.col(static_cast<Index>(yi)).head(static_cast<Index>(q));
       if (with_instrument && q > 0) {
@@ -354,7 +355,7 @@ class DriveFit {
         const double size = scaled.row(i).norm();
         if (size > 0.0) scaled.row(i) /= size, b(i) /= size;
       }
-      return VectorXd(scale.asDiagonal() * scaled.fullPivLu().solve(b));
+      return scale.asDiagonal() * scaled.fullPivLu().solve(b);
     };
     const bool by_instrument = instruments && !options_.mass && q > 0;
     if (by_instrument && !weak_ && !(all(z, 0) * all(z, 0) > 0.1 * all(z, z) * all(0, 0))) {
