@@ -12,6 +12,7 @@
 
 #include <array>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/core/unrolled.hpp>
 
 namespace stribeck {
 
@@ -38,29 +39,39 @@ struct Taylor {
 
   friend constexpr Taylor operator+(const Taylor& a, const Taylor& b) noexcept {
     Taylor r;
-    for (int k = 0; k <= N; ++k) r.c[k] = a.c[k] + b.c[k];
+    unrolled<N + 1>([&](auto k) { r.c[k] = a.c[k] + b.c[k]; });
     return r;
   }
   friend constexpr Taylor operator-(const Taylor& a, const Taylor& b) noexcept {
     Taylor r;
-    for (int k = 0; k <= N; ++k) r.c[k] = a.c[k] - b.c[k];
+    unrolled<N + 1>([&](auto k) { r.c[k] = a.c[k] - b.c[k]; });
     return r;
   }
   friend constexpr Taylor operator-(const Taylor& a) noexcept { return Taylor(0.0) - a; }
   friend constexpr Taylor operator*(const Taylor& a, const Taylor& b) noexcept {
     Taylor r;
-    for (int k = 0; k <= N; ++k) {
-      for (int i = 0; i <= k; ++i) r.c[k] += a.c[i] * b.c[k - i];
-    }
+    unrolled<N + 1>([&](auto k) {
+      double sum = a.c[0] * b.c[k];
+      unrolled<k>([&](auto i) { sum += a.c[i + 1] * b.c[k - i - 1]; });
+      r.c[k] = sum;
+    });
+    return r;
+  }
+  friend constexpr Taylor operator*(double a, const Taylor& b) noexcept {
+    Taylor r;
+    unrolled<N + 1>([&](auto k) { r.c[k] = a * b.c[k]; });
     return r;
   }
   friend constexpr Taylor operator/(const Taylor& a, const Taylor& b) noexcept {
     Taylor r;
-    for (int k = 0; k <= N; ++k) {
-      double s = a.c[k];
-      for (int i = 0; i < k; ++i) s -= r.c[i] * b.c[k - i];
-      r.c[k] = s / b.c[0];
-    }
+    r.c[0] = a.c[0] / b.c[0];
+    const double inverse = 1.0 / b.c[0];
+    unrolled<N>([&](auto j) {
+      constexpr std::size_t k = j + 1;
+      double sum = a.c[k];
+      unrolled<k>([&](auto i) { sum -= r.c[i] * b.c[k - i]; });
+      r.c[k] = sum * inverse;
+    });
     return r;
   }
   friend constexpr bool operator<(const Taylor& a, const Taylor& b) noexcept { return a.c[0] < b.c[0]; }
@@ -77,10 +88,24 @@ struct Taylor {
   }
   friend Taylor sqrt(const Taylor& a) noexcept {
     Taylor r(std::sqrt(a.c[0]));
+    const double inverse = 0.5 / r.c[0];
+    unrolled<N>([&](auto j) {
+      constexpr std::size_t k = j + 1;
+      double sum = a.c[k];
+      unrolled<k - 1>([&](auto i) { sum -= r.c[i + 1] * r.c[k - i - 1]; });
+      r.c[k] = sum * inverse;
+    });
+    return r;
+  }
+  /// Angle of (x, y), not both 0: θ' = (x·y' − y·x')/(x² + y²).
+  friend Taylor atan2(const Taylor& y, const Taylor& x) noexcept {
+    const Taylor square = x * x + y * y;
+    Taylor r(std::atan2(y.c[0], x.c[0]));
     for (int k = 1; k <= N; ++k) {
-      double s = a.c[k];
-      for (int i = 1; i < k; ++i) s -= r.c[i] * r.c[k - i];
-      r.c[k] = s / (2.0 * r.c[0]);
+      double sum = 0.0;
+      for (int i = 1; i <= k; ++i) sum += i * (y.c[i] * x.c[k - i] - x.c[i] * y.c[k - i]);
+      for (int i = 1; i < k; ++i) sum -= i * r.c[i] * square.c[k - i];
+      r.c[k] = sum / (k * square.c[0]);
     }
     return r;
   }
@@ -92,6 +117,16 @@ struct Taylor {
   static std::array<Taylor, 2> sin_cos(const Taylor& a) noexcept {
     Taylor s(std::sin(a.c[0]));
     Taylor c(std::cos(a.c[0]));
+    bool linear = true;
+    for (int k = 2; k <= N; ++k) linear = linear && a.c[k] == 0.0;
+    if (linear) {  // as along most paths; a third of the time
+      unrolled<N>([&](auto j) {
+        constexpr double kShare = 1.0 / (j + 1);
+        s.c[j + 1] = kShare * a.c[1] * c.c[j];
+        c.c[j + 1] = -(kShare * a.c[1] * s.c[j]);
+      });
+      return {s, c};
+    }
     for (int k = 1; k <= N; ++k) {
       double ds = 0.0;
       double dc = 0.0;

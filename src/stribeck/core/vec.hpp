@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/core/unrolled.hpp>
 
 namespace stribeck {
 
@@ -17,13 +18,13 @@ struct Vec {
   constexpr const T& operator[](std::size_t i) const noexcept { return c[i]; }
 
   friend constexpr Vec operator+(const Vec& a, const Vec& b) noexcept {
-    return zip(a, b, [](T x, T y) { return x + y; });
+    return zip(a, b, [](const T& x, const T& y) { return x + y; });
   }
   friend constexpr Vec operator-(const Vec& a, const Vec& b) noexcept {
-    return zip(a, b, [](T x, T y) { return x - y; });
+    return zip(a, b, [](const T& x, const T& y) { return x - y; });
   }
   friend constexpr Vec operator*(const T& s, const Vec& a) noexcept {
-    return zip(a, a, [&](T x, T) { return s * x; });
+    return zip(a, a, [&](const T& x, const T&) { return s * x; });
   }
   friend constexpr bool operator==(const Vec&, const Vec&) = default;
 
@@ -31,7 +32,7 @@ struct Vec {
   template <class F>
   static constexpr Vec zip(const Vec& a, const Vec& b, F f) noexcept {
     Vec r;
-    for (std::size_t i = 0; i < N; ++i) r.c[i] = f(a.c[i], b.c[i]);
+    unrolled<N>([&](auto i) { r.c[i] = f(a.c[i], b.c[i]); });
     return r;
   }
 };
@@ -39,7 +40,7 @@ struct Vec {
 template <class T, std::size_t N>
 constexpr T dot(const Vec<T, N>& a, const Vec<T, N>& b) noexcept {
   T s = a[0] * b[0];
-  for (std::size_t i = 1; i < N; ++i) s = s + a[i] * b[i];
+  unrolled<N - 1>([&](auto i) { s = s + a[i + 1] * b[i + 1]; });
   return s;
 }
 
@@ -60,7 +61,7 @@ struct Mat {
 template <class T, std::size_t N>
 constexpr Vec<T, N> operator*(const Mat<T, N>& m, const Vec<T, N>& v) noexcept {
   Vec<T, N> r;
-  for (std::size_t i = 0; i < N; ++i) r[i] = dot(m[i], v);
+  unrolled<N>([&](auto i) { r[i] = dot(m[i], v); });
   return r;
 }
 

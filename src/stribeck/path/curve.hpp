@@ -1,5 +1,5 @@
 #pragma once
-/// Plane curves q(φ), written once each; derivatives come from Taylor arithmetic and are exact.
+/// Plane curves q(φ), written once each.
 ///
 ///   circle     R·(cos φ, sin φ)                                            one lap: 2π, counter-clockwise
 ///   eight      R·(sin φ, sin φ·cos φ)                                      one lap: 2π
@@ -9,8 +9,7 @@
 /// Real time: safe.
 
 #include <stribeck/core/fields.hpp>
-#include <stribeck/core/taylor.hpp>
-#include <stribeck/core/vec.hpp>
+#include <stribeck/path/derivatives.hpp>
 #include <utility>
 
 namespace stribeck::path {
@@ -18,6 +17,8 @@ namespace stribeck::path {
 enum class Shape { kCircle, kEight, kTrifolium };
 
 struct Curve {
+  static constexpr std::size_t kAxes = 2;
+
   Shape shape = Shape::kCircle;
   double size = 0.01;
 
@@ -29,6 +30,7 @@ struct Curve {
 
   /// Parameter φ of one lap [rad].
   [[nodiscard]] double period() const noexcept { return shape == Shape::kTrifolium ? kPi : 2.0 * kPi; }
+  [[nodiscard]] static constexpr bool closed() noexcept { return true; }
 
   template <Real T>
   [[nodiscard]] Vec<T, 2> point(const T& phi) const noexcept {
@@ -45,28 +47,6 @@ struct Curve {
     }
     const T lobe = r * c * (T(4.0) * s * s - T(1.0));
     return {{lobe * c + r, lobe * s}};
-  }
-
-  /// Value and derivatives with respect to φ up to order N: element k is the k-th derivative.
-  template <int N>
-  [[nodiscard]] std::array<Vec2, N + 1> derivatives(double phi) const noexcept {
-    const Vec<Taylor<N>, 2> q = point(Taylor<N>::variable(phi));
-    std::array<Vec2, N + 1> d;
-    for (int k = 0; k <= N; ++k) d[k] = {{q[0].derivative(k), q[1].derivative(k)}};
-    return d;
-  }
-
-  /// Arc length per φ, |q'(φ)| [m/rad].
-  [[nodiscard]] double stretch(double phi) const noexcept { return norm(derivatives<1>(phi)[1]); }
-
-  /// Length of one lap [m].
-  [[nodiscard]] double lap_length() const noexcept {
-    // The integrand is periodic and analytic: the trapezoidal rule converges exponentially; 4096 points reach
-    // rounding.
-    constexpr int kPoints = 4096;
-    double sum = 0.0;
-    for (int i = 0; i < kPoints; ++i) sum += stretch(period() * i / kPoints);
-    return sum * period() / kPoints;
   }
 };
 
