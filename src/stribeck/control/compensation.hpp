@@ -10,6 +10,7 @@
 /// Real time: safe; the constructor configure
 /// only.
 
+#include <stribeck/control/adaptive_friction.hpp>
 #include <stribeck/control/disturbance_observer.hpp>
 #include <stribeck/control/kalman_observer.hpp>
 #include <stribeck/core/status.hpp>
@@ -17,13 +18,14 @@
 
 namespace stribeck::control {
 
-enum class Observer { kNone, kDisturbance, kKalman };
+enum class Observer { kNone, kDisturbance, kKalman, kAdaptive };
 
 struct CompensationParams {
   friction::AxisModel model;            ///< what was identified of the axis
   bool friction_feedforward = false;    ///< add the model's friction at the reference velocity
   Observer observer = Observer::kNone;  ///< add the estimate of this observer
   double observer_pole = 20.0;          ///< both poles of the disturbance observer [1/s]
+  double adaptive_gain = 20.0;          ///< K_c of adaptive friction [1/s]
   double disturbance_density = 4e6;     ///< Kalman: random walk of the disturbance [N²/s]
   double encoder_resolution = 1e-7;     ///< Kalman: step of the encoder [m]
 };
@@ -33,6 +35,7 @@ class Compensation {
   struct State {
     DisturbanceObserver::State disturbance;
     KalmanObserver::State kalman;
+    AdaptiveFriction::State adaptive;
     double friction = 0.0;   ///< feed-forward of the last step [N]
     double estimate = 0.0;   ///< d̂ of the last step [N]
     double net_force = 0.0;  ///< force on the axis less the feed-forward, held since the last step [N]
@@ -42,6 +45,7 @@ class Compensation {
   Compensation(const CompensationParams& params, double period) noexcept
       : params_(params),
         observer_(params.observer_pole, params.model.mass, period),
+        adaptive_(params.adaptive_gain, params.model.mass, period),
         kalman_(params.observer == Observer::kKalman
                     ? KalmanObserver(params.disturbance_density,
                                      params.encoder_resolution * params.encoder_resolution / 12.0,
@@ -55,6 +59,8 @@ class Compensation {
       s.estimate = observer_.step(s.disturbance, s.net_force, velocity);
     } else if (params_.observer == Observer::kKalman) {
       s.estimate = kalman_.step(s.kalman, s.net_force, position);
+    } else if (params_.observer == Observer::kAdaptive) {
+      s.estimate = adaptive_.step(s.adaptive, s.net_force, velocity);
     }
     s.friction = params_.model.load;
     if (params_.friction_feedforward) {
@@ -73,6 +79,7 @@ class Compensation {
  private:
   CompensationParams params_;
   DisturbanceObserver observer_;
+  AdaptiveFriction adaptive_;
   KalmanObserver kalman_;
 };
 
@@ -83,5 +90,6 @@ struct stribeck::EnumNames<stribeck::control::Observer> {
   static constexpr std::array names{
       std::pair{stribeck::control::Observer::kNone, std::string_view{"none"}},
       std::pair{stribeck::control::Observer::kDisturbance, std::string_view{"disturbance"}},
-      std::pair{stribeck::control::Observer::kKalman, std::string_view{"kalman"}}};
+      std::pair{stribeck::control::Observer::kKalman, std::string_view{"kalman"}},
+      std::pair{stribeck::control::Observer::kAdaptive, std::string_view{"adaptive"}}};
 };

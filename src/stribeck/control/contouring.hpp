@@ -1,88 +1,86 @@
 #pragma once
-/// Two-axis contouring control: feedback in the frame that moves along the path, so that the error along the
-/// path and the error across it have gains of their own.
+/// Contouring control: feedback in the frame that moves along the path, so that the error along the path and the errors across
+/// it have gains of their own.
 ///
-///   F = M·{ r̈ − R·(K_v ė_l + K_p e_l) − θ̈ I e_w + θ̇² e_w − 2θ̇ I ė_w } + F_friction + load + d̂
-///   e_w = x − r,   e_l = Rᵀe_w,   ė_l = Ṙᵀe_w + Rᵀė_w,   R = [cosθ −sinθ; sinθ cosθ],   I = [0 1; −1 0]
+///   F = M·{ r̈ − R·(K_v ė_l + K_p e_l + R̈ᵀe_w + 2Ṙᵀė_w) } + F_friction + load + d̂
+///   e_w = x − r,   e_l = Rᵀe_w,   ė_l = Ṙᵀe_w + Rᵀė_w,   R = [t n b …]
 ///
-///   K_p = diag(k_pt, k_pn) [1/s²], K_v [1/s] along (t) and across (n) the path; M = diag(m_x, m_y) [kg]; θ
-///   inclination of the tangent [rad]. Closed loop: ë_l + K_v ė_l + K_p e_l = 0.
+///   K_p [1/s²], K_v [1/s] diagonal, along (t) and across (n, b, …) the path; M = diag(m) [kg].
+///   Closed loop, masses and friction known: ë_l + K_v ė_l + K_p e_l = 0; stable for all K_p, K_v > 0 in continuous time.
 ///
-/// The term θ̇² e_w has no I, other than printed; docs/corrections-to-the-thesis.md derives it.
-/// Limits, observers and inputs that are not finite: as in pd.hpp.
-/// Source: thesis (3.6)–(3.8), corrected.
+/// Any number of axes. With two it is (3.8) with the correction that θ̇²e_w has no I (docs/corrections-to-the-thesis.md); with
+/// one it is PD. Limits, observers and inputs that are not finite: as in setup.hpp.
+/// Source: thesis (3.6)–(3.8), (4.5).
 /// Real time: safe; the constructor configure only.
 
-#include <array>
-#include <stribeck/control/pd.hpp>
-#include <stribeck/path/reference.hpp>
+#include <stribeck/control/setup.hpp>
 
 namespace stribeck::control {
 
+template <std::size_t N>
+class Contouring;
+
+struct ContouringParams {
+  template <std::size_t N>
+  using Controller = Contouring<N>;
+  static constexpr std::string_view kKind = "contouring";
+  static constexpr std::string_view kLabel = "contouring control";
+
+  PerAxis kp{1600.0};
+  PerAxis kv{80.0};
+  ErrorRate error_rate = ErrorRate::kDifferenceOfError;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("kp", &ContouringParams::kp, quantity("1/s2", "1/s2").positive(),
+              "proportional gains, along the path first, then across it; the last one stands for the rest")
+            .or_default(),
+        field("kv", &ContouringParams::kv, quantity("1/s", "1/s").positive(),
+              "derivative gains, in the same order")
+            .or_default(),
+        field("error_rate", &ContouringParams::error_rate,
+              "rate of the tracking error: difference-of-error, or late for comparison")
+            .or_default()};
+  }
+
+  /// Double poles along and across the path [rad/s].
+  static constexpr ContouringParams critical(double along, double across) noexcept {
+    ContouringParams p;
+    p.kp = {along * along, across * across};
+    p.kv = {2.0 * along, 2.0 * across};
+    return p;
+  }
+};
+
+template <std::size_t N>
 class Contouring {
  public:
-  struct Params {
-    Gains tangential;
-    Gains normal;
-    std::array<CompensationParams, 2> compensation;
-    std::array<double, 2> force_limit{std::numeric_limits<double>::infinity(),
-                                      std::numeric_limits<double>::infinity()};
-    ErrorRate error_rate = ErrorRate::kDifferenceOfError;
-  };
-  struct State {
-    std::array<TrackingError, 2> error;
-    std::array<Compensation::State, 2> compensation;
-    Vec2 force;  ///< last output [N]
-    StatusCounter status;
-  };
+  using Params = ContouringParams;
+  using State = typename Common<N>::State;
 
-  Contouring(const Params& params, double period) noexcept
-      : params_(params),
-        compensation_{Compensation(params.compensation[0], period),
-                      Compensation(params.compensation[1], period)},
-        period_(period) {}
+  Contouring(const Params& params, const Setup<N>& setup) noexcept
+      : common_(setup, params.error_rate), kp_(spread<N>(params.kp, 0.0)), kv_(spread<N>(params.kv, 0.0)) {}
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
-  Vec2 step(State& s, const path::PathPoint& r, const Vec2& measured) const noexcept {
-    if (!isfinite(measured[0] + measured[1] + dot(r.position, r.position) + dot(r.velocity, r.velocity) +
-                  dot(r.acceleration, r.acceleration) + dot(r.tangent, r.tangent) + r.theta_rate +
-                  r.theta_acceleration)) {
-      s.status.raise(Status::kNotFinite);
-      return s.force;
-    }
-    for (std::size_t i = 0; i < 2; ++i) {
-      s.error[i].update(measured[i], r.position[i], r.velocity[i], period_, params_.error_rate);
-    }
-    const Vec2 e{{s.error[0].e, s.error[1].e}};
-    const Vec2 rate{{s.error[0].rate, s.error[1].rate}};
-    const double c = r.tangent[0];
-    const double n = r.tangent[1];
-    const double turn = r.theta_rate;
-    // Into the moving frame: ė_l = Rᵀė_w + Ṙᵀe_w = Rᵀ(ė_w + θ̇ I e_w).
-    const Vec2 seen{{rate[0] + turn * e[1], rate[1] - turn * e[0]}};
-    const double along =
-        params_.tangential.kv * (c * seen[0] + n * seen[1]) + params_.tangential.kp * (c * e[0] + n * e[1]);
-    const double across =
-        params_.normal.kv * (c * seen[1] - n * seen[0]) + params_.normal.kp * (c * e[1] - n * e[0]);
-    const Vec2 acceleration{{r.acceleration[0] - (c * along - n * across) - r.theta_acceleration * e[1] +
-                                 turn * turn * e[0] - 2.0 * turn * rate[1],
-                             r.acceleration[1] - (n * along + c * across) + r.theta_acceleration * e[0] +
-                                 turn * turn * e[1] + 2.0 * turn * rate[0]}};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double added = compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i], measured[i],
-                                                 s.error[i].velocity, s.status);
-      const double wanted = compensation_[i].mass() * acceleration[i] + added;
-      s.force[i] = clamp_to(wanted, -params_.force_limit[i], params_.force_limit[i]);
-      if (s.force[i] != wanted) s.status.raise(Status::kOutputLimited);
-      compensation_[i].applied(s.compensation[i], s.force[i]);
-    }
-    return s.force;
+  Vec<double, N> step(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
+    if (!common_.begin(s, r, measured)) return s.force;
+    const Vec<double, N> e = common_.error(s);
+    const Vec<double, N> rate = common_.rate(s);
+    const Vec<double, N> local = r.frame * e;
+    const Vec<double, N> turned = r.frame_rate * e;   // Ṙᵀe
+    const Vec<double, N> seen = r.frame_rate * rate;  // Ṙᵀė
+    const Vec<double, N> local_rate = turned + r.frame * rate;
+    const Vec<double, N> bent = r.frame_acceleration * e;
+    Vec<double, N> inside;
+    for (std::size_t i = 0; i < N; ++i)
+      inside[i] = kv_[i] * local_rate[i] + kp_[i] * local[i] + bent[i] + 2.0 * seen[i];
+    return common_.finish(s, r, r.acceleration - to_machine(r.frame, inside));
   }
 
  private:
-  Params params_;
-  std::array<Compensation, 2> compensation_;
-  double period_;
+  Common<N> common_;
+  Vec<double, N> kp_;
+  Vec<double, N> kv_;
 };
 
 }  // namespace stribeck::control

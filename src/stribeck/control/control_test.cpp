@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <stribeck/control/contouring.hpp>
+#include <stribeck/control/kalman_observer.hpp>
+#include <stribeck/control/pd.hpp>
 
 namespace stribeck::control {
 namespace {
@@ -180,116 +181,6 @@ TEST(KalmanObserver, GainIsThatOfScipysRiccatiSolver) {
   EXPECT_NEAR(s.estimate[0], 0.9830365089899638, 1e-9);
   EXPECT_NEAR(s.estimate[1], 295.02701148126175, 1e-6);
   EXPECT_NEAR(s.estimate[2], -2552250095.08357, 30.0);
-}
-
-// ---- contouring
-
-struct PlaneMass {
-  Mass axis[2];
-};
-
-Contouring::Params contouring(double omega_t, double omega_n) {
-  Contouring::Params p;
-  p.tangential = Gains::critical(omega_t);
-  p.normal = Gains::critical(omega_n);
-  for (auto& c : p.compensation) c.model.mass = kMass;
-  return p;
-}
-
-/// Error along (0) and across (1) the path after `time`, beginning with the given one, on a circle at
-/// constant speed.
-Vec2 error_after(const Contouring::Params& params, double time, const Vec2& initial, double period) {
-  const path::Curve circle{path::Shape::kCircle, 10e-3};
-  path::Reference reference(circle, {20e-3, 1.0, 1.0});
-  while (reference.time() < 1.0) reference.advance(period);
-  const Contouring controller(params, period);
-  Contouring::State state;
-  path::PathPoint r = reference.point();
-  Mass m[2];
-  const auto frame = [](const path::PathPoint& p, const Vec2& e) {
-    return Vec2{{p.tangent[0] * e[0] - p.tangent[1] * e[1], p.tangent[1] * e[0] + p.tangent[0] * e[1]}};
-  };
-  // e_l at rest in the moving frame: e' = theta' J e.
-  const Vec2 e = frame(r, initial);
-  for (int i = 0; i < 2; ++i) {
-    m[i].x = r.position[i] + e[i];
-    m[i].v = r.velocity[i] + r.theta_rate * (i == 0 ? -e[1] : e[0]);
-  }
-  // Prime the difference of the error with the sample before.
-  for (int i = 0; i < 2; ++i) {
-    state.error[i].update(m[i].x - period * m[i].v, r.position[i] - period * r.velocity[i], 0.0, period,
-                          ErrorRate::kDifferenceOfError);
-  }
-  for (double t = 0.0; t < time - 0.5 * period; t += period) {
-    const Vec2 force = controller.step(state, reference.point(), Vec2{{m[0].x, m[1].x}});
-    for (int i = 0; i < 2; ++i) m[i].move(force[i], period);
-    reference.advance(period);
-  }
-  r = reference.point();
-  const Vec2 d{{m[0].x - r.position[0], m[1].x - r.position[1]}};
-  return {{r.tangent[0] * d[0] + r.tangent[1] * d[1], r.tangent[0] * d[1] - r.tangent[1] * d[0]}};
-}
-
-TEST(Contouring, ErrorsAlongAndAcrossDecayEachWithItsOwnPole) {
-  // e_l'' + K_v e_l' + K_p e_l = 0 in the moving frame: each part (1 + w t) exp(-w t) of its start, no
-  // mixing. The circle turns by 0.2 rad meanwhile; with the printed I at theta'^2 the parts would mix by
-  // 1e-2.
-  const Vec2 start{{50e-6, -30e-6}};
-  const Vec2 e = error_after(contouring(40.0, 60.0), 0.1, start, 1e-5);
-  EXPECT_NEAR(e[0], 50e-6 * (1 + 4.0) * std::exp(-4.0), 2e-3 * 50e-6);
-  EXPECT_NEAR(e[1], -30e-6 * (1 + 6.0) * std::exp(-6.0), 2e-3 * 50e-6);
-}
-
-TEST(Contouring, WithEqualGainsAndNoTurnItIsPdOnEachAxis) {
-  // A straight stretch: theta' = 0, so the frame must not matter.
-  path::PathPoint r;
-  r.tangent = {{0.6, 0.8}};
-  r.velocity = {{3e-3, 4e-3}};
-  const Contouring two(contouring(40.0, 40.0), kPeriod);
-  const Pd one(pd(40.0), kPeriod);
-  Contouring::State s;
-  Pd::State a;
-  Pd::State b;
-  for (const double x : {1e-6, 3e-6, -2e-6}) {
-    const Vec2 f = two.step(s, r, Vec2{{x, -2 * x}});
-    EXPECT_NEAR(f[0], one.step(a, {0.0, 3e-3, 0.0, x}), 1e-12);
-    EXPECT_NEAR(f[1], one.step(b, {0.0, 4e-3, 0.0, -2 * x}), 1e-12);
-  }
-}
-
-TEST(Contouring, IsTheSameLawWhenTheWorldIsTurned) {
-  // Everything rotated by 30 degrees: the force must rotate with it.
-  const double c = std::cos(0.5);
-  const double n = std::sin(0.5);
-  const auto turn = [&](const Vec2& v) { return Vec2{{c * v[0] - n * v[1], n * v[0] + c * v[1]}}; };
-  path::PathPoint r;
-  r.position = {{1e-3, 2e-3}};
-  r.velocity = {{9e-3, 0.0}};
-  r.acceleration = {{1e-3, 8e-3}};
-  r.theta_rate = 0.9;
-  r.theta_acceleration = 0.2;
-  path::PathPoint q = r;
-  q.position = turn(r.position);
-  q.velocity = turn(r.velocity);
-  q.acceleration = turn(r.acceleration);
-  q.tangent = turn(r.tangent);
-  const Contouring law(contouring(40.0, 60.0), kPeriod);
-  Contouring::State s;
-  Contouring::State t;
-  for (const Vec2 e : {Vec2{{1e-6, -4e-6}}, Vec2{{2e-6, -3e-6}}}) {
-    const Vec2 f = turn(law.step(s, r, r.position + e));
-    const Vec2 g = law.step(t, q, q.position + turn(e));
-    EXPECT_NEAR(f[0], g[0], 1e-9);
-    EXPECT_NEAR(f[1], g[1], 1e-9);
-  }
-}
-
-TEST(Contouring, AnswersNaNWithItsLastForces) {
-  const Contouring law(contouring(40.0, 60.0), kPeriod);
-  Contouring::State s;
-  const Vec2 before = law.step(s, {}, Vec2{{1e-6, 2e-6}});
-  EXPECT_EQ(law.step(s, {}, Vec2{{1e-6, std::nan("")}}), before);
-  EXPECT_EQ(s.status.first, Status::kNotFinite);
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+#pragma once
+/// The list of control laws. A new one is a header of its own and one line here; files, options and reports find it by its
+/// kKind. docs/guides/write-a-controller.md shows how.
+///
+/// Which law runs is decided once, outside the loop:
+///
+///   std::visit([&](const auto& params) {
+///     using Controller = typename std::decay_t<decltype(params)>::template Controller<3>;
+///     const Controller controller(params, setup);
+///     typename Controller::State state;
+///     …
+///   }, law);
+///
+/// Real time: safe.
+
+#include <stribeck/control/cascade.hpp>
+#include <stribeck/control/contouring.hpp>
+#include <stribeck/control/cross_coupled.hpp>
+#include <stribeck/control/pid.hpp>
+#include <stribeck/control/repetitive.hpp>
+#include <stribeck/control/sliding_mode.hpp>
+#include <stribeck/control/zpetc.hpp>
+#include <variant>
+
+namespace stribeck::control {
+
+using LawParams = std::variant<ContouringParams, SlidingModeParams, PidParams, CascadeParams, ZpetcParams,
+                               CrossCoupledParams, RepetitiveParams>;
+
+}  // namespace stribeck::control

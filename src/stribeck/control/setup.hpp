@@ -1,0 +1,125 @@
+#pragma once
+/// What every controller may know of the machine, and how the parameters of a controller are given for any number of axes.
+///
+/// A controller for N axes is
+///
+///   template <std::size_t N> class Name {
+///     using Params = NameParams;                                  // fields(), kKind, kLabel; see laws.hpp
+///     Name(const Params&, const Setup<N>&);                       // configure only
+///     Vec<double, N> step(State&, const path::PathPoint<N>& r, const Vec<double, N>& measured) const;   // [m] → [N]
+///   }
+///
+/// and every controller answers inputs that are not finite with its last forces and Status::kNotFinite, and holds its forces
+/// within ±force_limit.
+/// Real time: safe; constructors configure only.
+
+#include <limits>
+#include <stribeck/control/compensation.hpp>
+#include <stribeck/control/gains.hpp>
+#include <stribeck/control/tracking_error.hpp>
+#include <stribeck/path/reference.hpp>
+
+namespace stribeck::control {
+
+/// No machine here has more axes.
+inline constexpr std::size_t kMostAxes = 6;
+
+/// One value for each axis, or for each direction of the path's frame (tangent first). A shorter list stands for the rest with
+/// its last value: (20, 40) means 20 along the path and 40 across it, whatever the number of axes.
+using PerAxis = FixedVector<double, kMostAxes>;
+
+template <std::size_t N>
+constexpr Vec<double, N> spread(const PerAxis& list, double otherwise) noexcept {
+  Vec<double, N> v;
+  for (std::size_t i = 0; i < N; ++i)
+    v[i] = list.empty() ? otherwise : list[i < list.size() ? i : list.size() - 1];
+  return v;
+}
+
+template <std::size_t N>
+struct Setup {
+  double period = 1e-3;  ///< control period T [s]
+  /// Range of the path's parameter after which it repeats; NaN: it never does.
+  double lap = std::numeric_limits<double>::quiet_NaN();
+  std::array<CompensationParams, N> compensation;  ///< model of each axis and what to add from it
+  Vec<double, N> force_limit = spread<N>({}, std::numeric_limits<double>::infinity());  ///< [N]
+};
+
+/// The parts of a controller that are the same in every law: errors from samples, compensation, limits.
+template <std::size_t N>
+class Common {
+ public:
+  struct State {
+    std::array<TrackingError, N> error;
+    std::array<Compensation::State, N> compensation;
+    Vec<double, N> force;  ///< last output [N]
+    StatusCounter status;
+  };
+
+  Common(const Setup<N>& setup, ErrorRate form) noexcept : setup_(setup), form_(form) {
+    for (std::size_t i = 0; i < N; ++i) compensation_[i] = Compensation(setup.compensation[i], setup.period);
+  }
+
+  /// Tracking errors of this tick; false, and a status raised, when an input is not finite.
+  bool begin(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < N; ++i) {
+      // Sums of what is not finite are not finite, or NaN.
+      sum += measured[i] + r.position[i] + r.velocity[i] + r.acceleration[i];
+      for (std::size_t k = 0; k < N; ++k)
+        sum += r.frame[i][k] + r.frame_rate[i][k] + r.frame_acceleration[i][k];
+    }
+    if (!isfinite(sum)) {
+      s.status.raise(Status::kNotFinite);
+      return false;
+    }
+    for (std::size_t i = 0; i < N; ++i)
+      s.error[i].update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
+    return true;
+  }
+
+  /// Forces [N] from accelerations of the law [m/s²]: M·a + friction + load + d̂, limited.
+  Vec<double, N> finish(State& s, const path::PathPoint<N>& r,
+                        const Vec<double, N>& acceleration) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const double added = compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i],
+                                                 s.error[i].position, s.error[i].velocity, s.status);
+      const double wanted = compensation_[i].mass() * acceleration[i] + added;
+      s.force[i] = clamp_to(wanted, -setup_.force_limit[i], setup_.force_limit[i]);
+      if (s.force[i] != wanted) s.status.raise(Status::kOutputLimited);
+      compensation_[i].applied(s.compensation[i], s.force[i]);
+    }
+    return s.force;
+  }
+
+  [[nodiscard]] static Vec<double, N> error(const State& s) noexcept {
+    Vec<double, N> e;
+    for (std::size_t i = 0; i < N; ++i) e[i] = s.error[i].e;
+    return e;
+  }
+  [[nodiscard]] static Vec<double, N> rate(const State& s) noexcept {
+    Vec<double, N> e;
+    for (std::size_t i = 0; i < N; ++i) e[i] = s.error[i].rate;
+    return e;
+  }
+  [[nodiscard]] double mass(std::size_t i) const noexcept { return compensation_[i].mass(); }
+  [[nodiscard]] double period() const noexcept { return setup_.period; }
+
+ private:
+  Setup<N> setup_;
+  ErrorRate form_;
+  std::array<Compensation, N> compensation_;
+};
+
+/// Rᵀ given by rows, so that R·v is the transpose's product.
+template <std::size_t N>
+constexpr Vec<double, N> to_machine(const Mat<double, N>& rt, const Vec<double, N>& local) noexcept {
+  Vec<double, N> v;
+  for (std::size_t i = 0; i < N; ++i) {
+    v[i] = rt[0][i] * local[0];
+    for (std::size_t k = 1; k < N; ++k) v[i] = v[i] + rt[k][i] * local[k];
+  }
+  return v;
+}
+
+}  // namespace stribeck::control
