@@ -45,7 +45,7 @@ struct Axis::Implementation {
   }
 
   /// Control word to what acts during the coming period: converter, delay, noise.
-  Held held(double wanted) {
+  Held held(double wanted, double cutting) {
     const Converter& da = params.converter;
     double out = clamp_to(wanted, -da.range, da.range);
     if (fidelity.quantised) out = clamp_to(rounded(out, da.step()), -da.range, da.range - da.step());
@@ -55,7 +55,7 @@ struct Axis::Implementation {
       for (std::size_t i = 1; i < delay; ++i) waiting[i - 1] = waiting[i];
       waiting[delay - 1] = voltage;
     }
-    return {out, params.load + (noise ? noise->next() : 0.0), 0.0};
+    return {out, params.load + (noise ? noise->next() : 0.0), cutting};
   }
 
   AxisParams params;
@@ -86,21 +86,21 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
 
 void Axis::step(double voltage, double cutting) {
   Implementation& s = *implementation_;
-  Held held = s.held(voltage);
-  held.cutting = cutting;
+  const Held held = s.held(voltage, cutting);
   std::visit([&](auto& m) { m.advance(held, s.period, s.fidelity.substeps); }, s.mechanics);
 }
 
-void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b) {
+void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, double cutting_a,
+                         double cutting_b) {
   Implementation& one = *a.implementation_;
   Implementation& other = *b.implementation_;
   if (one.mechanics.index() != other.mechanics.index()) {
-    a.step(voltage_a);
-    b.step(voltage_b);
+    a.step(voltage_a, cutting_a);
+    b.step(voltage_b, cutting_b);
     return;
   }
-  const Held held_a = one.held(voltage_a);
-  const Held held_b = other.held(voltage_b);
+  const Held held_a = one.held(voltage_a, cutting_a);
+  const Held held_b = other.held(voltage_b, cutting_b);
   std::visit(
       [&](auto& m) {
         auto& n = *std::get_if<std::remove_reference_t<decltype(m)>>(&other.mechanics);

@@ -37,7 +37,8 @@ class Axis {
   void step(double voltage, double cutting = 0.0);
 
   /// The same for two drives; faster than one after the other, with the same result.
-  static void step_together(Axis& a, double voltage_a, Axis& b, double voltage_b);
+  static void step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, double cutting_a = 0.0,
+                            double cutting_b = 0.0);
 
   [[nodiscard]] double encoder() const;         ///< [m]
   [[nodiscard]] double position() const;        ///< true, of the table [m]

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/cutting_estimate.hpp>
 #include <stribeck/sim/parallel.hpp>
 
 namespace stribeck::sim {
@@ -14,11 +16,13 @@ void for_each_figure(F&& f) {
   f([](auto& m) -> auto& { return m.rms; });
   f([](auto& m) -> auto& { return m.sd; });
   f([](auto& m) -> auto& { return m.mean_abs; });
-  f([](auto& m) -> auto& { return m.mean_abs_tracking[0]; });
-  f([](auto& m) -> auto& { return m.mean_abs_tracking[1]; });
+  for (std::size_t i = 0; i < control::kMostAxes; ++i)
+    f([i](auto& m) -> auto& { return m.mean_abs_tracking[i]; });
   f([](auto& m) -> auto& { return m.power; });
   f([](auto& m) -> auto& { return m.mean_abs_ui; });
   f([](auto& m) -> auto& { return m.input_variation; });
+  f([](auto& m) -> auto& { return m.max_orientation_error; });
+  f([](auto& m) -> auto& { return m.mean_orientation_error; });
 }
 
 void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& spread) {
@@ -35,104 +39,257 @@ void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& sprea
   });
 }
 
-}  // namespace
-
-std::vector<ControllerSpec> biaxial_controllers() {
-  using enum FrictionUse;
-  using control::Observer;
-  return {{"a", "no friction compensation", kNone, Observer::kNone},
-          {"b", "conventional friction model", kConventional, Observer::kNone},
-          {"c", "Gaussian friction model", kGaussian, Observer::kNone},
-          {"d", "disturbance observer only", kNone, Observer::kDisturbance},
-          {"e", "observer + conventional model", kConventional, Observer::kDisturbance},
-          {"f", "observer + Gaussian model", kGaussian, Observer::kDisturbance}};
+/// A law whose input jumps with the sign of a measurement: no two simulations of it agree sample by sample.
+bool switches(const control::LawParams& law) {
+  const auto* sliding = std::get_if<control::SlidingModeParams>(&law);
+  return sliding != nullptr && (sliding->switching == control::Switching::kSign ||
+                                sliding->switching == control::Switching::kSuperTwisting);
 }
 
-control::Contouring make_controller(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
-                                    const CompareSpec& spec, const ControllerSpec& which) {
-  control::Contouring::Params p;
-  p.tangential = control::Gains::critical(spec.omega_t);
-  p.normal = control::Gains::critical(spec.omega_n);
-  p.error_rate = spec.error_rate;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const AxisKnowledge& k = knowledge[i];
-    control::CompensationParams& c = p.compensation[i];
-    c.model = which.friction == FrictionUse::kGaussian ? k.gaussian : k.conventional;
-    c.friction_feedforward = which.friction != FrictionUse::kNone;
-    c.observer = which.observer == control::Observer::kNone ? control::Observer::kNone : spec.observer;
-    c.observer_pole = spec.observer_pole;
-    c.encoder_resolution = machine.axes[i].second.plant.encoder.resolution;
-    p.force_limit[i] = machine.axes[i].second.force_limit();
+std::string name_of(const ControllerSpec& c, double speed) {
+  std::string text = "controller (" + c.id + ")";
+  if (std::isfinite(speed)) {
+    char where[64];
+    std::snprintf(where, sizeof where, " at %.6g mm/s", speed * 1e3);
+    text += where;
   }
-  return {p, machine.sample_time};
+  return text;
 }
 
-CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
-                      const CompareSpec& spec,
-                      const std::function<void(std::size_t, std::size_t)>& progress) {
-  CompareResult result{machine.name, spec, machine.sample_time, {}, {}};
-  for (const auto& [name, axis] : machine.axes) result.axes.push_back(name);
-  const double v_max = 1.05 * *std::max_element(spec.speeds.begin(), spec.speeds.end());
+template <std::size_t N>
+struct Cell {
+  const Route<N>* route;
+  control::Setup<N> setup;
+  AnyController<N> controller;
+  std::vector<StatusCounter> status;
+};
 
-  struct Cell {
-    Travel travel;
-    const std::vector<path::PathPoint>* reference;
-    control::Contouring controller;
-    std::vector<Metrics> trials;
-    std::vector<StatusCounter> status;
-  };
-  std::vector<std::vector<path::PathPoint>> references;
-  references.reserve(spec.speeds.size());
-  std::vector<Cell> cells;
-  for (const double speed : spec.speeds) {
-    const Travel travel{spec.curve, speed, spec.laps, spec.run_in};
-    references.push_back(sample_reference(travel, machine.sample_time));
+template <std::size_t N>
+void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                  const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
+                  const std::function<void(std::size_t, std::size_t)>& progress) {
+  std::vector<Route<N>> routes;
+  routes.reserve(spec.travels.size());
+  std::vector<Cell<N>> cells;
+  double fastest = 0.0;
+  for (const Travel& travel : spec.travels) {
+    routes.push_back(sample<N>(travel, machine.sample_time));
+    for (const auto& p : routes.back().points) fastest = std::max(fastest, norm(p.velocity));
+    const double speed =
+        travel.pace == path::Pace::kSpeed ? travel.speed : std::numeric_limits<double>::quiet_NaN();
     for (const ControllerSpec& c : spec.controllers) {
-      cells.push_back({travel, &references.back(), make_controller(machine, knowledge, spec, c),
-                       std::vector<Metrics>(spec.trials), std::vector<StatusCounter>(spec.trials)});
-      result.rows.push_back({c, speed, {}, {}, {}, {}, 0});
+      auto setup = make_setup<N>(machine, knowledge, axes, c);
+      setup.lap = routes.back().lap;
+      cells.push_back(
+          {&routes.back(), setup, make_controller<N>(c.law, setup), std::vector<StatusCounter>(spec.trials)});
+      CompareRow row;
+      row.controller = c;
+      row.travel = routes.size() - 1;
+      row.speed = speed;
+      row.trials.resize(spec.trials);
+      result.rows.push_back(std::move(row));
     }
   }
-
-  const auto make_table = [&] { return Table2(machine, v_max); };
+  const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
   const std::size_t total = cells.size() * (spec.trials + 1);
   std::size_t before = 0;
   const auto report = [&](std::size_t done, std::size_t) {
     if (progress) progress(before + done, total);
   };
   parallel_for(
-      cells.size(), spec.threads, make_table,
-      [&](Table2& table, std::size_t i) {
-        const CompareRow& row = result.rows[i];
+      cells.size(), spec.threads, make_drives,
+      [&](Drives& drives, std::size_t i) {
+        CompareRow& row = result.rows[i];
         try {
-          result.rows[i].substeps = choose_substeps(table, cells[i].controller, cells[i].travel,
-                                                    *cells[i].reference, machine.sample_time, spec.accuracy);
+          row.substeps =
+              substeps_for<N>(drives, cells[i].setup, row.controller, *cells[i].route, spec.accuracy);
         } catch (const Refused& e) {
-          char where[64];
-          std::snprintf(where, sizeof where, "%.6g mm/s", row.speed * 1e3);
-          throw Refused("controller (" + row.controller.id + ") at " + where + ": " + e.what());
+          throw Refused(name_of(row.controller, row.speed) + ": " + e.what());
         }
       },
       report);
   before = cells.size();
   parallel_for(
-      cells.size() * spec.trials, spec.threads, make_table,
-      [&](Table2& table, std::size_t job) {
-        Cell& cell = cells[job / spec.trials];
+      cells.size() * spec.trials, spec.threads, make_drives,
+      [&](Drives& drives, std::size_t job) {
+        Cell<N>& cell = cells[job / spec.trials];
         CompareRow& row = result.rows[job / spec.trials];
         const auto trial = static_cast<std::uint32_t>(job % spec.trials);
-        cell.trials[trial] =
-            table.run(cell.controller, cell.travel, *cell.reference, {row.substeps, true, true}, spec.seed,
-                      trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial]);
+        row.trials[trial] = drives.run<N>(cell.controller, *cell.route, {row.substeps, true, true}, spec.seed,
+                                          trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial]);
+        if (const auto& cutting = spec.travels[row.travel].cutting; trial == 0 && cutting)
+          estimate_cutting<N>(row.trace, *cutting, cell.setup);
       },
       report);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    summarise(cells[i].trials, result.rows[i].mean, result.rows[i].spread);
+    CompareRow& row = result.rows[i];
+    summarise(row.trials, row.mean, row.spread);
     for (const StatusCounter& s : cells[i].status) {
-      for (std::size_t k = 0; k < s.counts.size(); ++k) result.rows[i].status.counts[k] += s.counts[k];
-      if (result.rows[i].status.first == Status::kOk) result.rows[i].status.first = s.first;
+      for (std::size_t k = 0; k < s.counts.size(); ++k) row.status.counts[k] += s.counts[k];
+      if (row.status.first == Status::kOk) row.status.first = s.first;
     }
   }
+}
+
+}  // namespace
+
+std::vector<ControllerSpec> biaxial_controllers(const control::LawParams& law, control::Observer observer,
+                                                double observer_pole) {
+  using enum FrictionUse;
+  constexpr auto kWithout = control::Observer::kNone;
+  std::vector<ControllerSpec> all{{"a", "no friction compensation", kNone, kWithout},
+                                  {"b", "conventional friction model", kConventional, kWithout},
+                                  {"c", "Gaussian friction model", kGaussian, kWithout},
+                                  {"d", "disturbance observer only", kNone, observer},
+                                  {"e", "observer + conventional model", kConventional, observer},
+                                  {"f", "observer + Gaussian model", kGaussian, observer}};
+  for (ControllerSpec& c : all) {
+    c.law = law;
+    c.observer_pole = observer_pole;
+  }
+  return all;
+}
+
+friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axis) const {
+  const auto need = [&](const std::optional<friction::AxisModel>& m,
+                        const char* kind) -> const friction::AxisModel& {
+    if (!m)
+      throw Refused("axis " + axis + ": no " + kind +
+                    " friction model is known of it (identify one, or choose other controllers)");
+    return *m;
+  };
+  switch (use) {
+    case FrictionUse::kNone:
+      break;
+    case FrictionUse::kViscous: {
+      friction::AxisModel m = need(conventional, "conventional");
+      if (auto* map = std::get_if<friction::Conventional<double>>(&m.friction.steady)) {
+        *map = {0.0, map->alpha2, {}};
+      } else if (auto* by_direction = std::get_if<friction::Gaussian<double>>(&m.friction.steady)) {
+        for (auto* branch : {&by_direction->positive, &by_direction->negative})
+          *branch = {0.0, branch->eta1, {}};
+      }
+      m.friction.eccentric = {};
+      return m;
+    }
+    case FrictionUse::kConventional:
+      return need(conventional, "conventional");
+    case FrictionUse::kGaussian:
+      return need(gaussian, "Gaussian");
+    case FrictionUse::kEccentric:
+      return need(eccentric, "eccentric");
+    case FrictionUse::kNominal: {
+      friction::AxisModel m = need(eccentric, "eccentric");
+      m.friction.eccentric = {};
+      if (auto* map = std::get_if<friction::Conventional<double>>(&m.friction.steady)) {
+        map->stribeck.reset();
+      } else if (auto* by_direction = std::get_if<friction::Gaussian<double>>(&m.friction.steady)) {
+        by_direction->positive.gaussians.clear();
+        by_direction->negative.gaussians.clear();
+      }
+      return m;
+    }
+  }
+  for (const auto* m : {&conventional, &gaussian, &eccentric}) {
+    if (*m) return **m;
+  }
+  return need(conventional, "conventional");
+}
+
+std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& spec) {
+  std::vector<std::size_t> axes = spec.axes;
+  if (axes.empty()) {
+    for (std::size_t i = 0; i < spec.travels.front().axes(); ++i) axes.push_back(i);
+  }
+  for (const std::size_t i : axes) {
+    if (i >= machine.axes.size()) {
+      throw Refused("the path has " + std::to_string(axes.size()) +
+                    " axes, the machine "
+                    " + machine.name + "
+                    " has " +
+                    std::to_string(machine.axes.size()));
+    }
+  }
+  return axes;
+}
+
+template <std::size_t N>
+control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                             const std::vector<std::size_t>& axes, const ControllerSpec& which) {
+  control::Setup<N> setup;
+  setup.period = machine.sample_time;
+  const Vec<double, N> adaptive = control::spread<N>(which.adaptive_gain, 20.0);
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto& [name, axis] = machine.axes[axes[i]];
+    control::CompensationParams& c = setup.compensation[i];
+    c.model = knowledge[axes[i]].model(which.friction, name);
+    c.friction_feedforward = which.friction != FrictionUse::kNone;
+    c.observer = which.observer;
+    c.observer_pole = which.observer_pole;
+    c.adaptive_gain = adaptive[i];
+    c.encoder_resolution = axis.plant.encoder.resolution;
+    setup.force_limit[i] = axis.force_limit();
+  }
+  return setup;
+}
+
+template <std::size_t N>
+int substeps_for(Drives& drives, const control::Setup<N>& setup, const ControllerSpec& which,
+                 const Route<N>& route, double accuracy) {
+  const control::LawParams law =
+      switches(which.law) ? control::LawParams(control::ContouringParams::critical(40.0, 40.0)) : which.law;
+  return choose_substeps<N>(drives, make_controller<N>(law, setup), route, accuracy);
+}
+
+#define STRIBECK_INSTANTIATE(N)                                                                           \
+  template control::Setup<N> make_setup<N>(const Machine&, const std::vector<AxisKnowledge>&,             \
+                                           const std::vector<std::size_t>&, const ControllerSpec&);       \
+  template int substeps_for<N>(Drives&, const control::Setup<N>&, const ControllerSpec&, const Route<N>&, \
+                               double);
+STRIBECK_INSTANTIATE(1)
+STRIBECK_INSTANTIATE(2)
+STRIBECK_INSTANTIATE(3)
+STRIBECK_INSTANTIATE(5)
+#undef STRIBECK_INSTANTIATE
+
+CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                       const CompareSpec& spec, std::uint32_t trial) {
+  CompareResult result{machine.name, spec, machine.sample_time, {}, {}};
+  result.spec.travels.resize(1);
+  result.spec.controllers.resize(1);
+  result.spec.trials = 1;
+  const std::vector<std::size_t> axes = chosen_axes(machine, spec);
+  for (const std::size_t i : axes) result.axes.push_back(machine.axes[i].first);
+  with_axes(axes.size(), [&](auto n) {
+    constexpr std::size_t kAxes = n;
+    const Travel& travel = spec.travels.front();
+    const Route<kAxes> route = sample<kAxes>(travel, machine.sample_time);
+    double fastest = 0.0;
+    for (const auto& p : route.points) fastest = std::max(fastest, norm(p.velocity));
+    Drives drives(machine, axes, 1.05 * fastest);
+    CompareRow row;
+    row.controller = spec.controllers.front();
+    row.speed = travel.pace == path::Pace::kSpeed ? travel.speed : std::numeric_limits<double>::quiet_NaN();
+    auto setup = make_setup<kAxes>(machine, knowledge, axes, row.controller);
+    setup.lap = route.lap;
+    row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy);
+    row.mean = drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
+                                 {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status);
+    row.spread = Metrics::unknown();
+    result.rows.push_back(std::move(row));
+  });
+  return result;
+}
+
+CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                      const CompareSpec& spec,
+                      const std::function<void(std::size_t, std::size_t)>& progress) {
+  CompareResult result{machine.name, spec, machine.sample_time, {}, {}};
+  const std::vector<std::size_t> axes = chosen_axes(machine, spec);
+  for (const std::size_t i : axes) result.axes.push_back(machine.axes[i].first);
+  const bool known = with_axes(
+      axes.size(), [&](auto n) { compare_axes<n>(machine, knowledge, spec, axes, result, progress); });
+  if (!known) throw Refused("paths have 1, 2, 3 or 5 axes");
   return result;
 }
 

@@ -8,41 +8,92 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::sim {
 
-enum class FrictionUse { kNone, kConventional, kGaussian };
+/// Which of the models of an axis a controller feeds forward.
+enum class FrictionUse {
+  kNone,
+  kViscous,  ///< the viscous part of the conventional model
+  kConventional,
+  kGaussian,
+  kEccentric,
+  kNominal,  ///< Coulomb and viscous part of the eccentric model: Γ, Λ of adaptive friction
+};
 
-/// One of the controllers (a)…(f) of the biaxial table, or another.
+}  // namespace stribeck::sim
+
+template <>
+struct stribeck::EnumNames<stribeck::sim::FrictionUse> {
+  using enum stribeck::sim::FrictionUse;
+  static constexpr std::array names{std::pair{kNone, std::string_view{"none"}},
+                                    std::pair{kViscous, std::string_view{"viscous"}},
+                                    std::pair{kConventional, std::string_view{"conventional"}},
+                                    std::pair{kGaussian, std::string_view{"gaussian"}},
+                                    std::pair{kEccentric, std::string_view{"eccentric"}},
+                                    std::pair{kNominal, std::string_view{"nominal"}}};
+};
+
+namespace stribeck::sim {
+
+/// A control law with what it feeds forward and observes.
 struct ControllerSpec {
   std::string id;
   std::string label;
   FrictionUse friction = FrictionUse::kNone;
   control::Observer observer = control::Observer::kNone;
+  control::LawParams law{};
+  double observer_pole = 20.0;           ///< of the disturbance observer [1/s]
+  control::PerAxis adaptive_gain{20.0};  ///< K_c of adaptive friction, per axis [1/s]
+
+  static constexpr auto fields() {
+    using S = ControllerSpec;
+    return std::tuple{field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
+                      field("label", &S::label, "what it is, in words"),
+                      field("friction", &S::friction,
+                            "which identified model is fed forward: none, viscous, conventional, gaussian, "
+                            "eccentric or nominal")
+                          .or_default(),
+                      field("observer", &S::observer, "none, disturbance, kalman or adaptive").or_default(),
+                      field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive(),
+                            "both poles of the disturbance observer")
+                          .or_default(),
+                      field("adaptive_gain", &S::adaptive_gain, quantity("1/s", "1/s").positive(),
+                            "gain of adaptive friction, per axis; the last one stands for the rest")
+                          .or_default(),
+                      field("law", &S::law, "control law with its gains")};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    constexpr std::string_view kPermitted = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-";
+    if (id.empty() || id.size() > 16 || id.find_first_not_of(kPermitted) != std::string::npos)
+      report("id", "expected 1 to 16 letters, digits and hyphens, e.g. pid");
+    if (label.empty() || label.size() > 60) report("label", "expected 1 to 60 characters");
+  }
 };
 
 /// (a) none, (b) conventional, (c) Gaussian, (d) observer, (e) observer + conventional, (f) observer +
-/// Gaussian.
-std::vector<ControllerSpec> biaxial_controllers();
+/// Gaussian, all with the given law and observer.
+std::vector<ControllerSpec> biaxial_controllers(
+    const control::LawParams& law = control::ContouringParams::critical(40.0, 40.0),
+    control::Observer observer = control::Observer::kDisturbance, double observer_pole = 20.0);
 
 /// What identification (or the thesis) says of one axis.
 struct AxisKnowledge {
-  friction::AxisModel conventional;
-  friction::AxisModel gaussian;
+  std::optional<friction::AxisModel> conventional;
+  std::optional<friction::AxisModel> gaussian;
+  std::optional<friction::AxisModel> eccentric;
+
+  /// The model that a controller with this use gets; kNone gets the mass and load of the best model there is. Throws Refused
+  /// when there is none, naming the axis.
+  [[nodiscard]] friction::AxisModel model(FrictionUse use, const std::string& axis) const;
 };
 
 struct CompareSpec {
-  path::Curve curve;
-  std::vector<double> speeds;  ///< [m/s]
-  double laps = 2.0;
-  double run_in = 1.0;          ///< [s]
-  double omega_t = 40.0;        ///< double pole along the path [rad/s]
-  double omega_n = 40.0;        ///< double pole across the path [rad/s]
-  double observer_pole = 20.0;  ///< [1/s]
-  control::Observer observer =
-      control::Observer::kDisturbance;  ///< which one the controllers with an observer have
-  control::ErrorRate error_rate = control::ErrorRate::kDifferenceOfError;
+  std::vector<Travel> travels;    ///< the same path at several speeds, or one
+  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's; empty: the first ones
   std::vector<ControllerSpec> controllers;
   std::uint32_t trials = 10;
   std::uint64_t seed = 1;
@@ -50,12 +101,14 @@ struct CompareSpec {
   unsigned threads = 0;    ///< 0: as many as the machine has
 };
 
-/// One controller at one speed.
+/// One controller on one travel.
 struct CompareRow {
   ControllerSpec controller;
-  double speed = 0.0;                ///< [m/s]
-  Metrics mean;                      ///< over the trials
-  Metrics spread;                    ///< standard deviation over the trials; NaN for a single trial
+  std::size_t travel = 0;       ///< index into the spec's travels
+  double speed = 0.0;           ///< along the path [m/s]; NaN where the law of motion is not one of speed
+  Metrics mean;                 ///< over the trials
+  Metrics spread;               ///< standard deviation over the trials; NaN for a single trial
+  std::vector<Metrics> trials;  ///< one by one
   std::vector<ContourSample> trace;  ///< of the first trial
   StatusCounter status;              ///< of all trials together
   int substeps = 0;
@@ -66,16 +119,29 @@ struct CompareResult {
   CompareSpec spec;
   double period = 0.0;  ///< [s]
   std::vector<std::string> axes;
-  std::vector<CompareRow> rows;  ///< speed by speed, controller by controller
+  std::vector<CompareRow> rows;  ///< travel by travel, controller by controller
 };
 
-/// progress(done, all) may be called from any thread, one call at a time.
+/// progress(done, all) may be called from any thread, one call at a time. Throws Refused when a run means nothing.
 CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                       const CompareSpec& spec,
                       const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// The controller of a spec, as compare() builds it.
-control::Contouring make_controller(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
-                                    const CompareSpec& spec, const ControllerSpec& which);
+/// A single trial of the first controller on the first travel, as compare() runs it.
+CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                       const CompareSpec& spec, std::uint32_t trial);
+
+/// What a controller of compare() knows of the machine's chosen axes.
+template <std::size_t N>
+control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
+                             const std::vector<std::size_t>& axes, const ControllerSpec& which);
+
+/// Sub-steps for a controller on a route, as compare() finds them.
+template <std::size_t N>
+int substeps_for(Drives& drives, const control::Setup<N>& setup, const ControllerSpec& which,
+                 const Route<N>& route, double accuracy);
+
+/// The axes of a spec: spec.axes, or the first ones. Throws Refused when the machine has too few.
+std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& spec);
 
 }  // namespace stribeck::sim

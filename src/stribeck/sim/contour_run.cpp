@@ -7,82 +7,146 @@ namespace {
 /// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step.
 constexpr double kStableRate = 1.7;
 /// An axis that is farther than this share of the path's size from it does not follow.
-constexpr double kLost = 0.2;
+constexpr double kLost = 0.1;
 constexpr int kLoopIsLost = 32;
 
-}  // namespace
-
-std::vector<path::PathPoint> sample_reference(const Travel& travel, double period) {
-  path::Reference reference(travel.curve, travel.law());
-  std::vector<path::PathPoint> points;
-  points.reserve(static_cast<std::size_t>(travel.law().duration() / period) + 2);
-  while (!reference.finished()) {
-    points.push_back(reference.point());
-    reference.advance(period);
+/// Contour error and, where there is a tool axis, its error.
+template <class Curve, std::size_t N>
+std::array<double, 2> errors(const Curve& curve, const Vec<double, N>& position,
+                             const Vec<double, N>& tracking, double phi) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if constexpr (N == 1) {
+    return {tracking[0], kNone};
+  } else if constexpr (path::ToolPath<Curve>) {
+    const path::TipDeviation d = path::tip_deviation(curve, position, phi);
+    return {d.contour, d.orientation};
+  } else {
+    return {path::contour_error(curve, position, phi), kNone};
   }
-  return points;
 }
 
-Table2::Table2(const Machine& machine, double v_max)
-    : axes_{plant::Axis(machine.axes[0].second.plant, machine.sample_time, v_max),
-            plant::Axis(machine.axes[1].second.plant, machine.sample_time, v_max)},
-      gain_{machine.axes[0].second.plant.force_gain(), machine.axes[1].second.plant.force_gain()},
-      period_(machine.sample_time) {}
-
-double Table2::rate_bound() const { return std::max(axes_[0].rate_bound(), axes_[1].rate_bound()); }
-
-Metrics Table2::run(const control::Contouring& controller, const Travel& travel,
-                    const std::vector<path::PathPoint>& reference, const plant::Fidelity& fidelity,
-                    std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen,
-                    StatusCounter* status) {
-  for (std::uint32_t i = 0; i < 2; ++i) axes_[i].start(reference[0].position[i], fidelity, {seed, trial, i});
-  control::Contouring::State state;
-  GlitchWindow glitch;
-  MetricsCollector metrics;
-  const double scored_from = travel.run_in;
-  const double scored_to = travel.run_in + travel.law().cruise_time();
-  if (seen != nullptr) seen->reserve(reference.size());
-  for (std::size_t k = 0; k < reference.size(); ++k) {
-    const path::PathPoint& r = reference[k];
-    const double t = static_cast<double>(k) * period_;
-    const Vec2 encoder{{axes_[0].encoder(), axes_[1].encoder()}};
-    const Vec2 position{{axes_[0].position(), axes_[1].position()}};
-    const double error = path::contour_error(travel.curve, position, r.phi);
-    const Vec2 force = controller.step(state, r, encoder);
-    const Vec2 voltage{{force[0] / gain_[0], force[1] / gain_[1]}};
-    const bool in_glitch = glitch.step(r);
-    const bool scored = t >= scored_from && t <= scored_to;
-    if (seen != nullptr) {
-      const Vec2 friction{{axes_[0].friction_force(), axes_[1].friction_force()}};
-      seen->push_back({t, r, position, encoder, voltage, force, friction, error, scored});
+template <class Controller, class Curve, std::size_t N>
+Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
+                 const Controller& controller, const Curve& curve, const Route<N>& route,
+                 std::vector<ContourSample>* seen, StatusCounter* status) {
+  typename Controller::State state;
+  GlitchWindow<N> glitch;
+  MetricsCollector<N> metrics;
+  for (std::size_t k = 0; k < route.points.size(); ++k) {
+    const path::PathPoint<N>& r = route.points[k];
+    const double t = static_cast<double>(k) * period;
+    Vec<double, N> encoder;
+    Vec<double, N> position;
+    for (std::size_t i = 0; i < N; ++i) {
+      encoder[i] = axes[i].encoder();
+      position[i] = axes[i].position();
     }
-    plant::Axis::step_together(axes_[0], voltage[0], axes_[1], voltage[1]);
+    const Vec<double, N> tracking = position - r.position;
+    const auto [error, orientation] = errors(curve, position, tracking, r.phi);
+    const Vec<double, N> force = controller.step(state, r, encoder);
+    Vec<double, N> voltage;
+    for (std::size_t i = 0; i < N; ++i) voltage[i] = force[i] / gain[i];
+    const Vec<double, N> cutting = route.cutting.empty() ? Vec<double, N>{} : route.cutting[k];
+    const bool in_glitch = glitch.step(r);
+    const bool scored = t >= route.scored_from && t <= route.scored_to;
+    if (seen != nullptr) {
+      Vec<double, N> friction;
+      for (std::size_t i = 0; i < N; ++i) friction[i] = axes[i].friction_force();
+      seen->push_back({t,
+                       r.phi,
+                       widened(r.position),
+                       widened(r.velocity),
+                       widened(r.acceleration),
+                       widened(position),
+                       widened(encoder),
+                       widened(voltage),
+                       widened(force),
+                       widened(friction),
+                       widened(cutting),
+                       {},
+                       widened(r.frame * tracking),
+                       error,
+                       orientation,
+                       scored});
+    }
+    if constexpr (N >= 2) {
+      plant::Axis::step_together(axes[0], voltage[0], axes[1], voltage[1], cutting[0], cutting[1]);
+      for (std::size_t i = 2; i < N; ++i) axes[i].step(voltage[i], cutting[i]);
+    } else {
+      axes[0].step(voltage[0], cutting[0]);
+    }
     if (scored) {
-      metrics.add({error,
-                   position - r.position,
-                   {{axes_[0].voltage(), axes_[1].voltage()}},
-                   {{axes_[0].current(), axes_[1].current()}},
-                   {{axes_[0].power(), axes_[1].power()}},
-                   in_glitch});
+      typename MetricsCollector<N>::Sample s{error, tracking, {}, {}, {}, in_glitch, orientation};
+      for (std::size_t i = 0; i < N; ++i) {
+        s.voltage[i] = axes[i].voltage();
+        s.current[i] = axes[i].current();
+        s.power[i] = axes[i].power();
+      }
+      metrics.add(s);
     }
   }
   if (status != nullptr) *status = state.status;
   return metrics.result();
 }
 
-int choose_substeps(Table2& table, const control::Contouring& controller, const Travel& travel,
-                    const std::vector<path::PathPoint>& reference, double period, double accuracy) {
+}  // namespace
+
+template <std::size_t N>
+AnyController<N> make_controller(const control::LawParams& law, const control::Setup<N>& setup) {
+  return std::visit(
+      [&](const auto& params) -> AnyController<N> {
+        return typename std::decay_t<decltype(params)>::template Controller<N>(params, setup);
+      },
+      law);
+}
+
+Drives::Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max)
+    : period_(machine.sample_time) {
+  for (const std::size_t i : which) {
+    axes_.emplace_back(machine.axes[i].second.plant, machine.sample_time, v_max);
+    gain_.push_back(machine.axes[i].second.plant.force_gain());
+  }
+}
+
+double Drives::rate_bound() const {
+  double fastest = 0.0;
+  for (const plant::Axis& a : axes_) fastest = std::max(fastest, a.rate_bound());
+  return fastest;
+}
+
+template <std::size_t N>
+Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
+                    const plant::Fidelity& fidelity, std::uint64_t seed, std::uint32_t trial,
+                    std::vector<ContourSample>* seen, StatusCounter* status) {
+  for (std::uint32_t i = 0; i < N; ++i)
+    axes_[i].start(route.points[0].position[i], fidelity, {seed, trial, i});
+  if (seen != nullptr) seen->reserve(route.points.size());
+  return std::visit(
+      [&](const auto& law, const auto& curve) {
+        if constexpr (std::decay_t<decltype(curve)>::kAxes == N) {
+          return run_loop<std::decay_t<decltype(law)>>(axes_, gain_, period_, law, curve, route, seen,
+                                                       status);
+        } else {
+          return Metrics::unknown();
+        }
+      },
+      controller, route.path);
+}
+
+template <std::size_t N>
+int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
+                    double accuracy) {
   // One lap and the run-in show every reversal there is.
-  const auto lap =
-      static_cast<std::size_t>((travel.run_in + travel.curve.lap_length() / travel.speed) / period) + 2;
-  const std::vector<path::PathPoint> part(
-      reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(std::min(lap, reference.size())));
+  const double period = drives.period();
+  Route<N> part = route;
+  part.points.resize(std::min(static_cast<std::size_t>(route.first_lap / period) + 2, route.points.size()));
+  if (!part.cutting.empty()) part.cutting.resize(part.points.size());
   const auto trace = [&](int substeps) {
     std::vector<ContourSample> seen;
-    table.run(controller, travel, part, {substeps, false, false}, 1, 0, &seen);
+    drives.run<N>(controller, part, {substeps, false, false}, 1, 0, &seen);
     return seen;
   };
-  const double least = table.rate_bound() * period / kStableRate;
+  const double least = drives.rate_bound() * period / kStableRate;
   if (!(least <= kMostSubsteps)) {
     throw Refused(
         "the machine needs more than 512 sub-steps per control period for its fastest rate (friction "
@@ -91,7 +155,7 @@ int choose_substeps(Table2& table, const control::Contouring& controller, const 
   }
   const auto follows = [&](const std::vector<ContourSample>& run) {
     for (const ContourSample& s : run) {
-      if (!(std::abs(s.contour_error) <= kLost * travel.curve.size)) return false;
+      if (!(std::abs(s.contour_error) <= kLost * route.size)) return false;
     }
     return true;
   };
@@ -114,7 +178,7 @@ int choose_substeps(Table2& table, const control::Contouring& controller, const 
   }
   if (!followed) {
     throw Refused(
-        "the loop does not follow the path (error above a fifth of its size): it is unstable or too slow "
+        "the loop does not follow the path (error above a tenth of its extent): it is unstable or too slow "
         "with these gains, "
         "delay and sample_time");
   }
@@ -123,5 +187,17 @@ int choose_substeps(Table2& table, const control::Contouring& controller, const 
       "edge of "
       "stability, or the accuracy is finer than rounding allows");
 }
+
+#define STRIBECK_INSTANTIATE(N)                                                                      \
+  template AnyController<N> make_controller<N>(const control::LawParams&, const control::Setup<N>&); \
+  template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,  \
+                                  std::uint64_t, std::uint32_t, std::vector<ContourSample>*,         \
+                                  StatusCounter*);                                                   \
+  template int choose_substeps<N>(Drives&, const AnyController<N>&, const Route<N>&, double);
+STRIBECK_INSTANTIATE(1)
+STRIBECK_INSTANTIATE(2)
+STRIBECK_INSTANTIATE(3)
+STRIBECK_INSTANTIATE(5)
+#undef STRIBECK_INSTANTIATE
 
 }  // namespace stribeck::sim

@@ -1,66 +1,80 @@
 #pragma once
-/// One closed-loop run of a two-axis machine along a plane path.
+/// One closed-loop run of a machine along a path.
 ///
-/// Every tick: encoders are read, the controller gives forces for the coming period, they become voltages,
-/// the drives move. A run begins at rest on the path, reaches its speed within the run-in, travels whole laps
-/// at constant speed and runs out; it is scored on the laps.
+/// Every tick: encoders are read, the controller gives forces for the coming period, they become voltages, the drives move. A
+/// run begins at rest on the path, reaches its law within the run-in, travels whole laps and runs out; it is scored on the
+/// laps. With a single axis the tracking error stands for the contour error; where the path gives a tool axis, the distance of
+/// the tool tip from its path in the workpiece.
 /// Real time: no.
 
 #include <cstdint>
 #include <stdexcept>
-#include <stribeck/control/contouring.hpp>
-#include <stribeck/path/contour_error.hpp>
+#include <stribeck/control/laws.hpp>
 #include <stribeck/plant/axis.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/sim/metrics.hpp>
+#include <stribeck/sim/travel.hpp>
 
 namespace stribeck::sim {
-
-/// A path travelled at one speed.
-struct Travel {
-  path::Curve curve;
-  double speed = 0.0;   ///< [m/s]
-  double laps = 2.0;    ///< at constant speed
-  double run_in = 1.0;  ///< [s]
-
-  [[nodiscard]] path::SpeedLaw law() const { return {speed, run_in, laps * curve.lap_length()}; }
-};
 
 /// One sample of a recorded run; SI.
 struct ContourSample {
   double time = 0.0;
-  path::PathPoint reference;
-  Vec2 position;  ///< true, of the table
-  Vec2 encoder;
-  Vec2 voltage;   ///< asked of the converters at this tick
-  Vec2 force;     ///< asked of the drives at this tick
-  Vec2 friction;  ///< true friction
+  double phi = 0.0;         ///< parameter of the path
+  AxisValues reference;     ///< position
+  AxisValues velocity;      ///< of the reference
+  AxisValues acceleration;  ///< of the reference
+  AxisValues position;      ///< true, of the table
+  AxisValues encoder;
+  AxisValues voltage;           ///< asked of the converters at this tick
+  AxisValues force;             ///< asked of the drives at this tick
+  AxisValues friction;          ///< true friction
+  AxisValues cutting;           ///< true cutting force, mean over the coming period
+  AxisValues cutting_estimate;  ///< what was foretold of it (cutting_estimate.hpp)
+  AxisValues local;             ///< true tracking error in the path's frame: along, then across
   double contour_error = 0.0;
+  double orientation_error = std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
   bool scored = false;
 };
 
 /// No run is simulated with more sub-steps per control period.
 inline constexpr int kMostSubsteps = 512;
 
-/// The reference of a travel, sampled once and shared by every run on it.
-std::vector<path::PathPoint> sample_reference(const Travel& travel, double period);
+namespace detail {
+template <std::size_t N, class Variant>
+struct ControllersOf;
+template <std::size_t N, class... P>
+struct ControllersOf<N, std::variant<P...>> {
+  using type = std::variant<typename P::template Controller<N>...>;
+};
+}  // namespace detail
 
-/// The drives of a two-axis machine, ready for run after run.
-class Table2 {
+/// Any of the control laws, for N axes.
+template <std::size_t N>
+using AnyController = typename detail::ControllersOf<N, control::LawParams>::type;
+
+template <std::size_t N>
+AnyController<N> make_controller(const control::LawParams& law, const control::Setup<N>& setup);
+
+/// The drives of some axes of a machine, ready for run after run.
+class Drives {
  public:
-  explicit Table2(const Machine& machine, double v_max);
+  /// which: indices of the machine's axes; v_max [m/s] bounds the tables of the friction curves.
+  Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max);
 
-  /// Runs a controller along a sampled reference; `seen` may be null. Returns the figures of the scored part.
-  Metrics run(const control::Contouring& controller, const Travel& travel,
-              const std::vector<path::PathPoint>& reference, const plant::Fidelity& fidelity,
+  /// Runs a controller along a route; `seen` may be null. Returns the figures of the scored part. The controller gets as many
+  /// axes as the route has, which are as many as the drives.
+  template <std::size_t N>
+  Metrics run(const AnyController<N>& controller, const Route<N>& route, const plant::Fidelity& fidelity,
               std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen = nullptr,
               StatusCounter* status = nullptr);
 
   [[nodiscard]] double rate_bound() const;
+  [[nodiscard]] double period() const { return period_; }
 
  private:
-  std::array<plant::Axis, 2> axes_;
-  std::array<double, 2> gain_;
+  std::vector<plant::Axis> axes_;
+  std::vector<double> gain_;
   double period_;
 };
 
@@ -69,10 +83,11 @@ struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Smallest number of sub-steps for which the trace of the contour error of this run, with quantisers and
-/// noise off, is within `accuracy` [m] of a converged one. Doubles the number until a run and one of twice as
-/// many agree.
-int choose_substeps(Table2& table, const control::Contouring& controller, const Travel& travel,
-                    const std::vector<path::PathPoint>& reference, double period, double accuracy);
+/// Smallest number of sub-steps for which the trace of the contour error of this run, with quantisers and noise off, is within
+/// `accuracy` [m] of a converged one. Doubles the number until a run and one of twice as many agree. A law that switches is
+/// not reproducible sample by sample by anyone; give the contouring law on the same route for it.
+template <std::size_t N>
+int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
+                    double accuracy);
 
 }  // namespace stribeck::sim

@@ -69,11 +69,14 @@ struct Commissioning {
 struct Published {
   std::optional<friction::AxisModel> conventional;
   std::optional<friction::AxisModel> gaussian;
+  std::optional<friction::AxisModel> eccentric;
 
   static constexpr auto fields() {
     return std::tuple{
         field("conventional", &Published::conventional, "printed conventional model").or_default(),
-        field("gaussian", &Published::gaussian, "printed Gaussian-augmented model").or_default()};
+        field("gaussian", &Published::gaussian, "printed Gaussian-augmented model").or_default(),
+        field("eccentric", &Published::eccentric, "printed model with terms periodic in position")
+            .or_default()};
   }
 };
 

@@ -6,43 +6,50 @@
 ///   input variation   mean |Δu| over the axes and samples; chattering shows here
 ///   power             mean electrical power R·i² + K_e·θ̇·i, sum over the axes; known where the motor is
 ///   mean |u·i|        mean of the axes' sum of |u·i|; known where the current is
+///   orientation       max and mean angle between the tool axis and the one wanted at the nearest point of the path
 ///
-/// ε contour error [m], u voltage [V], i current [A].
+/// ε contour error [m], of the tool tip where the path gives a tool axis; u voltage [V], i current [A].
 /// Real time: no.
 
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stribeck/path/reference.hpp>
+#include <stribeck/sim/axis_values.hpp>
 
 namespace stribeck::sim {
 
 inline constexpr double kGlitchTravel = 0.15e-3;  ///< [m]
 
 struct Metrics {
-  double max_contour_error = 0.0;             ///< [m]
-  double quadrant_glitch = 0.0;               ///< [m]; NaN when no axis reversed
-  double rms = 0.0;                           ///< [m]
-  double sd = 0.0;                            ///< [m]
-  double mean_abs = 0.0;                      ///< [m]
-  std::array<double, 2> mean_abs_tracking{};  ///< [m]
+  double max_contour_error = 0.0;  ///< [m]
+  double quadrant_glitch = 0.0;    ///< [m]; NaN when no axis reversed
+  double rms = 0.0;                ///< [m]
+  double sd = 0.0;                 ///< [m]
+  double mean_abs = 0.0;           ///< [m]
+  AxisValues mean_abs_tracking;    ///< [m]
   double power = 0.0;        ///< electrical, R·i² + K_e·θ̇·i, sum over the axes [W]; NaN when not known
   double mean_abs_ui = 0.0;  ///< [W]; NaN when the current is not known
   double input_variation = 0.0;  ///< [V]
+  double max_orientation_error =
+      std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
+  double mean_orientation_error =
+      std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
 
   /// Every figure NaN: not known.
   static Metrics unknown() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone, kNone, kNone, kNone, {kNone, kNone}, kNone, kNone, kNone};
+    return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone),
+            kNone, kNone, kNone, kNone, kNone};
   }
 };
 
 /// Marks the samples that lie within the first travel after a reversal of an axis.
+template <std::size_t N>
 class GlitchWindow {
  public:
-  bool step(const path::PathPoint& r) noexcept {
+  bool step(const path::PathPoint<N>& r) noexcept {
     bool inside = false;
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
       const double direction = sign(r.velocity[i]);
       if (direction != 0.0) {
         if (direction_[i] != 0.0 && direction != direction_[i]) {
@@ -59,21 +66,23 @@ class GlitchWindow {
   }
 
  private:
-  std::array<double, 2> direction_{};
-  std::array<double, 2> start_{};
-  std::array<bool, 2> open_{};
+  std::array<double, N> direction_{};
+  std::array<double, N> start_{};
+  std::array<bool, N> open_{};
 };
 
 /// Collects Metrics sample by sample.
+template <std::size_t N>
 class MetricsCollector {
  public:
   struct Sample {
     double contour_error = 0.0;
-    Vec2 tracking_error;
-    Vec2 voltage;
-    Vec2 current;
-    Vec2 power;
+    Vec<double, N> tracking_error;
+    Vec<double, N> voltage;
+    Vec<double, N> current;
+    Vec<double, N> power;
     bool in_glitch = false;
+    double orientation_error = std::numeric_limits<double>::quiet_NaN();
   };
 
   void add(const Sample& s) noexcept {
@@ -83,7 +92,9 @@ class MetricsCollector {
     sum_ += s.contour_error;
     sum_abs_ += e;
     sum_square_ += e * e;
-    for (std::size_t i = 0; i < 2; ++i) {
+    if (!(s.orientation_error <= max_orientation_)) max_orientation_ = s.orientation_error;
+    sum_orientation_ += s.orientation_error;
+    for (std::size_t i = 0; i < N; ++i) {
       tracking_[i] += std::abs(s.tracking_error[i]);
       ui_ += std::abs(s.voltage[i] * s.current[i]);
       power_ += s.power[i];
@@ -102,10 +113,12 @@ class MetricsCollector {
     m.rms = std::sqrt(sum_square_ / n);
     m.sd = std::sqrt(std::max(0.0, sum_square_ / n - mean * mean));
     m.mean_abs = sum_abs_ / n;
-    m.mean_abs_tracking = {tracking_[0] / n, tracking_[1] / n};
+    for (std::size_t i = 0; i < N; ++i) m.mean_abs_tracking[i] = tracking_[i] / n;
     m.power = power_ / n;
     m.mean_abs_ui = ui_ / n;
-    m.input_variation = variation_ / (2.0 * (n - 1.0));
+    m.input_variation = variation_ / (static_cast<double>(N) * (n - 1.0));
+    m.max_orientation_error = max_orientation_;
+    m.mean_orientation_error = sum_orientation_ / n;
     return m;
   }
 
@@ -115,11 +128,13 @@ class MetricsCollector {
   double sum_ = 0.0;
   double sum_abs_ = 0.0;
   double sum_square_ = 0.0;
-  std::array<double, 2> tracking_{};
+  double max_orientation_ = 0.0;
+  double sum_orientation_ = 0.0;
+  std::array<double, N> tracking_{};
   double ui_ = 0.0;
   double power_ = 0.0;
   double variation_ = 0.0;
-  Vec2 last_;
+  Vec<double, N> last_;
   int count_ = 0;
 };
 

@@ -19,25 +19,26 @@ double worst_difference(const std::vector<ContourSample>& a, const std::vector<C
 /// One controller of V2 at one speed.
 struct Case {
   Machine machine = test::biaxial_table();
-  Travel travel;
-  std::vector<path::PathPoint> reference;
-  control::Contouring controller;
-  Table2 table;
+  Route<2> route;
+  control::Setup<2> setup;
+  AnyController<2> controller;
+  Drives drives;
 
   Case(double speed, std::size_t which, Machine m = test::biaxial_table(),
        path::Shape shape = path::Shape::kCircle)
       : machine(std::move(m)),
-        travel{{shape, 10e-3}, speed, 1.0, 1.0},
-        reference(sample_reference(travel, machine.sample_time)),
-        controller(make_controller(machine, test::printed(), test::bi_table(), biaxial_controllers()[which])),
-        table(machine, 1.05 * speed) {}
+        route(sample<2>(test::circle(speed, 1.0, shape), machine.sample_time)),
+        setup(make_setup<2>(machine, test::printed(), {0, 1}, biaxial_controllers()[which])),
+        controller(make_controller<2>(biaxial_controllers()[which].law, setup)),
+        drives(machine, {0, 1}, 1.05 * speed) {}
 
+  Metrics run(const plant::Fidelity& fidelity) { return drives.run<2>(controller, route, fidelity, 1, 0); }
   std::vector<ContourSample> trace(int substeps, bool quantised = false) {
     std::vector<ContourSample> seen;
-    table.run(controller, travel, reference, {substeps, quantised, false}, 1, 0, &seen);
+    drives.run<2>(controller, route, {substeps, quantised, false}, 1, 0, &seen);
     return seen;
   }
-  int chosen() { return choose_substeps(table, controller, travel, reference, machine.sample_time, 1e-9); }
+  int chosen() { return choose_substeps<2>(drives, controller, route, 1e-9); }
 };
 
 TEST(Substeps, ChosenOnesPutTheTraceWithinANanometreOfAConvergedOne) {
@@ -86,32 +87,32 @@ TEST(Substeps, GmsConvergesToTheSameAccuracy) {
 TEST(Substeps, WithQuantisersMaximumAndRmsAgreeWithAConvergedRun) {
   for (const std::size_t which : {0U, 3U, 5U}) {
     Case c(9.5e-3, which);
-    const Metrics quick = c.table.run(c.controller, c.travel, c.reference, {c.chosen(), true, false}, 1, 0);
-    const Metrics slow = c.table.run(c.controller, c.travel, c.reference, {512, true, false}, 1, 0);
+    const Metrics quick = c.run({c.chosen(), true, false});
+    const Metrics slow = c.run({512, true, false});
     EXPECT_NEAR(quick.max_contour_error, slow.max_contour_error,
                 std::max(0.005 * slow.max_contour_error, 10e-9));
     EXPECT_NEAR(quick.rms, slow.rms, std::max(0.005 * slow.rms, 10e-9));
   }
 }
 
-TEST(Table2, FrictionIsTheWholeErrorOfAControllerWithoutCompensation) {
+TEST(Drives, FrictionIsTheWholeErrorOfAControllerWithoutCompensation) {
   // At a high constant friction the normal error of PD is F / (m w^2): the static gain of the loop. Between
   // reversals (a) at 9.5 mm/s must lie near that, on both axes' parts: 768.6 .. 3106 N over 57650 * 1600 = 8
   // .. 34 um; projected on the normal, RMS of the table is 6.8 um (an independent simulation, and print).
   Case c(9.5e-3, 0);
-  const Metrics m = c.table.run(c.controller, c.travel, c.reference, {8, false, false}, 1, 0);
+  const Metrics m = c.run({8, false, false});
   EXPECT_NEAR(m.rms, 6.8e-6, 0.1e-6);
   EXPECT_NEAR(m.max_contour_error, 12.3e-6, 0.3e-6);
 }
 
-TEST(Table2, RunsStartFromRestWithoutAJump) {
+TEST(Drives, RunsStartFromRestWithoutAJump) {
   Case c(9.5e-3, 5);
   const auto trace = c.trace(4);
   EXPECT_EQ(trace.front().contour_error, 0.0);
   for (std::size_t k = 1; k < trace.size(); ++k)
     EXPECT_LT(std::abs(trace[k].contour_error - trace[k - 1].contour_error), 2e-6);
   EXPECT_FALSE(trace.front().scored);
-  EXPECT_NEAR(norm(trace.back().reference.velocity), 0.0, 1e-4);
+  EXPECT_NEAR(norm(trace.back().velocity), 0.0, 1e-4);
 }
 
 TEST(Compare, ReproducesAnIndependentSimulationOfTheBiaxialTable) {
@@ -139,9 +140,8 @@ TEST(Compare, ReproducesAnIndependentSimulationOfTheBiaxialTable) {
 
 TEST(Compare, IsTheSameOnAnyNumberOfThreads) {
   auto spec = test::bi_table();
-  spec.speeds = {9.5e-3};
+  spec.travels = {test::circle(9.5e-3, 1.0)};
   spec.trials = 3;
-  spec.laps = 1.0;
   spec.threads = 1;
   const auto one = compare(test::biaxial_table(), test::printed(), spec);
   spec.threads = 5;
@@ -155,10 +155,9 @@ TEST(Compare, IsTheSameOnAnyNumberOfThreads) {
 
 TEST(Compare, TrialsDifferAndTheSeedDecides) {
   auto spec = test::bi_table();
-  spec.speeds = {9.5e-3};
+  spec.travels = {test::circle(9.5e-3, 1.0)};
   spec.controllers = {biaxial_controllers()[5]};
   spec.trials = 2;
-  spec.laps = 1.0;
   const auto first = compare(test::biaxial_table(), test::printed(), spec);
   EXPECT_GT(first.rows[0].spread.rms, 0.0);
   spec.seed = 2;
@@ -166,9 +165,9 @@ TEST(Compare, TrialsDifferAndTheSeedDecides) {
 }
 
 TEST(Metrics, AreTheTextbookDefinitions) {
-  MetricsCollector c;
+  MetricsCollector<2> c;
   for (const double e : {3e-6, -4e-6, 0.0, 5e-6}) {
-    MetricsCollector::Sample s;
+    MetricsCollector<2>::Sample s;
     s.contour_error = e;
     s.tracking_error = {{-2e-6, 1e-6}};
     s.in_glitch = e < 0.0;
@@ -188,8 +187,8 @@ TEST(Metrics, AreTheTextbookDefinitions) {
 }
 
 TEST(GlitchWindow, OpensAtAReversalForItsTravel) {
-  GlitchWindow window;
-  path::PathPoint r;
+  GlitchWindow<2> window;
+  path::PathPoint<2> r;
   std::vector<double> inside;
   for (int k = -200; k <= 400; ++k) {
     const double t = k * kPeriod;

@@ -28,19 +28,31 @@ inline Machine biaxial_table() {
 /// The printed parameters: Tables 2.1 and 2.3.
 inline std::vector<AxisKnowledge> printed() {
   std::vector<AxisKnowledge> k(2);
-  k[0].conventional.mass = k[0].gaussian.mass = 57650.0;
-  k[1].conventional.mass = k[1].gaussian.mass = 58930.0;
-  k[0].conventional.friction.steady = friction::Conventional<double>{1255.38, 105.54e3, {}};
-  k[1].conventional.friction.steady = friction::Conventional<double>{1066.05, 138.86e3, {}};
-  k[0].gaussian.friction.steady = friction::test::table_2_3_x();
-  k[1].gaussian.friction.steady = friction::test::table_2_3_y();
+  for (auto& axis : k) {
+    axis.conventional.emplace();
+    axis.gaussian.emplace();
+  }
+  k[0].conventional->mass = k[0].gaussian->mass = 57650.0;
+  k[1].conventional->mass = k[1].gaussian->mass = 58930.0;
+  k[0].conventional->friction.steady = friction::Conventional<double>{1255.38, 105.54e3, {}};
+  k[1].conventional->friction.steady = friction::Conventional<double>{1066.05, 138.86e3, {}};
+  k[0].gaussian->friction.steady = friction::test::table_2_3_x();
+  k[1].gaussian->friction.steady = friction::test::table_2_3_y();
   return k;
+}
+
+/// Laps of a circle of 10 mm.
+inline Travel circle(double speed, double laps = 2.0, path::Shape shape = path::Shape::kCircle) {
+  Travel t;
+  t.path = path::Curve{shape, 10e-3};
+  t.speed = speed;
+  t.laps = laps;
+  return t;
 }
 
 inline CompareSpec bi_table() {
   CompareSpec s;
-  s.curve = {path::Shape::kCircle, 10e-3};
-  s.speeds = {3e-3, 9.5e-3};
+  for (const double speed : {3e-3, 9.5e-3}) s.travels.push_back(circle(speed));
   s.controllers = biaxial_controllers();
   return s;
 }

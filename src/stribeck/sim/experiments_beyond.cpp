@@ -1,0 +1,103 @@
+#include <stribeck/sim/experiments_beyond.hpp>
+
+namespace stribeck::sim {
+namespace {
+
+using control::ContouringParams;
+using control::Observer;
+using control::PerAxis;
+
+constexpr double kMilli = 1e-3;
+constexpr double kDegree = kPi / 180.0;
+
+ControllerSpec with(std::string id, std::string label, control::LawParams law, FrictionUse friction,
+                    Observer observer, double pole = 20.0) {
+  ControllerSpec c;
+  c.id = std::move(id);
+  c.label = std::move(label);
+  c.friction = friction;
+  c.observer = observer;
+  c.law = std::move(law);
+  c.observer_pole = pole;
+  return c;
+}
+
+}  // namespace
+
+Experiment five_axis() {
+  path::ConeFrustum cone;
+  cone.table = {100.0 * kMilli, {{0.0, 0.0, 50.0 * kMilli}}};
+  cone.radius = 20.0 * kMilli;
+  cone.inclination = 30.0 * kDegree;
+  cone.half_angle = 15.0 * kDegree;
+  Travel t;
+  t.path = cone;
+  t.name = "cone frustum, radius 20 mm, half angle 15°, inclined by 30°";
+  t.pace = path::Pace::kRate;
+  // 10 mm/s of the tool tip over the workpiece.
+  t.speed = 10.0 * kMilli / cone.radius;
+  t.laps = 2.0;
+
+  const ContouringParams law = ContouringParams::critical(40.0, 60.0);
+  // The double pole across the path, on every axis, and an integrator a tenth as fast.
+  control::PidParams pid;
+  pid.kp = PerAxis{3600.0};
+  pid.kv = PerAxis{120.0};
+  pid.ki = PerAxis{21600.0};
+  Setting s;
+  s.machine = "five-axis-mill";
+  s.spec.travels = {t};
+  s.spec.controllers = {
+      with("a", "contouring, no friction compensation", law, FrictionUse::kNone, Observer::kNone),
+      with("b", "contouring, eccentric friction model", law, FrictionUse::kEccentric, Observer::kNone),
+      with("c", "contouring, observer + eccentric model", law, FrictionUse::kEccentric,
+           Observer::kDisturbance),
+      with("d", "PID on every axis, no friction model", pid, FrictionUse::kNone, Observer::kNone),
+      with("e", "PID on every axis, eccentric friction model", pid, FrictionUse::kEccentric,
+           Observer::kNone)};
+  Experiment e{
+      "five-axis", "Five axes: flank milling of a cone frustum", "§5.2 (future work)", {std::move(s)}, {}};
+  e.remarks = {
+      "The contour error is the distance of the tool tip from its path in the workpiece; the orientation "
+      "error is the angle "
+      "between the tool axis and the one wanted at the nearest point of the path.",
+      "The contouring law works in the space of the five axes, where a rotary axis counts as its travel at a "
+      "radius of 100 mm.",
+      "Nothing of this was printed: machine, path and gains are Stribeck's."};
+  return e;
+}
+
+Experiment milling() {
+  Travel t = along(path::Shape::kCircle, 10.0 * kMilli, 10.0 * kMilli, 2.0);
+  CuttingForce f;
+  f.spindle_speed = 1500.0 / 60.0;
+  f.teeth = 4;
+  f.along = 40.0;
+  f.across = 20.0;
+  f.entry = 0.5 * t.run_in;
+  f.exit = t.law().duration() - 0.5 * t.run_in;
+  t.cutting = f;
+  t.name = "circle of 10 mm, milling force of 40 N against the feed and 20 N across";
+
+  const ContouringParams law = ContouringParams::critical(60.0, 60.0);
+  Setting s;
+  s.machine = "triaxial-tool";
+  s.spec.travels = {t};
+  s.spec.controllers = {
+      with("a", "no friction compensation", law, FrictionUse::kNone, Observer::kNone),
+      with("b", "eccentric friction model", law, FrictionUse::kEccentric, Observer::kNone),
+      with("c", "observer 20 1/s + eccentric model", law, FrictionUse::kEccentric, Observer::kDisturbance),
+      with("d", "observer 60 1/s + eccentric model", law, FrictionUse::kEccentric, Observer::kDisturbance,
+           60.0)};
+  Experiment e{"milling", "Two axes under a cutting force", "§5.2 (future work)", {std::move(s)}, {}};
+  e.remarks = {
+      "1500 turns a minute, four teeth: ripples at 25, 100 and 200 Hz. The control period is 1 ms, the force "
+      "its mean over it.",
+      "At 6000 turns a minute the second tooth-passing harmonic lies above half the sampling rate, and the "
+      "first moves the axis "
+      "by some nanometres, below what the encoder of 100 nm lets a loop see.",
+      "Nothing of this was printed: force and gains are Stribeck's."};
+  return e;
+}
+
+}  // namespace stribeck::sim
