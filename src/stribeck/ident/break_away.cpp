@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stribeck/ident/break_away.hpp>
@@ -9,14 +10,18 @@
 namespace stribeck::ident {
 namespace {
 
-constexpr double kSmaller = 0.95;  // force of the earlier row
-constexpr double kGrowth = 2.0;    // of the deflection since
-constexpr double kAtRest = 0.02;   // of the largest force: between ramps
-constexpr double kNotYet = 0.2;    // of the ramp's largest force: no slip is looked for below
-constexpr double kStraight = 0.2;  // what half the time of a ramp may miss half its force by
+constexpr double kSmaller = 0.95;        // force of the earlier row
+constexpr double kGrowth = 2.0;          // of the deflection since
+constexpr double kAtRest = 0.02;         // of the largest force: between ramps
+constexpr double kNotYet = 0.2;          // of the ramp's largest force: no slip is looked for below
+constexpr double kStraight = 0.05;       // of the force at the slip: RMS off the straight line
+constexpr std::size_t kFewestQuiet = 5;  // rows without force before a ramp
+constexpr double kRestBefore =
+    0.1;  // of the deflection at the slip: how far the axis may move just before the ramp
 constexpr std::size_t kFewestRows = 30;
-constexpr double kCounts = 8.0;  // of the encoder, that a deflection needs to be seen
-constexpr double kQuasi = 0.85;  // of the slip's force, up to which the distance is fitted
+constexpr double kElastic = 4.0;  // growth of the deflection over the second half of the force
+constexpr double kCounts = 8.0;   // of the encoder, that a deflection needs to be seen
+constexpr double kQuasi = 0.85;   // of the slip's force, up to which the distance is fitted
 constexpr int kGrid = 60;
 
 template <class... T>
@@ -76,8 +81,32 @@ double acceleration(const std::vector<double>& y, std::size_t first, std::size_t
   return det > 0.0 ? 2.0 * (n * s2y - s2 * sy) / det : 0.0;
 }
 
-std::optional<Slip> first_slip(const Record& rec, std::size_t first, std::size_t last, int direction,
-                               const BreakAwayOptions& options) {
+/// Why a stretch of force is no ramp up to a slip.
+enum class No { kReference, kMoving, kCrooked, kStill, kCreeping, kCount };
+
+struct Judged {
+  std::optional<Slip> slip;
+  No why = No::kStill;
+  double way = 0.0;  ///< of a stretch that creeps [m]
+};
+
+/// RMS off the least-squares line of f[0…k], of its last value.
+double crooked(const std::vector<double>& f, std::size_t k) {
+  const auto n = static_cast<double>(k + 1);
+  const double middle = 0.5 * static_cast<double>(k);
+  double mean = 0.0;
+  for (std::size_t i = 0; i <= k; ++i) mean += f[i] / n;
+  double tt = 0.0, tf = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i <= k; ++i) {
+    const double t = static_cast<double>(i) - middle;
+    tt += t * t, tf += t * (f[i] - mean), ff += (f[i] - mean) * (f[i] - mean);
+  }
+  return std::sqrt(std::max(0.0, ff - tf * tf / tt) / n) / std::abs(f[k]);
+}
+
+/// Rows first … last hold one sign of force; from `begin` to them there is next to none.
+Judged first_slip(const Record& rec, std::size_t begin, std::size_t first, std::size_t last, int direction,
+                  const BreakAwayOptions& options) {
   std::size_t top = first;
   for (std::size_t k = first; k <= last; ++k) {
     if (direction * rec.f[k] > direction * rec.f[top]) top = k;
@@ -92,12 +121,23 @@ std::optional<Slip> first_slip(const Record& rec, std::size_t first, std::size_t
     f.push_back(direction * rec.f[k]);
   }
   const double visible = kCounts * smallest_step(rec.x);
+  if (!rec.r.empty()) {
+    const auto [low, high] = std::minmax_element(rec.r.begin() + static_cast<std::ptrdiff_t>(first),
+                                                 rec.r.begin() + static_cast<std::ptrdiff_t>(top + 1));
+    if (*high - *low > visible) return {{}, No::kReference};
+  }
   std::size_t before = 0;
   for (std::size_t k = 1; k < y.size(); ++k) {
     while (before + 1 < k && f[before + 1] <= kSmaller * f[k]) ++before;
     if (k < kFewestRows || f[k] < kNotYet * f.back() || y[before] < visible) continue;
     if (y[k] < kGrowth * y[before]) continue;
-    if (std::abs(f[k / 2] - 0.5 * (f[k] + f[0])) > kStraight * f[k]) return {};
+    if (crooked(f, k) > kStraight) return {{}, No::kCrooked};
+    // Just before it no force, unless the record begins here; the axis may still spring back early in that pause.
+    const std::size_t pause = first - begin;
+    if (begin > 0 && pause < kFewestQuiet) return {{}, No::kMoving};
+    for (std::size_t i = first - pause / 4; i < first; ++i) {
+      if (std::abs(rec.x[i] - rest) > std::max(visible, kRestBefore * y[k])) return {{}, No::kMoving};
+    }
     Slip slip;
     slip.row = first + k;
     slip.direction = direction;
@@ -116,9 +156,34 @@ std::optional<Slip> first_slip(const Record& rec, std::size_t first, std::size_t
     y.resize(quasi + 1);
     f.resize(quasi + 1);
     slip.distance = fit_length(y, f);
-    return slip;
+    return {slip, {}};
   }
-  return {};
+  // Elastic up to its end, F = F_s·(1 − exp(−y/δ)) below 0.9 F_s: it did not come to sliding.
+  const std::size_t half = static_cast<std::size_t>(
+      std::find_if(f.begin(), f.end(), [&](double force) { return force >= 0.5 * f.back(); }) - f.begin());
+  if (!(y.back() > visible) || y.back() < kElastic * y[half]) return {{}, No::kStill};
+  if (crooked(f, f.size() - 1) > kStraight) return {{}, No::kCrooked};
+  return {{}, No::kCreeping, y.back()};
+}
+
+/// What the stretches without a slip are.
+std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double way,
+                    const std::string& position_unit) {
+  std::string out;
+  const auto say = [&](No no, const std::string& what) {
+    const std::size_t n = count[static_cast<std::size_t>(no)];
+    if (n > 0) out += (out.empty() ? "" : "; ") + text("%zu ", n) + what;
+  };
+  const bool turns = position_unit == "rad";
+  say(No::kReference, "while the reference moves, where the force follows the motion");
+  say(No::kMoving, "not from rest");
+  say(No::kCrooked, "with a force that does not rise steadily");
+  say(No::kStill, "without any sliding, so that more force is needed");
+  say(No::kCreeping,
+      text("during which the axis moves by as much as %.3g %s but never slips suddenly (the ramp is too "
+           "quick, or noise in force or friction lets the axis creep)",
+           turns ? way : 1e3 * way, turns ? "rad" : "mm"));
+  return out;
 }
 
 struct Mean {
@@ -146,6 +211,8 @@ BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwa
   if (records.empty()) throw Refused("break-away: no record given");
   BreakAway out;
   std::size_t ramps = 0;
+  std::array<std::size_t, static_cast<std::size_t>(No::kCount)> no{};
+  double creep = 0.0;
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record rec = with_positions(records[r]);
     double largest = 0.0;
@@ -161,25 +228,33 @@ BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwa
       while (end + 1 < rec.f.size() && direction * rec.f[end + 1] > quiet) ++end;
       if (end - k >= kFewestRows) {
         ++ramps;
+        std::size_t begin = k;
+        while (begin > 0 && std::abs(rec.f[begin - 1]) <= quiet) --begin;
         // The quiet beginning belongs to the ramp.
         std::size_t first = k;
         while (first > 0 && direction * rec.f[first - 1] >= 0.0 &&
                std::abs(rec.f[first - 1]) < std::abs(rec.f[first])) {
           --first;
         }
-        if (auto slip = first_slip(rec, first, end, direction, options)) {
-          slip->record = r;
-          out.slips.push_back(*slip);
+        Judged judged = first_slip(rec, begin, first, end, direction, options);
+        if (judged.slip) {
+          judged.slip->record = r;
+          out.slips.push_back(*judged.slip);
+        } else {
+          ++no[static_cast<std::size_t>(judged.why)];
+          creep = std::max(creep, judged.way);
         }
       }
       k = end + 1;
     }
   }
   if (out.slips.empty()) {
-    throw Refused(text(
-        "break-away: %zu stretches of one sign of force and no slow ramp with a slip among them; ramp the "
-        "force from rest until the axis moves (excite --method ramp)",
-        ramps));
+    const std::string why = reasons(no, creep, records.front().position_unit);
+    throw Refused(
+        text("break-away: no slow ramp of force with a slip among %zu stretches of one sign of force",
+             ramps) +
+        (why.empty() ? "" : ": " + why) +
+        "; ramp the force from rest until the axis slips (excite --method ramp)");
   }
   std::vector<double> force[2], distance;
   for (const Slip& s : out.slips) {
@@ -215,8 +290,9 @@ BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwa
   r.rows = out.slips.size();
   if (out.slips.size() < ramps) {
     r.warnings.push_back(
-        text("%zu of %zu stretches of force are no slow ramps up to a slip and were left out",
-             ramps - out.slips.size(), ramps));
+        text("%zu of %zu stretches of force are no slow ramps up to a slip and were left out: ",
+             ramps - out.slips.size(), ramps) +
+        reasons(no, creep, r.position_unit));
   }
   if (!options.mass) {
     r.warnings.push_back(

@@ -10,7 +10,9 @@
 /// that follow with a rising force are not looked at.
 ///
 /// A record may hold several ramps, of both directions. Each ends at its first slip; quick changes of force in
-/// between (return to the start) are no ramps. Intervals are Student's over the repeats.
+/// between (return to the start) are no ramps. A ramp begins at a force near zero and at rest and rises along a
+/// straight line; where a reference moves, the force follows the motion and is no ramp, and where the axis creeps
+/// far before it slips, there is no point of break-away. Intervals are Student's over the repeats.
 ///
 /// Source: thesis §2.1; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994, doi:10.1016/0005-1098(94)90209-7.
 /// Not modelled: growth of the static friction with the time at rest, creep under a force that trembles (it makes

@@ -13,6 +13,7 @@
 namespace stribeck::ident {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -87,8 +88,30 @@ TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
 TEST(BreakAway, RefusesWhatNeverSlips) {
   Record r = ramp(1, 100.0, 4e-6, 1e-9, 1);
   EXPECT_THAT([&] { identify_break_away({r}); },
-              ThrowsMessage<Refused>(HasSubstr("no slow ramp with a slip")));
+              ThrowsMessage<Refused>(
+                  AllOf(HasSubstr("no slow ramp of force with a slip"), HasSubstr("more force is needed"))));
   EXPECT_THROW(identify_break_away({}), Refused);
+}
+
+// A controller that follows a sine pushes through break-away at every reversal, but not by a ramp from rest.
+TEST(BreakAway, RefusesAClosedLoop) {
+  testing::Drive drive;
+  drive.friction = testing::table_2_3('x');
+  Record r = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
+  EXPECT_THAT([&] { identify_break_away({r}); },
+              ThrowsMessage<Refused>(HasSubstr("while the reference moves")));
+  r.r.clear();
+  EXPECT_THAT([&] { identify_break_away({r}); }, ThrowsMessage<Refused>(HasSubstr("excite --method ramp")));
+}
+
+// A third of the friction as noise: the axis creeps for half a millimetre, and nothing is a point of break-away.
+TEST(BreakAway, SaysThatAnAxisCreeps) {
+  Record r = ramp(1, 10.0, 4e-6, 1e-8, 1);
+  for (std::size_t k = 0; k < r.x.size(); ++k) {
+    const double f = k < 1200 ? r.f[k] : 12.0;
+    r.x[k] = 5e-6 * std::expm1(0.4 * f);
+  }
+  EXPECT_THAT([&] { identify_break_away({r}); }, ThrowsMessage<Refused>(HasSubstr("never slips suddenly")));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <stribeck/ident/condition_parts.hpp>
 #include <stribeck/ident/motion.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <utility>
 
 namespace stribeck::ident {
 
@@ -355,6 +356,14 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
     high = std::max(high, *b);
   }
   const auto shortest = static_cast<std::size_t>(50.0 * hold);
+  // A programmed force rests between its ramps, where the axis springs back; it gets there and away in small steps.
+  constexpr double kSmallStep = 0.1;  // of the whole range
+  const auto programmed = [&](const Table& m, std::size_t first, std::size_t last) {
+    const double step = kSmallStep * (high - low);
+    const bool in = first == 0 || std::abs(m.f[first] - m.f[first - 1]) < step;
+    const bool out = last + 1 >= m.rows() || std::abs(m.f[last + 1] - m.f[last]) < step;
+    return in && out && quiet(m.f);
+  };
   std::vector<Table> out;
   for (Table& m : tables) {
     std::size_t from = 0;
@@ -363,7 +372,7 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
       if (k < m.rows() && m.f[k] == m.f[begin]) continue;
       const bool moves = k - begin > shortest && m.x[k - 1] != m.x[begin];
       const bool limit = m.f[begin] == low || m.f[begin] == high;
-      if (moves && !limit) {
+      if (moves && !limit && !programmed(m, begin, k - 1)) {
         notes.add_range(
             "stuck", m, begin, k - 1, true,
             text("the force keeps the value %.6g to the last digit while the axis moves: the channel was "
@@ -696,6 +705,61 @@ const std::vector<std::string>& finding_kinds() {
   return kinds;
 }
 
+namespace {
+
+/// Squares and sums of what comes after this are still numbers.
+void refuse_absurd(const RawLog& log) {
+  constexpr double kAbsurd = 1e30;
+  const auto look = [&](const std::vector<double>& y, const char* name) {
+    for (std::size_t k = 0; k < y.size(); ++k) {
+      if (!(std::abs(y[k]) >= kAbsurd)) continue;  // NaN is found with its column
+      throw Refused(log.source +
+                    text(": row %zu: the %s is %g, which no machine logs; repair or cut the log, or check "
+                         "the unit of the column",
+                         k < log.row.size() ? log.row[k] : k + 1, name, y[k]));
+    }
+  };
+  for (const auto& [signal, name] : {std::pair{&log.x, "position"},
+                                     {&log.r, "reference"},
+                                     {&log.v, "velocity"},
+                                     {&log.v_ref, "reference of the velocity"},
+                                     {&log.f, "force"}}) {
+    look(signal->t, "time");
+    look(signal->y, name);
+  }
+}
+
+/// A column in another unit than its header says may be off by powers of ten, but hardly so far.
+void refuse_implausible(const std::vector<Table>& tables, const std::string& source, bool position,
+                        const std::string& force_unit, const std::string& position_unit) {
+  constexpr double kLeastStep = 1e-9, kMostStep = 1e5;  // [s]
+  constexpr double kLeastWay = 1e-12, kMostWay = 1e7;   // [m] or [rad], of velocities per second
+  constexpr double kLeastForce = 1e-12, kMostForce = 1e12;
+  const auto range_of = [&](std::vector<double> Table::*column) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Table& m : tables) {
+      const auto [a, b] = std::minmax_element((m.*column).begin(), (m.*column).end());
+      if (a == (m.*column).end()) continue;
+      low = std::min(low, *a), high = std::max(high, *b);
+    }
+    return high - low;
+  };
+  const auto check = [&](double value, double least, double most, const char* what, const std::string& unit) {
+    if (value >= least && value <= most) return;
+    throw Refused(
+        source +
+        text(": %s %.3g %s, which no machine has (expected %g to %g); the unit of the column is wrong", what,
+             value, unit.c_str(), least, most));
+  };
+  for (const Table& m : tables) check(m.sample_time, kLeastStep, kMostStep, "the time between rows is", "s");
+  check(range_of(position ? &Table::x : &Table::v), kLeastWay, kMostWay,
+        position ? "the position ranges over" : "the velocity ranges over",
+        position ? position_unit : position_unit + "/s");
+  check(range_of(&Table::f), kLeastForce, kMostForce, "the force ranges over", force_unit);
+}
+
+}  // namespace
+
 Conditioned condition(RawLog log, const ConditionOptions& options) {
   std::vector<RawLog> runs;
   runs.push_back(std::move(log));
@@ -712,6 +776,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   const bool position = !runs.front().x.empty();
   const bool integrate_reference = runs.front().r.empty() && !runs.front().v_ref.empty();
   for (const RawLog& log : runs) {
+    refuse_absurd(log);
     if (log.position_unit != unit || log.force_unit != runs.front().force_unit || log.x.empty() == position) {
       throw Refused(log.source + ": other quantities or units than " + source +
                     "; runs of one axis need the same");
@@ -742,6 +807,8 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
                   text(": the %s keeps the value %.6g in every row: the axis did not move or the channel is "
                        "stuck (choose another one with --map)",
                        position ? "position" : "velocity", tables.front().motion().front()));
+
+  refuse_implausible(tables, source, position, runs.front().force_unit, unit);
 
   s.x_hold = position ? hold_of(tables, &Table::x) : 1.0;
   s.v_hold = tables.front().v.empty() ? 1.0 : hold_of(tables, &Table::v);

@@ -218,15 +218,6 @@ std::vector<double> predicted(const Block& b, const Fit& fit) {
   return out;
 }
 
-/// A programmed force has no noise of its own.
-bool quiet(const std::vector<double>& column) {
-  const std::vector<double> f = sample_of(column, 20000);
-  std::vector<double> second;
-  for (std::size_t k = 1; k + 1 < f.size(); ++k) second.push_back(std::abs(f[k + 1] - 2.0 * f[k] + f[k - 1]));
-  const auto [low, high] = std::minmax_element(f.begin(), f.end());
-  return quantile(std::move(second), 0.75) < 1e-3 * (*high - *low);
-}
-
 double mean_of(const std::vector<double>& y, std::size_t first, std::size_t last) {
   double sum = 0.0;
   for (std::size_t k = first; k < last; ++k) sum += y[k];
@@ -266,6 +257,14 @@ std::size_t rows_without_drive(const std::vector<double>& x, const std::vector<d
 }
 
 }  // namespace
+
+bool quiet(const std::vector<double>& column) {
+  const std::vector<double> f = sample_of(column, 20000);
+  std::vector<double> second;
+  for (std::size_t k = 1; k + 1 < f.size(); ++k) second.push_back(std::abs(f[k + 1] - 2.0 * f[k] + f[k - 1]));
+  const auto [low, high] = std::minmax_element(f.begin(), f.end());
+  return quantile(std::move(second), 0.75) < 1e-3 * (*high - *low);
+}
 
 RoughFit rough_fit(const std::vector<Table>& tables) {
   const std::vector<Block> blocks = blocks_of(tables, kRowsOfRoughFit);

@@ -88,6 +88,8 @@ void recover_signs(std::vector<Table>& tables, Notes& notes);
 void mend_sign(std::vector<Table>& tables, Notes& notes);
 /// Cuts standstill without drive off both ends.
 void cut_drive_off(std::vector<Table>& tables, Notes& notes);
+/// Whether the force has no noise of its own: it was programmed, not measured.
+bool quiet(const std::vector<double>& force);
 void find_saturation(std::vector<Table>& tables, Notes& notes);
 
 }  // namespace stribeck::ident::parts

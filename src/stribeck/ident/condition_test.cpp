@@ -498,6 +498,50 @@ TEST(Condition, StuckChannels) {
   EXPECT_EQ(d.records.size(), 2U);
 }
 
+// Between its ramps a programmed force is zero while the axis springs back; that is no stuck channel.
+TEST(Condition, RestBetweenProgrammedRampsStays) {
+  RawLog log = logged({.noise = 0.0});
+  double x = 0.0;
+  for (std::size_t k = 0; k < log.f.y.size(); ++k) {
+    const std::size_t i = k % 2000;
+    const double side = k / 2000 % 2 == 0 ? 1.0 : -1.0;
+    log.f.y[k] = side * (i < 1500   ? 0.01 * static_cast<double>(i)
+                         : i < 1700 ? 0.075 * static_cast<double>(1700 - i)
+                                    : 0.0);
+    x += side * (i > 1400 && i < 1600 ? 1e-5 : i > 1700 ? -1e-8 : 0.0);
+    log.x.y[k] = x;
+  }
+  log.v.y.clear();
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), Not(Contains("stuck")));
+  EXPECT_EQ(c.records.size(), 1U);
+}
+
+// Squares of such numbers are none.
+TEST(Condition, NumbersOfNoMachineAreRefused) {
+  for (const bool all : {true, false}) {
+    RawLog log = logged();
+    if (all) {
+      for (double& f : log.f.y) f *= 1e300;
+    } else {
+      log.x.y[76] = -1e300;
+    }
+    EXPECT_THAT(refusal(log),
+                AllOf(HasSubstr(all ? "row 1: the force" : "row 77: the position"), HasSubstr("unit")));
+  }
+  for (const double scale : {1e-200, 1e-20, 1e20}) {
+    RawLog log = logged();
+    for (double& t : log.x.t) t *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("time between rows"), HasSubstr("unit"))) << scale;
+    log = logged();
+    for (double& x : log.x.y) x *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("position ranges over"), HasSubstr("unit"))) << scale;
+    log = logged();
+    for (double& f : log.f.y) f *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("force ranges over"), HasSubstr("unit"))) << scale;
+  }
+}
+
 TEST(Condition, VelocityInAnotherUnitIsRefused) {
   for (const auto& [factor, hint] : {std::pair{60.0, "per minute"},
                                      {1000.0, "mm for m"},

@@ -12,6 +12,7 @@
 #include <stribeck/ident/relaxation.hpp>
 #include <stribeck/ident/static_fit.hpp>
 #include <stribeck/ident/uncertainty.hpp>
+#include <utility>
 
 namespace stribeck::ident {
 namespace {
@@ -72,7 +73,7 @@ class DriveFit {
  private:
   void prepare() {
     if (records_.empty()) throw Refused("identification: no record given");
-    asked_.assign(records_.size(), {});
+    motions_.reserve(records_.size()), force_.reserve(records_.size());
     for (const Record& r : records_) {
       const auto wrong = problems(r);
       if (!wrong.empty()) throw Refused(wrong.front());
@@ -85,8 +86,8 @@ class DriveFit {
       motion.cut_off = options_.cut_off;
       shift_ = options_.shift.value_or(-0.5);
       motion.shift = shift_;
+      motion.smoothed_force = &force_.emplace_back();
       motions_.push_back(reconstruct(r, motion));
-      force_.push_back(smooth_like(motions_.back(), r.f));
       predict(r, motions_.back());
       if (motions_.back().loop == Loop::kAutomatic) {
         warn(r.source +
@@ -127,9 +128,18 @@ class DriveFit {
     const VectorXd h = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
     std::vector<double>& v = predicted_.back();
     v.assign(r.size(), 0.0);
-    for (std::ptrdiff_t k = 0; k < n; ++k) {
-      row(k, c);
-      v[static_cast<std::size_t>(k)] = h.dot(c);
+    // Lag by lag over pieces that stay in the cache.
+    constexpr std::ptrdiff_t kPiece = 2048;
+    for (std::ptrdiff_t from = 0; from < n; from += kPiece) {
+      const std::ptrdiff_t to = std::min(n, from + kPiece);
+      for (Index j = 0; j < count; ++j) {
+        const std::ptrdiff_t lag = lags[static_cast<std::size_t>(j)];
+        const std::ptrdiff_t inner = std::clamp(lag, from, to), outer = std::clamp(n + lag, inner, to);
+        for (std::ptrdiff_t k = from; k < inner; ++k) v[static_cast<std::size_t>(k)] += h(j) * rate.front();
+        Eigen::Map<VectorXd>(v.data() + inner, outer - inner) +=
+            h(j) * Eigen::Map<const VectorXd>(rate.data() + (inner - lag), outer - inner);
+        for (std::ptrdiff_t k = outer; k < to; ++k) v[static_cast<std::size_t>(k)] += h(j) * rate.back();
+      }
     }
     for (std::size_t k = 1; k + 1 < r.size(); ++k)
       m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
@@ -140,7 +150,9 @@ class DriveFit {
   // ---- rows -----------------------------------------------------------------------------------------------
 
   void gather(double exclude, double slowest_share, double relaxation) {
-    rows_ = {};
+    rows_.clear();
+    rows_.reserve(std::accumulate(motions_.begin(), motions_.end(), std::size_t{0},
+                                  [](std::size_t sum, const Motion& m) { return sum + m.rows(); }));
     int before = 0;
     for (std::size_t r = 0; r < motions_.size(); ++r) {
       const Motion& m = motions_[r];
@@ -245,23 +257,31 @@ class DriveFit {
   /// What least squares multiplies with instead of the change of the force, which a controller makes react to
   /// the noise: the change of the force that the reference asks for.
   [[nodiscard]] double shift_instrument(std::size_t i, double change) const {
-    const auto r = static_cast<std::size_t>(rows_.record[i]);
-    return asked_[r].empty() ? change : asked_[r][rows_.at[i]];
+    return asked_.empty() || !asks(static_cast<std::size_t>(rows_.record[i])) ? change : asked_[i];
   }
-  /// Row by row m·a + F(v) of the predicted motion, differenced, where a reference is there.
+  [[nodiscard]] bool asks(std::size_t record) const { return !predicted_[record].empty(); }
+  /// m·a + F(v) of the predicted motion, differenced, at the rows in use.
   void ask() {
-    asked_.assign(records_.size(), {});
-    for (std::size_t r = 0; r < records_.size(); ++r) {
-      const Motion& m = motions_[r];
-      if (m.loop != Loop::kClosed || records_[r].r.empty()) continue;
+    asked_.assign(rows_.size(), 0.0);
+    // Neighbouring rows share what they difference.
+    std::size_t behind = 0;
+    std::array<double, 3> f{};
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const auto r = static_cast<std::size_t>(rows_.record[i]);
+      if (!asks(r)) continue;
       const std::vector<double>& v = predicted_[r];
-      std::vector<double> f(v.size(), 0.0);
-      for (std::size_t k = 0; k < v.size(); ++k) {
-        const std::size_t s = v[k] > 0.0 ? 0 : 1;
-        f[k] = mass_ * m.instrument[k] + kDirection[s] * line_[s](std::abs(v[k]));
-      }
-      asked_[r].assign(v.size(), 0.0);
-      for (std::size_t k = 2; k + 2 < v.size(); ++k) asked_[r][k] = 0.5 * (f[k + 1] - f[k - 1]);
+      const std::vector<double>& a = motions_[r].instrument;
+      const std::size_t k = rows_.at[i];
+      if (k < 2 || k + 2 >= v.size()) continue;
+      const auto at = [&](std::size_t row) {
+        const std::size_t s = v[row] > 0.0 ? 0 : 1;
+        return mass_ * a[row] + kDirection[s] * line_[s](std::abs(v[row]));
+      };
+      const bool next =
+          i > 0 && i == behind + 1 && rows_.record[i - 1] == rows_.record[i] && rows_.at[i - 1] + 1 == k;
+      f = next ? std::array{f[1], f[2], at(k + 1)} : std::array{at(k - 1), at(k), at(k + 1)};
+      behind = i;
+      asked_[i] = 0.5 * (f[2] - f[0]);
     }
   }
 
@@ -441,11 +461,13 @@ class DriveFit {
     solve(true);
   }
 
-  /// Goes on with a sample of the rows. Until friction has settled no more is needed.
-  void thin_out() {
+  /// Goes on with a sample of the rows. Until friction and shift have settled no more is needed. False: these
+  /// are all.
+  bool thin_out() {
     const std::vector<std::size_t> kept = sample();
-    if (kept.size() == rows_.size()) return;
+    if (kept.size() == rows_.size()) return false;
     Rows rows;
+    rows.reserve(kept.size());
     std::vector<std::uint8_t> block;
     for (const std::size_t i : kept) {
       rows.record.push_back(rows_.record[i]);
@@ -456,34 +478,71 @@ class DriveFit {
       rows.lag.push_back(rows_.lag[i]);
       block.push_back(block_[i]);
     }
-    rows_ = std::move(rows);
-    block_ = std::move(block);
+    thin_ = true;
+    all_rows_ = std::exchange(rows_, std::move(rows));
+    all_blocks_ = std::exchange(block_, std::move(block));
+    return true;
+  }
+  /// All rows again, with the force at all of them.
+  void take_all() {
+    if (!thin_) return;
+    thin_ = false;
+    rows_ = std::move(all_rows_), block_ = std::move(all_blocks_);
+    align(shift_);
   }
 
   void settle() {
+    take_all();
     const Relaxation relaxation = find_relaxation(motions_, level(), mass_, offset_, near_);
     const double length = relaxation.length;
+    const auto lag = [&] {
+      if (length > 0.0) find_lag(motions_, level(), relaxation, rows_);
+    };
     if (length > 0.0) {
       result_.break_away_distance = length;
       gather(kRelaxations * length, 0.5 * kSmallSpeed, length);
-      find_lag(motions_, level(), relaxation, rows_);
-      solve(true);
-      find_lag(motions_, level(), relaxation, rows_);
     } else {
       gather(near_, kSmallSpeed, 0.0);
       warn(
           "no reversal of motion in the log: the distance to break away is not known and nothing is left out "
           "for it");
     }
+    thin_out();
+    if (shift_free_) ask();
+    if (length > 0.0) {
+      lag();
+      solve(true);
+      lag();
+    }
     solve(true);
     if (!options_.shift) judge_shift();
+    if (!thin_) return;
+    take_all();
+    lag();
+    if (shift_free_) ask();
+    solve(true);
   }
 
+  /// As far as rows are in use.
   void align(double shift) {
     shift_ = shift;
-    for (std::size_t r = 0; r < motions_.size(); ++r) {
-      Motion& m = motions_[r];
-      m.f = align_force(force_[r], shift_);
+    if (!thin_) {
+      for (std::size_t r = 0; r < motions_.size(); ++r)
+        align_force(force_[r], shift_, 0, force_[r].size(), motions_[r].f);
+    } else {
+      for (std::size_t i = 0; i < rows_.size();) {
+        // A run of consecutive rows and its neighbours.
+        std::size_t last = i;
+        while (last + 1 < rows_.size() && rows_.record[last + 1] == rows_.record[i] &&
+               rows_.at[last + 1] == rows_.at[last] + 1)
+          ++last;
+        const auto r = static_cast<std::size_t>(rows_.record[i]);
+        const std::size_t from = rows_.at[i] > 0 ? rows_.at[i] - 1 : 0;
+        align_force(force_[r], shift_, from, std::min(force_[r].size(), rows_.at[last] + 2), motions_[r].f);
+        i = last + 1;
+      }
+    }
+    for (Motion& m : motions_) {
       if (m.loop == Loop::kOpen) m.instrument = m.f;
     }
   }
@@ -492,8 +551,9 @@ class DriveFit {
   [[nodiscard]] std::vector<std::size_t> sample() const {
     const std::size_t every = rows_.size() / kSampleRows + 1;
     std::vector<std::size_t> out;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (i / kSampleChunk % every == 0) out.push_back(i);
+    out.reserve(kSampleRows + kSampleChunk);
+    for (std::size_t from = 0; from < rows_.size(); from += every * kSampleChunk) {
+      for (std::size_t i = from; i < std::min(from + kSampleChunk, rows_.size()); ++i) out.push_back(i);
     }
     return out;
   }
@@ -538,30 +598,42 @@ class DriveFit {
     const double va = dot(v, a) / vv;
     for (std::size_t j = 0; j < rows.size(); ++j) a[j] -= va * v[j];
     const double aa = dot(a, a);
-    const auto force_at = [&](double shift) {
+    // The force at a fraction of a row is a straight line between two whole ones: products of whole rows do.
+    struct Whole {
+      double ff = 0.0, next = 0.0, af = 0.0, vf = 0.0;  // next: with the row after
+    };
+    const double reach = std::min(kMostShiftRows, std::max(3.0, std::ceil(kLongestShift / T)));
+    const auto lowest = -static_cast<std::ptrdiff_t>(reach) - 2;
+    const auto highest = static_cast<std::ptrdiff_t>(reach) + 2;
+    std::vector<Whole> products;
+    std::vector<double> before;
+    for (std::ptrdiff_t late = lowest; late <= highest; ++late) {
       std::vector<double> f(rows.size());
-      const double whole = std::floor(shift);
-      const double part = shift - whole;
       for (std::size_t j = 0; j < rows.size(); ++j) {
         const std::size_t i = rows[j];
         const std::vector<double>& raw = force_[static_cast<std::size_t>(rows_.record[i])];
-        const auto last = static_cast<std::ptrdiff_t>(raw.size()) - 1;
-        const auto at = static_cast<std::ptrdiff_t>(rows_.at[i]) + static_cast<std::ptrdiff_t>(whole);
-        f[j] = (1.0 - part) * raw[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))] +
-               part * raw[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at + 1, 0, last))];
+        const auto at = static_cast<std::ptrdiff_t>(rows_.at[i]) + late;
+        f[j] = raw[static_cast<std::size_t>(
+            std::clamp<std::ptrdiff_t>(at, 0, static_cast<std::ptrdiff_t>(raw.size()) - 1))];
       }
-      return centred(std::move(f));
-    };
-    double total = 0.0;
+      f = centred(std::move(f));
+      if (!products.empty()) products.back().next = dot(before, f);
+      products.push_back({dot(f, f), 0.0, dot(a, f), dot(v, f)});
+      before = std::move(f);
+    }
     const auto cost = [&](double shift) {
-      const std::vector<double> f = force_at(shift);
-      const double af = options_.mass ? *options_.mass * aa : dot(a, f);
-      const double vf = dot(v, f);
-      total = dot(f, f) - vf * vf / vv;
-      return options_.mass ? total - 2.0 * *options_.mass * dot(a, f) + *options_.mass * *options_.mass * aa
+      const double whole = std::floor(shift);
+      const double part = shift - whole;
+      const auto at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(whole) - lowest);
+      const Whole &p = products[at], &n = products[at + 1];
+      const double left = 1.0 - part;
+      const double ff = left * left * p.ff + 2.0 * left * part * p.next + part * part * n.ff;
+      const double af = left * p.af + part * n.af;
+      const double vf = left * p.vf + part * n.vf;
+      const double total = ff - vf * vf / vv;
+      return options_.mass ? total - 2.0 * *options_.mass * af + *options_.mass * *options_.mass * aa
                            : total - af * af / aa;
     };
-    const double reach = std::min(kMostShiftRows, std::max(3.0, std::ceil(kLongestShift / T)));
     double best = -0.5;
     double least = cost(best);
     for (double s = -reach - 0.5; s <= reach; s += 0.5) {
@@ -602,22 +674,16 @@ class DriveFit {
     double half_width = 0.0;
     double gain = 1.0;
     if (shift_free_) {
-      const Rows rows = rows_;
-      const std::vector<std::uint8_t> block = block_;
-      thin_out();
       newton_shift();
       half_width = shift_half_width();
-      const double found = shift_, with = left_over();
+      const double with = left_over();
+      const double found = shift_;
       shift_free_ = false;
       align(-0.5);
       solve(true);
       gain = left_over() / std::max(with, 1e-300);
       shift_free_ = true;
-      align(found);
-      rows_ = rows;
-      block_ = block;
-      ask();
-      solve(true);
+      shift_ = found;
     }
     const bool told = shift_free_ && half_width < 2.0 && std::abs(shift_) < limit;
     if (!told) {
@@ -631,7 +697,12 @@ class DriveFit {
     const double away = std::abs(shift_ + 0.5);
     const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
     const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);
-    if (told && (seen || plain)) return;
+    if (told && (seen || plain)) {
+      align(shift_);
+      ask();
+      solve(true);
+      return;
+    }
     shift_free_ = false;
     align(-0.5);
     solve(true);
@@ -1409,12 +1480,13 @@ class DriveFit {
   double shift_ = -0.5;
   bool shift_free_ = false;
   std::vector<std::vector<double>> predicted_;  // velocity that the reference explains [m/s]
-  std::vector<std::vector<double>> asked_;      // change of the force that the reference asks for [N]
+  std::vector<double> asked_;  // change of the force that the reference asks for, by row in use [N]
   double near_ = 0.0;
   std::array<double, kSides> top_{};
-  Rows rows_;
+  Rows rows_, all_rows_;  // in use; put aside while a sample is
   std::size_t blocks_ = 5;
-  std::vector<std::uint8_t> block_;
+  std::vector<std::uint8_t> block_, all_blocks_;
+  bool thin_ = false;
   std::array<Grid, kSides> grid_;
   std::array<Polyline, kSides> line_, bare_;
   double offset_ = 0.0;

@@ -38,6 +38,12 @@ Polyline::Line Polyline::line() const {
   return l;
 }
 
+void Rows::reserve(std::size_t rows) {
+  record.reserve(rows), at.reserve(rows), stretch.reserve(rows), side.reserve(rows), bin.reserve(rows);
+  lag.reserve(rows);
+}
+void Rows::clear() { record.clear(), at.clear(), stretch.clear(), side.clear(), bin.clear(), lag.clear(); }
+
 int peaks_of(const Polyline& p) {
   const std::size_t n = p.speed.size();
   const double slope = p.line().slope;

@@ -65,6 +65,8 @@ struct Rows {
   std::vector<double> lag;  ///< what friction lags behind its steady state, signed [N]
 
   [[nodiscard]] std::size_t size() const noexcept { return at.size(); }
+  void reserve(std::size_t rows);
+  void clear();  ///< keeps the memory
 };
 
 /// Peaks of the smoothed map after its straight line is taken off, the border at the highest speed counted

@@ -26,7 +26,7 @@ struct Row {
   int record;
   std::size_t at;
   std::size_t bin;
-  double v, a, f, z;
+  double v, a, f, z, x;
 };
 
 /// Rows of sliding, with the bin of speed they lie in; bins of v < 0 after those of v > 0.
@@ -40,7 +40,7 @@ std::vector<Row> rows_of(const std::vector<Record>& records, const EqualSpeedOpt
     // In open loop the instrument is a force: another unit, but the same estimate.
     for (std::size_t k = 0; k < m.rows(); ++k) {
       if (!m.sliding(k, options.exclude)) continue;
-      rows.push_back({static_cast<int>(r), k, 0, m.v[k], m.a[k], m.f[k], m.instrument[k]});
+      rows.push_back({static_cast<int>(r), k, 0, m.v[k], m.a[k], m.f[k], m.instrument[k], m.x[k]});
       top = std::max(top, std::abs(m.v[k]));
     }
   }
@@ -179,6 +179,28 @@ MassEstimate mass_at_equal_speed(const std::vector<Record>& records, const Equal
     f(i) = row.f - s.f / s.n;
     record.push_back(row.record);
     at.push_back(row.at);
+  }
+  if (!options.periods.empty()) {
+    // Partialled out of all three: what is left of them knows nothing of the periodic force.
+    const auto columns = static_cast<Eigen::Index>(2 * options.periods.size());
+    Eigen::MatrixXd w(n, columns);
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(bins.size()), columns);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Row& row = rows[static_cast<std::size_t>(i)];
+      for (std::size_t p = 0; p < options.periods.size(); ++p) {
+        const double phase = 2.0 * kPi * row.x / options.periods[p];
+        w(i, static_cast<Eigen::Index>(2 * p)) = std::sin(phase);
+        w(i, static_cast<Eigen::Index>(2 * p + 1)) = std::cos(phase);
+      }
+      mean.row(static_cast<Eigen::Index>(row.bin)) += w.row(i) / bins[row.bin].n;
+    }
+    for (Eigen::Index i = 0; i < n; ++i)
+      w.row(i) -= mean.row(static_cast<Eigen::Index>(rows[static_cast<std::size_t>(i)].bin));
+    const Eigen::LDLT<Eigen::MatrixXd> normal(w.transpose() * w);
+    const auto partial_out = [&](auto&& column) { column -= w * normal.solve(w.transpose() * column); };
+    partial_out(z.col(0));
+    partial_out(a);
+    partial_out(f);
   }
   const double cross = z.col(0).dot(a);
   if (!(std::abs(cross) > 1e-9 * z.norm() * a.norm())) return out;

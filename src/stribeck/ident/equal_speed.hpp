@@ -13,7 +13,8 @@
 /// two directions have friction of their own, and then no run at constant speed tells a load from it.
 ///
 /// Source: thesis §4.5.3; Robinson 1988, doi:10.2307/1912705.
-/// Not modelled: friction that depends on position or on acceleration (rows near a reversal are left out).
+/// Not modelled: friction that depends on acceleration (rows near a reversal are left out), or on position but for
+/// the periods that are given.
 /// Real time: no.
 /// Errors: Refused, with the reason.
 
@@ -46,6 +47,8 @@ Result identify_gravity(const std::vector<Record>& records, const SteadyOptions&
 struct EqualSpeedOptions {
   double exclude = 50e-6;  ///< left out after reversals [m]
   int bins = 60;           ///< of speed, each direction
+  /// Periods of forces periodic in position, which would else count as inertia [m].
+  std::vector<double> periods;
 };
 
 struct MassEstimate {

@@ -14,16 +14,19 @@ constexpr double kReserve = 0.95;  // of the speed limit
 constexpr double kDoubt = 0.85;    // speeds are predicted with this share of the friction: the idea is rough
 constexpr double kBaseScale =
     4.0;  // the scale that just moves the axis (thesis: results are taken from K_u = 4)
-constexpr double kJustMoves = 1.25;   // its height over the Coulomb force
-constexpr double kRest = 0.15;        // between pulses, after the axis has stopped [s]
-constexpr double kStep = 1e-3;        // of the prediction [s]
-constexpr double kShortestJog = 1.0;  // of constant speed: settling is left out [s]
-constexpr double kLongestJog = 60.0;  // for the sake of whole periods [s]
-constexpr double kSettle = 0.5;       // left out by the identification [s]
-constexpr double kBeyond = 1.3;       // peak of a ramp over the rough Coulomb force
-constexpr double kBack = 0.2;         // from there to zero [s]
-constexpr double kGcodeStep = 0.02;   // [s]
-constexpr double kFinest = 1e-7;      // shortest move of G-code [m]
+constexpr double kJustMoves = 1.25;        // its height over the Coulomb force
+constexpr double kRest = 0.15;             // between pulses, after the axis has stopped [s]
+constexpr double kStep = 1e-3;             // of the prediction [s]
+constexpr double kShortestJog = 1.0;       // of constant speed: settling is left out [s]
+constexpr double kLongestJog = 60.0;       // for the sake of whole periods [s]
+constexpr double kSettle = 0.5;            // left out by the identification [s]
+constexpr double kBeyond = 1.3;            // peak of a ramp over the rough Coulomb force
+constexpr double kBack = 0.2;              // from there to zero [s]
+constexpr double kGcodeStep = 0.02;        // [s]
+constexpr double kFinest = 1e-7;           // shortest move of G-code [m]
+constexpr double kHardlyMoves = 1e-3;      // of the speed limit
+constexpr double kHardlySlips = 10e-6;     // some bristle lengths [m]
+constexpr double kFewestRampRows = 100.0;  // of a rise; a quicker one is no ramp from rest
 
 template <class... T>
 std::string text(const char* format, T... values) {
@@ -42,6 +45,16 @@ void check(const Limits& l, double sample_time, double start) {
     throw Refused(text("excitation: start at %g mm lies outside the travel of %g to %g mm", start * 1e3,
                        l.travel_min * 1e3, l.travel_max * 1e3));
   }
+}
+
+/// Before anything is filled; counts as numbers, since what is asked for may not fit an integer.
+void check_rows(const char* parameter, double rows, double sample_time, const std::string& what,
+                const std::string& way_out) {
+  if (rows <= static_cast<double>(kMostRows)) return;
+  throw BadDesign(parameter, what +
+                                 text(" would take %.3g s and %.4g rows, expected at most %zu rows (",
+                                      rows * sample_time, rows, kMostRows) +
+                                 way_out + ")");
 }
 
 struct Outcome {
@@ -184,13 +197,22 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
     // A braking axis may need longer than predicted: half as much again.
     const double pause = 1.5 * (o.stop - 2.0 * ramp - hold) + kRest;
     for (const double way : {first, -first}) {
-      const auto rows = static_cast<std::size_t>(std::ceil((2.0 * ramp + hold + pause) / sample_time));
+      const double needed = std::ceil((2.0 * ramp + hold + pause) / sample_time);
+      check_rows("sample_time", static_cast<double>(e.force.size()) + needed, sample_time, "pulses",
+                 "a longer sample time");
+      const auto rows = static_cast<std::size_t>(needed);
       for (std::size_t k = 0; k < rows; ++k) {
         e.force.push_back(way * height * trapezoid(sample_time * static_cast<double>(k), ramp, hold));
       }
     }
   }
   if (moving == 0) throw Refused("pulses: no scale moves the axis; add scales above 4");
+  if (top < kHardlyMoves * limits.speed) {
+    throw Refused(text(
+        "pulses: the axis would reach %.3g mm/s only, of %g mm/s that it may have; the rough mass of %g kg "
+        "or the friction is wrong",
+        top * 1e3, limits.speed * 1e3, drive.mass));
+  }
   stamp(e, e.force.size());
   e.says = text(
       "pulses: %.1f s, %zu pulses, %d pairs of them strong enough to move the axis, up to about %.3g mm/s "
@@ -208,6 +230,9 @@ std::vector<double> jog_speeds(double fastest) {
                           5.5,  6.0,  6.5,  7.0,  7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0}) {
     if (mm * 1e-3 <= fastest * (1.0 + 1e-9)) speeds.push_back(mm * 1e-3);
   }
+  // A curve is worth most where it ends: the last gap would leave it open there.
+  constexpr double kGap = 1.02;
+  if (!speeds.empty() && fastest > kGap * speeds.back() && std::isfinite(fastest)) speeds.push_back(fastest);
   return speeds;
 }
 
@@ -222,9 +247,22 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   e.sample_time = sample_time;
   double r = design.start;
   e.r.push_back(r);
+  if (design.period > 0.0) {
+    const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
+    const double least = 2.0 * fastest * sample_time;
+    if (design.period < least || design.period > room) {
+      throw BadDesign(
+          "period",
+          text("got %g mm, expected between %g mm (two rows at the fastest speed) and %g mm (the way "
+               "that there is)",
+               design.period * 1e3, least * 1e3, room * 1e3));
+    }
+  }
+  std::size_t whole_ways = 0;
   for (const double v : design.speeds) {
     if (!(v > 0.0) || v > limits.speed) {
-      throw Refused(text("jog: speed of %g mm/s, expected above 0 and at most the limit of %g mm/s", v * 1e3,
+      throw BadDesign(
+          "speeds", text("jog: speed of %g mm/s, expected above 0 and at most the limit of %g mm/s", v * 1e3,
                          limits.speed * 1e3));
     }
     // Long enough to leave the bristle behind (some tens of micrometres) and to average noise.
@@ -235,13 +273,20 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
       // What is left out until the axis has settled comes on top of the whole periods.
       const double settled = flat - std::min(kSettle, 0.3 * flat);
       const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
-      if (whole <= std::min(longest, kLongestJog)) flat = whole;
+      if (whole <= std::min(longest, kLongestJog)) {
+        flat = whole;
+        ++whole_ways;
+      }
     }
     if (flat < kShortestJog) {
       throw Refused(text(
           "jog: %g mm/s has only %.3g s of constant speed in the travel; start elsewhere or leave it out",
           v * 1e3, flat));
     }
+    check_rows(
+        "speeds",
+        static_cast<double>(e.r.size()) + 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time),
+        sample_time, text("jog: %g mm/s, with the speeds before it,", v * 1e3), "leave out the slowest");
     for (const double way : {design.direction, -design.direction}) {
       const auto flank = static_cast<std::size_t>(std::ceil(ramp / sample_time));
       const auto rows = static_cast<std::size_t>(std::ceil(flat / sample_time));
@@ -263,6 +308,9 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
       "included; says nothing "
       "about the mass.",
       e.t.back(), design.speeds.size());
+  if (design.period > 0.0) {
+    e.says += text(" At %zu of them the ways hold whole turns of %g mm.", whole_ways, design.period * 1e3);
+  }
   return e;
 }
 
@@ -278,6 +326,9 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   // A cosine ends at rest by itself; a sine, which passes its middle at full speed, slows down as it began.
   const double whole = 2.0 * kPi * design.periods / design.frequency;
   const double end = design.from_middle ? std::max(whole + 1.0, 2.0) : whole + 0.5;
+  check_rows("periods", end / sample_time, sample_time,
+             text("%s: %d periods of %.4g s", e.method.c_str(), design.periods, 2.0 * kPi / design.frequency),
+             "fewer periods, or a faster sine in the machine file");
   const auto rows = static_cast<std::size_t>(std::floor(end / sample_time)) + 1;
   const auto from_rest = [](double t) { return t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5; };
   for (std::size_t k = 0; k < rows; ++k) {
@@ -325,7 +376,7 @@ double ramp_force(double t, double up, double peak) {
 Slipped predict_slip(const RoughDrive& easy, double up, double peak, double enough) {
   Slipped s;
   double v = 0.0, t = 0.0;
-  while ((t < up + kBack || v > 0.0) && s.way < enough) {
+  while ((t < up + kBack || (v > 0.0 && t < 2.0 * up + 60.0)) && s.way < enough) {
     const double f = ramp_force(t, up, peak);
     if (v > 0.0 || f > easy.coulomb) {
       v = std::max(0.0, v + kStep * (f - easy.coulomb - easy.viscous * v) / easy.mass);
@@ -358,6 +409,15 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
   const RoughDrive easy{drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous};
   const double room = std::min(limits.travel_max - design.start, design.start - limits.travel_min);
   double rise = design.rise.value_or(kLongestRise);
+  if (design.rise && rise < kFewestRampRows * sample_time) {
+    throw BadDesign(
+        "rise", text("ramp: got %g s, expected at least %g s, %g rows (a quicker rise is no ramp at rest)",
+                     rise, kFewestRampRows * sample_time, kFewestRampRows));
+  }
+  check_rows(design.rise ? "rise" : "repeats",
+             2.0 * design.repeats * (kBeyond * rise + kBack + 2.0 * kRest + 0.5) / sample_time, sample_time,
+             text("ramp: %d ramps in each direction with a rise of %g s", design.repeats, rise),
+             "a shorter rise or fewer repeats");
   Slipped slipped = predict_slip(easy, kBeyond * rise, peak, 2.0 * room);
   while (!design.rise && rise > kShortestRise && (slipped.top > limits.speed || 1.5 * slipped.way > room)) {
     rise *= 0.9;
@@ -375,11 +435,19 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
              "take a shorter rise, now %.3g s",
              slipped.way * 1e3, room * 1e3, rise));
   }
+  if (slipped.way < kHardlySlips) {
+    throw Refused(
+        text("ramp: the axis would slip by %.3g mm only; the rough mass of %g kg or the friction is wrong",
+             slipped.way * 1e3, drive.mass));
+  }
   const double up = kBeyond * rise;
   Excitation e;
   e.method = "ramp";
   e.sample_time = sample_time;
   const double whole = std::max(slipped.end, up + kBack) + 2.0 * kRest + 0.5;
+  check_rows(design.rise ? "rise" : "repeats", 2.0 * design.repeats * whole / sample_time, sample_time,
+             text("ramp: %d ramps in each direction with a rise of %g s", design.repeats, rise),
+             "a shorter rise or fewer repeats");
   const auto rows = static_cast<std::size_t>(std::ceil(whole / sample_time));
   for (int i = 0; i < design.repeats; ++i) {
     for (const double direction : {1.0, -1.0}) {
@@ -410,6 +478,8 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   double flank = design.flank;
   if (limits.acceleration > 0.0) flank = std::max(flank, v / (0.5 * limits.acceleration));
   v = std::min(v, 0.95 * room / flank);  // both flanks together go v·flank
+  check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + 0.2) / sample_time, sample_time,
+             text("constant acceleration: %d triangles in each direction", design.repeats), "fewer repeats");
   const auto rows = static_cast<std::size_t>(std::ceil(flank / sample_time));
   if (rows < 20) {
     throw Refused(text("constant acceleration: a flank of %.3g s has only %zu samples, expected at least 20",

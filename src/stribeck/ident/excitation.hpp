@@ -24,15 +24,27 @@
 /// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33), (2.38), §4.4.1, §4.5.3.
 /// Not modelled: the machine's own limits of jerk; elasticity.
 /// Real time: no.
-/// Errors: Refused names the limit, what was asked and what would fit.
+/// Errors: Refused names the limit, what was asked and what would fit; BadDesign, where a parameter of the design is
+/// at fault, names it too.
 
+#include <cstddef>
 #include <optional>
 #include <stribeck/ident/record.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
 #include <vector>
 
 namespace stribeck::ident {
+
+/// Rows of one design at the most: some hours at the period of a servo loop, a file of about 100 MB.
+inline constexpr std::size_t kMostRows = 2000000;
+
+/// A parameter of a design that makes no sense or too many rows.
+struct BadDesign : Refused {
+  BadDesign(const char* named, const std::string& message) : Refused(message), parameter(named) {}
+  const char* parameter;  ///< its name in the design: "rise", "speeds", "period", "periods", "repeats"
+};
 
 struct Limits {
   double travel_min = 0.0;    ///< [m]
@@ -70,7 +82,7 @@ struct PulseDesign {
 Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
                          const PulseDesign& design = {});
 
-/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s].
+/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], and that one itself.
 std::vector<double> jog_speeds(double fastest);
 
 struct JogDesign {

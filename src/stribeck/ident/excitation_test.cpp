@@ -33,6 +33,60 @@ TEST(Excitation, SineIsThePrintedOneFromRest) {
   EXPECT_NEAR(e.t.back(), 4 * 2 * kPi / 0.475 + 0.5, kPeriod);
 }
 
+// What is asked for is counted before it is filled.
+TEST(Excitation, RefusesWhatWouldTakeForEver) {
+  const auto parameter_of = [](auto&& design) -> std::string {
+    try {
+      design();
+    } catch (const BadDesign& bad) {
+      return bad.parameter;
+    }
+    return "accepted";
+  };
+  for (const double rise : {1e-9, 1e5, 1e300}) {
+    RampDesign design;
+    design.rise = rise;
+    EXPECT_EQ(parameter_of([&] { design_ramp(kTable, kRough, kPeriod, design); }), "rise") << rise;
+  }
+  RampDesign ramps;
+  ramps.repeats = 100000;
+  EXPECT_EQ(parameter_of([&] { design_ramp(kTable, kRough, kPeriod, ramps); }), "repeats");
+  for (const double v : {1e-15, 1e-9, -1.0, 0.0, 1.0}) {
+    JogDesign design;
+    design.speeds = {1e-3, v};
+    EXPECT_EQ(parameter_of([&] { design_jog(kTable, kPeriod, design); }), "speeds") << v;
+  }
+  for (const double lead : {1e-15, 1e9}) {
+    JogDesign design;
+    design.period = lead;
+    EXPECT_EQ(parameter_of([&] { design_jog(kTable, kPeriod, design); }), "period") << lead;
+  }
+  SineDesign sine;
+  sine.periods = 1000000;
+  EXPECT_EQ(parameter_of([&] { design_sine(kTable, kPeriod, sine); }), "periods");
+  sine = {};
+  sine.frequency = 1e-300;
+  EXPECT_EQ(parameter_of([&] { design_sine(kTable, kPeriod, sine); }), "periods");
+  AccelerationDesign triangles;
+  triangles.repeats = 1000000;
+  EXPECT_EQ(parameter_of([&] { design_constant_acceleration(kTable, kPeriod, triangles); }), "repeats");
+  // A mass that nothing moves.
+  EXPECT_THAT(
+      [] {
+        design_ramp(kTable, RoughDrive{1e300, 1200.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("rough mass of 1e+300 kg")));
+  EXPECT_THAT(
+      [] {
+        design_pulses(kTable, RoughDrive{1e300, 1200.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("rough mass of 1e+300 kg")));
+  // As many rows as there may be are designed.
+  ramps = {};
+  ramps.rise = 900.0;
+  EXPECT_LE(design_ramp(kTable, RoughDrive{60e3, 1200.0, 1e9}, kPeriod, ramps).t.size(), kMostRows);
+}
+
 TEST(Excitation, JogEndsWhereItBeganAndReachesEverySpeed) {
   JogDesign design;
   design.speeds = {0.1e-3, 1e-3, 9e-3};

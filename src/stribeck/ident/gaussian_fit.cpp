@@ -25,6 +25,8 @@ constexpr int kPulls = 6;
 /// The straight line may take this share of the smallest friction per speed.
 constexpr double kMostViscous = 0.6;
 
+constexpr int kMostTerms = 6;
+
 /// (lo, hi) ↔ the whole line.
 double into(double p, double lo, double hi) { return lo + (hi - lo) / (1.0 + std::exp(-p)); }
 double out_of(double x, double lo, double hi) {
@@ -39,9 +41,6 @@ double slope(double p, double lo, double hi) {
 /// Least squares with the heights and the straight line eliminated.
 class Projected {
  public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
-
   Projected(const Bins& bins, int terms, const FitSettings& settings)
       : terms_(terms), settings_(settings), rows_(static_cast<Index>(bins.size())) {
     u_ = Eigen::Map<const VectorXd>(bins.u.data(), rows_);
@@ -67,29 +66,34 @@ class Projected {
     prepare();
   }
 
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(rows_) + pulls_; }
-  [[nodiscard]] int NumParameters() const { return 2 * terms_; }
+  [[nodiscard]] int residuals() const { return static_cast<int>(rows_) + pulls_; }
 
   [[nodiscard]] double low_width() const { return std::log(settings_.narrowest); }
   [[nodiscard]] static double high_width() { return std::log(kWidest); }
 
   bool operator()(const double* p, double* residuals, double* jacobian) const {
     evaluate(p);
-    Eigen::Map<VectorXd> r(residuals, NumResiduals());
-    r = y_ - design_ * linear_;
+    Eigen::Map<VectorXd>(residuals, residual_.size()) = residual_;
     if (jacobian == nullptr) return true;
-    Eigen::Map<MatrixXd> j(jacobian, NumResiduals(), NumParameters());
+    Eigen::Map<MatrixXd> j(jacobian, residual_.size(), 2 * terms_);
     for (int i = 0; i < terms_; ++i) {
       const double c = width_[i];
-      const auto d = ((u_.array() - centre_[i]) / c).eval();
-      const auto g = (design_.col(2 + i).head(rows_).array() * (2.0 * linear_(2 + i))).eval();
-      j.col(2 * i).setZero();
-      j.col(2 * i + 1).setZero();
-      j.col(2 * i).head(rows_) = -(g * d / c).matrix() * slope(p[2 * i], kLowestCentre, kHighestCentre);
+      auto by_centre = j.col(2 * i), by_width = j.col(2 * i + 1);
+      by_centre.tail(pulls_).setZero();
+      by_width.tail(pulls_).setZero();
+      const double by = -2.0 * linear_(2 + i) / c * slope(p[2 * i], kLowestCentre, kHighestCentre);
+      by_centre.head(rows_).array() =
+          by / c * design_.col(2 + i).head(rows_).array() * (u_.array() - centre_[i]);
       // c = exp(q): ∂c/∂q = c.
-      j.col(2 * i + 1).head(rows_) = -(g * d * d).matrix() * slope(p[2 * i + 1], low_width(), high_width());
+      const double ratio =
+          slope(p[2 * i + 1], low_width(), high_width()) / slope(p[2 * i], kLowestCentre, kHighestCentre);
+      by_width.head(rows_).array() = ratio * by_centre.head(rows_).array() * (u_.array() - centre_[i]);
+      // Column by column: the general product packs its operands, which costs more than so few columns are.
+      for (Index k = 0; k < thin_.cols(); ++k) {
+        by_centre -= thin_.col(k).dot(by_centre) * thin_.col(k);
+        by_width -= thin_.col(k).dot(by_width) * thin_.col(k);
+      }
     }
-    j -= thin_ * (thin_.transpose() * j).eval();
     return true;
   }
 
@@ -99,7 +103,7 @@ class Projected {
     fit.eta0 = linear_(0);
     fit.eta1 = linear_(1);
     for (int i = 0; i < terms_; ++i) fit.terms.push_back({linear_(2 + i), centre_[i], width_[i]});
-    fit.cost = (y_ - design_ * linear_).head(rows_).squaredNorm() * settings_.noise * settings_.noise;
+    fit.cost = residual_.head(rows_).squaredNorm() * settings_.noise * settings_.noise;
     return fit;
   }
 
@@ -112,9 +116,9 @@ class Projected {
     const double pull = 1.0 / (settings_.height_scale * settings_.height_scale);
     return along * along / (g.squaredNorm() + pull);
   }
-  [[nodiscard]] VectorXd residual(const double* p) const {
+  [[nodiscard]] const VectorXd& residual(const double* p) const {
     evaluate(p);
-    return y_ - design_ * linear_;
+    return residual_;
   }
 
  private:
@@ -122,6 +126,10 @@ class Projected {
     return (root_.array() * (-((u_.array() - centre) / width).square()).exp()).matrix();
   }
   void evaluate(const double* p) const {
+    // The solver asks for the derivatives where it has just asked for the residuals.
+    if (fresh_ && std::equal(p, p + 2 * terms_, at_)) return;
+    fresh_ = true;
+    std::copy(p, p + 2 * terms_, at_);
     for (int i = 0; i < terms_; ++i) {
       centre_[i] = into(p[2 * i], kLowestCentre, kHighestCentre);
       width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
@@ -140,10 +148,19 @@ class Projected {
       upper_(j, j) = thin_.col(j).norm();
       thin_.col(j) /= upper_(j, j);
     }
-    linear_ = upper_.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(thin_.transpose() * y_);
+    residual_ = y_;
+    for (Index j = 0; j < n; ++j) {
+      linear_(j) = thin_.col(j).dot(residual_);
+      residual_ -= linear_(j) * thin_.col(j);
+    }
+    for (Index j = n - 1; j >= 0; --j) {
+      linear_(j) /= upper_(j, j);
+      for (Index i = 0; i < j; ++i) linear_(i) -= upper_(i, j) * linear_(j);
+    }
   }
   /// The orthogonal form of the columns that stand still.
   void prepare() {
+    linear_.resize(design_.cols());
     thin_ = design_;
     upper_ = MatrixXd::Zero(design_.cols(), design_.cols());
     upper_(0, 0) = thin_.col(0).norm();
@@ -161,9 +178,23 @@ class Projected {
   Index rows_;
   VectorXd u_, root_, y_;
   mutable MatrixXd design_, thin_, upper_;
-  mutable VectorXd linear_;
-  mutable double centre_[16] = {};
-  mutable double width_[16] = {};
+  mutable VectorXd linear_, residual_;
+  mutable bool fresh_ = false;
+  mutable double at_[2 * kMostTerms] = {};
+  mutable double centre_[kMostTerms] = {};
+  mutable double width_[kMostTerms] = {};
+};
+
+/// As the solver wants it. The number of parameters is known to the compiler: its matrices are small.
+template <int kTerms>
+struct Problem {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 2 * kTerms };
+  const Projected& projected;
+  [[nodiscard]] int NumResiduals() const { return projected.residuals(); }
+  bool operator()(const double* p, double* residuals, double* jacobian) const {
+    return projected(p, residuals, jacobian);
+  }
 };
 
 VectorXd nonlinear(const std::vector<FitTerm>& terms, double narrowest) {
@@ -184,32 +215,66 @@ bool opposes(const BranchFit& fit) {
   return fit.eta1 >= 0.0 && fit.eta0 > 0.0;
 }
 
+constexpr int kIterations = 40;
+/// Residuals are in units of the noise: such a change of the cost says nothing about the parameters.
+constexpr double kTolerance = 1e-4;
+
 struct Outcome {
   VectorXd p;
   double cost = 0.0;
 };
 
-Outcome descend(const Projected& problem, VectorXd p, int iterations) {
-  ceres::TinySolver<Projected> solver;
+template <int kTerms>
+Outcome descend_on(const Projected& problem, VectorXd p, int iterations, double tolerance) {
+  ceres::TinySolver<Problem<kTerms>> solver;
   solver.options.max_num_iterations = iterations;
-  // Residuals are in units of the noise: a change of 1e-4 says nothing about the parameters.
-  solver.options.function_tolerance = 1e-4;
+  solver.options.function_tolerance = tolerance;
   solver.options.parameter_tolerance = 1e-7;
   solver.options.gradient_tolerance = 1e-8;
   solver.options.initial_trust_region_radius = 10.0;
-  solver.Solve(problem, &p);
-  return {std::move(p), solver.summary.final_cost};
+  Eigen::Matrix<double, 2 * kTerms, 1> x = p;
+  solver.Solve({problem}, &x);
+  return {x, solver.summary.final_cost};
+}
+
+Outcome descend(const Projected& problem, VectorXd p, int iterations, double tolerance = kTolerance) {
+  switch (p.size() / 2) {
+    case 1:
+      return descend_on<1>(problem, std::move(p), iterations, tolerance);
+    case 2:
+      return descend_on<2>(problem, std::move(p), iterations, tolerance);
+    case 3:
+      return descend_on<3>(problem, std::move(p), iterations, tolerance);
+    case 4:
+      return descend_on<4>(problem, std::move(p), iterations, tolerance);
+    case 5:
+      return descend_on<5>(problem, std::move(p), iterations, tolerance);
+    case 6:
+      return descend_on<6>(problem, std::move(p), iterations, tolerance);
+    default:
+      return {p, 0.5 * problem.residual(p.data()).squaredNorm()};
+  }
+}
+
+struct Polished {
+  BranchFit fit;
+  VectorXd p;
+  int firmed = 0;  // how often the pull was made firmer
+};
+
+FitSettings firmed(FitSettings settings, int times) {
+  settings.slope_scale *= std::pow(kFirmer, times);
+  return settings;
 }
 
 /// From a start to a fit that opposes the motion; η1 is pulled to the straight line as firmly as it must be.
-BranchFit polish(const Bins& bins, VectorXd p, FitSettings settings, int iterations) {
+Polished polish(const Bins& bins, VectorXd p, const FitSettings& settings, double tolerance, int times = 0) {
   const auto terms = static_cast<int>(p.size() / 2);
-  for (int attempt = 0;; ++attempt) {
-    const Projected problem(bins, terms, settings);
-    if (terms > 0) p = descend(problem, std::move(p), iterations).p;
+  for (;; ++times) {
+    const Projected problem(bins, terms, firmed(settings, times));
+    if (terms > 0) p = descend(problem, std::move(p), kIterations, tolerance).p;
     BranchFit fit = problem.result(p.data());
-    if (terms == 0 || attempt == kPulls || opposes(fit)) return fit;
-    settings.slope_scale *= kFirmer;
+    if (terms == 0 || times == kPulls || opposes(fit)) return {std::move(fit), std::move(p), times};
   }
 }
 
@@ -220,10 +285,37 @@ double spread(unsigned i, unsigned base) {
   return x;
 }
 
-constexpr int kIterations = 40;
-constexpr int kFirstIterations = 6;  // before the worse starts are given up
+// Starts are given up in two steps.
+constexpr int kFirstIterations = 3, kSecondIterations = 6;
+constexpr std::size_t kSecond = 32, kFinalists = 12;
 constexpr std::size_t kSearchBins = 40;
-constexpr std::size_t kFinalists = 4;
+constexpr double kSearchTolerance = 1e-2;
+constexpr std::size_t kExchanged = 2;
+constexpr double kExchangeGain = 0.01;  // of the cost: less is no other minimum
+
+struct Place {
+  double gain, b, c;
+};
+
+/// Where a further term explains most of what the others leave, the best few that differ.
+std::vector<Place> best_places(const Projected& others, const VectorXd& p, int wanted) {
+  const VectorXd residual = others.residual(p.data());
+  std::vector<Place> all;
+  for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
+    const double step = std::clamp(0.7 * c, 0.05, 0.25);
+    for (double b = -0.1; b < 1.2; b += step) all.push_back({others.gain(b, c, residual), b, c});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Place& x, const Place& y) { return x.gain > y.gain; });
+  std::vector<Place> chosen;
+  for (const Place& s : all) {
+    const bool close = std::any_of(chosen.begin(), chosen.end(), [&](const Place& t) {
+      return std::abs(s.b - t.b) < 0.7 * std::max(s.c, t.c) && std::abs(std::log(s.c / t.c)) < 0.8;
+    });
+    if (!close) chosen.push_back(s);
+    if (static_cast<int>(chosen.size()) == wanted) break;
+  }
+  return chosen;
+}
 
 }  // namespace
 
@@ -306,45 +398,32 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
   return opposes(best) ? std::optional(best) : std::nullopt;
 }
 
-BranchFit fit_line(const Bins& bins, const FitSettings& settings) { return polish(bins, {}, settings, 1); }
+BranchFit fit_line(const Bins& bins, const FitSettings& settings) {
+  return polish(bins, {}, settings, kTolerance).fit;
+}
 
 std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before, const FitSettings& settings,
                                       const BranchFit* also) {
   static constexpr unsigned kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
   const int n = static_cast<int>(before.terms.size()) + 1;
   const auto wanted = 2 + 3 * static_cast<std::size_t>(n);
-  if (bins.size() < 2 * wanted || 2 * static_cast<std::size_t>(n) > std::size(kPrimes)) return std::nullopt;
+  if (bins.size() < 2 * wanted || n > kMostTerms) return std::nullopt;
   const Bins coarse = joined(bins, kSearchBins);
   const Bins& search = coarse.size() >= wanted + 4 ? coarse : bins;
-  const Projected problem(search, n, settings);
+  const Projected problem(search, n, settings), smaller(search, n - 1, settings);
   std::vector<Outcome> tries;
+  const auto start = [&](const std::vector<FitTerm>& terms) {
+    tries.push_back(
+        descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations, kSearchTolerance));
+  };
+  const auto with = [](std::vector<FitTerm> terms, const Place& s) {
+    terms.push_back({0.0, s.b, s.c});
+    return terms;
+  };
 
   // One more term where it explains most.
-  const Projected smaller(search, n - 1, settings);
-  const VectorXd residual = smaller.residual(nonlinear(before.terms, settings.narrowest).data());
-  struct Start {
-    double gain, b, c;
-  };
-  std::vector<Start> starts;
-  for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
-    const double step = std::clamp(0.7 * c, 0.05, 0.25);
-    for (double b = -0.1; b < 1.2; b += step) starts.push_back({smaller.gain(b, c, residual), b, c});
-  }
-  std::stable_sort(starts.begin(), starts.end(),
-                   [](const Start& x, const Start& y) { return x.gain > y.gain; });
-  std::vector<Start> chosen;
-  for (const Start& s : starts) {
-    const bool close = std::any_of(chosen.begin(), chosen.end(), [&](const Start& t) {
-      return std::abs(s.b - t.b) < 0.7 * std::max(s.c, t.c) && std::abs(std::log(s.c / t.c)) < 0.8;
-    });
-    if (!close) chosen.push_back(s);
-    if (static_cast<int>(chosen.size()) == settings.polished) break;
-  }
-  for (const Start& s : chosen) {
-    std::vector<FitTerm> terms = before.terms;
-    terms.push_back({0.0, s.b, s.c});
-    tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
-  }
+  for (const Place& s : best_places(smaller, nonlinear(before.terms, settings.narrowest), settings.polished))
+    start(with(before.terms, s));
   // And anywhere: the best fit need not hold the one with a term less.
   for (int i = 0; n > 1 && i < settings.scattered; ++i) {
     std::vector<FitTerm> terms;
@@ -355,24 +434,54 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
       // order.
       terms.push_back({0.0, -0.05 + 1.35 * (k + x) / n, 0.08 * std::pow(8.0, y)});
     }
-    tries.push_back(descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations));
+    start(terms);
   }
-  if (also != nullptr)
-    tries.push_back(descend(problem, nonlinear(also->terms, settings.narrowest), kFirstIterations));
-  const auto cheaper = [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; };
-  std::stable_sort(tries.begin(), tries.end(), cheaper);
-  if (tries.size() > kFinalists) tries.resize(kFinalists);
-  for (Outcome& t : tries) t = descend(problem, std::move(t.p), kIterations);
-  std::stable_sort(tries.begin(), tries.end(), cheaper);
-  BranchFit best;
+  if (also != nullptr) start(also->terms);
+
+  const auto sort = [&] {
+    std::stable_sort(tries.begin(), tries.end(),
+                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
+  };
+  const auto go_on = [&](std::size_t most, int iterations) {
+    sort();
+    if (tries.size() > most) tries.resize(most);
+    for (Outcome& t : tries) t = descend(problem, std::move(t.p), iterations, kSearchTolerance);
+  };
+  if (tries.size() > kSecond) go_on(kSecond, kSecondIterations);
+  go_on(kFinalists, kIterations);
+  sort();
+  const double unit = settings.noise * settings.noise;
+  Polished best;
   for (std::size_t i = 0; i < tries.size(); ++i) {
-    BranchFit fit = polish(bins, tries[i].p, settings, kIterations);
-    const bool first = i == 0 || fit.cost < best.cost;
-    if (first) best = std::move(fit);
-    // The best of all starts was not in the way of the constraint: the others are only worse.
-    if (i == 0 && 2.0 * tries[0].cost * settings.noise * settings.noise > 0.9 * best.cost) break;
+    // The constraint can only cost.
+    if (i > 0 && 2.0 * tries[i].cost * unit > 0.999 * best.fit.cost) break;
+    Polished trial = polish(search, tries[i].p, settings, kSearchTolerance);
+    if (i == 0 || trial.fit.cost < best.fit.cost) best = std::move(trial);
   }
-  return best;
+  // Local minima differ by a term: each in turn is taken out and set where it explains most.
+  for (bool better = n > 1 && settings.exchange; better;) {
+    better = false;
+    const FitSettings same = firmed(settings, best.firmed);
+    const Projected all(search, n, same), rest(search, n - 1, same);
+    tries.clear();
+    for (int i = 0; i < n; ++i) {
+      std::vector<FitTerm> others = best.fit.terms;
+      others.erase(others.begin() + i);
+      for (const Place& s : best_places(rest, nonlinear(others, settings.narrowest), settings.polished)) {
+        tries.push_back(descend(all, nonlinear(with(others, s), settings.narrowest),
+                                kFirstIterations + kSecondIterations, kSearchTolerance));
+      }
+    }
+    sort();
+    const double goal = (1.0 - kExchangeGain) * best.fit.cost;
+    for (std::size_t i = 0; i < std::min(kExchanged, tries.size()); ++i) {
+      const Outcome done = descend(all, std::move(tries[i].p), kIterations, kSearchTolerance);
+      if (2.0 * done.cost * unit > goal) continue;
+      Polished trial = polish(search, done.p, settings, kSearchTolerance);
+      if (trial.fit.cost < std::min(goal, best.fit.cost)) best = std::move(trial), better = true;
+    }
+  }
+  return polish(bins, best.p, settings, kTolerance, best.firmed).fit;
 }
 
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings) {

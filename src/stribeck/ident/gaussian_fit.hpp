@@ -9,7 +9,8 @@
 /// eliminated (variable projection, Kaufman's Jacobian); b_i, c_i are found by Levenberg–Marquardt
 /// (ceres::TinySolver) inside bounds. Every number of terms gets starts of two kinds, the same in every run:
 /// a term added to the best smaller fit where, over a grid of centres and widths, it explains most; and
-/// centres and widths spread over the range. Most are given up after a few steps; the best are finished.
+/// centres and widths spread over the range. Most are given up after a few steps, the best are finished; of the best
+/// fit each term in turn is then set anew where it explains most.
 ///
 /// η0 and η1 are held near the straight line through the bins, since wide terms can take their part: without
 /// that, η0 or F − η1·v may leave the sign of the motion. A weak pull of the heights to zero keeps cancelling
@@ -58,7 +59,8 @@ struct FitSettings {
   double height_scale = 1e5;  ///< heights beyond it are pulled back [N]
   double slope_scale = 1e5;   ///< deviations of η0, η1 from the straight line beyond it are pulled back [N]
   int polished = 3;           ///< places that are tried for each added term
-  int scattered = 16;         ///< further starts with centres and widths spread over the range
+  int scattered = 96;         ///< further starts with centres and widths spread over the range
+  bool exchange = true;       ///< terms of the best fit are taken out and set anew until it gets no better
   double narrowest = 0.015;   ///< bound of c [-]
   unsigned first_start = 1;   ///< of the sequence of scattered starts: another number, other starts
 };

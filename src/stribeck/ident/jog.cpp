@@ -30,6 +30,10 @@ constexpr int kMostGaussians = 6;
 constexpr double kNarrowest = 0.04;  // of a Gaussian, over the fastest speed
 constexpr double kMisses = 2.5;      // misfit up to which nothing is missing
 constexpr double kTooMuch = 0.3;     // half sum over half difference: a load, whatever else
+/// Half width over force between two speeds from which on a term is seen by one of them only, if it is as many
+/// times that of the middle gap.
+constexpr double kOpen = 0.02;
+constexpr double kOpenBeside = 5.0;
 
 template <class... T>
 std::string text(const char* format, T... values) {
@@ -978,6 +982,9 @@ Group fit_group(std::vector<Point> points, const std::vector<SteadyRun>& runs,
     slow[side] = std::min(slow[side], std::abs(p.v));
     fast[side] = std::max(fast[side], std::abs(p.v));
   }
+  std::vector<Point> by_speed = points;
+  std::stable_sort(by_speed.begin(), by_speed.end(),
+                   [](const Point& a, const Point& b) { return std::abs(a.v) < std::abs(b.v); });
   for (const int side : {1, 0}) {
     if (!(fast[side] > 0.0)) continue;
     for (int i = 0; i < options.curve_points; ++i) {
@@ -989,6 +996,28 @@ Group fit_group(std::vector<Point> points, const std::vector<SteadyRun>& runs,
       const double f = fit(v) - (r.load - taken);
       const double half = spread.half_width(g);
       r.curve.push_back({v, f, f - half, f + half});
+    }
+    // A term narrower than the steps of speed fits any height between them.
+    const std::vector<SpeedMean> mean = means_of(by_speed, side);
+    std::vector<double> share;  // half width over force, halfway to the next speed
+    for (std::size_t i = 0; i + 1 < mean.size(); ++i) {
+      const double v = (side == 0 ? 0.5 : -0.5) * (mean[i].v + mean[i + 1].v);
+      VectorXd g = fit.gradient(v);
+      if (fit.kind.symmetric()) g(2) = 0.0;
+      share.push_back(spread.half_width(g) / std::max(std::abs(fit(v) - (r.load - taken)), 1e-300));
+    }
+    if (share.empty()) continue;
+    const auto widest = std::max_element(share.begin(), share.end());
+    const auto at = static_cast<std::size_t>(widest - share.begin());
+    const double most = *widest;
+    std::nth_element(share.begin(), share.begin() + static_cast<std::ptrdiff_t>(share.size() / 2),
+                     share.end());
+    if (most > std::max(kOpen, kOpenBeside * share[share.size() / 2])) {
+      r.cannot_tell.push_back(
+          text("friction between %.4g and %.4g mm/s%s: it bends more than these speeds show; jog at %.4g "
+               "mm/s as well",
+               1e3 * mean[at].v, 1e3 * mean[at + 1].v, side == 0 ? "" : " of the negative direction",
+               0.5e3 * (mean[at].v + mean[at + 1].v)));
     }
   }
   return out;
@@ -1096,6 +1125,7 @@ Jog identify_jog(const std::vector<Record>& records, const JogOptions& options) 
   } else {
     EqualSpeedOptions equal;
     equal.exclude = std::max(found.exclude, 20e-6);
+    if (found.periodic) equal.periods = {found.periodic->period};
     const std::vector<Record> moving = moving_records(records, found);
     MassEstimate mass;
     if (!moving.empty()) mass = mass_at_equal_speed(moving, equal);

@@ -204,6 +204,28 @@ TEST(Jog, RefusesALogWithoutConstantSpeeds) {
               ThrowsMessage<Refused>(HasSubstr("expected at least 3")));
 }
 
+// Table 2.3 has a term of 0.475 mm/s width at −9.3 mm/s, y: steps of 0.5 mm/s see it at one speed. With noise of 120 N
+// most logs leave it open; a speed between them tells it.
+TEST(Jog, SaysWhereASpeedIsMissing) {
+  testing::Drive drive;
+  drive.friction = testing::table_2_3('y');
+  const auto logs_that_ask = [&](const std::vector<double>& speeds) {
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const Record r = ideal(
+          speeds, [&](double v, double) { return drive.steady(v); }, 120.0, seed);
+      for (const std::string& words : identify_jog({r}).result.cannot_tell)
+        count += words.find("negative direction: it bends more than these speeds show; jog at 8.75 mm/s") !=
+                 std::string::npos;
+    }
+    return count;
+  };
+  std::vector<double> speeds = jog_speeds(9e-3);
+  EXPECT_GE(logs_that_ask(speeds), 3);
+  speeds.push_back(8.75e-3);
+  EXPECT_EQ(logs_that_ask(speeds), 0);
+}
+
 TEST(Gravity, IsHalfTheSumOfBothDirections) {
   const auto weighed = [](double v, double) { return printed(v, 10.0); };
   const Result r = identify_gravity({ideal({1e-3, 4e-3, 8e-3}, weighed, 0.5)});

@@ -1,3 +1,4 @@
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/long_run.hpp>
@@ -57,25 +58,30 @@ double* LongRun::row(int record, std::size_t at) {
 
 std::vector<double> LongRun::covariance() const {
   const std::size_t d = dimension_;
-  std::vector<double> s(d * d, 0.0);
-  std::vector<double> before(d);
+  const auto D = static_cast<Eigen::Index>(d);
+  // Σ x·xᵀ + x·bᵀ + b·xᵀ, b the weighted sum of the blocks before x, is M + Mᵀ with M = Σ x·(b + x/2)ᵀ: one product of
+  // vectors for each block instead of one for every lag, many of them at a time.
+  constexpr Eigen::Index kTogether = 64;
+  Eigen::MatrixXd blocks(D, kTogether), with(D, kTogether), sum = Eigen::MatrixXd::Zero(D, D);
+  Eigen::Index filled = 0;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const double* x = sums_.data() + b * d;
-    // The weighted sum of the blocks before comes first: one product of vectors instead of one for every lag.
-    std::fill(before.begin(), before.end(), 0.0);
+    blocks.col(filled) = Eigen::Map<const Eigen::VectorXd>(sums_.data() + b * d, D);
+    auto before = with.col(filled);
+    before = 0.5 * blocks.col(filled);
     for (std::size_t c = b; c-- > 0;) {
       if (blocks_[c].record != blocks_[b].record) break;
       const std::size_t lag = blocks_[b].number - blocks_[c].number;
       if (lag > memory_.lags) break;
       const double w =
           std::min(1.0, 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(memory_.lags + 1)));
-      const double* y = sums_.data() + c * d;
-      for (std::size_t j = 0; j < d; ++j) before[j] += w * y[j];
+      before += w * Eigen::Map<const Eigen::VectorXd>(sums_.data() + c * d, D);
     }
-    for (std::size_t i = 0; i < d; ++i) {
-      for (std::size_t j = 0; j < d; ++j) s[i * d + j] += x[i] * (x[j] + before[j]) + before[i] * x[j];
-    }
+    if (++filled < kTogether && b + 1 < blocks_.size()) continue;
+    sum.noalias() += blocks.leftCols(filled) * with.leftCols(filled).transpose();
+    filled = 0;
   }
+  std::vector<double> s(d * d);
+  Eigen::Map<Eigen::MatrixXd>(s.data(), D, D) = sum + sum.transpose();
   return s;
 }
 

@@ -133,6 +133,7 @@ void find_reversals(const std::vector<double>& x, double hysteresis, Motion& m) 
 
 double position_noise(const std::vector<double>& x) {
   std::vector<double> fourth;
+  fourth.reserve(x.size());
   for (std::size_t k = 2; k + 2 < x.size(); ++k) {
     if (x[k + 2] == x[k - 2]) continue;  // at rest a coarse encoder shows no noise
     fourth.push_back(x[k - 2] - 4.0 * x[k - 1] + 6.0 * x[k] - 4.0 * x[k + 1] + x[k + 2]);
@@ -156,6 +157,13 @@ std::vector<double> smooth_like(const Motion& motion, const std::vector<double>&
 }
 
 std::vector<double> align_force(const std::vector<double>& f, double shift) {
+  std::vector<double> out(f.size());
+  align_force(f, shift, 0, f.size(), out);
+  return out;
+}
+
+void align_force(const std::vector<double>& f, double shift, std::size_t from, std::size_t to,
+                 std::vector<double>& out) {
   // Area of the triangle over [−1, 1] to the left of s.
   const auto area = [](double s) {
     return s < 0.0 ? 0.5 * (s + 1.0) * (s + 1.0) : 1.0 - 0.5 * (1.0 - s) * (1.0 - s);
@@ -166,16 +174,23 @@ std::vector<double> align_force(const std::vector<double>& f, double shift) {
   // The holds that begin at whole − 1, whole and whole + 1 rows after k, less `late`, cover the triangle.
   const double w[3] = {area(-part), area(1.0 - part) - area(-part), 1.0 - area(1.0 - part)};
   const auto n = static_cast<std::ptrdiff_t>(f.size());
+  const auto begin = static_cast<std::ptrdiff_t>(from), end = static_cast<std::ptrdiff_t>(to);
   const auto first = static_cast<std::ptrdiff_t>(whole) - 1;
-  std::vector<double> out(f.size());
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
+  const auto held = [&](std::ptrdiff_t k) {
     double sum = 0.0;
-    for (std::ptrdiff_t i = 0; i < 3; ++i) {
+    for (std::ptrdiff_t i = 0; i < 3; ++i)
       sum += w[i] * f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + first + i, 0, n - 1))];
-    }
-    out[static_cast<std::size_t>(k)] = sum;
-  }
-  return out;
+    return sum;
+  };
+  // Rows whose three holds lie inside need no clamping.
+  const std::ptrdiff_t inner = std::clamp(-first, begin, end);
+  const std::ptrdiff_t outer = std::clamp(n - 2 - first, inner, end);
+  double* o = out.data();
+  const double* g = f.data();
+  for (std::ptrdiff_t k = begin; k < inner; ++k) o[k] = held(k);
+  for (std::ptrdiff_t k = inner, j = inner + first; k < outer; ++k, ++j)
+    o[k] = w[0] * g[j] + w[1] * g[j + 1] + w[2] * g[j + 2];
+  for (std::ptrdiff_t k = outer; k < end; ++k) o[k] = held(k);
 }
 
 Motion reconstruct(const Record& record, const MotionOptions& options) {
@@ -218,7 +233,9 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   m.reach += late;
 
   m.x = smooth_like(m, record.x);
-  m.f = align_force(smooth_like(m, record.f), options.shift);
+  std::vector<double> force = smooth_like(m, record.f);
+  m.f = align_force(force, options.shift);
+  if (options.smoothed_force != nullptr) *options.smoothed_force = std::move(force);
   const std::vector<double>& x = m.x;
   m.a = second_difference(x, T);
   m.v.assign(x.size(), 0.0);

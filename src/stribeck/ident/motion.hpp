@@ -68,10 +68,14 @@ struct MotionOptions {
   int window = -1;       ///< j of the boxes; negative: chosen from the data
   double cut_off = 0.0;  ///< of the Butterworth filter that replaces the boxes [Hz]; 0: boxes
   double shift = -0.5;   ///< the force of row k + shift belongs to the motion of row k [rows]
+  std::vector<double>* smoothed_force = nullptr;  ///< takes the force through the window, not aligned
 };
 
 /// Force that acts together with the acceleration of each row.
 std::vector<double> align_force(const std::vector<double>& f, double shift);
+/// The same for rows from `from` up to, not including, `to` of `out`, which has as many rows as f.
+void align_force(const std::vector<double>& f, double shift, std::size_t from, std::size_t to,
+                 std::vector<double>& out);
 
 /// Another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);

@@ -137,5 +137,21 @@ TEST(Record, SaysWhatIsWrongWithItsRow) {
   EXPECT_THAT(problems(two), SizeIs(2));
 }
 
+// Row by row or in pieces, at any shift: the same, also where the holds reach over an end.
+TEST(AlignForce, OfAPieceIsThatOfTheWhole) {
+  std::vector<double> f;
+  for (int k = 0; k < 12; ++k) f.push_back(std::sin(1.7 * k));
+  for (const double shift : {-20.3, -2.5, -0.5, 0.0, 0.35, 4.0, 20.0}) {
+    const std::vector<double> whole = align_force(f, shift);
+    std::vector<double> pieces(f.size(), 99.0);
+    for (const std::size_t from : {0u, 3u, 9u})
+      align_force(f, shift, from, from == 0 ? 3 : from == 3 ? 9 : 12, pieces);
+    EXPECT_EQ(pieces, whole) << "shift " << shift;
+  }
+  // Beyond an end its last value holds.
+  EXPECT_DOUBLE_EQ(align_force(f, -20.3)[5], f.front());
+  EXPECT_DOUBLE_EQ(align_force(f, 20.0)[5], f.back());
+}
+
 }  // namespace
 }  // namespace stribeck::ident

@@ -139,11 +139,13 @@ class Identification {
     const Shape best = choose(full);
     fit = refine(best);
     if (best.mass) {
-      const double half = uncertainty(fit, derivatives(fit)).half_width(unit(fit, derivatives(fit), 0));
+      const MatrixXd D = derivatives(fit);
+      const double half = width(uncertainty(fit, D), unseen(fit, D), unit(fit, D, 0));
       if (!(fit.theta(0) > half)) {
         result_.cannot_tell.push_back(
-            text("mass: this motion does not determine it (%.3g ± %.3g); accelerate more, or give the mass",
-                 fit.theta(0), half));
+            "mass: this motion does not determine it" +
+            (std::isfinite(half) ? text(" (%.3g ± %.3g)", fit.theta(0), half) : std::string()) +
+            "; accelerate more, or give the mass");
         no_mass_ = true;
         Shape without = best;
         without.mass = false;
@@ -435,6 +437,32 @@ class Identification {
   [[nodiscard]] static VectorXd unit(const Fit& fit, const MatrixXd& D, Index i) {
     return VectorXd::Unit(fit.X.cols() + D.cols(), i);
   }
+  /// Combinations of parameters that these rows do not see at all, e.g. Coulomb against viscous at one speed.
+  struct Unseen {
+    VectorXd scale;  ///< of the parameters, one over the norm of each column
+    MatrixXd null;   ///< in these scales, orthonormal columns
+  };
+  [[nodiscard]] Unseen unseen(const Fit& fit, const MatrixXd& D) const {
+    constexpr double kNothing = 1e-10;
+    MatrixXd X(fit.W.rows(), fit.W.cols() + D.cols());
+    X << fit.W, D;
+    Unseen out;
+    out.scale = X.colwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
+    X = X * out.scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(X.transpose() * X);
+    Index none = 0;
+    while (none < X.cols() && eigen.eigenvalues()(none) < kNothing) ++none;
+    out.null = eigen.eigenvectors().leftCols(none);
+    return out;
+  }
+  /// Half width of gᵀθ; NaN where it leans on what is not seen.
+  [[nodiscard]] static double width(const Uncertainty& u, const Unseen& unseen, const VectorXd& g) {
+    constexpr double kLeans = 1e-3;
+    const VectorXd scaled = g.cwiseProduct(unseen.scale);
+    if ((unseen.null.transpose() * scaled).norm() > kLeans * scaled.norm())
+      return std::numeric_limits<double>::quiet_NaN();
+    return u.half_width(g);
+  }
   [[nodiscard]] Uncertainty uncertainty(const Fit& fit, const MatrixXd& D) const {
     MatrixXd X(fit.W.rows(), fit.W.cols() + D.cols());
     X << fit.W, D;
@@ -569,7 +597,8 @@ class Identification {
   Result finish(const Fit& fit) {
     const MatrixXd D = derivatives(fit);
     const Uncertainty u = uncertainty(fit, D);
-    const auto half = [&](Index i) { return u.half_width(unit(fit, D, i)); };
+    const Unseen null = unseen(fit, D);
+    const auto half = [&](Index i) { return width(u, null, unit(fit, D, i)); };
     Result& r = result_;
     r.method = "position-map";
     r.force_unit = records_.front().force_unit;
@@ -596,8 +625,18 @@ class Identification {
     } else {
       r.cannot_tell.emplace_back("load: one direction only; it stands in the Coulomb friction");
     }
-    write_friction(fit, D, u);
-    if (fit.shape.periodic) write_terms(fit, D, u);
+    write_friction(fit, D, u, null);
+    if (fit.shape.periodic) write_terms(fit, D, u, null);
+    if (options_.turn && !fit.shape.periodic) {
+      r.cannot_tell.emplace_back(
+          "periodic terms: no whole part of the given turn stands out of the background");
+    }
+    if (null.null.cols() > 0) {
+      r.cannot_tell.emplace_back(
+          "every parameter without an interval: this motion does not tell it from the others (one speed "
+          "only, or one "
+          "motion repeated); what they give together on the curve holds for this motion");
+    }
     for (auto& note : periodic_notes_) r.warnings.push_back(std::move(note));
     if (fit.shape.periodic || !both_) {
       for (auto& note : periodic_cannot_) r.cannot_tell.push_back(std::move(note));
@@ -606,19 +645,19 @@ class Identification {
     return std::move(result_);
   }
 
-  void write_friction(const Fit& fit, const MatrixXd& D, const Uncertainty& u) {
+  void write_friction(const Fit& fit, const MatrixXd& D, const Uncertainty& u, const Unseen& null) {
     Result& r = result_;
     const double eta0 = fit.theta(fit.coulomb());
     const double eta1 = fit.theta(fit.viscous());
     const double difference = fit.shape.asymmetric ? fit.theta(fit.asymmetric()) : 0.0;
     const double rise = fit.shape.rise ? fit.theta(fit.rise()) : 0.0;
-    const auto half = [&](Index i) { return u.half_width(unit(fit, D, i)); };
+    const auto half = [&](Index i) { return width(u, null, unit(fit, D, i)); };
     r.parameters.push_back(parameter("eta0", eta0, "N", "N", half(fit.coulomb())));
     if (fit.shape.asymmetric) {
       for (const double sign : {1.0, -1.0}) {
         const VectorXd g = unit(fit, D, fit.viscous()) + sign * unit(fit, D, fit.asymmetric());
         r.parameters.push_back(parameter(sign > 0.0 ? "eta1_positive" : "eta1_negative",
-                                         eta1 + sign * difference, "N s/m", "N s/mm", u.half_width(g)));
+                                         eta1 + sign * difference, "N s/m", "N s/mm", width(u, null, g)));
       }
     } else {
       r.parameters.push_back(parameter("eta1", eta1, "N s/m", "N s/mm", half(fit.viscous())));
@@ -675,12 +714,12 @@ class Identification {
         g += sign * fade * unit(fit, D, fit.rise());
         g += sign * rise * fade * 2.0 * v * v / (v0_ * v0_ * v0_) * unit(fit, D, fit.X.cols());
       }
-      const double w = u.half_width(g);
+      const double w = width(u, null, g);
       r.curve.push_back({v, f, f - w, f + w});
     }
   }
 
-  void write_terms(const Fit& fit, const MatrixXd& D, const Uncertainty& u) {
+  void write_terms(const Fit& fit, const MatrixXd& D, const Uncertainty& u, const Unseen& null) {
     Result& r = result_;
     r.model += "+periodic";
     std::vector<std::size_t> order(lines_.size());
@@ -703,13 +742,14 @@ class Identification {
       term.phase = std::remainder(2.0 * kPi * line.f * middle_ - std::atan2(line.b, line.a), 2.0 * kPi);
       term.form = line.reversing ? EccentricForm::kProportional : EccentricForm::kAdditive;
       const std::string name = "eccentric_" + std::to_string(++number) + "_";
-      r.parameters.push_back(
-          parameter(name + "amplitude", A, "N", "N", u.half_width(line.a / A * sine + line.b / A * cosine)));
+      r.parameters.push_back(parameter(name + "amplitude", A, "N", "N",
+                                       width(u, null, line.a / A * sine + line.b / A * cosine)));
       r.parameters.push_back(parameter(name + "period", term.period, "m", "mm",
-                                       u.half_width(frequency) * term.period * term.period));
-      r.parameters.push_back(parameter(name + "phase", term.phase, "rad", "rad",
-                                       u.half_width(line.b / (A * A) * sine - line.a / (A * A) * cosine +
-                                                    2.0 * kPi * middle_ * frequency)));
+                                       width(u, null, frequency) * term.period * term.period));
+      r.parameters.push_back(parameter(
+          name + "phase", term.phase, "rad", "rad",
+          width(u, null,
+                line.b / (A * A) * sine - line.a / (A * A) * cosine + 2.0 * kPi * middle_ * frequency)));
       // A phase is known or not by its width alone, not against zero.
       r.parameters.back().identifiable = r.parameters.back().ci_high - r.parameters.back().ci_low < 2.0 * kPi;
       r.friction.eccentric.push_back(term);

@@ -45,6 +45,24 @@ Tool tool(char axis) {
   }
 }
 
+/// 100 N and a ripple at one speed, to the last digit of a simulation.
+Record one_speed(bool back) {
+  std::mt19937_64 engine(1);
+  std::normal_distribution<double> normal;
+  Record r;
+  r.source = "one speed";
+  r.sample_time = 1e-3;
+  for (int k = 0; k < 20000; ++k) {
+    const double way = 5e-6 * k;
+    const double x = back && k >= 10000 ? 0.1 - way : way;
+    r.t.push_back(1e-3 * k);
+    r.x.push_back(x);
+    r.f.push_back((back && k >= 10000 ? -100.0 : 100.0) + 3.0 * std::sin(2.0 * kPi * x / 10e-3) +
+                  normal(engine));
+  }
+  return r;
+}
+
 /// r = A·sin(w·t), sped up from rest over the first second; PD with a disturbance observer that knows the mass.
 Record follow(const Tool& tool, double amplitude, double w, double periods, std::uint64_t seed) {
   const double T = tool.T;
@@ -308,6 +326,33 @@ TEST(PositionMap, RefusesWhatCannotAnswer) {
   options.holding = true;
   EXPECT_THAT([&] { identify_position_map({broken}, options); },
               ::testing::ThrowsMessage<Refused>(HasSubstr("row 12")));
+}
+
+// At one speed Coulomb and viscous friction are one number: neither has a value of its own, nor an interval of no width.
+TEST(PositionMap, OneSpeedDoesNotTellCoulombFromViscous) {
+  for (const bool back : {false, true}) {
+    PositionMapOptions options;
+    options.mass = 100.0;
+    const Result r = identify_position_map({one_speed(back)}, options);
+    for (const Parameter& p : r.parameters) {
+      if (p.name != "eta0" && p.name.rfind("eta1", 0) != 0) continue;
+      EXPECT_FALSE(p.identifiable) << p.name << back;
+      EXPECT_FALSE(p.ci_high - p.ci_low < std::abs(p.value)) << p.name << back;
+    }
+    // Together they are known, and so is the ripple.
+    ASSERT_FALSE(r.curve.empty());
+    EXPECT_NEAR(r.curve.back().friction, 100.0, 0.5);
+    ASSERT_EQ(r.friction.eccentric.size(), 1u);
+    EXPECT_NEAR(r.friction.eccentric[0].amplitude, 3.0, 0.1);
+  }
+}
+
+TEST(PositionMap, SaysThatATurnHasNoPartHere) {
+  PositionMapOptions options;
+  options.mass = 100.0;
+  options.turn = 7e-3;
+  const Result r = identify_position_map({one_speed(true)}, options);
+  EXPECT_THAT(r.cannot_tell, Contains(HasSubstr("no whole part of the given turn")));
 }
 
 }  // namespace

@@ -117,6 +117,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
   FitSettings quick = settings;
   quick.polished = 2;
   quick.scattered = 4;
+  quick.exchange = false;
   struct Fold {
     std::vector<char> filled;
     Bins bins;
