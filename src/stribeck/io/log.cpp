@@ -88,13 +88,13 @@ class Plain {
 /// What a log does not hold itself.
 struct SideFile {
   std::vector<std::string> columns;
-  std::optional<double> period;
+  std::optional<double> sample_time;
 
   static constexpr auto fields() {
     return std::tuple{
         field("columns", &SideFile::columns, "names and units of the columns in their order, as \"x mm\"")
             .or_default(),
-        field("period", &SideFile::period, quantity("s", "ms").positive(), "time between two rows")
+        field("sample_time", &SideFile::sample_time, quantity("s", "ms").positive(), "time between two rows")
             .or_default()};
   }
 };
@@ -117,9 +117,9 @@ void complete_times(Log& log, const ReadOptions& options) {
   if (!options.sample_time) {
     throw InputError(
         Problem{log.source, 0, "",
-                "has no time column (give its name if it has one, or the sample time: put period "
-                "= \"100 ms\" into " +
-                    log.source + ".toml)"});
+                "has no time column (give the time between rows with --sample-time \"100 ms\", or put "
+                "sample_time = \"100 ms\" into " +
+                    log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
   }
   std::vector<double> t(log.rows);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *options.sample_time;
@@ -174,9 +174,16 @@ Log read_log(const std::string& path, const ReadOptions& options) {
   const std::string side = path + ".toml";
   std::error_code ignored;
   if (std::filesystem::is_regular_file(side, ignored)) {
-    const auto given = read_toml<SideFile>(side);
+    const Node node = load_toml(side);
+    if (const Node* old = node.find("period")) {
+      throw InputError({side, old->line, "period",
+                        "is called sample_time (write sample_time = \"1 ms\", with your value)"});
+    }
+    Problems problems(side);
+    const auto given = read<SideFile>(node, problems);
+    problems.throw_if_any();
     if (all.names.empty()) all.names = given.columns;
-    if (!all.sample_time) all.sample_time = given.period;
+    if (!all.sample_time) all.sample_time = given.sample_time;
   }
   const FileBytes bytes(path);
   return parse_log(bytes.view(), path, all);

@@ -8,7 +8,7 @@
 /// column without one has unit_text "" and in_si refuses it: units are not guessed. Where a format has none
 /// but recordings have shown it, it is set and a note says so. Values stay in the unit of the file.
 ///
-/// A side file LOG.toml may give what a file does not hold: columns = ["x mm", …], period = "1 ms".
+/// A side file LOG.toml may give what a file does not hold: columns = ["x mm", …], sample_time = "1 ms".
 ///
 /// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells (where the format does not
 /// know absent samples), rows of another length, damaged structure. Repaired, with a note: a row that the end
@@ -33,6 +33,7 @@ struct Column {
   std::string header = {};              ///< as in the file
   std::vector<std::string> texts = {};  ///< of a column of text; its values are empty
   int time = -1;  ///< index of the column with its sampling times; −1: the log's only time column, if any
+  bool unit_assumed = false;  ///< not in the file (a note says so), or one letter that may be an axis as well
 };
 
 struct Log {

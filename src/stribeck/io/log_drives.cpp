@@ -215,6 +215,7 @@ class MrReader : DriveReader {
       for (const auto& [name, unit] : kMrUnits) {
         if (c.name != name) continue;
         c.unit_text = scale + std::string(unit);
+        c.unit_assumed = true;
         known += (known.empty() ? "" : ", ") + c.name + " in " + c.unit_text;
       }
       log_.columns.push_back(std::move(c));

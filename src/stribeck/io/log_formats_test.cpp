@@ -88,7 +88,8 @@ TEST(LogFormats, TextColumns) {
 
 TEST(LogFormats, TimeThatIsMissing) {
   EXPECT_THAT(refusal(test::untimed_sample()), HasSubstr("has no time column"));
-  EXPECT_THAT(refusal(test::untimed_sample()), HasSubstr("period = \"100 ms\" into log.txt.toml"));
+  EXPECT_THAT(refusal(test::untimed_sample()),
+              AllOf(HasSubstr("--sample-time"), HasSubstr("sample_time = \"100 ms\" into log.txt.toml")));
   const Log log = parse_log(test::untimed_sample(), "a.csv", given({}, 0.1));
   EXPECT_EQ(log.columns[0].name, "t");
   EXPECT_NEAR(seconds(log).back(), 0.7, 1e-15);
@@ -293,7 +294,8 @@ TEST(LogFormats, HalSampler) {
   EXPECT_EQ(check_time(seconds(bare)).gaps[0].row, 4u);
 
   EXPECT_THAT(refusal(untagged), HasSubstr("halsampler write log.txt.toml with columns ="));
-  EXPECT_THAT(refusal(untagged, given(pins, 0.0)), HasSubstr("has no time (put the period"));
+  EXPECT_THAT(refusal(untagged, given(pins, 0.0)),
+              HasSubstr("has no time (give the period of the sampling thread with --sample-time"));
   EXPECT_THAT(refusal(untagged, given({"x mm"}, 1e-3)), HasSubstr("got 3 columns, expected 1 as named"));
   EXPECT_THAT(refusal(test::halsampler_sample() + "2 1 1 1 \n", given(pins, 1e-3)),
               HasSubstr("goes from 10 to 2"));
@@ -432,16 +434,20 @@ TEST(LogFormats, SideFile) {
     }
   };
   EXPECT_THROW(read_log(path), InputError);
-  EXPECT_EQ(refused("columns = [\"x mm\", \"f N\", \"in-position\"]\nperiod = \"1 ms\"\n"), "accepted");
+  EXPECT_EQ(refused("columns = [\"x mm\", \"f N\", \"in-position\"]\nsample_time = \"1 ms\"\n"), "accepted");
   const Log log = read_log(path);
   EXPECT_EQ(log.at("x").values, kX);
   EXPECT_EQ(log.at("x").unit_text, "mm");
   // What the caller gives goes before the side file.
   EXPECT_EQ(read_log(path, given({"y um", "f N", "z"}, 2e-3)).at("y").unit_text, "um");
   EXPECT_EQ(seconds(read_log(path, given({}, 2e-3)))[1], 2e-3);
-  EXPECT_THAT(refused("columns = [\"x mm\"]\nperiod = \"1 mm\"\n"), HasSubstr("run.log.toml:2: period"));
+  EXPECT_THAT(refused("columns = [\"x mm\"]\nsample_time = \"1 mm\"\n"),
+              HasSubstr("run.log.toml:2: sample_time"));
   EXPECT_THAT(refused("colums = [\"x mm\"]\n"), HasSubstr("columns"));
-  EXPECT_THAT(refused("period = \"0 ms\"\n"), HasSubstr("above 0"));
+  EXPECT_THAT(refused("sample_time = \"0 ms\"\n"), HasSubstr("above 0"));
+  // The name that it had before.
+  EXPECT_THAT(refused("columns = [\"x mm\"]\nperiod = \"1 ms\"\n"),
+              AllOf(HasSubstr("run.log.toml:2: period"), HasSubstr("sample_time = ")));
   std::filesystem::remove_all(folder);
 }
 

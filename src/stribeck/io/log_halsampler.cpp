@@ -118,8 +118,10 @@ class HalReader : Reader {
     const std::vector<bool> lost = note_losses();
     if (time_column(log_) >= 0 || !options_.time_column.empty()) return;
     if (!options_.sample_time) {
-      fail(0, "has no time (put the period of the sampling thread into " + log_.source +
-                  ".toml: period = \"1 ms\")");
+      fail(0,
+           "has no time (give the period of the sampling thread with --sample-time \"1 ms\", or put "
+           "sample_time = \"1 ms\" into " +
+               log_.source + ".toml)");
     }
     std::vector<double> t(log_.rows);
     double samples = 0.0;
@@ -164,7 +166,8 @@ Log read_halsampler(std::string_view text, const std::string& source, const Read
         source, 1, "",
         "has no header: the first row holds numbers. For a log of LinuxCNC's halsampler "
         "write " +
-            source + ".toml with columns = [\"x mm\", …] in the order of the pins and period = \"1 ms\""});
+            source +
+            ".toml with columns = [\"x mm\", …] in the order of the pins and sample_time = \"1 ms\""});
   }
   return HalReader(text, source, options).read();
 }

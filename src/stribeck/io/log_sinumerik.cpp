@@ -242,6 +242,7 @@ class CaptureReader : Reader {
       const Signal signal = signal_of(s.name);
       Column c{s.name, unit_of(signal.name, is_rotary(s.axis)), std::move(columns_[i]), s.name};
       if (s.name == "CYCLE") c.unit_text = "1";
+      c.unit_assumed = true;
       log_.columns.push_back(std::move(c));
       const std::string key = "axis " + std::to_string(signal.axis);
       const auto same = [&](const auto& entry) { return entry.first == key; };
@@ -254,8 +255,10 @@ class CaptureReader : Reader {
       fail(0, "has no signal CYCLE, which counts the samples (record it as well)");
     if (!cycle_time_ms_ && options_.sample_time) cycle_time_ms_ = 1e3 * *options_.sample_time;
     if (!cycle_time_ms_ || !(*cycle_time_ms_ > 0.0)) {
-      fail(0, "has no CycleTimeMs in its header (put the cycle into " + log_.source +
-                  ".toml: period = \"2 ms\")");
+      fail(0,
+           "has no CycleTimeMs in its header (give the cycle with --sample-time \"2 ms\", or put "
+           "sample_time = \"2 ms\" into " +
+               log_.source + ".toml)");
     }
     note_units(log_, true);
     const auto& n = log_.columns[cycle].values;
@@ -298,6 +301,7 @@ bool name_sinumerik_signals(Log& log, const ReadOptions& options) {
     const std::string unit = unit_of(signal.name, false);
     if (unit.empty()) continue;
     c.unit_text = unit;
+    c.unit_assumed = true;
     any = true;
   }
   if (!any) return false;
@@ -309,9 +313,11 @@ bool name_sinumerik_signals(Log& log, const ReadOptions& options) {
   note_jumps(log, cycle->values, 1e3 * period);
   if (time_column(log) >= 0) return true;
   if (!options.sample_time) {
-    throw InputError(Problem{log.source, 0, "",
-                             "has no time, only the counter CYCLE (put the cycle into " + log.source +
-                                 ".toml: period = \"2 ms\")"});
+    throw InputError(
+        Problem{log.source, 0, "",
+                "has no time, only the counter CYCLE (give the cycle with --sample-time \"2 ms\", or "
+                "put sample_time = \"2 ms\" into " +
+                    log.source + ".toml)"});
   }
   std::vector<double> t(cycle->values);
   for (double& x : t) x = (x - cycle->values.front()) * period;

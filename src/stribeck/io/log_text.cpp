@@ -259,6 +259,7 @@ Column column_of(std::string header, std::vector<std::string>& notes) {
     longest = suffix.size();
     c.name = header.substr(0, at - 1);
     c.unit_text = unit;
+    c.unit_assumed = suffix.size() == 1;  // "i_A" may be that of axis A
   }
   c.header = std::move(header);
   return c;
