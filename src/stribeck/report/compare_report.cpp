@@ -7,6 +7,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/compare_report.hpp>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/laws.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -23,9 +24,10 @@ constexpr double kDegrees = 180.0 / kPi;
 using Rows = std::vector<const sim::CompareRow*>;
 using Trace = std::vector<sim::ContourSample>;
 
-/// What happened at one speed.
+/// What happened on one travel.
 struct Block {
-  double speed = 0.0;
+  std::size_t index = 0;  ///< of the travel
+  const sim::Travel* travel = nullptr;
   std::string text;  ///< "9.5 mm/s"
   Rows rows;
   const PrintedTable* printed = nullptr;
@@ -34,10 +36,10 @@ struct Block {
 std::vector<Block> blocks_of(const CompareReportInput& input) {
   std::vector<Block> blocks;
   for (const sim::CompareRow& r : input.result.rows) {
-    auto at = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.speed == r.speed; });
+    auto at = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.index == r.travel; });
     if (at == blocks.end()) {
-      blocks.push_back(
-          {r.speed, short_number(r.speed * kMilli) + " mm/s", {}, find_printed(input.printed, r.speed)});
+      const sim::Travel& travel = input.result.spec.travels.at(r.travel);
+      blocks.push_back({r.travel, &travel, travel.pace_in_words(), {}, find_printed(input.printed, r.speed)});
       at = blocks.end() - 1;
     }
     at->rows.push_back(&r);
@@ -182,14 +184,16 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
                           {"RMS", "µm", kMicro, [](const Metrics& m) { return m.rms; }, &PrintedRow::rms_um},
                           {"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um},
                           {"mean |ε|", "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
-  if (!result.axes.empty()) {
-    all.push_back({"mean |e| " + result.axes[0], "µm", kMicro,
-                   [](const Metrics& m) { return m.mean_abs_tracking[0]; }, nullptr});
-  }
-  if (result.axes.size() > 1) {
-    all.push_back({"mean |e| " + result.axes[1], "µm", kMicro,
-                   [](const Metrics& m) { return m.mean_abs_tracking[1]; }, nullptr});
-  }
+  using Get = double (*)(const Metrics&);
+  constexpr std::array<Get, control::kMostAxes> kTracking{
+      [](const Metrics& m) { return m.mean_abs_tracking[0]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[1]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[2]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[3]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[4]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
+  for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
+    all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
   all.push_back(
       {"mean |Δu|", "mV", kMilli, [](const Metrics& m) { return m.input_variation; }, nullptr, false});
   const bool current_known =
@@ -242,20 +246,33 @@ struct Lap {
   std::vector<double> angle;  ///< [°], ascending
 };
 
-double first_angle(const path::Curve& curve) { return -curve.period() / 12.0; }
+/// Parameter of one lap [rad].
+double lap_of(const sim::Travel& travel) {
+  return std::visit([](const auto& path) { return path.period(); }, travel.path);
+}
+double first_angle(const sim::Travel& travel) { return -lap_of(travel) / 12.0; }
 
-Lap last_lap(const Trace& trace, const path::Curve& curve) {
+/// The plane curve of a travel, or null.
+const path::Curve* plane_curve(const sim::Travel& travel) { return std::get_if<path::Curve>(&travel.path); }
+
+std::string angle_label(const sim::Travel& travel) {
+  const path::Curve* curve = plane_curve(travel);
+  return curve != nullptr && curve->shape == path::Shape::kCircle ? "angle φ of the reference [°]"
+                                                                  : "parameter φ of the path [°]";
+}
+
+Lap last_lap(const Trace& trace, const sim::Travel& travel) {
   Lap lap;
   const auto last =
       std::find_if(trace.rbegin(), trace.rend(), [](const sim::ContourSample& s) { return s.scored; });
   if (last == trace.rend()) return lap;
-  const double period = curve.period();
-  const double from = last->reference.phi - period;
+  const double period = lap_of(travel);
+  const double from = last->phi - period;
   std::vector<std::pair<double, const sim::ContourSample*>> all;
   for (const sim::ContourSample& s : trace) {
-    if (!s.scored || s.reference.phi <= from || s.reference.phi > last->reference.phi) continue;
-    const double turns = (s.reference.phi - first_angle(curve)) / period;
-    all.emplace_back((turns - std::floor(turns)) * period + first_angle(curve), &s);
+    if (!s.scored || s.phi <= from || s.phi > last->phi) continue;
+    const double turns = (s.phi - first_angle(travel)) / period;
+    all.emplace_back((turns - std::floor(turns)) * period + first_angle(travel), &s);
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [angle, sample] : all) {
@@ -268,9 +285,9 @@ Lap last_lap(const Trace& trace, const path::Curve& curve) {
 std::vector<Marker> reversals(const Lap& lap, const std::vector<std::string>& axes) {
   std::vector<Marker> markers;
   for (std::size_t k = 1; k < lap.samples.size(); ++k) {
-    for (std::size_t i = 0; i < std::min<std::size_t>(2, axes.size()); ++i) {
-      const double before = lap.samples[k - 1]->reference.velocity[i];
-      const double after = lap.samples[k]->reference.velocity[i];
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const double before = lap.samples[k - 1]->velocity[i];
+      const double after = lap.samples[k]->velocity[i];
       if ((before < 0.0) != (after < 0.0)) markers.push_back({lap.angle[k], axes[i] + " reverses"});
     }
   }
@@ -320,22 +337,21 @@ std::string range_name(const Rows& rows) {
 }
 
 std::vector<Plot> angle_plots(const Block& block, const sim::CompareResult& result) {
-  const path::Curve& curve = result.spec.curve;
+  const sim::Travel& travel = *block.travel;
   const double limit = 1.08 * largest(block.rows, false);
   std::vector<Plot> plots;
   for (const Rows& group : groups(block.rows)) {
     Plot p;
     p.title = fmt::format("Contour error at {}: {}", block.text, range_name(group));
-    p.x_label =
-        curve.shape == path::Shape::kCircle ? "angle φ of the reference [°]" : "parameter φ of the path [°]";
+    p.x_label = angle_label(travel);
     p.y_label = "contour error [µm]";
-    const double from = first_angle(curve) * kDegrees;
-    p.x_range = Range{from, from + curve.period() * kDegrees};
-    p.x_step = curve.period() * kDegrees / 12.0;
-    p.y_range = Range{-limit, limit};
+    const double from = first_angle(travel) * kDegrees;
+    p.x_range = Range{from, from + lap_of(travel) * kDegrees};
+    p.x_step = lap_of(travel) * kDegrees / 12.0;
+    p.y_range = Range{result.axes.size() > 2 ? 0.0 : -limit, limit};
     p.height = 310;
     for (const sim::CompareRow* r : group) {
-      const Lap lap = last_lap(r->trace, curve);
+      const Lap lap = last_lap(r->trace, travel);
       if (p.markers.empty()) p.markers = reversals(lap, result.axes);
       Series s = line_of(block, r);
       s.x = lap.angle;
@@ -400,7 +416,7 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
   const double magnification = round_down(std::min(kRoom * curve.size / worst, kMostMagnification));
   const double ring = round_down(0.4 * worst);
 
-  Series path{.color = "#9aa0a6", .width = 1.0};
+  Series line{.color = "#9aa0a6", .width = 1.0};
   std::array<Series, 2> rings{Series{.color = "#b6bbc0", .width = 0.8, .dashed = true},
                               Series{.color = "#b6bbc0", .width = 0.8, .dashed = true}};
   constexpr int kPoints = 240;
@@ -408,11 +424,11 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
   Vec2 low{{1e9, 1e9}};
   Vec2 high{{-1e9, -1e9}};
   for (int i = 0; i <= kPoints; ++i) {
-    const auto q = curve.derivatives<1>(curve.period() * i / kPoints);
+    const auto q = path::derivatives<1>(curve, curve.period() * i / kPoints);
     const double stretch = norm(q[1]);
     const Vec2 normal{{-q[1][1] / stretch, q[1][0] / stretch}};
-    path.x.push_back(q[0][0] * kMilli);
-    path.y.push_back(q[0][1] * kMilli);
+    line.x.push_back(q[0][0] * kMilli);
+    line.y.push_back(q[0][1] * kMilli);
     for (std::size_t side = 0; side < 2; ++side) {
       const Vec2 at = q[0] + (side == 0 ? ring : -ring) * magnification * normal;
       rings[side].x.push_back(at[0] * kMilli);
@@ -429,7 +445,7 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
 
   Magnified m;
   for (const sim::CompareRow* r : block.rows) {
-    const Lap lap = last_lap(r->trace, curve);
+    const Lap lap = last_lap(r->trace, *block.travel);
     std::vector<double> angle = lap.angle;
     std::vector<double> error;
     for (const auto* s : lap.samples) error.push_back(s->contour_error);
@@ -438,7 +454,7 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
     s.label.clear();
     s.width = 1.5;
     for (std::size_t i = 0; i < angle.size(); ++i) {
-      const auto q = curve.derivatives<1>(angle[i] / kDegrees);
+      const auto q = path::derivatives<1>(curve, angle[i] / kDegrees);
       const double stretch = norm(q[1]);
       const double scale = magnification * error[i] / stretch;
       s.x.push_back((q[0][0] - scale * q[1][1]) * kMilli);
@@ -463,7 +479,7 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
       p.notes = {{0.0, 0.09 * half, "max " + micrometres(r->mean.max_contour_error) + " µm", s.color},
                  {0.0, -0.09 * half, "RMS " + micrometres(r->mean.rms) + " µm", s.color}};
     }
-    p.series = {rings[0], rings[1], path, std::move(s)};
+    p.series = {rings[0], rings[1], line, std::move(s)};
     m.plots.push_back(std::move(p));
   }
   m.caption = fmt::format(
@@ -477,11 +493,18 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
 // ---- magnifier on a reversal
 // --------------------------------------------------------------------------------------
 
+/// Mean speed along the path [m/s].
+double speed_of(const sim::Travel& travel) {
+  if (travel.pace == path::Pace::kSpeed) return travel.speed;
+  return std::visit([&](const auto& path) { return path::lap_length(path) / path.period() * travel.speed; },
+                    travel.path);
+}
+
 std::vector<Plot> reversal_plots(const Block& block, const sim::CompareResult& result) {
   constexpr double kBefore = 0.4e-3;
   constexpr double kAfter = 2e-3;
   std::vector<Plot> plots;
-  for (std::size_t axis = 0; axis < std::min<std::size_t>(2, result.axes.size()); ++axis) {
+  for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
     Plot p;
     p.title = fmt::format("Where {} reverses, at {}", result.axes[axis], block.text);
     p.x_label = "way along the path after the reversal [mm]";
@@ -493,18 +516,17 @@ std::vector<Plot> reversal_plots(const Block& block, const sim::CompareResult& r
       const Trace& t = r->trace;
       // The last reversal with all of its two millimetres inside the scored part.
       std::size_t at = 0;
-      const auto reach = static_cast<std::size_t>(std::ceil(kAfter / block.speed / result.period)) + 1;
+      const auto reach =
+          static_cast<std::size_t>(std::ceil(kAfter / speed_of(*block.travel) / result.period)) + 1;
       for (std::size_t k = 1; k + reach < t.size(); ++k) {
-        const bool turns = (t[k - 1].reference.velocity[axis] < 0.0) != (t[k].reference.velocity[axis] < 0.0);
+        const bool turns = (t[k - 1].velocity[axis] < 0.0) != (t[k].velocity[axis] < 0.0);
         if (turns && t[k].scored && t[k + reach].scored) at = k;
       }
       if (at == 0) continue;
       Series s = line_of(block, r);
       s.label = name_of(*r);
       s.width = 1.6;
-      const auto step = [&](std::size_t k) {
-        return norm(t[k].reference.position - t[k - 1].reference.position);
-      };
+      const auto step = [&](std::size_t k) { return norm(t[k].reference - t[k - 1].reference); };
       std::vector<double> way(t.size(), kNaN);
       way[at] = 0.0;
       std::size_t from = at;
@@ -515,7 +537,7 @@ std::vector<Plot> reversal_plots(const Block& block, const sim::CompareResult& r
       double window = kNaN;
       std::size_t k = at;
       for (; k + 1 < t.size() && way[k] < kAfter; ++k) {
-        const double travel = std::abs(t[k].reference.position[axis] - t[at].reference.position[axis]);
+        const double travel = std::abs(t[k].reference[axis] - t[at].reference[axis]);
         if (std::isnan(window) && travel > sim::kGlitchTravel) window = way[k];
         way[k + 1] = way[k] + step(k + 1);
       }
@@ -550,27 +572,28 @@ const sim::CompareRow* richest(const Block& block) {
 std::vector<Plot> force_plots(const Block& block, const CompareReportInput& input) {
   const sim::CompareResult& result = input.result;
   const sim::CompareRow* row = richest(block);
-  const Lap lap = last_lap(row->trace, result.spec.curve);
+  const sim::Travel& travel = *block.travel;
+  const Lap lap = last_lap(row->trace, travel);
   std::vector<Plot> plots;
-  for (std::size_t axis = 0; axis < std::min<std::size_t>(2, result.axes.size()); ++axis) {
+  for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
     const AxisEvidence* evidence = axis < input.axes.size() ? &input.axes[axis] : nullptr;
-    const double mass = evidence != nullptr && evidence->knowledge ? evidence->knowledge->gaussian.mass : 0.0;
+    const double mass = evidence != nullptr && evidence->knowledge
+                            ? evidence->knowledge->model(row->controller.friction, result.axes[axis]).mass
+                            : 0.0;
     const bool truth = evidence != nullptr && evidence->truth.has_value();
     Plot p;
     p.title = fmt::format("Axis {}, {} at {}", result.axes[axis], full_name(*row), block.text);
-    p.x_label = result.spec.curve.shape == path::Shape::kCircle ? "angle φ of the reference [°]"
-                                                                : "parameter φ of the path [°]";
+    p.x_label = angle_label(travel);
     p.y_label = "force [N]";
-    const double from = first_angle(result.spec.curve) * kDegrees;
-    p.x_range = Range{from, from + result.spec.curve.period() * kDegrees};
-    p.x_step = result.spec.curve.period() * kDegrees / 12.0;
+    const double from = first_angle(travel) * kDegrees;
+    p.x_range = Range{from, from + lap_of(travel) * kDegrees};
+    p.x_step = lap_of(travel) * kDegrees / 12.0;
     p.height = 300;
     Series force = line_of(block, row);
     force.label = mass > 0.0 ? "force of the controller, less mass times acceleration of the reference"
                              : "force of the controller";
     force.x = lap.angle;
-    for (const auto* s : lap.samples)
-      force.y.push_back(s->force[axis] - mass * s->reference.acceleration[axis]);
+    for (const auto* s : lap.samples) force.y.push_back(s->force[axis] - mass * s->acceleration[axis]);
     p.series.push_back(std::move(force));
     if (truth) {
       Series friction{
@@ -641,10 +664,9 @@ std::vector<std::string> all_warnings(const CompareReportInput& input) {
   std::vector<std::string> all = input.warnings;
   for (std::size_t i = 0; i < input.axes.size(); ++i) {
     const std::string axis = i < input.result.axes.size() ? input.result.axes[i] : std::to_string(i + 1);
-    for (const auto* r : {&input.axes[i].conventional, &input.axes[i].gaussian}) {
-      if (!*r) continue;
-      for (const std::string& w : (*r)->warnings)
-        all.push_back(fmt::format("axis {}, {} model: {}", axis, (*r)->model, w));
+    for (const auto& [kind, r] : input.axes[i].models) {
+      for (const std::string& w : r.warnings)
+        all.push_back(fmt::format("axis {}, {} model: {}", axis, r.model, w));
     }
   }
   for (std::string& w : status_warnings(input.result)) all.push_back(std::move(w));
@@ -655,13 +677,17 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
   FrictionMap map;
   map.axis = axis;
   map.speed = speed;
-  if (e.gaussian) map.fit = &*e.gaussian;
+  map.fit = e.find("gaussian");
+  if (map.fit == nullptr) map.fit = e.find("eccentric");
   if (e.knowledge) {
-    map.model = e.knowledge->gaussian.friction.steady;
-    map.model_label = "Gaussian-augmented, as given";
-    map.conventional = e.knowledge->conventional.friction.steady;
+    if (const auto& best = e.knowledge->gaussian ? e.knowledge->gaussian : e.knowledge->eccentric) {
+      map.model = best->friction.steady;
+      map.model_label = e.knowledge->gaussian ? "Gaussian-augmented, as given"
+                                              : "eccentric model without its periodic terms";
+    }
+    if (e.knowledge->conventional) map.conventional = e.knowledge->conventional->friction.steady;
   }
-  if (e.conventional) map.conventional = e.conventional->friction.steady;
+  if (const ident::Result* r = e.find("conventional")) map.conventional = r->friction.steady;
   if (e.truth) {
     map.truth = e.truth->steady;
     if (!e.truth->eccentric.empty()) map.truth_label = "true friction without periodic terms";
@@ -669,11 +695,34 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
   return map;
 }
 
-std::string shape_name(path::Shape shape) {
-  for (const auto& [value, name] : EnumNames<path::Shape>::names) {
-    if (value == shape) return std::string(name);
+template <NamedEnum E>
+std::string_view name_of_enum(E wanted) {
+  for (const auto& [value, name] : EnumNames<E>::names) {
+    if (value == wanted) return name;
   }
-  return "path";
+  return "";
+}
+
+/// The control laws with their parameters, and which controllers have them.
+std::vector<std::pair<std::string, std::string>> laws_in_words(const sim::CompareSpec& spec) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const sim::ControllerSpec& c : spec.controllers) {
+    std::string words = law_in_words(c.law);
+    if (c.observer == control::Observer::kDisturbance)
+      words += fmt::format("; observer poles {} 1/s", short_number(c.observer_pole));
+    if (c.observer == control::Observer::kAdaptive) {
+      std::vector<std::string> gains;
+      for (const double k : c.adaptive_gain) gains.push_back(short_number(k));
+      words += fmt::format("; adaptive friction {} 1/s", joined(gains, ", "));
+    }
+    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& a) { return a.first == words; });
+    if (same == all.end()) {
+      all.emplace_back(words, "(" + c.id + ")");
+    } else {
+      same->second += " (" + c.id + ")";
+    }
+  }
+  return all;
 }
 
 void settings(Page& page, const CompareReportInput& input) {
@@ -685,16 +734,17 @@ void settings(Page& page, const CompareReportInput& input) {
   add("machine", input.result.machine);
   add("origin of its numbers", input.origin);
   add("experiment", input.experiment);
-  add("path", fmt::format("{}, {} mm, {} laps after a run-in of {} s", shape_name(spec.curve.shape),
-                          short_number(spec.curve.size * kMilli), short_number(spec.laps),
-                          short_number(spec.run_in)));
-  std::vector<std::string> speeds;
-  for (const double v : spec.speeds) speeds.push_back(short_number(v * kMilli));
-  add("speeds along the path", listed(speeds) + " mm/s");
+  std::vector<std::string> paces;
+  for (const sim::Travel& travel : spec.travels) paces.push_back(travel.pace_in_words());
+  if (!spec.travels.empty()) {
+    const sim::Travel& first = spec.travels.front();
+    add("path", fmt::format("{}, {} laps after a run-in of {} s", first.name, short_number(first.laps),
+                            short_number(first.run_in)));
+    if (first.axes() > 2) add("frame", std::string(name_of_enum(first.frame)));
+  }
+  add("speeds", listed(paces));
   add("control period", short_number(input.result.period * kMilli) + " ms");
-  add("gains",
-      fmt::format("double poles: along the path {} rad/s, across {} rad/s; observer {} 1/s",
-                  short_number(spec.omega_t), short_number(spec.omega_n), short_number(spec.observer_pole)));
+  for (const auto& [words, ids] : laws_in_words(spec)) add("law of " + ids, words);
   add("compensators' parameters", input.parameters);
   add("trials, seed", fmt::format("{}, {}", spec.trials, spec.seed));
   int least_steps = std::numeric_limits<int>::max();
@@ -719,9 +769,7 @@ void settings(Page& page, const CompareReportInput& input) {
 
 void identification(Page& page, const CompareReportInput& input) {
   for (std::size_t i = 0; i < std::min(input.axes.size(), input.result.axes.size()); ++i) {
-    for (const auto* r : {&input.axes[i].gaussian, &input.axes[i].conventional}) {
-      if (!*r) continue;
-      const ident::Result& result = **r;
+    for (const auto& [kind, result] : input.axes[i].models) {
       std::string about = fmt::format("Axis {}: {} model by {}, {} rows", input.result.axes[i], result.model,
                                       result.method, result.rows);
       if (std::isfinite(result.held_out_rms)) {
@@ -776,10 +824,13 @@ std::string compare_report(const CompareReportInput& input) {
                  2, "");
   }
 
-  page.section("Contour, error magnified");
+  bool plane = false;
   for (const Block& b : blocks) {
+    if (plane_curve(*b.travel) == nullptr) continue;
+    if (!plane) page.section("Contour, error magnified");
+    plane = true;
     page.subsection(b.text);
-    const Magnified m = contour_plots(b, result.spec.curve);
+    const Magnified m = contour_plots(b, *plane_curve(*b.travel));
     page.figures(m.plots, 3, m.caption);
   }
 
@@ -801,9 +852,8 @@ std::string compare_report(const CompareReportInput& input) {
                  "window of the quadrant glitch.");
   }
 
-  const double speed = result.spec.speeds.empty()
-                           ? 0.0
-                           : *std::max_element(result.spec.speeds.begin(), result.spec.speeds.end());
+  double speed = 0.0;
+  for (const sim::Travel& t : result.spec.travels) speed = std::max(speed, speed_of(t));
   bool mapped = false;
   for (std::size_t i = 0; i < std::min(input.axes.size(), result.axes.size()); ++i) {
     const FrictionMap map = map_of(input.axes[i], result.axes[i], speed);
@@ -830,7 +880,7 @@ std::string compare_report(const CompareReportInput& input) {
   }
 
   const bool identified = std::any_of(input.axes.begin(), input.axes.end(),
-                                      [](const AxisEvidence& e) { return e.gaussian || e.conventional; });
+                                      [](const AxisEvidence& e) { return !e.models.empty(); });
   if (identified || !input.parameters.empty()) {
     page.section("How the compensators were identified");
     if (!input.parameters.empty()) page.paragraph("Parameters: " + input.parameters + ".");

@@ -14,6 +14,8 @@
 #include <stribeck/report/printed.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace stribeck::report {
@@ -21,9 +23,16 @@ namespace stribeck::report {
 /// What the compensators of one axis know, and where from.
 struct AxisEvidence {
   std::optional<sim::AxisKnowledge> knowledge = {};  ///< what the controllers were given
-  std::optional<ident::Result> conventional = {};    ///< absent: not identified here, e.g. printed parameters
-  std::optional<ident::Result> gaussian = {};
+  /// What was identified here, by kind of model: "conventional", "gaussian", "eccentric"; empty for printed parameters.
+  std::vector<std::pair<std::string, ident::Result>> models = {};
   std::optional<friction::Model> truth = {};  ///< of a virtual machine only
+
+  [[nodiscard]] const ident::Result* find(std::string_view kind) const {
+    for (const auto& [name, result] : models) {
+      if (name == kind) return &result;
+    }
+    return nullptr;
+  }
 };
 
 struct CompareReportInput {

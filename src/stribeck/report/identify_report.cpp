@@ -13,17 +13,18 @@ namespace {
 
 std::string summary(const ident::Result& r, std::string_view axis) {
   const ShownUnits units = units_of(r);
-  std::string text =
-      fmt::format("{}: {} friction model, found by {} from {} rows",
-                  axis.empty() ? "The axis" : fmt::format("Axis {}", axis), r.model, r.method, r.rows);
+  std::string text = fmt::format("{}: {}, from {}", axis.empty() ? "The axis" : fmt::format("Axis {}", axis),
+                                 headline(r), counted(r));
   if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
     text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
                         significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
   }
   const double low = r.mass_interval.low * units.per_mass;
   const double high = r.mass_interval.high * units.per_mass;
-  text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high), units.mass);
-  if (std::isfinite(low) && std::isfinite(high)) {
+  if (std::isfinite(r.mass)) {
+    text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high), units.mass);
+  }
+  if (std::isfinite(r.mass) && std::isfinite(low) && std::isfinite(high)) {
     text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));
   }
   text += ".";
@@ -80,6 +81,19 @@ void residuals(Page& page, const ident::Result& r, bool heading) {
 
 }  // namespace
 
+std::string headline(const ident::Result& r) {
+  if (r.method == "break-away") return "force and distance of break-away, from slow ramps";
+  if (r.method == "gravity") return "load and friction, from equal speeds both ways";
+  if (r.method == "constant-acceleration") return "mass, from accelerating against braking at equal speed";
+  if (r.model == "cogging") return "forces periodic in position (cogging), from holding at standstill";
+  return fmt::format("{} model by {}", r.model, r.method);
+}
+
+std::string counted(const ident::Result& r) {
+  const char* one = r.method == "break-away" ? "slip" : "row";
+  return fmt::format("{} {}{}", r.rows, one, r.rows == 1 ? "" : "s");
+}
+
 std::string identify_report(const IdentifyReportInput& input) {
   std::vector<std::string> about;
   if (!input.source.empty()) about.push_back("from " + input.source);
@@ -88,7 +102,7 @@ std::string identify_report(const IdentifyReportInput& input) {
             joined(about, " · "));
   bool first = true;
   for (const ident::Result& r : input.results) {
-    if (!first) page.section("Beside it: " + r.model + " model by " + r.method);
+    if (!first) page.section("Beside it: " + headline(r));
     page.lead(summary(r, input.axis));
     page.list("What this log cannot tell", r.cannot_tell);
     page.warnings(r.warnings);

@@ -7,6 +7,7 @@
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/table.hpp>
+#include <stribeck/sim/cutting_estimate.hpp>
 #include <type_traits>
 #include <variant>
 
@@ -30,10 +31,25 @@ void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
   out["mean_abs_ui_W"] = number_or_null(m.mean_abs_ui);
   out["input_variation_V"] = number_or_null(m.input_variation);
   Json tracking = Json::array();
-  for (std::size_t i = 0; i < std::min(axes, m.mean_abs_tracking.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(axes, control::kMostAxes); ++i) {
     tracking.push_back(number_or_null(m.mean_abs_tracking[i] * kMicro));
   }
   out["mean_abs_tracking_um"] = std::move(tracking);
+  out["max_orientation_error_urad"] = number_or_null(m.max_orientation_error * kMicro);
+  out["mean_orientation_error_urad"] = number_or_null(m.mean_orientation_error * kMicro);
+}
+
+/// Cutting force against the feed, true and estimated.
+Json cutting_json(const sim::CuttingFigures& c) {
+  const auto of = [](const sim::CuttingFigures::Of& f) {
+    return Json{{"mean_N", number_or_null(f.mean)},
+                {"once_per_turn_N", number_or_null(f.turn)},
+                {"once_per_tooth_N", number_or_null(f.tooth)}};
+  };
+  return {{"truth", of(c.truth)},
+          {"estimate", of(c.estimate)},
+          {"rms_truth_N", number_or_null(c.rms_truth)},
+          {"rms_error_N", number_or_null(c.rms_error)}};
 }
 
 template <class T>
@@ -104,6 +120,8 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
     Json spread = Json::object();
     write_metrics(spread, r.spread, result.axes.size());
     row["spread"] = std::move(spread);
+    if (const auto& cutting = result.spec.travels.at(r.travel).cutting; cutting && !r.trace.empty())
+      row["cutting"] = cutting_json(sim::cutting_figures(r.trace, *cutting));
     row["solver"] = {{"substeps", r.substeps > 0 ? Json(r.substeps) : Json(nullptr)},
                      {"accuracy_nm", number_or_null(result.spec.accuracy * 1e9)}};
     rows.push_back(std::move(row));

@@ -39,6 +39,8 @@ TEST(CompareJson, IsAsDescribed) {
         4.0,
         8.0
       ],
+      "max_orientation_error_urad": null,
+      "mean_orientation_error_urad": null,
       "spread": {
         "max_contour_error_um": 0.25,
         "quadrant_glitch_um": 0.125,
@@ -51,7 +53,9 @@ TEST(CompareJson, IsAsDescribed) {
         "mean_abs_tracking_um": [
           0.125,
           0.25
-        ]
+        ],
+        "max_orientation_error_urad": null,
+        "mean_orientation_error_urad": null
       },
       "solver": {
         "substeps": 4,
@@ -74,6 +78,8 @@ TEST(CompareJson, IsAsDescribed) {
         null,
         null
       ],
+      "max_orientation_error_urad": null,
+      "mean_orientation_error_urad": null,
       "spread": {
         "max_contour_error_um": null,
         "quadrant_glitch_um": null,
@@ -86,7 +92,9 @@ TEST(CompareJson, IsAsDescribed) {
         "mean_abs_tracking_um": [
           null,
           null
-        ]
+        ],
+        "max_orientation_error_urad": null,
+        "mean_orientation_error_urad": null
       },
       "solver": {
         "substeps": 4,

@@ -26,7 +26,7 @@ CompareReportInput input() {
   in.printed = kBiaxialTables;
   in.command = "stribeck compare table.toml --seed 7";
   in.axes.resize(2);
-  in.axes[0].gaussian = testing::fit();
+  in.axes[0].models = {{"gaussian", testing::fit()}};
   return in;
 }
 
@@ -133,8 +133,8 @@ TEST(CompareReport, StandsAloneWhateverItIsCalled) {
   in.result.machine = in.result.axes[0] = in.command = in.origin = in.parameters = in.experiment =
       testing::kHostile;
   in.result.rows[0].controller.label = in.result.rows[1].controller.id = testing::kHostile;
-  in.axes[0].gaussian->warnings = {testing::kHostile};
-  in.axes[0].gaussian->parameters[0].name = testing::kHostile;
+  in.axes[0].models[0].second.warnings = {testing::kHostile};
+  in.axes[0].models[0].second.parameters[0].name = testing::kHostile;
   const std::string page = compare_report(in);
   for (const char* foreign : {"http:", "https:", "<script", "<link", " src=", "url("})
     EXPECT_THAT(page, Not(HasSubstr(foreign)));

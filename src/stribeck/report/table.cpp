@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/report/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -24,22 +25,18 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result) {
   for (const sim::CompareRow& r : result.rows) {
     for (const Status s : {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange}) {
       if (r.status.count(s) == 0) continue;
-      all.push_back(fmt::format("({}) at {:.6g} mm/s: {} ({} times in {} trial{})", r.controller.id,
-                                r.speed * 1e3, describe(s), r.status.count(s), result.spec.trials,
-                                result.spec.trials == 1 ? "" : "s"));
+      all.push_back(fmt::format("({}) at {}: {} ({} times in {} trial{})", r.controller.id,
+                                result.spec.travels[r.travel].pace_in_words(), describe(s), r.status.count(s),
+                                result.spec.trials, result.spec.trials == 1 ? "" : "s"));
     }
   }
   return all;
 }
 
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed) {
-  std::vector<double> speeds;
-  for (const sim::CompareRow& r : result.rows) {
-    if (std::find(speeds.begin(), speeds.end(), r.speed) == speeds.end()) speeds.push_back(r.speed);
-  }
   std::string out;
-  for (const double speed : speeds) {
-    const PrintedTable* print = find_printed(printed, speed);
+  for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
+    const PrintedTable* print = find_printed(printed, result.spec.travels[travel].speed);
     TextColumn id{"", "", {}, false};
     TextColumn label{"controller", "", {}, false};
     TextColumn max{"max", "µm", {}};
@@ -52,7 +49,7 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
     TextColumn print_glitch{"glitch", "µm", {}, true, "print"};
     TextColumn print_rms{"RMS", "µm", {}, true, "print"};
     for (const sim::CompareRow& r : result.rows) {
-      if (r.speed != speed) continue;
+      if (r.travel != travel) continue;
       id.entries.push_back(clean_text(r.controller.id));
       label.entries.push_back(clean_text(r.controller.label));
       max.entries.push_back(with_spread(r.mean.max_contour_error, r.spread.max_contour_error));
@@ -67,9 +64,9 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
       print_rms.entries.push_back(p != nullptr ? decimals(p->rms_um, 2) : "");
     }
     if (!out.empty()) out += '\n';
-    out +=
-        fmt::format("{} mm/s, contour error, mean of {} trial{}", short_number(speed * 1e3),
-                    result.spec.trials, result.spec.trials == 1 ? "" : "s ± standard deviation between them");
+    out += fmt::format("{}, {} error, mean of {} trial{}", result.spec.travels[travel].pace_in_words(),
+                       result.axes.size() == 1 ? "tracking" : "contour", result.spec.trials,
+                       result.spec.trials == 1 ? "" : "s ± standard deviation between them");
     if (print != nullptr) out += fmt::format("; printed: {}", print->source);
     out += "\n";
     if (print != nullptr) {
@@ -83,9 +80,8 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
 
 std::string text_table(const ident::Result& result, std::string_view axis) {
   const ShownUnits units = units_of(result);
-  std::string out = fmt::format("{}{} model by {}, {} rows",
-                                axis.empty() ? std::string() : "axis " + clean_text(axis) + ": ",
-                                clean_text(result.model), clean_text(result.method), result.rows);
+  std::string out = fmt::format("{}{}, {}", axis.empty() ? std::string() : "axis " + clean_text(axis) + ": ",
+                                clean_text(headline(result)), counted(result));
   if (std::isfinite(result.held_out_rms)) {
     out += fmt::format(", {} {} RMS on held-out motion", significant(result.held_out_rms, 3), units.force);
   }

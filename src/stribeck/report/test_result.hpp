@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/result.hpp>
-#include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/experiments.hpp>
 #include <string>
 
 namespace stribeck::report::testing {
@@ -24,7 +24,7 @@ inline sim::Metrics metrics(double max, double rms) {
   m.rms = rms;
   m.sd = rms;
   m.mean_abs = 0.5 * rms;
-  m.mean_abs_tracking = {rms, 2.0 * rms};
+  m.mean_abs_tracking = {{rms, 2.0 * rms}};
   m.power = kNaN;
   m.mean_abs_ui = kNaN;
   m.input_variation = 0.125;
@@ -43,15 +43,13 @@ inline sim::CompareResult two_controllers() {
   result.machine = "table";
   result.period = 5e-3;
   result.axes = {"x", "y"};
-  result.spec.curve = {path::Shape::kCircle, 0.01};
-  result.spec.speeds = {9.5e-3};
-  result.spec.laps = 1.0;
+  const sim::Travel travel = sim::along(path::Shape::kCircle, 0.01, 9.5e-3, 1.0);
+  result.spec.travels = {travel};
   result.spec.trials = 4;
   result.spec.seed = 7;
   const auto all = sim::biaxial_controllers();
   result.spec.controllers = {all[0], all[1]};
-  const sim::Travel travel{result.spec.curve, 9.5e-3, 1.0, 1.0};
-  const auto reference = sim::sample_reference(travel, result.period);
+  const auto reference = sim::sample<2>(travel, result.period).points;
   const double scored_to = 1.0 + travel.law().cruise_time();
   double size = 8e-6;
   for (const auto& controller : result.spec.controllers) {
@@ -65,8 +63,10 @@ inline sim::CompareResult two_controllers() {
     for (std::size_t k = 0; k < reference.size(); ++k) {
       sim::ContourSample s;
       s.time = static_cast<double>(k) * result.period;
-      s.reference = reference[k];
-      s.position = reference[k].position;
+      s.phi = reference[k].phi;
+      s.reference = s.position = sim::widened(reference[k].position);
+      s.velocity = sim::widened(reference[k].velocity);
+      s.acceleration = sim::widened(reference[k].acceleration);
       s.contour_error = size * std::cos(reference[k].phi);
       s.force = {{100.0, -100.0}};
       s.friction = {{90.0, -110.0}};
