@@ -23,6 +23,7 @@ using Action = std::function<int()>;
 void add_compare(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Action& action);
 void add_excite(CLI::App& app, Action& action);
+void add_reproduce(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
 

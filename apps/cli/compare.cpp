@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
@@ -11,29 +12,73 @@
 #include <stribeck/report/compare_report.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/table.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/experiments.hpp>
 
 namespace stribeck::cli {
 namespace {
 
+constexpr const char* kVaried = "bi-table";
+
 struct Options {
   Common common;
   std::string machine;
-  std::string experiment = "bi-table";
+  std::string experiment;
   ParameterOptions parameters;
   std::uint32_t trials = 10;
   std::uint64_t seed = 1;
   unsigned threads = 0;
   std::vector<std::string> speeds;
+  std::vector<std::string> controllers;
   PathOptions path;
 };
 
-sim::CompareSpec spec_of(const Options& o) {
-  sim::CompareSpec s = make_spec(o.path);
-  for (const std::string& speed : o.speeds) {
-    s.speeds.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
+/// The experiment that a machine is for when none is asked for.
+std::string default_experiment(const sim::Machine& machine) {
+  switch (machine.axes.size()) {
+    case 1:
+      return "uni-sim";
+    case 2:
+      return "bi-table";
+    case 5:
+      return "five-axis";
+    default:
+      return "tri-circle";
   }
-  if (s.speeds.empty()) s.speeds = {3e-3, 9.5e-3};
-  s.controllers = sim::biaxial_controllers();
+}
+
+sim::CompareSpec spec_of(const Options& o, const std::string& experiment) {
+  sim::CompareSpec s;
+  // The circle of the biaxial table is also the one that the options of a path vary.
+  if (experiment == kVaried) {
+    std::vector<double> speeds;
+    for (const std::string& speed : o.speeds) {
+      speeds.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
+    }
+    if (speeds.empty()) speeds = {3e-3, 9.5e-3};
+    for (const double speed : speeds) s.travels.push_back(make_travel(o.path, speed));
+    s.controllers = make_controllers(o.path);
+    s.accuracy = make_accuracy(o.path);
+  } else {
+    const auto all = sim::experiments();
+    s = sim::find_experiment(all, experiment)->settings.front().spec;
+    if (!(o.path == PathOptions{}) || !o.speeds.empty()) {
+      refuse_option("--experiment",
+                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
+                                experiment, kVaried));
+    }
+  }
+  for (const std::string& c : o.controllers) {
+    sim::ControllerSpec more = read_controller(c);
+    for (const sim::ControllerSpec& other : s.controllers) {
+      if (other.id == more.id) {
+        refuse_option("--controller",
+                      fmt::format("{}: there is a controller with the id {} already (choose another id)",
+                                  io::in_quotes(c), io::in_quotes(more.id)));
+      }
+    }
+    s.controllers.push_back(std::move(more));
+  }
   s.trials = o.trials;
   s.seed = o.seed;
   s.threads = o.threads;
@@ -43,11 +88,11 @@ sim::CompareSpec spec_of(const Options& o) {
 constexpr std::string_view kPrintedMachine = "biaxial table";
 
 /// The printed figures belong to one experiment: the circle of 10 mm at the gains of the table.
-std::span<const report::PrintedTable> printed_for(const Options& o) {
+std::span<const report::PrintedTable> printed_for(const Options& o, const std::string& experiment) {
   PathOptions standard;
   standard.laps = o.path.laps;
   standard.accuracy = o.path.accuracy;
-  if (o.experiment != "bi-table" || !(o.path == standard)) return {};
+  if (experiment != kVaried || !(o.path == standard)) return {};
   return report::kBiaxialTables;
 }
 
@@ -56,16 +101,14 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
   for (std::size_t i = 0; i < parameters.learned.size(); ++i) {
     const std::string& name = machine.axes[i].first;
     const Learned& l = parameters.learned[i];
-    io::write_csv(directory + "/" + name + "-pulses.csv", as_log(l.pulses));
-    io::write_csv(directory + "/" + name + "-sine.csv", as_log(l.sine));
-    const std::string origin =
-        "Identified by stribeck " STRIBECK_VERSION " on the machine \"" + machine.name + "\", axis " + name;
-    io::write_atomically(
-        directory + "/" + name + "-conventional.toml",
-        io::write_toml(l.knowledge.conventional, origin + ", from " + name + "-pulses.csv."));
-    io::write_atomically(directory + "/" + name + "-gaussian.toml",
-                         io::write_toml(l.knowledge.gaussian, origin + ", from " + name + "-pulses.csv and " +
-                                                                  name + "-sine.csv."));
+    for (const auto& [file, log] : l.logs) io::write_csv(directory + "/" + file, as_log(log));
+    for (const LearnedModel& m : l.models) {
+      const std::string origin = "Identified by stribeck " STRIBECK_VERSION " on the machine \"" +
+                                 machine.name + "\", axis " + name + ", from " +
+                                 report::joined(m.sources, " and ") + ".";
+      io::write_atomically(directory + "/" + name + "-" + m.kind + ".toml",
+                           io::write_toml(as_model(m.result), origin));
+    }
   }
 }
 
@@ -73,9 +116,10 @@ int compare(const Options& o) {
   check_distinct({o.machine}, {o.common.json});
   check_outputs(o.common);
   const sim::Machine machine = load_machine(o.machine);
-  const sim::CompareSpec spec = spec_of(o);
+  const std::string experiment = o.experiment.empty() ? default_experiment(machine) : o.experiment;
+  const sim::CompareSpec spec = spec_of(o, experiment);
   check_travel(machine, o.machine, spec);
-  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, o.seed);
+  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, spec);
   sim::CompareResult result;
   {
     Progress progress("compare", o.common.quiet);
@@ -84,23 +128,23 @@ int compare(const Options& o) {
   }
   // The printed figures are those of one machine.
   const auto printed = machine.name == kPrintedMachine && o.parameters.axis_files.empty()
-                           ? printed_for(o)
+                           ? printed_for(o, experiment)
                            : std::span<const report::PrintedTable>();
-  write_json(o.common.json, report::to_json(result, o.experiment));
+  write_json(o.common.json, report::to_json(result, experiment));
   if (!o.common.report.empty()) {
     report::CompareReportInput input;
     input.result = result;
-    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    for (const std::size_t i : sim::chosen_axes(machine, spec)) {
       report::AxisEvidence evidence;
       evidence.knowledge = parameters.knowledge[i];
       if (!parameters.learned.empty()) {
-        evidence.conventional = parameters.learned[i].conventional;
-        evidence.gaussian = parameters.learned[i].gaussian;
+        for (const LearnedModel& m : parameters.learned[i].models)
+          evidence.models.push_back({m.kind, m.result});
       }
       evidence.truth = machine.axes[i].second.plant.friction;
       input.axes.push_back(std::move(evidence));
     }
-    input.experiment = o.experiment;
+    input.experiment = experiment;
     input.origin = machine.origin;
     input.parameters = parameters.words;
     input.command = typed_command();
@@ -122,9 +166,12 @@ void add_compare(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("compare", "The main job: controllers side by side on a virtual machine");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  verb->add_option("--experiment", o->experiment, "Experiment")
-      ->check(CLI::IsMember({"bi-table"}))
-      ->capture_default_str();
+  std::vector<std::string> ids;
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  verb->add_option(
+          "--experiment", o->experiment,
+          "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis by the machine's number of axes")
+      ->check(CLI::IsMember(ids));
   add_parameter_options(*verb, o->parameters);
   verb->add_option("--trials", o->trials, "Trials, each with noise of its own")
       ->check(CLI::Range(1, 100000))
@@ -135,6 +182,10 @@ void add_compare(CLI::App& app, Action& action) {
       ->capture_default_str();
   verb->add_option("--speed", o->speeds, "Speed along the path, repeatable; left out: 3 and 9.5 mm/s")
       ->type_name("SPEED");
+  verb->add_option("--controller", o->controllers,
+                   fmt::format("One more controller, repeatable: {}, or a file like those of controllers/",
+                               report::listed(built_in_controllers())))
+      ->type_name("NAME|FILE.toml");
   add_path_options(*verb, o->path);
   add_common(*verb, o->common);
   verb->footer(

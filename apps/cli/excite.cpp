@@ -87,7 +87,7 @@ ident::Excitation design(const Options& o, const sim::Machine& machine, std::siz
   if (o.method == "jog") {
     ident::JogDesign jog;
     jog.start = middle;
-    jog.speeds = ident::jog_speeds(0.95 * limits.speed);
+    jog.speeds = ident::jog_speeds(kShareOfSpeed * limits.speed);
     if (!o.speeds.empty()) jog.speeds.clear();
     for (const std::string& speed : o.speeds) {
       jog.speeds.push_back(option_si("--speeds", speed, quantity("m/s", "mm/s").positive()));
@@ -122,6 +122,15 @@ ident::Excitation design(const Options& o, const sim::Machine& machine, std::siz
   return cli::design(machine, which, o.method, o.periods.value_or(kSinePeriods), known);
 }
 
+/// The option that sets a parameter of a design; empty: none does.
+std::string option_of(const std::string& parameter) {
+  if (parameter == "period") return "--lead";
+  for (const char* same : {"rise", "speeds", "periods", "repeats"}) {
+    if (parameter == same) return std::string("--") + same;
+  }
+  return {};
+}
+
 int excite(const Options& o) {
   check_options(o);
   check_distinct({o.machine, o.known}, {o.output, o.gcode, o.common.json});
@@ -130,7 +139,15 @@ int excite(const Options& o) {
   check_writable(o.gcode);
   const sim::Machine machine = load_machine(o.machine);
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
-  const ident::Excitation e = design(o, machine, axis);
+  const ident::Excitation e = [&] {
+    try {
+      return design(o, machine, axis);
+    } catch (const ident::BadDesign& bad) {
+      const std::string option = option_of(bad.parameter);
+      if (option.empty()) throw;
+      refuse_option(option, bad.what());
+    }
+  }();
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
     if (!path.empty()) io::write_atomically(path, ident::as_gcode(e, o.axis, machine.name));
   }
@@ -197,6 +214,7 @@ void add_excite(CLI::App& app, Action& action) {
                    "friction")
       ->type_name("AXIS.toml");
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");
   verb->callback([o, &action] { action = [o] { return excite(*o); }; });

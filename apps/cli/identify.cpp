@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -69,11 +71,11 @@ const std::vector<Method>& methods() {
 }
 
 /// Every option that the method would ignore is refused.
-void check_options(const Options& o) {
+void check_options(const Options& o, const std::string& method, const std::string& which) {
   const auto m =
-      *std::find_if(methods().begin(), methods().end(), [&](const Method& x) { return x.name == o.method; });
+      *std::find_if(methods().begin(), methods().end(), [&](const Method& x) { return x.name == method; });
   const auto takes = [&](bool given, bool taken, const char* option) {
-    if (given && !taken) refuse_option(option, fmt::format("--method {} does not take it", o.method));
+    if (given && !taken) refuse_option(option, which + " does not take it");
   };
   takes(o.terms >= 0, m.terms, "--terms");
   takes(!o.mass.empty(), m.mass, "--mass");
@@ -81,15 +83,39 @@ void check_options(const Options& o) {
   takes(!o.turn.empty(), m.turn, "--turn");
   takes(o.solver != "derivatives", m.solver, "--solver");
   if (std::find(m.models.begin(), m.models.end(), o.model) == m.models.end()) {
-    refuse_option("--model", fmt::format("got {}, which --method {} cannot give (expected {})", o.model,
-                                         o.method, fmt::join(m.models, ", ")));
+    refuse_option("--model", fmt::format("got {}, which {} cannot give (expected {})", o.model, which,
+                                         fmt::join(m.models, ", ")));
   }
+  if (o.terms > 0 && o.model == "conventional")
+    refuse_option("--terms", fmt::format("got {}, but --model conventional has no Gaussians", o.terms));
+}
+
+/// What auto turns out to be.
+void check_auto(const Options& o, const char* method, const char* why) {
+  check_options(o, method, fmt::format("the method for this log ({}, {})", method, why));
+}
+
+/// With --inspect nothing is identified, so nothing but the reading of the log can be asked for.
+void check_inspect(const Options& o) {
+  const auto none = [](bool given, const char* option) {
+    if (given) refuse_option(option, "--inspect does not take it: it identifies nothing");
+  };
+  none(o.model != "auto", "--model");
+  none(o.method != "auto", "--method");
+  none(o.terms >= 0, "--terms");
+  none(!o.mass.empty(), "--mass");
+  none(!o.cut_off.empty(), "--cut-off");
+  none(!o.turn.empty(), "--turn");
+  none(o.solver != "derivatives", "--solver");
+  none(!o.output.empty(), "--output");
+  none(!o.common.report.empty(), "--report");
 }
 
 /// Everything that is to be said of the logs, and their records.
 struct Input {
   std::vector<ident::Record> records;
-  std::size_t runs = 0;  ///< logged apart from each other
+  std::size_t runs = 0;        ///< logged apart from each other
+  bool one_direction = false;  ///< all of them move in the same direction
   std::vector<std::string> notes;
   std::string sources;
 };
@@ -106,6 +132,29 @@ struct Identified {
 std::optional<double> optional_si(const std::string& text, const Quantity& quantity, const char* option) {
   if (text.empty()) return std::nullopt;
   return option_si(option, text, quantity);
+}
+
+/// From a milligram, in whatever unit of force, to more than any table.
+std::optional<double> given_mass(const Options& o) {
+  return optional_si(o.mass, quantity("kg", "N s2/mm").at_least(1e-6).at_most(1e9), "--mass");
+}
+
+/// Between one period of the log and half the sampling frequency.
+double given_cut_off(const Options& o, const std::vector<ident::Record>& records) {
+  const auto f = optional_si(o.cut_off, quantity("Hz", "Hz").positive(), "--cut-off");
+  if (!f) return 0.0;
+  double least = 0.0, most = std::numeric_limits<double>::infinity();
+  for (const ident::Record& r : records) {
+    least = std::max(least, 1.0 / (r.t.back() - r.t.front()));
+    most = std::min(most, 0.5 / r.sample_time);
+  }
+  if (!(*f > least) || !(*f < most)) {
+    refuse_option("--cut-off",
+                  fmt::format("got {}, expected above {:.4g} Hz, one period of the log, and below {:.6g} "
+                              "Hz, half of its sampling frequency",
+                              io::in_quotes(o.cut_off), least, most));
+  }
+  return *f;
 }
 
 /// Runs of constant speed, each logged by itself: the speeds of a jog as many controls export them.
@@ -130,17 +179,37 @@ Identified by_jog(const Options& o, const std::vector<ident::Record>& records) {
   options.solver = o.solver == "simplex" ? ident::Solver::kSimplex : ident::Solver::kDerivatives;
   if (o.terms >= 0) options.terms = o.terms;
   options.gaussians = o.model != "conventional";
-  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  options.mass = given_mass(o);
   ident::Jog jog = ident::identify_jog(records, options);
   return {std::move(jog.result), std::move(jog.groups), {}, {}, {}};
 }
 
 Identified by_position(const Options& o, const std::vector<ident::Record>& records) {
   ident::PositionMapOptions options;
-  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
-  options.turn = optional_si(o.turn, quantity("m", "mm"), "--turn");
-  if (records.front().position_unit == "rad")
-    options.turn = optional_si(o.turn, quantity("rad", "rad"), "--turn");
+  options.mass = given_mass(o);
+  options.turn = optional_si(
+      o.turn,
+      (records.front().position_unit == "rad" ? quantity("rad", "rad") : quantity("m", "mm")).positive(),
+      "--turn");
+  if (options.turn) {
+    // Parts of a much longer turn lie closer together than this way can tell apart; a shorter one is not seen.
+    constexpr double kLongest = 20.0, kShortest = 1.0 / 2000.0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const ident::Record& r : records) {
+      const auto [a, b] = std::minmax_element(r.x.begin(), r.x.end());
+      low = std::min(low, *a), high = std::max(high, *b);
+    }
+    if (!(*options.turn <= kLongest * (high - low)) || !(*options.turn >= kShortest * (high - low))) {
+      const bool turns = records.front().position_unit == "rad";
+      const double shown = turns ? 1.0 : 1e3;
+      refuse_option("--turn",
+                    fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the way of {:.4g} {} in "
+                                "this log",
+                                io::in_quotes(o.turn), shown * kShortest * (high - low),
+                                shown * kLongest * (high - low), turns ? "rad" : "mm", shown * (high - low),
+                                turns ? "rad" : "mm"));
+    }
+  }
   return {ident::identify_position_map(records, options), {}, {}, {}, {}};
 }
 
@@ -159,7 +228,7 @@ Identified by_least_squares(const Options& o, const std::vector<ident::Record>& 
 
 Identified by_break_away(const Options& o, const std::vector<ident::Record>& records) {
   ident::BreakAwayOptions options;
-  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+  options.mass = given_mass(o);
   return {ident::identify_break_away(records, options).result, {}, {}, {}, {}};
 }
 
@@ -185,17 +254,31 @@ Identified identify_records(const Options& o, const Input& in) {
   if (o.method == "velocity-map") {
     ident::VelocityMapOptions options;
     if (o.terms >= 0) options.terms = o.terms;
-    options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
+    options.mass = given_mass(o);
     return {ident::identify_velocity_map(records, options), {}, {}, {}, {}};
   }
-  if (ident::held_at_standstill(records)) return by_position(o, records);
-  if (steady_speeds(records, in.runs)) return by_jog(o, records);
+  if (ident::held_at_standstill(records)) {
+    check_auto(o, "position-map", "the axis is held at standstill");
+    return by_position(o, records);
+  }
+  if (steady_speeds(records, in.runs)) {
+    check_auto(o, "jog", "runs of constant speed");
+    return by_jog(o, records);
+  }
+  if (in.one_direction) {
+    check_auto(o, "position-map", "the axis moves in one direction only");
+    Identified identified = by_position(o, records);
+    identified.result.warnings.insert(identified.result.warnings.begin(),
+                                      "one direction only: mass, and friction of that direction with any "
+                                      "load in it; add the way back for the rest");
+    return identified;
+  }
   ident::DriveFitOptions options;
   if (o.terms >= 0) options.terms = o.terms;
   if (o.model == "conventional") options.most_terms = 0;
   if (o.model == "gaussian") options.symmetric = false;
-  options.mass = optional_si(o.mass, quantity("kg", "N s2/mm"), "--mass");
-  options.cut_off = optional_si(o.cut_off, quantity("Hz", "Hz").positive(), "--cut-off").value_or(0.0);
+  options.mass = given_mass(o);
+  options.cut_off = given_cut_off(o, records);
   std::vector<ident::Record> with_positions;
   for (const ident::Record& r : records) with_positions.push_back(ident::with_positions(r));
   return {ident::identify_drive(with_positions, options), {}, {}, {}, {}};
@@ -273,6 +356,8 @@ void warn_of_records(const std::vector<ident::Record>& records, const std::strin
 Input read_logs(const Options& o) {
   Input in;
   const LogOptions log_options = with_map_file(o.log);
+  constexpr double kFewForward = 0.002;  // of the moving rows: noise at standstill
+  bool forward = false, backward = false;
   for (const std::string& path : o.logs) {
     const io::Log log = read_log(path, log_options);
     std::vector<std::string> notes;
@@ -285,10 +370,13 @@ Input read_logs(const Options& o) {
     for (std::string& note : notes) {
       in.notes.push_back(note.starts_with(path) ? std::move(note) : fmt::format("{}: {}", path, note));
     }
+    forward = forward || clean.coverage.forward > kFewForward;
+    backward = backward || clean.coverage.forward < 1.0 - kFewForward;
     in.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
     for (ident::Record& r : clean.records) in.records.push_back(std::move(r));
     in.sources += (in.sources.empty() ? "" : ", ") + path;
   }
+  in.one_direction = forward != backward;
   return in;
 }
 
@@ -307,21 +395,20 @@ int inspect_logs(const Options& o) {
 }
 
 int identify(const Options& o) {
-  check_options(o);
-  for (std::size_t i = 1; i < o.logs.size(); ++i) {
-    if (std::find(o.logs.begin(), o.logs.begin() + static_cast<std::ptrdiff_t>(i), o.logs[i]) !=
-        o.logs.begin() + static_cast<std::ptrdiff_t>(i)) {
-      refuse_option("LOG", fmt::format("{} is given twice: it would count as two runs", o.logs[i]));
+  check_options(o, o.method, "--method " + o.method);
+  if (o.inspect) check_inspect(o);
+  std::vector<std::filesystem::path> seen;
+  for (const std::string& log : o.logs) {
+    std::error_code ignored;
+    seen.push_back(std::filesystem::weakly_canonical(log, ignored));
+    if (std::find(seen.begin(), seen.end() - 1, seen.back()) != seen.end() - 1) {
+      refuse_option("LOG", fmt::format("{} is given twice: it would count as two runs", log));
     }
   }
   check_distinct(o.logs, {o.output, o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
-  if (o.inspect) {
-    if (!o.output.empty())
-      refuse_option("--output", "--inspect identifies nothing, so there is no axis file");
-    return inspect_logs(o);
-  }
+  if (o.inspect) return inspect_logs(o);
   const Input in = read_logs(o);
   Identified identified = identify_records(o, in);
   ident::Result& result = identified.result;
@@ -340,6 +427,15 @@ int identify(const Options& o) {
                       "--gain{}",
                       result.force_unit, result.position_unit,
                       result.position_unit == "m" ? "" : " and --lead"));
+    }
+    if (result.friction.eccentric.size() > 0 && result.model == "cogging") {
+      refuse_option("--output",
+                    "an axis file needs mass and friction, which holding at standstill does not tell");
+    }
+    if (in.one_direction) {
+      refuse_option(
+          "--output",
+          "an axis file holds friction of both directions, but the axis moves in one only; add the way back");
     }
     if (!(result.mass > 0.0)) {
       refuse_option("--output",
@@ -418,6 +514,7 @@ void add_identify(CLI::App& app, Action& action) {
   add_log_options(*verb, o->log);
   verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report");
   verb->callback([o, &action] { action = [o] { return identify(*o); }; });

@@ -13,17 +13,37 @@
 
 namespace stribeck::cli {
 
-/// What was recorded of one axis and what came out of it.
-struct Learned {
-  sim::Recording pulses;
-  sim::Recording sine;
-  ident::Result conventional;  ///< unbiased least squares from the pulses
-  ident::Result gaussian;      ///< velocity–friction map from pulses and sine together
-  sim::AxisKnowledge knowledge;
+/// A model of an axis, what it was identified from, and the result with its intervals.
+struct LearnedModel {
+  std::string kind;                  ///< "conventional", "gaussian" or "eccentric"
+  std::vector<std::string> sources;  ///< names of the logs, which Learned::logs holds
+  ident::Result result;
 };
 
+/// What was recorded of one axis and what came out of it.
+struct Learned {
+  std::vector<std::pair<std::string, sim::Recording>> logs;  ///< by file name
+  std::vector<LearnedModel> models;
+  sim::AxisKnowledge knowledge;
+
+  [[nodiscard]] const ident::Result* find(std::string_view kind) const;
+};
+
+/// Which models a set of controllers needs.
+struct Needs {
+  bool conventional = false;
+  bool gaussian = false;
+  bool eccentric = false;
+
+  static Needs of(const std::vector<sim::ControllerSpec>& controllers);
+};
+
+/// Fastest jog, as a share of the axis's limit of speed.
+inline constexpr double kShareOfSpeed = 0.95;
 /// Periods of the sine that the main job records.
 inline constexpr int kSinePeriods = 8;
+/// Periods of the sine about the middle, for the position map.
+inline constexpr int kPositionPeriods = 4;
 
 /// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
 ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
@@ -35,7 +55,9 @@ sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::ve
 void refuse_nonsense(const ident::Result& result, const std::string& source);
 /// What goes into an axis file.
 friction::AxisModel as_model(const ident::Result& result);
-Learned learn_axis(const sim::Machine& machine, std::size_t axis, std::uint64_t seed);
+/// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one, and
+/// jogs for the conventional one of an axis that has an eccentric one (there single pulses would take the sine for friction).
+Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs, std::uint64_t seed);
 
 /// Writes a page of a log's columns over time; nothing when `directory` is empty.
 void report_log(const std::string& directory, const io::Log& log, const std::string& title,

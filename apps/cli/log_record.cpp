@@ -119,6 +119,20 @@ std::string column_names(const io::Log& log) {
   return names;
 }
 
+/// A unit given for a column may scale the file's own, but not make another quantity of it.
+void check_same_dimension(const io::Column& column, const std::string& unit) {
+  if (unit.empty() || column.unit_assumed || column.unit_text == "1") return;
+  if (!io::is_unit(column.unit_text) || !io::is_unit(unit)) return;
+  try {
+    static_cast<void>(io::conversion(unit, column.unit_text));
+  } catch (const io::InputError&) {
+    refuse_option("--map",
+                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or map "
+                              "another column (to scale a force, use --gain)",
+                              io::in_quotes(header_of(column)), column.unit_text, unit));
+  }
+}
+
 /// quantity=column [unit]; the unit is the last word where it is one and no column has the whole name.
 struct Map {
   const Known* quantity = nullptr;
@@ -148,6 +162,7 @@ Map parse_map(const std::string& text, const io::Log& log) {
     refuse_option("--map", fmt::format("column {} holds text, expected numbers",
                                        io::in_quotes(header_of(*map.column))));
   }
+  check_same_dimension(*map.column, map.unit);
   return map;
 }
 
@@ -308,6 +323,9 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
   } catch (const io::InputError& e) {
     io::Problem p = e.problems().front();
     p.file = log.source;
+    if (unit.empty())
+      p.message += fmt::format("; or give it with --map QUANTITY=\"{} {}\"", column.name,
+                               q.shown.empty() ? q.unit : q.shown);
     throw io::InputError(p);
   }
 }
@@ -457,6 +475,7 @@ struct Effort {
   std::string kind;  ///< force, torque, …
   double factor = 1.0;
   std::string unit = "N";
+  bool by_lead = false;  ///< a torque made a force
   io::Conversion conversion;
 };
 
@@ -673,6 +692,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
     if (!is_torque) return;
     if (per_radian != 0.0) {
       e.factor /= per_radian;
+      e.by_lead = true;
     } else {
       e.unit = "N m";
     }
@@ -680,6 +700,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   if (!options.gain.empty()) {
     bool fits = false;
     for (Effort& e : efforts) {
+      if (e.kind == "force") continue;  // has its scale
       const Quantity q = known(e.kind).quantity;
       const std::string per = e.kind == "percent" ? "" : "/(" + std::string(q.unit) + ")";
       struct Target {
@@ -709,6 +730,14 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
     }
     if (!fits) {
       if (ambiguous) throw *ambiguous;
+      if (efforts.size() == 1 && efforts.front().kind == "force") {
+        refuse_option(
+            "--gain",
+            fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain "
+                        "out, or map what it is for (--map voltage=\"COLUMN V\")",
+                        io::in_quotes(options.gain),
+                        io::in_quotes(header_of(*efforts.front().chosen.column))));
+      }
       std::string kinds;
       for (const Effort& e : efforts) kinds += (kinds.empty() ? "" : ", ") + e.kind;
       refuse_option("--gain",
@@ -756,6 +785,13 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
       check_unit(log, *effort.chosen.column, unit, q);
     }
   }
+
+  const bool turns =
+      std::any_of(motion.begin(), motion.end(), [](const Motion& m) { return m.chosen && m.angle; });
+  if (per_radian != 0.0 && !turns && !effort.by_lead)
+    refuse_option(
+        "--lead",
+        "nothing in this log turns and the force is no torque: it would change nothing, leave it out");
 
   // Time.
   const auto time_of = [&](const io::Column& c) -> int {

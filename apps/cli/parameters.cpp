@@ -4,6 +4,7 @@
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
 
 namespace stribeck::cli {
@@ -20,29 +21,49 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
       ->type_name("AXIS=FILE");
 }
 
+namespace {
+
+/// The printed models that the needs ask for, or an error that names the missing one.
+sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path, std::size_t i,
+                           const Needs& needs) {
+  const auto& [name, axis] = machine.axes[i];
+  const auto need = [&](bool wanted, const std::optional<friction::AxisModel>& model, const char* kind) {
+    if (wanted && !model) {
+      throw io::InputError(
+          {path, 0, "axes." + name + ".published." + kind,
+           "no printed parameters, which these controllers need (leave out --parameters thesis)"});
+    }
+  };
+  const sim::Published& p = axis.published;
+  need(needs.conventional, p.conventional, "conventional");
+  need(needs.gaussian, p.gaussian, "gaussian");
+  need(needs.eccentric, p.eccentric, "eccentric");
+  return {p.conventional, p.gaussian, p.eccentric};
+}
+
+}  // namespace
+
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
-                          const ParameterOptions& options, std::uint64_t seed) {
+                          const ParameterOptions& options, const sim::CompareSpec& spec) {
+  const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
+  const Needs needs = Needs::of(spec.controllers);
   Parameters p;
   p.knowledge.resize(machine.axes.size());
   if (options.source == "thesis") {
-    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-      const auto& [name, axis] = machine.axes[i];
-      if (!axis.published.conventional || !axis.published.gaussian) {
-        throw io::InputError(
-            {path, 0, "axes." + name + ".published",
-             "no printed parameters, expected conventional and gaussian (or leave out --parameters thesis)"});
-      }
-      p.knowledge[i] = {*axis.published.conventional, *axis.published.gaussian};
-    }
-    p.words = "printed parameters of the thesis (Tables 2.1 and 2.3)";
+    for (const std::size_t i : axes) p.knowledge[i] = printed(machine, path, i, needs);
+    p.words = "printed parameters of the thesis";
   } else {
     p.learned.resize(machine.axes.size());
     sim::parallel_for(
-        machine.axes.size(), 0, [] { return 0; },
-        [&](int&, std::size_t i) { p.learned[i] = learn_axis(machine, i, seed); });
-    for (std::size_t i = 0; i < machine.axes.size(); ++i) p.knowledge[i] = p.learned[i].knowledge;
-    p.words = fmt::format(
-        "identified from logs of this machine: pulses and {} periods of a sine on each axis", kSinePeriods);
+        axes.size(), spec.threads, [] { return 0; },
+        [&](int&, std::size_t k) { p.learned[axes[k]] = learn_axis(machine, axes[k], needs, spec.seed); });
+    for (const std::size_t i : axes) p.knowledge[i] = p.learned[i].knowledge;
+    std::vector<std::string> what{"pulses"};
+    if (needs.eccentric)
+      what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
+    if (needs.eccentric && needs.conventional) what.push_back("jogs");
+    if (needs.gaussian) what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
+    p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
   }
   for (const std::string& text : options.axis_files) {
     const auto equals = text.find('=');
@@ -56,8 +77,14 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
     const bool gaussian =
         map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
-    (gaussian ? p.knowledge[i].gaussian : p.knowledge[i].conventional) = model;
-    p.words += fmt::format("; {} model of axis {} from {}", gaussian ? "Gaussian" : "conventional",
+    const bool eccentric = !gaussian && !model.friction.eccentric.empty();
+    (gaussian    ? p.knowledge[i].gaussian
+     : eccentric ? p.knowledge[i].eccentric
+                 : p.knowledge[i].conventional) = model;
+    p.words += fmt::format("; {} model of axis {} from {}",
+                           gaussian    ? "Gaussian"
+                           : eccentric ? "eccentric"
+                                       : "conventional",
                            machine.axes[i].first, text.substr(equals + 1));
   }
   return p;

@@ -20,10 +20,11 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options);
 
 struct Parameters {
   std::vector<sim::AxisKnowledge> knowledge;  ///< per axis of the machine
-  std::vector<Learned> learned;               ///< per axis; empty unless identified
+  std::vector<Learned> learned;               ///< per axis of the machine; empty unless identified
   std::string words;                          ///< where they come from
 };
+/// For the controllers' needs and the axes that they drive; other axes are left without knowledge.
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
-                          const ParameterOptions& options, std::uint64_t seed);
+                          const ParameterOptions& options, const sim::CompareSpec& spec);
 
 }  // namespace stribeck::cli

@@ -3,6 +3,8 @@
 
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
+#include <cmath>
+#include <stribeck/sim/experiments.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -57,72 +59,93 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->capture_default_str();
 }
 
-sim::CompareSpec make_spec(const PathOptions& o) {
-  sim::CompareSpec s;
-  s.curve.shape = value_of_name<path::Shape>(o.path);
-  s.curve.size = option_si("--size", o.size, quantity("m", "mm").positive());
+sim::Travel make_travel(const PathOptions& o, double speed) {
   if (!std::isfinite(o.laps)) refuse_option("--laps", "expected a finite number");
-  s.laps = o.laps;
-  s.omega_t = option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive());
-  s.omega_n = option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive());
-  s.observer_pole = option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive());
-  s.observer = value_of_name<control::Observer>(o.observer);
-  s.error_rate = value_of_name<control::ErrorRate>(o.error_rate);
-  s.accuracy = option_si("--accuracy", o.accuracy, quantity("m", "nm").at_least(1e-12));
-  return s;
+  return sim::along(value_of_name<path::Shape>(o.path),
+                    option_si("--size", o.size, quantity("m", "mm").positive()), speed, o.laps);
+}
+
+std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
+  control::ContouringParams law = control::ContouringParams::critical(
+      option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive()),
+      option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive()));
+  law.error_rate = value_of_name<control::ErrorRate>(o.error_rate);
+  return sim::biaxial_controllers(
+      law, value_of_name<control::Observer>(o.observer),
+      option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
+}
+
+double make_accuracy(const PathOptions& o) {
+  return option_si("--accuracy", o.accuracy, quantity("m", "nm").at_least(1e-12));
 }
 
 void check_travel(const sim::Machine& machine, const std::string& machine_file,
                   const sim::CompareSpec& spec) {
-  if (machine.axes.size() != 2) {
+  const std::size_t needed = spec.travels.front().axes();
+  if (machine.axes.size() < needed) {
     throw io::InputError(
         {machine_file, 0, "axes",
-         fmt::format("a plane path needs two axes, the machine has {}", machine.axes.size())});
+         fmt::format("the path needs {} axes, the machine has {}", needed, machine.axes.size())});
   }
+  const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
   constexpr int kPoints = 720;
   constexpr double kMostTicks = 2e6;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto& [name, axis] = machine.axes[i];
-    for (int k = 0; k < kPoints; ++k) {
-      const double x = spec.curve.point(spec.curve.period() * k / kPoints)[i];
-      if (x < axis.limits.travel_min || x > axis.limits.travel_max) {
-        refuse_option(
-            "--size",
-            fmt::format("the path leaves the travel of axis {}, {:.6g} to {:.6g} mm (choose a smaller size)",
-                        name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3));
-      }
+  for (const sim::Travel& travel : spec.travels) {
+    const std::string pace = travel.pace_in_words();
+    const double ticks = travel.law().duration() / machine.sample_time;
+    if (!(ticks <= kMostTicks)) {
+      refuse_option(
+          "--speed",
+          fmt::format(
+              "the run would take {:.3g} control periods, at most {:.3g} are simulated (choose a higher "
+              "speed or fewer laps)",
+              ticks, kMostTicks));
     }
-    for (const double speed : spec.speeds) {
-      double fastest = 0.0;
-      for (int k = 0; k < kPoints; ++k) {
-        const auto q = spec.curve.derivatives<2>(spec.curve.period() * k / kPoints);
-        // Centripetal part of q'' for constant speed, on this axis.
-        const double stretch = dot(q[1], q[1]);
-        fastest = std::max(fastest,
-                           speed * speed * std::abs(q[2][i] - q[1][i] * dot(q[1], q[2]) / stretch) / stretch);
-      }
-      fastest = std::max(fastest, 1.875 * speed / spec.run_in);
-      if (fastest > axis.limits.acceleration) {
-        refuse_option(
-            "--speed",
-            fmt::format(
-                "{:.6g} mm/s on this path needs {:.4g} mm/s2 of axis {}, above its limit of {:.4g} mm/s2",
-                speed * 1e3, fastest * 1e3, name, axis.limits.acceleration * 1e3));
-      }
-      const double ticks = spec.laps * spec.curve.lap_length() / speed / machine.sample_time;
-      if (ticks > kMostTicks) {
-        refuse_option(
-            "--speed",
-            fmt::format(
-                "the run would take {:.3g} control periods, at most {:.3g} are simulated (choose a higher "
-                "speed or fewer laps)",
-                ticks, kMostTicks));
-      }
-      if (speed > axis.limits.speed) {
-        refuse_option("--speed", fmt::format("{:.6g} mm/s is above the limit of axis {}, {:.6g} mm/s",
-                                             speed * 1e3, name, axis.limits.speed * 1e3));
-      }
-    }
+    std::visit(
+        [&](const auto& path) {
+          for (std::size_t i = 0; i < axes.size(); ++i) {
+            const auto& [name, axis] = machine.axes[axes[i]];
+            const auto& limits = axis.limits;
+            double fastest = 0.0;
+            double hardest = 0.0;
+            for (int k = 0; k < kPoints; ++k) {
+              const auto q = path::derivatives<2>(path, path.period() * k / kPoints);
+              if (q[0][i] < limits.travel_min || q[0][i] > limits.travel_max) {
+                refuse_option(
+                    "--size",
+                    fmt::format(
+                        "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm (choose a smaller size)",
+                        name, limits.travel_min * 1e3, limits.travel_max * 1e3));
+              }
+              const double square = dot(q[1], q[1]);
+              if (travel.pace == path::Pace::kRate) {
+                fastest = std::max(fastest, travel.speed * std::abs(q[1][i]));
+                hardest = std::max(hardest, travel.speed * travel.speed * std::abs(q[2][i]));
+              } else {
+                // Centripetal part of q'' for constant speed, on this axis.
+                fastest = std::max(fastest, travel.speed * std::abs(q[1][i]) / std::sqrt(square));
+                hardest =
+                    std::max(hardest, travel.speed * travel.speed *
+                                          std::abs(q[2][i] - q[1][i] * dot(q[1], q[2]) / square) / square);
+              }
+            }
+            hardest = std::max(hardest, 1.875 * fastest / travel.run_in);
+            if (hardest > limits.acceleration) {
+              refuse_option(
+                  "--speed",
+                  fmt::format(
+                      "{} on this path needs {:.4g} mm/s2 of axis {}, above its limit of {:.4g} mm/s2", pace,
+                      hardest * 1e3, name, limits.acceleration * 1e3));
+            }
+            if (fastest > limits.speed) {
+              refuse_option(
+                  "--speed",
+                  fmt::format("{} on this path needs {:.6g} mm/s of axis {}, above its limit of {:.6g} mm/s",
+                              pace, fastest * 1e3, name, limits.speed * 1e3));
+            }
+          }
+        },
+        travel.path);
   }
 }
 

@@ -25,10 +25,15 @@ struct PathOptions {
 };
 void add_path_options(CLI::App& verb, PathOptions& options);
 
-/// A spec of everything but speeds, controllers and trials.
-sim::CompareSpec make_spec(const PathOptions& options);
+/// The path at a speed [m/s].
+sim::Travel make_travel(const PathOptions& options, double speed);
 
-/// Refuses a path that the machine cannot travel: number of axes, travel, speed.
+/// Controllers (a) to (f) with the options' gains and observer.
+std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
+
+double make_accuracy(const PathOptions& options);
+
+/// Refuses a path that the machine cannot travel: number of axes, travel, speed, acceleration, length.
 void check_travel(const sim::Machine& machine, const std::string& machine_file, const sim::CompareSpec& spec);
 
 }  // namespace stribeck::cli

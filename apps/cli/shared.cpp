@@ -80,6 +80,17 @@ double option_si(const std::string& option, const std::string& text, const Quant
   }
 }
 
+void refuse_empty_options(CLI::App& verb) {
+  for (CLI::Option* option : verb.get_options()) {
+    if (option->get_expected_min() == 0) continue;  // a flag
+    option->check([](const std::string& text) {
+      return text.find_first_not_of(" \t") == std::string::npos
+                 ? std::string("got \"\", expected a value (leave the option out to do without)")
+                 : std::string();
+    });
+  }
+}
+
 void refuse_option(const std::string& option, const std::string& message) {
   throw io::InputError(io::Problem{{}, 0, option, message});
 }

@@ -54,6 +54,9 @@ std::size_t axis_index(const sim::Machine& machine, const std::string& path, con
 /// An option's value with its unit, in SI; errors name the option.
 double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
 
+/// Refuses empty texts for every option of the verb, which would count as not given.
+void refuse_empty_options(CLI::App& verb);
+
 /// Something is wrong with an option.
 [[noreturn]] void refuse_option(const std::string& option, const std::string& message);
 

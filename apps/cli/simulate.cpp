@@ -7,6 +7,8 @@
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/experiments.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -18,6 +20,7 @@ struct Options {
   std::uint64_t seed = 1;
   // along a path
   std::string controller = "f";
+  std::string experiment;
   PathOptions path;
   std::string speed = "9.5 mm/s";
   std::uint32_t trial = 0;
@@ -83,7 +86,7 @@ int play_reference(const Options& o, const sim::Machine& machine) {
   return 0;
 }
 
-io::Log as_log(const sim::Machine& machine, const std::vector<sim::ContourSample>& trace) {
+io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::ContourSample>& trace) {
   io::Log log;
   log.rows = trace.size();
   const auto add = [&](const std::string& name, const char* unit, double scale, auto&& get) {
@@ -94,9 +97,9 @@ io::Log as_log(const sim::Machine& machine, const std::vector<sim::ContourSample
   };
   using S = sim::ContourSample;
   add("t", "s", 1.0, [](const S& s) { return s.time; });
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::string& axis = machine.axes[i].first;
-    add("r_" + axis, "mm", 1e-3, [i](const S& s) { return s.reference.position[i]; });
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::string& axis = axes[i];
+    add("r_" + axis, "mm", 1e-3, [i](const S& s) { return s.reference[i]; });
     add("x_" + axis, "mm", 1e-3, [i](const S& s) { return s.encoder[i]; });
     add("table_" + axis, "mm", 1e-3, [i](const S& s) { return s.position[i]; });
     add("u_" + axis, "V", 1.0, [i](const S& s) { return s.voltage[i]; });
@@ -107,43 +110,64 @@ io::Log as_log(const sim::Machine& machine, const std::vector<sim::ContourSample
   return log;
 }
 
-int run_path(const Options& o, const sim::Machine& machine) {
-  sim::CompareSpec spec = make_spec(o.path);
-  spec.speeds = {option_si("--speed", o.speed, quantity("m/s", "mm/s").positive())};
-  check_travel(machine, o.machine, spec);
-  sim::ControllerSpec controller;
-  for (const sim::ControllerSpec& c : sim::biaxial_controllers()) {
-    if (c.id == o.controller) controller = c;
+/// One controller of an experiment or of the biaxial table on one travel.
+sim::CompareSpec spec_of(const Options& o) {
+  sim::CompareSpec spec;
+  if (o.experiment.empty()) {
+    spec.travels = {make_travel(o.path, option_si("--speed", o.speed, quantity("m/s", "mm/s").positive()))};
+    spec.controllers = make_controllers(o.path);
+    spec.accuracy = make_accuracy(o.path);
+  } else {
+    if (!(o.path == PathOptions{})) {
+      refuse_option("--experiment",
+                    o.experiment + " has its own path and gains: leave out the options of a path");
+    }
+    const auto all = sim::experiments();
+    spec = sim::find_experiment(all, o.experiment)->settings.front().spec;
+    spec.travels.resize(1);
   }
-  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, o.seed);
-  const control::Contouring law = sim::make_controller(machine, parameters.knowledge, spec, controller);
-  const sim::Travel travel{spec.curve, spec.speeds[0], spec.laps, spec.run_in};
-  const auto reference = sim::sample_reference(travel, machine.sample_time);
-  sim::Table2 table(machine, 1.05 * travel.speed);
-  const int substeps =
-      sim::choose_substeps(table, law, travel, reference, machine.sample_time, spec.accuracy);
-  std::vector<sim::ContourSample> trace;
-  const sim::Metrics m = table.run(law, travel, reference, {substeps, true, true}, o.seed, o.trial, &trace);
-  io::Log log = as_log(machine, trace);
+  std::vector<std::string> ids;
+  std::vector<sim::ControllerSpec> chosen;
+  for (const sim::ControllerSpec& c : spec.controllers) {
+    ids.push_back(c.id);
+    if (c.id == o.controller) chosen = {c};
+  }
+  if (chosen.empty()) {
+    refuse_option("--controller", fmt::format("got {}, expected one of {}", io::in_quotes(o.controller),
+                                              report::listed(ids)));
+  }
+  spec.controllers = chosen;
+  spec.trials = o.trial + 1;
+  spec.seed = o.seed;
+  return spec;
+}
+
+int run_path(const Options& o, const sim::Machine& machine) {
+  sim::CompareSpec spec = spec_of(o);
+  check_travel(machine, o.machine, spec);
+  const sim::ControllerSpec& controller = spec.controllers.front();
+  const sim::Travel& travel = spec.travels.front();
+  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, spec);
+  sim::CompareResult one = sim::run_once(machine, parameters.knowledge, spec, o.trial);
+  const sim::CompareRow& row = one.rows.front();
+  const sim::Metrics& m = row.mean;
+  io::Log log = as_log(one.axes, row.trace);
+  const std::string pace = travel.pace_in_words();
   log.metadata = {{"machine", machine.name},
                   {"controller", controller.id + ", " + controller.label},
-                  {"path", o.path.path + ", " + o.path.size + ", " + o.speed},
+                  {"path", travel.name + ", " + pace},
                   {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
-  report_log(o.common.report, log, fmt::format("Controller ({}) on {}", controller.id, o.path.path),
-             fmt::format("{}, {}: contour error max {:.2f} um, RMS {:.3f} um", controller.label, o.speed,
-                         m.max_contour_error * 1e6, m.rms * 1e6));
-  sim::CompareResult one{machine.name, spec, machine.sample_time, {}, {}};
-  one.spec.trials = 1;
-  one.spec.seed = o.seed;
-  one.rows.push_back({controller, travel.speed, m, sim::Metrics::unknown(), {}, {}, substeps});
-  auto json = report::to_json(one);
+  const std::string figures =
+      fmt::format("{} error max {:.2f} um, RMS {:.3f} um", one.axes.size() == 1 ? "tracking" : "contour",
+                  m.max_contour_error * 1e6, m.rms * 1e6);
+  report_log(o.common.report, log, fmt::format("Controller ({}) on {}", controller.id, travel.name),
+             fmt::format("{}, {}: {}", controller.label, pace, figures));
+  auto json = report::to_json(one, o.experiment);
   json["schema"] = "stribeck.simulate/1";
   write_json(o.common.json, json);
-  say(o.common, fmt::format("Controller {} ({}) on {} at {}: contour error max {:.2f} um, RMS {:.3f} um. "
-                            "Trace in {} ({} rows).\n",
-                            controller.id, controller.label, o.path.path, o.speed, m.max_contour_error * 1e6,
-                            m.rms * 1e6, o.output, log.rows));
+  say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,
+                            controller.label, travel.name, pace, figures, o.output, log.rows));
   return 0;
 }
 
@@ -164,9 +188,11 @@ void add_simulate(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);
-  verb->add_option("--controller", o->controller, "a to f, as in compare")
-      ->check(CLI::IsMember({"a", "b", "c", "d", "e", "f"}))
-      ->capture_default_str();
+  verb->add_option("--controller", o->controller, "One of the controllers of compare")->capture_default_str();
+  std::vector<std::string> ids;
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  verb->add_option("--experiment", o->experiment, "Path, gains and controllers of an experiment of compare")
+      ->check(CLI::IsMember(ids));
   verb->add_option("--speed", o->speed, "Speed along the path")->type_name("SPEED")->capture_default_str();
   add_path_options(*verb, o->path);
   verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,6 +27,23 @@ struct Options {
   std::string force_shift;
 };
 
+/// A file that is another kind of file breaks nearly every rule of this one: one line for all of that.
+template <class T>
+T read_one(const std::string& path, const std::string& hint) {
+  try {
+    return io::read_toml<T>(path);
+  } catch (const io::InputError& e) {
+    io::Problem first = e.problems().front();
+    const std::size_t more = e.problems().size() - 1;
+    if (more > 0) {
+      first.message += fmt::format("; {} more problem{} ({})", more, more == 1 ? "" : "s", hint);
+    } else if (first.message.find("TOML") != std::string::npos) {
+      first.message += fmt::format(" ({})", hint);
+    }
+    throw io::InputError(std::move(first));
+  }
+}
+
 int verify(const Options& o) {
   if (o.files.size() < 2) {
     refuse_option("AXIS.toml", "missing, expected one or more axis files and then the log");
@@ -37,10 +55,13 @@ int verify(const Options& o) {
   check_outputs(o.common);
   std::vector<std::pair<std::string, friction::AxisModel>> models;
   for (std::size_t i = 0; i + 1 < o.files.size(); ++i) {
-    models.emplace_back(o.files[i], io::read_toml<friction::AxisModel>(o.files[i]));
+    models.emplace_back(
+        o.files[i], read_one<friction::AxisModel>(
+                        o.files[i], "expected an axis file as identify -o writes it; the log comes last"));
   }
   std::optional<ident::ReplayController> controller;
-  if (!o.controller.empty()) controller = io::read_toml<ident::ReplayController>(o.controller);
+  if (!o.controller.empty())
+    controller = read_one<ident::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
 
   report::VerifyReportInput page;
   page.axis = with_map_file(o.log).axis;
@@ -62,8 +83,14 @@ int verify(const Options& o) {
     ident::ReplayOptions options;
     if (!o.force_shift.empty()) {
       // A held force belongs to the motion half a row later without any delay (ident/motion.hpp).
-      options.delay =
-          -option_si("--force-shift", o.force_shift, quantity("s", "ms")) - 0.5 * record.sample_time;
+      const double shift = option_si("--force-shift", o.force_shift, quantity("s", "ms"));
+      constexpr double kMost = 99.0;  // rows; half a row goes on top
+      if (std::abs(shift) > kMost * record.sample_time) {
+        refuse_option("--force-shift",
+                      fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
+                                  io::in_quotes(o.force_shift), 1e3 * kMost * record.sample_time, kMost));
+      }
+      options.delay = -shift - 0.5 * record.sample_time;
     }
     report::VerifiedPart part;
     try {
@@ -117,6 +144,7 @@ void add_verify(CLI::App& app, Action& action) {
           "identify; left out: commanded, under its hold")
       ->type_name("TIME");
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck verify a.toml b.toml c.toml x-unseen-log.csv --axis x --report report\n"
       "  stribeck verify x.toml log.csv --gain \"35.15 N/V\" --controller controller.toml");

@@ -1,0 +1,241 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include <apps/cli/commands.hpp>
+#include <apps/cli/learn.hpp>
+#include <apps/cli/machines.hpp>
+#include <apps/cli/reproduce_ident.hpp>
+#include <apps/cli/shared.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/report/reproduction.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/parallel.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+const std::vector<std::string> kIdentification{"ident-A", "ident-B", "ident-C", "ident-D", "verify"};
+
+struct Options {
+  Common common;
+  std::vector<std::string> ids;
+  std::string markdown;
+  std::string check;
+  std::uint32_t trials = 10;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+};
+
+/// What is known of the axes of one machine, identified once for all experiments on it.
+struct Known {
+  sim::Machine machine;
+  Needs needs;
+  std::vector<bool> used;
+  std::vector<sim::AxisKnowledge> identified;
+};
+
+std::vector<sim::AxisKnowledge> printed_knowledge(const sim::Machine& machine) {
+  std::vector<sim::AxisKnowledge> all;
+  for (const auto& [name, axis] : machine.axes)
+    all.push_back({axis.published.conventional, axis.published.gaussian, axis.published.eccentric});
+  return all;
+}
+
+/// Every machine that the settings need, its axes identified for all of them together.
+std::map<std::string, Known> learn(const std::vector<const sim::Experiment*>& chosen, const Options& o) {
+  std::map<std::string, Known> all;
+  for (const sim::Experiment* e : chosen) {
+    for (const sim::Setting& s : e->settings) {
+      Known& k = all[s.machine];
+      if (k.machine.axes.empty()) k.machine = built_in_machine(s.machine);
+      k.used.resize(k.machine.axes.size());
+      k.identified.resize(k.machine.axes.size());
+      if (s.parameters != sim::ParameterSource::kIdentified) continue;
+      const Needs n = Needs::of(s.spec.controllers);
+      k.needs.conventional = k.needs.conventional || n.conventional;
+      k.needs.gaussian = k.needs.gaussian || n.gaussian;
+      k.needs.eccentric = k.needs.eccentric || n.eccentric;
+      for (const std::size_t i : sim::chosen_axes(k.machine, s.spec)) k.used[i] = true;
+    }
+  }
+  struct Job {
+    Known* known;
+    std::size_t axis;
+  };
+  std::vector<Job> jobs;
+  for (auto& [name, k] : all) {
+    for (std::size_t i = 0; i < k.used.size(); ++i) {
+      if (k.used[i]) jobs.push_back({&k, i});
+    }
+  }
+  Progress progress("identify", o.common.quiet);
+  sim::parallel_for(
+      jobs.size(), o.threads, [] { return 0; },
+      [&](int&, std::size_t i) {
+        Known& k = *jobs[i].known;
+        k.identified[jobs[i].axis] = learn_axis(k.machine, jobs[i].axis, k.needs, o.seed).knowledge;
+      },
+      [&](std::size_t done, std::size_t count) { progress(done, count); });
+  return all;
+}
+
+/// Words and numbers of a text, numbers apart.
+struct Token {
+  std::string text;
+  double value = std::nan("");
+};
+std::vector<Token> tokens(const std::string& text) {
+  std::vector<Token> all;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (std::size_t i = 0; i < text.size();) {
+    std::size_t end = i;
+    if (digit(text[i])) {
+      while (end < text.size() && (digit(text[end]) || text[end] == '.')) ++end;
+      all.push_back({text.substr(i, end - i), std::strtod(text.c_str() + i, nullptr)});
+    } else {
+      while (end < text.size() && !digit(text[end])) ++end;
+      all.push_back({text.substr(i, end - i)});
+    }
+    i = end;
+  }
+  return all;
+}
+
+/// The first place where two texts differ by more than another processor's rounding explains, or nothing. A loop that switches
+/// by sign carries the last bit of a sine into the third digit of a figure, so numbers may differ by some per cent.
+std::string first_difference(const std::string& expected, const std::string& got) {
+  constexpr double kRelative = 0.06;
+  constexpr double kDecimals = 1.6;  // units of the last decimal
+  const auto a = tokens(expected);
+  const auto b = tokens(got);
+  std::string line = "1";
+  int number = 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const bool numbers = std::isfinite(a[i].value) && std::isfinite(b[i].value);
+    const auto point = a[i].text.find('.');
+    const double unit =
+        point == std::string::npos ? 1.0 : std::pow(10.0, -static_cast<double>(a[i].text.size() - point - 1));
+    const double bound =
+        std::max(kRelative * std::abs(a[i].value), point == std::string::npos ? 0.0 : kDecimals * unit);
+    // A sign belongs to the text: near zero it may change.
+    const auto without_sign = [](std::string t) {
+      if (!t.empty() && t.back() == '-') t.pop_back();
+      return t;
+    };
+    const bool same = numbers ? std::abs(a[i].value - b[i].value) <= bound
+                              : without_sign(a[i].text) == without_sign(b[i].text);
+    if (!same)
+      return fmt::format("line {}: expected {}, got {}", number, io::in_quotes(a[i].text),
+                         io::in_quotes(b[i].text));
+    number += static_cast<int>(std::count(a[i].text.begin(), a[i].text.end(), '\n'));
+  }
+  if (a.size() != b.size()) return fmt::format("line {}: one text ends here", number);
+  return {};
+}
+
+int reproduce(const Options& o) {
+  check_distinct({o.check}, {o.common.json, o.markdown});
+  check_outputs(o.common);
+  check_writable(o.markdown);
+  const auto all = sim::experiments();
+  std::vector<const sim::Experiment*> chosen;
+  std::vector<std::string> identification;
+  const bool everything = std::find(o.ids.begin(), o.ids.end(), "all") != o.ids.end();
+  const auto wanted = [&](const std::string& id) {
+    return everything || std::find(o.ids.begin(), o.ids.end(), id) != o.ids.end();
+  };
+  for (const std::string& id : kIdentification) {
+    if (wanted(id)) identification.push_back(id);
+  }
+  for (const sim::Experiment& e : all) {
+    if (wanted(e.id)) chosen.push_back(&e);
+  }
+
+  report::ReproductionInput page;
+  page.seed = o.seed;
+  page.trials = o.trials;
+  page.version = STRIBECK_VERSION;
+  page.command = "stribeck reproduce " + report::joined(o.ids, " ");
+  if (o.trials != 10) page.command += fmt::format(" --trials {}", o.trials);
+  if (o.seed != 1) page.command += fmt::format(" --seed {}", o.seed);
+  if (!identification.empty()) {
+    page.sections = reproduce_identification(identification, built_in_machine("biaxial-table"),
+                                             built_in_machine("triaxial-tool"), o.seed, o.threads);
+  }
+  const auto known = learn(chosen, o);
+  std::size_t settings = 0;
+  for (const sim::Experiment* e : chosen) settings += e->settings.size();
+  {
+    Progress progress("reproduce", o.common.quiet);
+    std::size_t done = 0;
+    for (const sim::Experiment* e : chosen) {
+      for (const sim::Setting& s : e->settings) {
+        const Known& k = known.at(s.machine);
+        const bool printed = s.parameters == sim::ParameterSource::kPrinted;
+        sim::CompareSpec spec = s.spec;
+        spec.trials = o.trials;
+        spec.seed = o.seed;
+        spec.threads = o.threads;
+        const sim::CompareResult result =
+            sim::compare(k.machine, printed ? printed_knowledge(k.machine) : k.identified, spec);
+        page.sections.push_back(report::reproduced(
+            *e, s, result,
+            printed ? "printed parameters of the thesis" : "identified from logs of this machine"));
+        progress(++done, settings);
+      }
+    }
+  }
+
+  write_json(o.common.json, report::reproduction_json(page));
+  if (!o.common.report.empty()) report::write_reproduction(o.common.report, page);
+  const std::string markdown = report::reproduction_markdown(page);
+  if (!o.markdown.empty()) io::write_atomically(o.markdown, markdown);
+  say(o.common, report::reproduction_text(page));
+  if (!o.check.empty()) {
+    const std::string difference = first_difference(io::read_text(o.check), markdown);
+    if (!difference.empty()) {
+      say(o.common, fmt::format("\n{} is not what comes out now: {} (write it anew with --markdown)\n",
+                                o.check, difference));
+      return 1;
+    }
+    say(o.common, fmt::format("\n{} is what comes out now.\n", o.check));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, Action& action) {
+  auto* verb = app.add_subcommand("reproduce", "The thesis's tables and figures: print beside result");
+  auto o = std::make_shared<Options>();
+  std::vector<std::string> ids{"all"};
+  for (const std::string& id : kIdentification) ids.push_back(id);
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  verb->add_option("ids", o->ids, "Experiments, or all")
+      ->required()
+      ->check(CLI::IsMember(ids))
+      ->type_name("ID");
+  verb->add_option("--trials", o->trials, "Trials, each with noise of its own")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  add_seed(*verb, o->seed);
+  verb->add_option("--threads", o->threads, "Threads; 0: all cores. The result does not depend on it")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  verb->add_option("--markdown", o->markdown, "Table for a document")->type_name("FILE.md");
+  verb->add_option("--check", o->check,
+                   "Compares with a table that --markdown wrote; exit code 1 when they differ")
+      ->type_name("FILE.md");
+  add_common(*verb, o->common);
+  verb->footer(
+      "Examples:\n  stribeck reproduce all --report build/reproduction\n  stribeck reproduce smc-circle "
+      "smc-free");
+  verb->callback([o, &action] { action = [o] { return reproduce(*o); }; });
+}
+
+}  // namespace stribeck::cli
