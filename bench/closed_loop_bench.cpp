@@ -40,10 +40,12 @@ struct Level {
 
 struct W1 {
   sim::Machine machine = sim::test::biaxial_table();
-  sim::Travel travel{{path::Shape::kCircle, 10e-3}, 9.5e-3, 2.0, 1.0};
-  std::vector<path::PathPoint> reference = sim::sample_reference(travel, machine.sample_time);
-  control::Contouring controller = sim::make_controller(machine, sim::test::printed(), sim::test::bi_table(),
-                                                        sim::biaxial_controllers()[5]);
+  path::Curve curve{path::Shape::kCircle, 10e-3};
+  std::vector<path::PathPoint<2>> reference =
+      sim::sample<2>(sim::test::circle(9.5e-3), machine.sample_time).points;
+  control::Contouring<2> controller{
+      control::ContouringParams::critical(40.0, 40.0),
+      sim::make_setup<2>(machine, sim::test::printed(), {0, 1}, sim::biaxial_controllers()[5])};
   friction::LuGre<double> law{2.5e8, 600e3, 0.05e-3};
 
   [[nodiscard]] const friction::Gaussian<double>& map(std::size_t i) const {
@@ -61,11 +63,11 @@ const W1& w1() {
 template <class Drives, class OnTick>
 void run(Drives& drives, OnTick&& on_tick) {
   const W1& w = w1();
-  control::Contouring::State state;
+  control::Contouring<2>::State state;
   drives.start(w.reference[0].position);
-  for (const path::PathPoint& r : w.reference) {
+  for (const path::PathPoint<2>& r : w.reference) {
     const Vec2 position{{drives.position(0), drives.position(1)}};
-    on_tick(path::contour_error(w.travel.curve, position, r.phi));
+    on_tick(path::contour_error(w.curve, position, r.phi));
     drives.advance(w.controller.step(state, r, position), w.machine.sample_time);
   }
 }

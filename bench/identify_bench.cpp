@@ -25,12 +25,12 @@
 #include <random>
 #include <stdexcept>
 #include <stribeck/friction/gaussian.hpp>
+#include <stribeck/friction/test_maps.hpp>
 #include <stribeck/ident/drive_fit.hpp>
 #include <stribeck/ident/gaussian_fit.hpp>
 #include <stribeck/ident/long_run.hpp>
 #include <stribeck/ident/simplex.hpp>
 #include <stribeck/io/log.hpp>
-#include <stribeck/sim/test_machine.hpp>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,8 +46,7 @@ constexpr int kTerms = 3;
 constexpr double kMass = 57650.0;
 
 const friction::Gaussian<double>& truth() {
-  static const auto map =
-      std::get<friction::Gaussian<double>>(sim::test::biaxial_table().axes[0].second.plant.friction.steady);
+  static const auto map = friction::test::table_2_3_x<double>();
   return map;
 }
 
@@ -388,7 +387,7 @@ BENCHMARK(fit_i1)->Name("FitI1")->Unit(benchmark::kMillisecond);
 BENCHMARK(random_starts)
     ->Name("RandomStartsI1")
     ->Arg(16)
-    ->Arg(64)
+    ->Arg(96)
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(nelder_mead_i1)->Name("NelderMeadI1")->Arg(2000)->Iterations(1)->Unit(benchmark::kMillisecond);

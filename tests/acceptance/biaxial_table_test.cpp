@@ -79,8 +79,9 @@ Recovery recover(std::size_t axis) {
   const auto& plant = machine.axes[axis].second.plant;
   Recovery r;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const cli::Learned l = cli::learn_axis(machine, axis, seed);
-    r.worst_mass = std::max(r.worst_mass, std::abs(l.gaussian.mass / plant.mass - 1.0));
+    const cli::Learned l = cli::learn_axis(machine, axis, {.gaussian = true}, seed);
+    const ident::Result& learned = *l.find("gaussian");
+    r.worst_mass = std::max(r.worst_mass, std::abs(learned.mass / plant.mass - 1.0));
     int inside = 0;
     r.asked_per_seed = 0;
     for (int i = 1; i <= 18; ++i) {
@@ -89,11 +90,11 @@ Recovery recover(std::size_t axis) {
           const auto p = plant.friction.parts(at, 0.0);
           return p.level * sign(at) + p.viscous;
         };
-        const auto fitted = std::visit([&](const auto& m) { return friction::steady_force(m, v); },
-                                       l.gaussian.friction.steady);
+        const auto fitted =
+            std::visit([&](const auto& m) { return friction::steady_force(m, v); }, learned.friction.steady);
         r.worst_curve = std::max(r.worst_curve, std::abs(fitted / truth(v) - 1.0));
         // The band at the point of the curve nearest to v, where the truth must lie inside.
-        const auto& points = l.gaussian.curve;
+        const auto& points = learned.curve;
         const auto& nearest =
             *std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
               return std::abs(a.velocity - v) < std::abs(b.velocity - v);

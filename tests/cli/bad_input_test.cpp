@@ -152,6 +152,90 @@ TEST_F(BadLog, AxisThatStandsStill) {
   EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
 }
 
+TEST_F(BadLog, NumberOfNoMachine) {
+  expect_refused(with([](Lines& l) { l[42] = "0.205,1,1e300"; }), {"log.csv", "row 42", "force"});
+}
+TEST_F(BadLog, OptionsThatChangeNothing) {
+  const auto refused = [&](std::vector<std::string> words, std::vector<std::string> parts) {
+    expect_refused(with([](Lines&) {}, std::move(words)), parts);
+  };
+  refused({"--gain", ""}, {"--gain", "expected a value"});
+  refused({"--axis", " "}, {"--axis", "expected a value"});
+  refused({"--lead", "5 mm"}, {"--lead", "nothing in this log turns"});
+  refused({"--turn", "5 mm"}, {"--turn", "--method auto does not take it"});
+  refused({"--method", "position-map", "--turn", "1e300 mm"}, {"--turn", "1e300 mm", "expected between"});
+  refused({"--method", "position-map", "--turn", "-5 mm"}, {"--turn", "-5 mm", "above 0"});
+  refused({"--model", "conventional", "--terms", "2"}, {"--terms", "no Gaussians"});
+  refused({"--method", "gravity", "--mass", "1 kg"}, {"--mass", "--method gravity"});
+  refused({"--mass", "0 kg"}, {"--mass", "0 kg"});
+  refused({"--mass", "1e300 kg"}, {"--mass", "1e300 kg"});
+  refused({"--cut-off", "1e300 Hz"}, {"--cut-off", "1e300 Hz", "below 100 Hz"});
+  refused({"--cut-off", "1e-300 Hz"}, {"--cut-off", "1e-300 Hz", "one period of the log"});
+  refused({"--gain", "2"}, {"--gain", "has its scale"});
+  refused({"--gain", "1048 N/V"}, {"--gain", "has its scale"});
+  refused({folder / "log.csv"}, {"LOG", "twice"});
+  refused({folder / "./log.csv"}, {"LOG", "twice"});
+}
+TEST_F(BadLog, InspectTakesNothingOfAnIdentification) {
+  const std::string log = folder.write("log.csv", "t [s],x [mm],f [N]\n");
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"--mass", "1 kg"},
+                                             {"--method", "jog"},
+                                             {"--report", folder / "page"},
+                                             {"-o", folder / "axis.toml"}}) {
+    std::vector<std::string> all{"identify", log, "--inspect"};
+    all.insert(all.end(), words.begin(), words.end());
+    expect_refused(command(all), {words[0] == "-o" ? "--output" : words[0], "--inspect"});
+  }
+}
+TEST_F(BadLog, UnitOfAnotherQuantity) {
+  const auto spoil = [](Lines& l) { l[0] = "t [s],x [mm/s2],f [N]"; };
+  expect_refused(with(spoil, {"--map", "x=x mm"}), {"--map", "x [mm/s2]", "no mm"});
+  expect_refused(with([](Lines&) {}, {"--map", "force=x N", "--map", "x=f mm"}), {"--map", "x [mm]", "no N"});
+}
+
+// One direction only: what can be told is told, and what cannot is not written.
+TEST(OneDirection, IsIdentifiedAsFarAsItGoes) {
+  Folder folder;
+  std::string text = "t [s],x [mm],f [N]\n";
+  for (int k = 0; k < 8000; ++k) {
+    const double t = 0.001 * k;
+    const double mid = t + 0.0005;  // the force is held
+    std::ostringstream row;
+    row.precision(12);
+    row << t << ',' << 5 * t + 2 * (1 - std::cos(2 * t)) << ','
+        << 100 + 2 * (5 + 4 * std::sin(2 * mid)) + 0.5 * 8 * std::cos(2 * mid) + 0.1 * std::sin(997.0 * k * k)
+        << '\n';
+    text += row.str();
+  }
+  const std::string log = folder.write("one.csv", text);
+  const Said said = command({"identify", log, "--json", folder / "o.json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(folder / "o.json"));
+  EXPECT_NEAR(json["mass_kg"].get<double>(), 500.0, 5.0);
+  EXPECT_NE(said.out.find("one direction only"), std::string::npos);
+  expect_refused(command({"identify", log, "-o", folder / "axis.toml"}), {"--output", "both directions"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "axis.toml"));
+}
+
+// Nothing is begun that takes hours or fills a disk.
+TEST(BadUsage, ExcitationsHaveAnEnd) {
+  Folder folder;
+  const auto refused = [&](std::vector<std::string> words, std::vector<std::string> parts) {
+    words.insert(words.begin(), {"excite", kMachine, "--axis", "x", "-o", folder / "r.csv", "--method"});
+    expect_refused(command(words), parts);
+    EXPECT_EQ(folder.files(), 0U);
+  };
+  refused({"ramp", "--rise", "1e9 s"}, {"--rise", "1e+09 s", "2000000 rows", "shorter"});
+  refused({"ramp", "--rise", "1e-9 s"}, {"--rise", "1e-09 s", "at least 0.5 s"});
+  refused({"ramp", "--repeats", "1000"}, {"--repeats", "1000", "fewer repeats"});
+  refused({"jog", "--speeds", "1e-12 mm/s"}, {"--speeds", "1e-12 mm/s", "rows", "leave out"});
+  refused({"jog", "--speeds", "1 m/s"}, {"--speeds", "1000 mm/s", "limit"});
+  refused({"jog", "--lead", "1e12 mm"}, {"--lead", "1e+12 mm", "expected between"});
+  refused({"sine", "--periods", "1000"}, {"--periods", "1000", "fewer periods"});
+  refused({"sine", "--known", ""}, {"--known", "expected a value"});
+}
+
 TEST(BadUsage, IsOneLineAndTwo) {
   Folder folder;
   expect_refused(command({}), {"--help"});

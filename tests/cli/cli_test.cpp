@@ -56,6 +56,26 @@ TEST(Command, WalksFromMachineToCompensatedContour) {
   EXPECT_TRUE(json["rows"][0]["spread"]["rms_um"].is_null());
 }
 
+// In open loop every error grows with each slip: on this axis no number of sub-steps gives the same millimetre after
+// four ramps up and down. It is simulated all the same, and each ramp slips.
+TEST(Simulate, PlaysRampsOnAnAxisThatMultipliesErrors) {
+  Folder f;
+  const std::string machine = std::string(STRIBECK_SOURCE_DIR) + "/machines/triaxial-tool-5ms.toml";
+  ASSERT_EQ(
+      command({"excite", machine, "--method", "ramp", "--axis", "y", "-o", f / "r.csv", "--quiet"}).code, 0);
+  const Said simulate =
+      command({"simulate", machine, "--reference", f / "r.csv", "--axis", "y", "-o", f / "log.csv"});
+  ASSERT_EQ(simulate.code, 0) << simulate.err;
+  const Said identify =
+      command({"identify", f / "log.csv", "--method", "break-away", "--json", f / "b.json"});
+  ASSERT_EQ(identify.code, 0) << identify.err;
+  EXPECT_EQ(identify.out.rfind("force and distance of break-away, from slow ramps, 8 slips\n", 0), 0U)
+      << identify.out;
+  const auto json = nlohmann::json::parse(text_of(f / "b.json"));
+  // 30 N of static friction, ±11.2 N with the turn of the screw where the axis happens to rest.
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 30.0, 12.0);
+}
+
 TEST(Compare, GivesTheSameBytesOnAnyNumberOfThreads) {
   Folder f;
   for (const std::string threads : {"1", "2", "7"}) {

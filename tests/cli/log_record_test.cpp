@@ -96,6 +96,24 @@ TEST(LogRecord, TwoCandidatesAreRefused) {
   EXPECT_NEAR(axis_of(two, {.maps = {"x=pos cm"}}).x.y[kRow], 10.0 * x_at(), 1e-7);
 }
 
+// A unit may be put right, but not make another quantity of a column whose unit stands in the file.
+TEST(LogRecord, UnitsOfMaps) {
+  const std::string text = csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"});
+  EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}), AllOf(HasSubstr("--map"), HasSubstr("stands in mm")));
+  EXPECT_THAT(refusal(text, {.maps = {"force=x N"}}), HasSubstr("no N"));
+  EXPECT_NEAR(axis_of(text, {.maps = {"x=x m"}}).x.y[kRow], 1e3 * x_at(), 1e-5);
+  // Units that the file does not hold, and a letter that may be the axis.
+  const std::string capture = csv("CYCLE,ENC_POS|1,CURRENT|1", {"t", "x_mm", "f"});
+  EXPECT_EQ(cli::logged_axis(io::parse_log(capture, "log.csv", {.sample_time = 1e-3}),
+                             {.maps = {"x=ENC_POS|1 deg"}})
+                .runs[0]
+                .position_unit,
+            "rad");
+  EXPECT_EQ(
+      axis_of(csv("t [s],x [mm],Kraft_A", {"t", "x_mm", "f"}), {.maps = {"force=Kraft_A N"}}).force_unit,
+      "N");
+}
+
 TEST(LogRecord, ScalesOfTheForce) {
   const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
   const std::string volts = csv("t [s],x [mm],u [V]", {"t", "x_mm", "volts"});

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +10,7 @@
 namespace stribeck::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kAxis =
@@ -75,10 +77,19 @@ TEST(Verify, SaysWhatIsWrong) {
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("c.toml:2"));
   EXPECT_THAT(wrong.err, HasSubstr("cascade"));
+  // Another kind of file: many keys are wrong, which is one problem.
+  const Said machine = said({kMachine, log});
+  EXPECT_EQ(machine.code, 2);
+  EXPECT_EQ(std::count(machine.err.begin(), machine.err.end(), '\n'), 1) << machine.err;
+  EXPECT_THAT(machine.err,
+              AllOf(HasSubstr("biaxial-table.toml"), HasSubstr("more problems"), HasSubstr("axis file")));
   EXPECT_EQ(said({axis, log, "--json", axis}).code, 2);  // would overwrite an input
   EXPECT_EQ(text_of(axis), kAxis);
   EXPECT_EQ(said({axis, log, "--force-shift", "3"}).code, 2);
   EXPECT_EQ(said({axis, log, "--force-shift", "1 ms"}).code, 0);
+  EXPECT_THAT(said({axis, log, "--force-shift", "1e9 s"}).err,
+              AllOf(HasSubstr("--force-shift"), HasSubstr("198 ms")));
+  EXPECT_THAT(said({log, axis}).err, AllOf(HasSubstr("log.csv:1"), HasSubstr("the log comes last")));
   std::string runaway = kAxis;
   runaway.replace(runaway.find("100 kg"), 6, "0.1 ug");
   EXPECT_NE(said({folder.write("light.toml", runaway), log}).code,

@@ -6,10 +6,14 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
-#include <stribeck/control/contouring.hpp>
+#include <stribeck/control/laws.hpp>
+#include <stribeck/control/pd.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/friction/test_maps.hpp>
 #include <stribeck/path/contour_error.hpp>
+#include <stribeck/path/curve.hpp>
+#include <stribeck/path/fourier.hpp>
+#include <stribeck/path/reference.hpp>
 
 namespace {
 std::atomic<long> allocations{0};
@@ -56,9 +60,9 @@ TEST(RealTime, GuardSeesAnAllocation) {
   EXPECT_EQ(allocated([] { ::operator delete(::operator new(8)); }), 1);
 }
 
-TEST(RealTime, PdWithEitherObserverAllocatesNothing) {
-  for (const auto observer :
-       {control::Observer::kNone, control::Observer::kDisturbance, control::Observer::kKalman}) {
+TEST(RealTime, PdWithAnyObserverAllocatesNothing) {
+  for (const auto observer : {control::Observer::kNone, control::Observer::kDisturbance,
+                              control::Observer::kKalman, control::Observer::kAdaptive}) {
     EXPECT_EQ(allocated([&] {
                 control::Pd::Params params;
                 params.gains = control::Gains::critical(40.0);
@@ -72,26 +76,78 @@ TEST(RealTime, PdWithEitherObserverAllocatesNothing) {
   }
 }
 
-TEST(RealTime, ContouringAlongAPathAllocatesNothing) {
-  EXPECT_EQ(allocated([] {
-              control::Contouring::Params params;
-              params.tangential = params.normal = control::Gains::critical(40.0);
-              params.compensation = {compensation(control::Observer::kDisturbance),
-                                     compensation(control::Observer::kKalman)};
-              const control::Contouring controller(params, 5e-3);
-              control::Contouring::State state;
-              const path::Curve curve{path::Shape::kTrifolium, 10e-3};
-              path::Reference reference(curve, {9.5e-3, 1.0, 10e-3});
-              double sum = 0.0;
-              while (!reference.finished()) {
-                const path::PathPoint r = reference.point();
-                const Vec2 f = controller.step(state, r, r.position);
-                sum += f[0] + path::contour_error(curve, r.position, r.phi);
-                reference.advance(5e-3);
-              }
-              ASSERT_TRUE(std::isfinite(sum));
-            }),
-            0);
+template <class... Params, class F>
+void for_each_law(const std::variant<Params...>*, F&& f) {
+  (f(Params()), ...);
+}
+
+/// Every law of laws.hpp along a path, with the exact contour error and an input that is not finite.
+template <class C>
+void expect_no_allocation_along(const C& curve, path::FrameKind frame) {
+  constexpr std::size_t kAxes = C::kAxes;
+  for_each_law(static_cast<const control::LawParams*>(nullptr), [&](const auto& params) {
+    using Controller = typename std::decay_t<decltype(params)>::template Controller<kAxes>;
+    control::Setup<kAxes> setup;
+    setup.period = 5e-3;
+    setup.lap = curve.period();
+    for (std::size_t i = 0; i < kAxes; ++i)
+      setup.compensation[i] =
+          compensation(i % 2 == 0 ? control::Observer::kAdaptive : control::Observer::kKalman);
+    EXPECT_EQ(allocated([&] {
+                const Controller controller(params, setup);  // configuring does not either
+                typename Controller::State state;
+                path::Reference reference(curve, {9.5e-3, 1.0, 10e-3}, path::Pace::kSpeed, frame);
+                double sum = 0.0;
+                while (!reference.finished()) {
+                  const auto r = reference.point();
+                  sum += controller.step(state, r, r.position)[0] +
+                         path::contour_error(curve, r.position, r.phi);
+                  reference.advance(5e-3);
+                }
+                auto broken = reference.point();
+                broken.frame_rate[0][0] = std::nan("");
+                controller.step(state, broken, broken.position);
+                ASSERT_TRUE(std::isfinite(sum));
+              }),
+              0)
+        << params.kKind;
+  });
+}
+
+path::Fourier<3> saddle() {
+  path::Fourier<3> c;
+  c.axis[0].terms = {path::Harmonic{10e-3, 1.0, 0.0}};
+  c.axis[1].terms = {path::Harmonic{10e-3, 1.0, -0.5 * kPi}};
+  c.axis[2].terms = {path::Harmonic{3e-3, 2.0, -0.5 * kPi}};
+  return c;
+}
+
+TEST(RealTime, NoLawAllocatesAlongAPath) {
+  expect_no_allocation_along(path::Curve{path::Shape::kTrifolium, 10e-3}, path::FrameKind::kTransported);
+  for (const auto frame :
+       {path::FrameKind::kTransported, path::FrameKind::kFrenet, path::FrameKind::kPrinted})
+    expect_no_allocation_along(saddle(), frame);
+}
+
+TEST(RealTime, NoWayToSwitchAllocates) {
+  path::Reference reference(saddle(), {9.5e-3, 1.0, 10e-3});
+  while (reference.time() < 1.0) reference.advance(5e-3);
+  const auto r = reference.point();
+  for (const auto switching : {control::Switching::kSign, control::Switching::kBoundaryLayer,
+                               control::Switching::kTanh, control::Switching::kSuperTwisting}) {
+    control::SlidingModeParams params;
+    params.switching = switching;
+    params.gain = control::SwitchingGain::kSufficient;
+    control::Setup<3> setup;
+    for (auto& c : setup.compensation) c = compensation(control::Observer::kAdaptive);
+    EXPECT_EQ(allocated([&] {
+                const control::SlidingMode<3> controller(params, setup);
+                control::SlidingMode<3>::State state;
+                for (int k = 0; k < 10; ++k)
+                  ASSERT_TRUE(std::isfinite(controller.step(state, r, r.position)[0]));
+              }),
+              0);
+  }
 }
 
 TEST(RealTime, FrictionModelsAllocateNothing) {

@@ -1,8 +1,16 @@
 /// One function for each step of the real-time tier; see CMakeLists.txt for what compiling it proves.
 
-#include <stribeck/control/contouring.hpp>
+#include <stribeck/control/cutting_force_observer.hpp>
+#include <stribeck/control/laws.hpp>
+#include <stribeck/control/pd.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/path/contour_error.hpp>
+#include <stribeck/path/curve.hpp>
+#include <stribeck/path/five_axis.hpp>
+#include <stribeck/path/fourier.hpp>
+#include <stribeck/path/polyline.hpp>
+#include <stribeck/path/reference.hpp>
+#include <stribeck/path/spline.hpp>
 
 namespace stribeck::rt {
 
@@ -10,10 +18,24 @@ double pd(const control::Pd& law, control::Pd::State& state, const control::Pd::
   return law.step(state, input);
 }
 
-Vec2 contouring(const control::Contouring& law, control::Contouring::State& state, const path::PathPoint& r,
-                const Vec2& x) {
-  return law.step(state, r, x);
+/// The step of each law of laws.hpp with N axes.
+template <std::size_t N, class... Params>
+struct Laws {
+  template <class Controller>
+  static Vec<double, N> step(const Controller& law, typename Controller::State& state,
+                             const path::PathPoint<N>& r, const Vec<double, N>& x) {
+    return law.step(state, r, x);
+  }
+  static constexpr std::tuple kSteps{&step<typename Params::template Controller<N>>...};
+};
+template <std::size_t N, class... Params>
+auto steps_of(const std::variant<Params...>*) {
+  return Laws<N, Params...>::kSteps;
 }
+auto laws_1() { return steps_of<1>(static_cast<const control::LawParams*>(nullptr)); }
+auto laws_2() { return steps_of<2>(static_cast<const control::LawParams*>(nullptr)); }
+auto laws_3() { return steps_of<3>(static_cast<const control::LawParams*>(nullptr)); }
+auto laws_5() { return steps_of<5>(static_cast<const control::LawParams*>(nullptr)); }
 
 double disturbance(const control::DisturbanceObserver& o, control::DisturbanceObserver::State& s, double f,
                    double v) {
@@ -22,6 +44,12 @@ double disturbance(const control::DisturbanceObserver& o, control::DisturbanceOb
 
 double kalman(const control::KalmanObserver& o, control::KalmanObserver::State& s, double f, double x) {
   return o.step(s, f, x);
+}
+
+double cutting(const control::CuttingForceObserver<2>& o, control::CuttingForceObserver<2>::State& s,
+               double f, double r, double v, double x) {
+  o.step(s, f, r, v, x);
+  return o.coming(s);
 }
 
 double model(const friction::Model& m, double v, double x) {
@@ -39,13 +67,29 @@ double gms(const friction::Gms<double>& law, const friction::Table& map, frictio
   return law.step(map, s, v, 0.0, 1e-3);
 }
 
-path::PathPoint path_point(path::Reference& reference, double dt) {
+template <class C>
+path::PathPoint<C::kAxes> next_point(path::Reference<C>& reference, double dt) {
   reference.advance(dt);
   return reference.point();
 }
+template path::PathPoint<2> next_point(path::Reference<path::Curve>&, double);
+template path::PathPoint<1> next_point(path::Reference<path::Fourier<1>>&, double);
+template path::PathPoint<3> next_point(path::Reference<path::Fourier<3>>&, double);
+template path::PathPoint<5> next_point(path::Reference<path::Fourier<5>>&, double);
+template path::PathPoint<5> next_point(path::Reference<path::ConeFrustum>&, double);
+template path::PathPoint<3> next_point(path::Reference<path::QuinticSpline<3>>&, double);
+template path::PathPoint<3> next_point(path::Reference<path::BlendedPolyline<3>>&, double);
 
 double error(const path::Curve& curve, const Vec2& p, double phi) {
   return path::contour_error(curve, p, phi);
+}
+
+double error_in_space(const path::Fourier<3>& curve, const Vec<double, 3>& p, double phi) {
+  return path::contour_error(curve, p, phi);
+}
+
+path::TipDeviation error_of_the_tip(const path::ConeFrustum& path, const Vec<double, 5>& q, double phi) {
+  return path::tip_deviation(path, q, phi);
 }
 
 }  // namespace stribeck::rt

@@ -1,0 +1,130 @@
+/// `reproduce`, and controllers of one's own in `compare`.
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace stribeck::test {
+namespace {
+
+const std::string kSource = STRIBECK_SOURCE_DIR;
+
+TEST(Reproduce, IsTheSameOnAnyNumberOfThreads) {
+  Folder f;
+  for (const char* threads : {"1", "3"}) {
+    const std::string out = f / threads;
+    const Said said =
+        command({"reproduce", "uni-sim", "smc-circle", "--trials", "2", "--threads", threads, "--json",
+                 out + ".json", "--markdown", out + ".md", "--report", out, "--quiet"});
+    ASSERT_EQ(said.code, 0) << said.err;
+  }
+  for (const char* end : {".json", ".md", "/index.html"}) {
+    const std::string one = text_of(f / (std::string("1") + end));
+    EXPECT_FALSE(one.empty());
+    EXPECT_EQ(one, text_of(f / (std::string("3") + end))) << end;
+  }
+  const auto json = nlohmann::json::parse(text_of(f / "1.json"));
+  EXPECT_EQ(json["schema"], "stribeck.reproduce/1");
+  EXPECT_EQ(json["sections"][0]["id"], "uni-sim");
+  EXPECT_TRUE(json["sections"][0]["figures"].empty());
+  const auto& mean = json["sections"][1]["figures"][0];
+  EXPECT_EQ(mean["against"], "(a)");
+  EXPECT_NEAR(mean["printed"].get<double>(), -28.6, 1e-9);
+}
+
+TEST(Reproduce, ChecksATableAndSaysWhereItDiffers) {
+  Folder f;
+  ASSERT_EQ(command({"reproduce", "uni-sim", "--trials", "2", "--markdown", f / "a.md", "--quiet"}).code, 0);
+  EXPECT_EQ(command({"reproduce", "uni-sim", "--trials", "2", "--check", f / "a.md"}).code, 0);
+  std::string text = text_of(f / "a.md");
+  const auto at = text.find("(a) PD");
+  ASSERT_NE(at, std::string::npos);
+  const auto number = text.find_first_of("0123456789", text.find('|', at));
+  text.insert(number, "9");
+  f.write("b.md", text);
+  const Said said = command({"reproduce", "uni-sim", "--trials", "2", "--check", f / "b.md"});
+  EXPECT_EQ(said.code, 1);
+  EXPECT_NE(said.out.find("line "), std::string::npos) << said.out;
+}
+
+TEST(Reproduce, RefusesAnUnknownExperiment) {
+  const Said said = command({"reproduce", "tri-square"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_NE(said.err.find("tri-square"), std::string::npos);
+}
+
+TEST(Compare, RunsEveryBuiltInLawBesideTheThesisOnes) {
+  Folder f;
+  std::vector<std::string> words{"compare",  kMachine,   "--parameters", "thesis", "--trials",
+                                 "1",        "--speed",  "9.5 mm/s",     "--json", f / "o.json",
+                                 "--report", f / "page", "--quiet"};
+  const std::vector<std::string> laws{"pid",        "cascade",      "zpetc",     "cross-coupled",
+                                      "repetitive", "sliding-mode", "contouring"};
+  for (const auto& law : laws) {
+    words.emplace_back("--controller");
+    words.push_back(law);
+  }
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(f / "o.json"));
+  ASSERT_EQ(json["rows"].size(), 6 + laws.size());
+  // Each follows the circle about as well as (b), which has the same friction model: none is broken, none is magic.
+  const double b = json["rows"][1]["rms_um"];
+  for (std::size_t i = 6; i < json["rows"].size(); ++i) {
+    EXPECT_GT(json["rows"][i]["rms_um"].get<double>(), 0.1 * b) << json["rows"][i]["label"];
+    EXPECT_LT(json["rows"][i]["rms_um"].get<double>(), 2.0 * b) << json["rows"][i]["label"];
+  }
+}
+
+TEST(Compare, TakesAControllerFromAFile) {
+  Folder f;
+  const std::string text = text_of(kSource + "/controllers/pid.toml");
+  ASSERT_FALSE(text.empty());
+  const std::string good = f.write("mine.toml", text);
+  const auto with = [&](const std::string& file) {
+    return command({"compare", kMachine, "--parameters", "thesis", "--trials", "1", "--speed", "9.5 mm/s",
+                    "--controller", file, "--quiet"});
+  };
+  EXPECT_EQ(with(good).code, 0);
+  // Unstable gains, an unknown law, a controller that is there already, no file.
+  std::string bad = text;
+  bad.replace(bad.find("27000 1/s3"), 10, "900000 1/s3");
+  const Said unstable = with(f.write("bad.toml", bad));
+  EXPECT_EQ(unstable.code, 2);
+  EXPECT_NE(unstable.err.find("unstable"), std::string::npos) << unstable.err;
+  std::string unknown = text;
+  unknown.replace(unknown.find("kind = \"pid\""), 12, "kind = \"pdi\"");
+  EXPECT_EQ(with(f.write("unknown.toml", unknown)).code, 2);
+  std::string twice = text;
+  twice.replace(twice.find("id = \"pid\""), 10, "id = \"a\"");
+  EXPECT_EQ(with(f.write("twice.toml", twice)).code, 2);
+  EXPECT_EQ(with(f / "none.toml").code, 2);
+}
+
+TEST(Compare, RunsTheExperimentsOfThreeAxes) {
+  Folder f;
+  const std::string tool = kSource + "/machines/triaxial-tool-5ms.toml";
+  ASSERT_EQ(command({"compare", tool, "--parameters", "thesis", "--trials", "1", "--json", f / "o.json",
+                     "--report", f / "page", "--quiet"})
+                .code,
+            0);
+  const auto json = nlohmann::json::parse(text_of(f / "o.json"));
+  EXPECT_EQ(json["experiment"], "tri-circle");
+  EXPECT_EQ(json["rows"].size(), 3U);
+  EXPECT_EQ(json["rows"][0]["mean_abs_tracking_um"].size(), 3U);
+  EXPECT_TRUE(json["rows"][0]["speed_mm_per_s"].is_null());
+  EXPECT_GT(json["rows"][0]["mean_abs_ui_W"].get<double>(), 0.0);
+  // A path of three axes on two, and options of a path that the experiment has not.
+  EXPECT_EQ(command({"compare", kMachine, "--experiment", "tri-circle"}).code, 2);
+  EXPECT_EQ(command({"compare", tool, "--size", "20 mm"}).code, 2);
+  EXPECT_EQ(
+      command({"simulate", tool, "--experiment", "smc-free", "--controller", "f", "-o", f / "t.csv"}).code,
+      2);
+  EXPECT_EQ(command({"simulate", tool, "--experiment", "smc-free", "--controller", "b", "--parameters",
+                     "thesis", "-o", f / "t.csv", "--quiet"})
+                .code,
+            0);
+}
+
+}  // namespace
+}  // namespace stribeck::test
