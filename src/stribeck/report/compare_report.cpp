@@ -194,6 +194,13 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
       [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
   for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
     all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
+  const auto tool_axis = [](const sim::CompareRow& r) { return std::isfinite(r.mean.max_orientation_error); };
+  if (std::any_of(result.rows.begin(), result.rows.end(), tool_axis)) {
+    all.push_back(
+        {"tool axis max", "µrad", kMicro, [](const Metrics& m) { return m.max_orientation_error; }, nullptr});
+    all.push_back(
+        {"mean", "µrad", kMicro, [](const Metrics& m) { return m.mean_orientation_error; }, nullptr});
+  }
   all.push_back(
       {"mean |Δu|", "mV", kMilli, [](const Metrics& m) { return m.input_variation; }, nullptr, false});
   const bool current_known =
@@ -288,7 +295,14 @@ std::vector<Marker> reversals(const Lap& lap, const std::vector<std::string>& ax
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const double before = lap.samples[k - 1]->velocity[i];
       const double after = lap.samples[k]->velocity[i];
-      if ((before < 0.0) != (after < 0.0)) markers.push_back({lap.angle[k], axes[i] + " reverses"});
+      if ((before < 0.0) == (after < 0.0)) continue;
+      if (!markers.empty() && markers.back().x == lap.angle[k]) {
+        // Two axes that turn together get one line.
+        std::string& label = markers.back().label;
+        label = label.substr(0, label.rfind(' ')) + ", " + axes[i] + " reverse";
+      } else {
+        markers.push_back({lap.angle[k], axes[i] + " reverses"});
+      }
     }
   }
   // Many of them: the axis alone must do.
@@ -371,7 +385,7 @@ std::vector<Plot> time_plots(const Block& block) {
     p.title = fmt::format("Contour error at {} over time: {}", block.text, range_name(group));
     p.x_label = "time [s]";
     p.y_label = "contour error [µm]";
-    p.y_range = Range{-limit, limit};
+    p.y_range = Range{block.travel->axes() > 2 ? 0.0 : -limit, limit};
     p.height = 260;
     for (const sim::CompareRow* r : group) {
       Series s = line_of(block, r);
@@ -836,10 +850,13 @@ std::string compare_report(const CompareReportInput& input) {
 
   page.section("Contour error along the path");
   for (const Block& b : blocks) {
-    page.figures(angle_plots(b, result), 1,
-                 "Last scored lap of the first trial; positive to the left of the direction of travel. Both "
-                 "drawings have the same "
-                 "scale. Vertical lines: an axis reverses, a quadrant begins.");
+    page.figures(
+        angle_plots(b, result), 1,
+        "Last scored lap of the first trial" +
+            std::string(result.axes.size() == 2   ? "; positive to the left of the direction of travel"
+                        : result.axes.size() == 1 ? "; the tracking error, as there is one axis"
+                                                  : "; a distance, without a sign") +
+            ". All drawings have the same scale. Vertical lines: an axis reverses, a quadrant begins.");
   }
   page.section("Contour error over time");
   for (const Block& b : blocks)

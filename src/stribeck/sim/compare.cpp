@@ -56,6 +56,35 @@ std::string name_of(const ControllerSpec& c, double speed) {
   return text;
 }
 
+/// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis. A model without a Stribeck part,
+/// fitted to friction that has one, comes out like this (Table 4.3).
+friction::Model straightened(const friction::Model& model, double fastest) {
+  constexpr int kPoints = 400;
+  friction::Gaussian<double> line;
+  line.velocity_range = {-fastest, fastest};
+  for (const double side : {1.0, -1.0}) {
+    double v1 = 0.0;
+    double v2 = 0.0;
+    double f1 = 0.0;
+    double vf = 0.0;
+    for (int i = 1; i <= kPoints; ++i) {
+      const double v = side * fastest * (i - 0.5) / kPoints;
+      const auto p = model.parts(v, 0.0);
+      const double f = p.level * side + p.viscous;
+      v1 += v;
+      v2 += v * v;
+      f1 += f;
+      vf += v * f;
+    }
+    auto& branch = side > 0.0 ? line.positive : line.negative;
+    branch.eta1 = (kPoints * vf - v1 * f1) / (kPoints * v2 - v1 * v1);
+    branch.eta0 = (f1 - branch.eta1 * v1) / kPoints;
+  }
+  friction::Model straight;
+  straight.steady = line;
+  return straight;
+}
+
 template <std::size_t N>
 struct Cell {
   const Route<N>* route;
@@ -181,16 +210,10 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
     case FrictionUse::kNominal: {
       friction::AxisModel m = need(eccentric, "eccentric");
       m.friction.eccentric = {};
-      if (auto* map = std::get_if<friction::Conventional<double>>(&m.friction.steady)) {
-        map->stribeck.reset();
-      } else if (auto* by_direction = std::get_if<friction::Gaussian<double>>(&m.friction.steady)) {
-        by_direction->positive.gaussians.clear();
-        by_direction->negative.gaussians.clear();
-      }
       return m;
     }
   }
-  for (const auto* m : {&conventional, &gaussian, &eccentric}) {
+  for (const auto* m : {&eccentric, &conventional, &gaussian}) {
     if (*m) return **m;
   }
   return need(conventional, "conventional");
@@ -223,6 +246,8 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     const auto& [name, axis] = machine.axes[axes[i]];
     control::CompensationParams& c = setup.compensation[i];
     c.model = knowledge[axes[i]].model(which.friction, name);
+    if (which.friction == FrictionUse::kNominal)
+      c.model.friction = straightened(c.model.friction, axis.limits.speed);
     c.friction_feedforward = which.friction != FrictionUse::kNone;
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;

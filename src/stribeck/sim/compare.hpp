@@ -20,7 +20,7 @@ enum class FrictionUse {
   kConventional,
   kGaussian,
   kEccentric,
-  kNominal,  ///< Coulomb and viscous part of the eccentric model: Γ, Λ of adaptive friction
+  kNominal,  ///< the straight line through each side of the eccentric model's map: Γ, Λ of adaptive friction
 };
 
 }  // namespace stribeck::sim

@@ -324,8 +324,11 @@ Experiment sliding(const char* id, const char* title, const char* source, const 
       "Most of the printed gain of (b) is the misfit of the conventional parameters of Table 4.2 in (a): "
       "with identified "
       "parameters (a) itself is much better, and at 1 ms its large switching gain, which is above the "
-      "periodic friction, leaves the "
-      "same mean as (b) with half of it. The maximum and the chattering of (b) stay far below.",
+      "periodic friction, leaves nearly the mean of (b). The maximum and the chattering of (b) stay far "
+      "below.",
+      "Γ and Λ of (b) are the straight line through each side of the identified map, over the speeds of the "
+      "axis: "
+      "a model without a Stribeck part, fitted to friction that has one.",
       "The duration is not printed; bounds of friction and gravity errors are not printed and are 0."};
   return e;
 }
