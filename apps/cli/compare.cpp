@@ -85,8 +85,6 @@ sim::CompareSpec spec_of(const Options& o, const std::string& experiment) {
   return s;
 }
 
-constexpr std::string_view kPrintedMachine = "biaxial table";
-
 /// The printed figures belong to one experiment: the circle of 10 mm at the gains of the table.
 std::span<const report::PrintedTable> printed_for(const Options& o, const std::string& experiment) {
   PathOptions standard;
@@ -113,7 +111,10 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
 }
 
 int compare(const Options& o) {
-  check_distinct({o.machine}, {o.common.json});
+  std::vector<std::string> inputs = o.controllers;
+  inputs.push_back(o.machine);
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
+  check_distinct(inputs, {page_of(o.common), o.common.json});
   check_outputs(o.common);
   const sim::Machine machine = load_machine(o.machine);
   const std::string experiment = o.experiment.empty() ? default_experiment(machine) : o.experiment;
@@ -127,7 +128,7 @@ int compare(const Options& o) {
                           [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
   // The printed figures are those of one machine.
-  const auto printed = machine.name == kPrintedMachine && o.parameters.axis_files.empty()
+  const auto printed = is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty()
                            ? printed_for(o, experiment)
                            : std::span<const report::PrintedTable>();
   write_json(o.common.json, report::to_json(result, experiment));

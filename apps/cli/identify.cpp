@@ -405,7 +405,7 @@ int identify(const Options& o) {
       refuse_option("LOG", fmt::format("{} is given twice: it would count as two runs", log));
     }
   }
-  check_distinct(o.logs, {o.output, o.common.json});
+  check_distinct(o.logs, {o.output, page_of(o.common), o.common.json});
   check_outputs(o.common);
   check_writable(o.output);
   if (o.inspect) return inspect_logs(o);

@@ -162,23 +162,34 @@ Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& n
       as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
   const ident::RoughDrive drive = ident::rough_drive(ident::identify_least_squares_a({tried}).result);
   const ident::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
-  if (needs.eccentric) {
+  // As the thesis does: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The machine decides, not
+  // what else is asked for.
+  const bool by_jogs = machine.axes.size() > 2;
+  if (needs.eccentric || (needs.conventional && by_jogs)) {
     // Pulses give the mass once the bristles and the sine are part of the fit; without them it comes out some per cent low.
     const ident::Record turns =
         add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
     const ident::Result whole = ident::identify_drive({pulses, turns}, {});
     l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
-    if (needs.conventional) {
+    if (needs.conventional && by_jogs) {
       const ident::Record jogs = add("jog", design(machine, axis, "jog", 0));
       ident::JogOptions conventional;
       conventional.gaussians = false;
       conventional.mass = whole.mass;
-      l.knowledge.conventional =
-          keep("conventional", {jogs, pulses, turns}, ident::identify_jog({jogs}, conventional).result);
+      ident::Result jogged = ident::identify_jog({jogs}, conventional).result;
+      // By direction a jog cannot tell a load from friction; the other logs can. The force stays the same.
+      if (auto* map = std::get_if<friction::Gaussian<double>>(&jogged.friction.steady);
+          map != nullptr && jogged.load == 0.0) {
+        map->positive.eta0 -= whole.load;
+        map->negative.eta0 -= whole.load;
+        jogged.load = whole.load;
+      }
+      l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged);
       // (2.9) has no term periodic in position, though a fit of the jogs finds it and is the better for it.
       l.knowledge.conventional->friction.eccentric = {};
     }
-  } else if (needs.conventional) {
+  }
+  if (needs.conventional && !by_jogs) {
     l.knowledge.conventional =
         keep("conventional", {pulses}, ident::identify_least_squares_a({pulses}).result);
   }

@@ -55,8 +55,8 @@ sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::ve
 void refuse_nonsense(const ident::Result& result, const std::string& source);
 /// What goes into an axis file.
 friction::AxisModel as_model(const ident::Result& result);
-/// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one, and
-/// jogs for the conventional one of an axis that has an eccentric one (there single pulses would take the sine for friction).
+/// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one;
+/// the conventional model comes from pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs, std::uint64_t seed);
 
 /// Writes a page of a log's columns over time; nothing when `directory` is empty.

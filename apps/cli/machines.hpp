@@ -11,6 +11,9 @@ namespace stribeck::cli {
 /// By the file's name without .toml; throws std::out_of_range when there is none, which is a fault of the program.
 sim::Machine built_in_machine(std::string_view name);
 
+/// Whether a machine file is the one that is built in, to the letter.
+bool is_built_in(const std::string& file, std::string_view name);
+
 /// Names of the controllers that are built in.
 std::vector<std::string> built_in_controllers();
 

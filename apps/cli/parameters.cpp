@@ -59,9 +59,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
         [&](int&, std::size_t k) { p.learned[axes[k]] = learn_axis(machine, axes[k], needs, spec.seed); });
     for (const std::size_t i : axes) p.knowledge[i] = p.learned[i].knowledge;
     std::vector<std::string> what{"pulses"};
-    if (needs.eccentric)
+    const bool by_jogs = needs.conventional && machine.axes.size() > 2;
+    if (needs.eccentric || by_jogs)
       what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
-    if (needs.eccentric && needs.conventional) what.push_back("jogs");
+    if (by_jogs) what.push_back("jogs");
     if (needs.gaussian) what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
     p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
   }

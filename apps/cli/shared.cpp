@@ -21,12 +21,15 @@ void add_common(CLI::App& verb, Common& common) {
 }
 
 void add_seed(CLI::App& verb, std::uint64_t& seed) {
-  // The library would wrap a negative number around.
+  // The library would wrap a negative number around and clamp one that is too large.
   const CLI::Validator not_negative(
       [](std::string& text) {
-        return text.empty() || text.front() == '-'
-                   ? fmt::format("got {}, expected a whole number from 0 on", text)
-                   : std::string();
+        constexpr std::string_view kMost = "18446744073709551615";
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        const bool fits = text.size() < kMost.size() || (text.size() == kMost.size() && text <= kMost);
+        return digits && fits
+                   ? std::string()
+                   : fmt::format("got {}, expected a whole number from 0 to {}", io::in_quotes(text), kMost);
       },
       "");
   verb.add_option("--seed", seed, "Seed of the noise")->check(not_negative)->capture_default_str();
@@ -133,6 +136,10 @@ void check_distinct(const std::vector<std::string>& inputs, const std::vector<st
     }
     taken.push_back(file);
   }
+}
+
+std::string page_of(const Common& common) {
+  return common.report.empty() ? "" : common.report + "/index.html";
 }
 
 void check_outputs(const Common& common) {

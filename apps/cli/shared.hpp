@@ -63,6 +63,9 @@ void refuse_empty_options(CLI::App& verb);
 /// Refuses outputs that are the same file as an input or as each other.
 void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
+/// The file that --report writes; empty: none.
+std::string page_of(const Common& common);
+
 /// Fails early when a result could not be written at the end: checks the folder of every path that is not
 /// empty.
 void check_writable(const std::string& path);

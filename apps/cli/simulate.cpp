@@ -19,10 +19,10 @@ struct Options {
   std::string output;
   std::uint64_t seed = 1;
   // along a path
-  std::string controller = "f";
+  std::string controller;  ///< empty: the last of the experiment, which has the most
   std::string experiment;
   PathOptions path;
-  std::string speed = "9.5 mm/s";
+  std::string speed;  ///< empty: 9.5 mm/s
   std::uint32_t trial = 0;
   ParameterOptions parameters;
   // one axis along a reference
@@ -114,13 +114,14 @@ io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::Cont
 sim::CompareSpec spec_of(const Options& o) {
   sim::CompareSpec spec;
   if (o.experiment.empty()) {
-    spec.travels = {make_travel(o.path, option_si("--speed", o.speed, quantity("m/s", "mm/s").positive()))};
+    spec.travels = {make_travel(o.path, option_si("--speed", o.speed.empty() ? "9.5 mm/s" : o.speed,
+                                                  quantity("m/s", "mm/s").positive()))};
     spec.controllers = make_controllers(o.path);
     spec.accuracy = make_accuracy(o.path);
   } else {
-    if (!(o.path == PathOptions{})) {
+    if (!(o.path == PathOptions{}) || !o.speed.empty()) {
       refuse_option("--experiment",
-                    o.experiment + " has its own path and gains: leave out the options of a path");
+                    o.experiment + " has its own path, speed and gains: leave out the options of a path");
     }
     const auto all = sim::experiments();
     spec = sim::find_experiment(all, o.experiment)->settings.front().spec;
@@ -132,6 +133,7 @@ sim::CompareSpec spec_of(const Options& o) {
     ids.push_back(c.id);
     if (c.id == o.controller) chosen = {c};
   }
+  if (o.controller.empty()) chosen = {spec.controllers.back()};
   if (chosen.empty()) {
     refuse_option("--controller", fmt::format("got {}, expected one of {}", io::in_quotes(o.controller),
                                               report::listed(ids)));
@@ -172,7 +174,11 @@ int run_path(const Options& o, const sim::Machine& machine) {
 }
 
 int simulate(const Options& o) {
-  check_distinct({o.machine, o.reference}, {o.output, o.common.json});
+  std::vector<std::string> inputs{o.machine, o.reference};
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
+  check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
+  if (!o.reference.empty() && !o.experiment.empty())
+    refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
   check_outputs(o.common);
   check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);
@@ -188,12 +194,13 @@ void add_simulate(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);
-  verb->add_option("--controller", o->controller, "One of the controllers of compare")->capture_default_str();
+  verb->add_option("--controller", o->controller,
+                   "One of the controllers of the experiment, by its letter; left out: the last one");
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->experiment, "Path, gains and controllers of an experiment of compare")
       ->check(CLI::IsMember(ids));
-  verb->add_option("--speed", o->speed, "Speed along the path")->type_name("SPEED")->capture_default_str();
+  verb->add_option("--speed", o->speed, "Speed along the path; left out: 9.5 mm/s")->type_name("SPEED");
   add_path_options(*verb, o->path);
   verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")
       ->capture_default_str();

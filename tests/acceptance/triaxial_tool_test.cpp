@@ -162,8 +162,7 @@ TEST_F(Reproduced, SlidingModeWithAdaptiveFriction) {
     const bool circle = s["id"] == "smc-circle";
     const bool printed_parameters = setting.find("printed") != std::string::npos;
     const bool slow = setting.rfind("5 ms", 0) == 0;
-    // 1 % is what two sets of ten trials differ by.
-    const double bound = printed_parameters ? (slow ? -30.0 : circle ? -20.0 : -12.0) : (slow ? -25.0 : 1.0);
+    const double bound = printed_parameters ? (slow ? -30.0 : circle ? -20.0 : -12.0) : (slow ? -25.0 : 0.0);
     EXPECT_LE(change(s, "mean contour error"), bound);
     EXPECT_LT(change(s, "power"), 0.0);
     const auto variation = column(s, "mean |Δu|");

@@ -44,7 +44,16 @@ TEST(Reproduce, ChecksATableAndSaysWhereItDiffers) {
   f.write("b.md", text);
   const Said said = command({"reproduce", "uni-sim", "--trials", "2", "--check", f / "b.md"});
   EXPECT_EQ(said.code, 1);
-  EXPECT_NE(said.out.find("line "), std::string::npos) << said.out;
+  EXPECT_NE(said.err.find("b.md:"), std::string::npos) << said.err;
+  // A sign that is lost, and a file that is not there.
+  std::string signs = text_of(f / "a.md");
+  const auto words = signs.find("one standard deviation");
+  ASSERT_NE(words, std::string::npos);
+  signs.replace(words, 3, "two");
+  EXPECT_EQ(
+      command({"reproduce", "uni-sim", "--trials", "2", "--check", f.write("c.md", signs), "--quiet"}).code,
+      1);
+  EXPECT_EQ(command({"reproduce", "uni-sim", "--trials", "2", "--check", f / "none.md"}).code, 2);
 }
 
 TEST(Reproduce, RefusesAnUnknownExperiment) {

@@ -98,7 +98,7 @@ std::string summary(const Block& block, double trials) {
   const sim::CompareRow* conventional = nullptr;
   for (const sim::CompareRow* r : block.rows) {
     if (r == best) continue;
-    if (is_plain(*r)) plain = r;
+    if (is_plain(*r) && plain == nullptr) plain = r;
     if (r->controller.friction == sim::FrictionUse::kConventional) {
       if (conventional == nullptr || r->controller.observer == best->controller.observer) conventional = r;
     }

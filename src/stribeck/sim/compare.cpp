@@ -85,6 +85,34 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   return straight;
 }
 
+/// A loop that ended farther from the path than this share of its extent has lost it.
+constexpr double kLost = 0.1;
+
+/// Refuses gains that cannot work, before anything runs: unstable when sampled, or without the switching gain that was asked for.
+template <std::size_t N>
+void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
+  std::visit(
+      [&](const auto& params) {
+        if constexpr (requires { params.stable(setup.period); }) {
+          if (!params.stable(setup.period)) {
+            char period[32];
+            std::snprintf(period, sizeof period, "%.4g ms", setup.period * 1e3);
+            throw Refused("its gains are unstable at a control period of " + std::string(period) +
+                          " (choose lower ones)");
+          }
+        }
+      },
+      which.law);
+  const auto* sliding = std::get_if<control::SlidingModeParams>(&which.law);
+  if (sliding != nullptr && sliding->gain == control::SwitchingGain::kSufficient &&
+      !control::SlidingMode<N>(*sliding, setup).sufficient_gain_exists()) {
+    throw Refused(
+        "no sufficient switching gain exists: mass_bound over mass less mass_bound, summed over the axes, "
+        "must be below 1 "
+        "(choose smaller bounds, or gain = \"printed\")");
+  }
+}
+
 template <std::size_t N>
 struct Cell {
   const Route<N>* route;
@@ -109,6 +137,11 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     for (const ControllerSpec& c : spec.controllers) {
       auto setup = make_setup<N>(machine, knowledge, axes, c);
       setup.lap = routes.back().lap;
+      try {
+        check_law<N>(c, setup);
+      } catch (const Refused& e) {
+        throw Refused(name_of(c, speed) + ": " + e.what());
+      }
       cells.push_back(
           {&routes.back(), setup, make_controller<N>(c.law, setup), std::vector<StatusCounter>(spec.trials)});
       CompareRow row;
@@ -152,6 +185,13 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       report);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     CompareRow& row = result.rows[i];
+    for (const Metrics& m : row.trials) {
+      if (!(m.max_contour_error <= kLost * cells[i].route->size)) {
+        throw Refused(name_of(row.controller, row.speed) +
+                      ": with noise, encoder and D/A converter the loop loses the path (error above a tenth "
+                      "of its extent)");
+      }
+    }
     summarise(row.trials, row.mean, row.spread);
     for (const StatusCounter& s : cells[i].status) {
       for (std::size_t k = 0; k < s.counts.size(); ++k) row.status.counts[k] += s.counts[k];
@@ -297,6 +337,7 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
     row.speed = travel.pace == path::Pace::kSpeed ? travel.speed : std::numeric_limits<double>::quiet_NaN();
     auto setup = make_setup<kAxes>(machine, knowledge, axes, row.controller);
     setup.lap = route.lap;
+    check_law<kAxes>(row.controller, setup);
     row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy);
     row.mean = drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
                                  {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status);
