@@ -83,9 +83,10 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                   const sim::CompareSpec& spec) {
   const std::size_t needed = spec.travels.front().axes();
   if (machine.axes.size() < needed) {
-    throw io::InputError(
-        {machine_file, 0, "axes",
-         fmt::format("the path needs {} axes, the machine has {}", needed, machine.axes.size())});
+    throw io::InputError({machine_file, 0, "axes",
+                          fmt::format("the path needs {} axes, the machine has {} (choose another path, or "
+                                      "an --experiment for this machine)",
+                                      needed, machine.axes.size())});
   }
   const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
   constexpr int kPoints = 720;
