@@ -26,7 +26,8 @@ namespace {
 /// The printed models that the needs ask for, or an error that names the missing one.
 sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path, std::size_t i,
                            const Needs& needs) {
-  const auto& [name, axis] = machine.axes[i];
+  const std::string& name = machine.axes[i].first;
+  const sim::MachineAxis& axis = machine.axes[i].second;
   const auto need = [&](bool wanted, const std::optional<friction::AxisModel>& model, const char* kind) {
     if (wanted && !model) {
       throw io::InputError(

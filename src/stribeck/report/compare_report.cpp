@@ -783,7 +783,8 @@ void settings(Page& page, const CompareReportInput& input) {
 
 void identification(Page& page, const CompareReportInput& input) {
   for (std::size_t i = 0; i < std::min(input.axes.size(), input.result.axes.size()); ++i) {
-    for (const auto& [kind, result] : input.axes[i].models) {
+    for (const auto& model : input.axes[i].models) {
+      const ident::Result& result = model.second;
       std::string about = fmt::format("Axis {}: {} model by {}, {} rows", input.result.axes[i], result.model,
                                       result.method, result.rows);
       if (std::isfinite(result.held_out_rms)) {
