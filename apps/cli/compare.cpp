@@ -174,13 +174,8 @@ void add_compare(CLI::App& app, Action& action) {
           "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis by the machine's number of axes")
       ->check(CLI::IsMember(ids));
   add_parameter_options(*verb, o->parameters);
-  verb->add_option("--trials", o->trials, "Trials, each with noise of its own")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
-  verb->add_option("--threads", o->threads, "Threads; 0: all cores. The result does not depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
   verb->add_option("--speed", o->speeds, "Speed along the path, repeatable; left out: 3 and 9.5 mm/s")
       ->type_name("SPEED");
   verb->add_option("--controller", o->controllers,
@@ -189,6 +184,7 @@ void add_compare(CLI::App& app, Action& action) {
       ->type_name("NAME|FILE.toml");
   add_path_options(*verb, o->path);
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck compare machines/biaxial-table.toml --experiment bi-table --json out.json "
       "--report report");

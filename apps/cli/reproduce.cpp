@@ -262,18 +262,14 @@ void add_reproduce(CLI::App& app, Action& action) {
       ->required()
       ->check(CLI::IsMember(ids))
       ->type_name("ID");
-  verb->add_option("--trials", o->trials, "Trials, each with noise of its own")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
-  verb->add_option("--threads", o->threads, "Threads; 0: all cores. The result does not depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
   verb->add_option("--markdown", o->markdown, "Table for a document")->type_name("FILE.md");
   verb->add_option("--check", o->check,
                    "Compares with a table that --markdown wrote; exit code 1 when they differ")
       ->type_name("FILE.md");
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck reproduce all --report build/reproduction\n  stribeck reproduce smc-circle "
       "smc-free");

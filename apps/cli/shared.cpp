@@ -20,6 +20,15 @@ void add_common(CLI::App& verb, Common& common) {
   verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
 }
 
+void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads) {
+  verb.add_option("--trials", trials, "Trials, each with noise of its own")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  verb.add_option("--threads", threads, "Threads; 0: all cores. The result does not depend on it")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+}
+
 void add_seed(CLI::App& verb, std::uint64_t& seed) {
   // The library would wrap a negative number around and clamp one that is too large.
   const CLI::Validator not_negative(

@@ -26,6 +26,9 @@ void add_common(CLI::App& verb, Common& common);
 /// --seed, which the verbs with noise have.
 void add_seed(CLI::App& verb, std::uint64_t& seed);
 
+/// --trials and --threads of the verbs that repeat an experiment.
+void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads);
+
 /// A bar on stderr for work that takes longer than a second, when stderr is a terminal.
 class Progress {
  public:

@@ -211,6 +211,7 @@ void add_simulate(CLI::App& app, Action& action) {
       ->type_name("REF.csv");
   verb->add_option("--axis", o->axis, "Axis that the reference is for")->type_name("NAME");
   add_common(*verb, o->common);
+  refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck simulate machines/biaxial-table.toml --reference x-sine.csv --axis x -o "
       "x-sine-log.csv\n"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/bristle_path.hpp>
+#include <stribeck/ident/filter.hpp>
 
 namespace stribeck::ident {
 namespace {
@@ -20,33 +21,6 @@ constexpr double kLoading = 0.3;
 /// Relative change of the level within a break-away distance that a bristle follows at once.
 constexpr double kSteady = 1e-3;
 constexpr double kSlowest = 1e-9;  ///< [m/s] at rest, but on one side of it
-
-std::vector<double> boxes(int j) {
-  std::vector<double> k{1.0};
-  const auto width = static_cast<std::size_t>(2 * j + 1);
-  for (int pass = 0; pass < 3; ++pass) {
-    std::vector<double> next(k.size() + width - 1, 0.0);
-    for (std::size_t i = 0; i < k.size(); ++i) {
-      for (std::size_t b = 0; b < width; ++b) next[i + b] += k[i] / static_cast<double>(width);
-    }
-    k = std::move(next);
-  }
-  return k;
-}
-
-/// RMS of the second difference of smoothed white noise of RMS 1.
-double second_difference_gain(const std::vector<double>& weights) {
-  const auto at = [&](std::ptrdiff_t i) {
-    return i < 0 || i >= static_cast<std::ptrdiff_t>(weights.size()) ? 0.0
-                                                                     : weights[static_cast<std::size_t>(i)];
-  };
-  double sum = 0.0;
-  for (std::ptrdiff_t i = -1; i <= static_cast<std::ptrdiff_t>(weights.size()); ++i) {
-    const double d = at(i - 1) - 2.0 * at(i) + at(i + 1);
-    sum += d * d;
-  }
-  return std::sqrt(sum);
-}
 
 std::vector<double> smooth(const std::vector<double>& x, const std::vector<double>& weights) {
   const std::size_t half = weights.size() / 2;
@@ -150,11 +124,14 @@ BristlePath cut_path(const std::vector<Record>& records, const BristleData& data
   const double T0 = records.front().sample_time;
   const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
   do {
-    if (known.mass * data.noise * second_difference_gain(boxes(path.window)) / (T0 * T0) <= allowed) break;
+    if (known.mass * data.noise * std::sqrt(second_difference_variance(box_weights(path.window))) /
+            (T0 * T0) <=
+        allowed)
+      break;
   } while (++path.window <= kWidestBox);
   path.window = std::min(path.window, kWidestBox);
   const std::size_t half = 3 * static_cast<std::size_t>(path.window) + kMostWhitening;
-  const std::vector<double> calm = boxes(path.window / 2);
+  const std::vector<double> calm = box_weights(path.window / 2);
 
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record& record = records[r];

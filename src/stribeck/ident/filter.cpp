@@ -129,4 +129,29 @@ std::vector<double> decimate(const std::vector<double>& x, std::size_t factor) {
   return y;
 }
 
+std::vector<double> box_weights(int j) {
+  std::vector<double> k{1.0};
+  const auto width = static_cast<std::size_t>(2 * j + 1);
+  for (int pass = 0; pass < 3; ++pass) {
+    std::vector<double> next(k.size() + width - 1, 0.0);
+    for (std::size_t i = 0; i < k.size(); ++i) {
+      for (std::size_t b = 0; b < width; ++b) next[i + b] += k[i] / static_cast<double>(width);
+    }
+    k = std::move(next);
+  }
+  return k;
+}
+
+double second_difference_variance(const std::vector<double>& weights) {
+  std::vector<double> k = weights;
+  k.insert(k.begin(), 2, 0.0);
+  k.insert(k.end(), 2, 0.0);
+  double sum = 0.0;
+  for (std::size_t i = 1; i + 1 < k.size(); ++i) {
+    const double d = k[i - 1] - 2.0 * k[i] + k[i + 1];
+    sum += d * d;
+  }
+  return sum;
+}
+
 }  // namespace stribeck::ident

@@ -36,4 +36,10 @@ std::vector<double> forward_backward(const Filter& filter, const std::vector<dou
 /// 0.8/factor; the samples are counted back from the end, as MATLAB's `decimate` does.
 std::vector<double> decimate(const std::vector<double>& x, std::size_t factor);
 
+/// Weights of three boxes of 2j+1 samples, convolved; 6j+1 of them, with sum 1.
+std::vector<double> box_weights(int j);
+
+/// Variance of the second difference of white noise of variance 1 smoothed with these weights.
+double second_difference_variance(const std::vector<double>& weights);
+
 }  // namespace stribeck::ident

@@ -13,33 +13,6 @@ constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 40;
 constexpr double kHysteresis = 10.0;
 
-/// Three boxes of 2j+1 rows, convolved; 6j+1 weights.
-std::vector<double> kernel(int j) {
-  std::vector<double> k{1.0};
-  const auto width = static_cast<std::size_t>(2 * j + 1);
-  for (int pass = 0; pass < 3; ++pass) {
-    std::vector<double> next(k.size() + width - 1, 0.0);
-    for (std::size_t i = 0; i < k.size(); ++i) {
-      for (std::size_t b = 0; b < width; ++b) next[i + b] += k[i] / static_cast<double>(width);
-    }
-    k = std::move(next);
-  }
-  return k;
-}
-
-/// Variance of the second difference of smoothed white noise of variance 1.
-double second_difference_gain(int j) {
-  std::vector<double> k = kernel(j);
-  k.insert(k.begin(), 2, 0.0);
-  k.insert(k.end(), 2, 0.0);
-  double sum = 0.0;
-  for (std::size_t i = 1; i + 1 < k.size(); ++i) {
-    const double d = k[i - 1] - 2.0 * k[i] + k[i + 1];
-    sum += d * d;
-  }
-  return sum;
-}
-
 /// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums are
 /// taken of differences from the first value: a position far from zero costs no digits.
 std::vector<double> smooth(const std::vector<double>& x, int j) {
@@ -214,7 +187,8 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
     for (const double a : calm) square += a * a;
     const double allowed = kNoiseShare * std::sqrt(square / static_cast<double>(calm.size())) * T * T;
     m.window = 0;
-    while (m.window < longest && m.position_noise * std::sqrt(second_difference_gain(m.window)) > allowed)
+    while (m.window < longest &&
+           m.position_noise * std::sqrt(second_difference_variance(box_weights(m.window))) > allowed)
       ++m.window;
   }
   if (options.cut_off > 0.0) {
