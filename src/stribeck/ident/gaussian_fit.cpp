@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/gaussian_fit.hpp>
 
@@ -290,7 +291,8 @@ constexpr int kFirstIterations = 3, kSecondIterations = 6;
 constexpr std::size_t kSecond = 32, kFinalists = 12;
 constexpr std::size_t kSearchBins = 40;
 constexpr double kSearchTolerance = 1e-2;
-constexpr std::size_t kExchanged = 2;
+constexpr double kSame = 1e-3;  // of the cost: starts that have reached one minimum
+constexpr std::size_t kExchanged = 4;
 constexpr double kExchangeGain = 0.01;  // of the cost: less is no other minimum
 
 struct Place {
@@ -315,6 +317,102 @@ std::vector<Place> best_places(const Projected& others, const VectorXd& p, int w
     if (static_cast<int>(chosen.size()) == wanted) break;
   }
   return chosen;
+}
+
+/// The terms and one more, at each of the places where it explains most.
+std::vector<std::vector<FitTerm>> with_one_more(const Bins& bins, const std::vector<FitTerm>& terms,
+                                                const FitSettings& settings, int places) {
+  const Projected rest(bins, static_cast<int>(terms.size()), settings);
+  std::vector<std::vector<FitTerm>> out;
+  for (const Place& s : best_places(rest, nonlinear(terms, settings.narrowest), places)) {
+    out.push_back(terms);
+    out.back().push_back({0.0, s.b, s.c});
+  }
+  return out;
+}
+
+std::vector<FitTerm> without(std::vector<FitTerm> terms, std::size_t i) {
+  terms.erase(terms.begin() + static_cast<std::ptrdiff_t>(i));
+  return terms;
+}
+
+/// Two terms of which little more than the difference is left.
+bool cancel(const FitTerm& x, const FitTerm& y) {
+  return x.a * y.a < 0.0 && std::abs(x.a + y.a) < 0.5 * std::max(std::abs(x.a), std::abs(y.a));
+}
+
+/// A high level with dips is nearly the same curve as a low one with bells between them: another minimum, and no
+/// term is where it was. Empty where there is no dip.
+std::vector<FitTerm> bells_for_dips(const Bins& bins, const std::vector<FitTerm>& terms,
+                                    const FitSettings& settings) {
+  std::vector<double> edges{0.0};
+  for (const FitTerm& g : terms) {
+    if (g.a < 0.0 && g.b > 0.0 && g.b < 1.0) edges.push_back(g.b);
+  }
+  if (edges.size() == 1) return {};
+  std::sort(edges.begin(), edges.end());
+  // The last bell is as wide as the one before it.
+  edges.push_back(2.0 * edges.back() - edges[edges.size() - 2]);
+  std::vector<FitTerm> out;
+  for (std::size_t i = 0; i + 1 < edges.size() && out.size() < terms.size(); ++i) {
+    const double gap = edges[i + 1] - edges[i];
+    out.push_back({0.0, 0.5 * (edges[i] + edges[i + 1]), std::max(0.5 * gap, 0.05)});
+  }
+  while (out.size() < terms.size()) out = with_one_more(bins, out, settings, 1).front();
+  return out;
+}
+
+/// Starts from which another minimum may be reached: a term is set anew, or both of a pair that nearly cancels (it is
+/// the slope of one bell, and neither can leave it alone), or dips become bells.
+std::vector<std::vector<FitTerm>> neighbours(const Bins& bins, const std::vector<FitTerm>& terms,
+                                             const FitSettings& settings) {
+  std::vector<std::vector<FitTerm>> out;
+  const auto join = [&](std::vector<std::vector<FitTerm>> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(out));
+  };
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    join(with_one_more(bins, without(terms, i), settings, settings.polished));
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!cancel(terms[i], terms[j])) continue;
+      const auto others = without(without(terms, i), j);
+      for (const auto& one : with_one_more(bins, others, settings, settings.polished))
+        join(with_one_more(bins, one, settings, 1));
+    }
+  }
+  if (auto bells = bells_for_dips(bins, terms, settings); !bells.empty()) out.push_back(std::move(bells));
+  return out;
+}
+
+/// Least cost first, each minimum once: the rest of the search is for others.
+void sort(std::vector<Outcome>& tries) {
+  std::stable_sort(tries.begin(), tries.end(),
+                   [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
+  tries.erase(
+      std::unique(tries.begin(), tries.end(),
+                  [](const Outcome& x, const Outcome& y) { return y.cost - x.cost < kSame * x.cost; }),
+      tries.end());
+}
+
+/// From minimum to lower minimum over the neighbours.
+Polished exchanged(const Bins& bins, Polished best, const FitSettings& settings) {
+  const double unit = settings.noise * settings.noise;
+  for (bool better = true; better;) {
+    better = false;
+    const FitSettings same = firmed(settings, best.firmed);
+    const Projected all(bins, static_cast<int>(best.fit.terms.size()), same);
+    std::vector<Outcome> tries;
+    for (const std::vector<FitTerm>& terms : neighbours(bins, best.fit.terms, same)) {
+      tries.push_back(descend(all, nonlinear(terms, settings.narrowest), kIterations, kSearchTolerance));
+    }
+    sort(tries);
+    const double goal = (1.0 - kExchangeGain) * best.fit.cost;
+    for (std::size_t i = 0; i < std::min(kExchanged, tries.size()); ++i) {
+      if (2.0 * tries[i].cost * unit > goal) break;
+      Polished trial = polish(bins, std::move(tries[i].p), settings, kSearchTolerance);
+      if (trial.fit.cost < std::min(goal, best.fit.cost)) best = std::move(trial), better = true;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -410,20 +508,15 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
   if (bins.size() < 2 * wanted || n > kMostTerms) return std::nullopt;
   const Bins coarse = joined(bins, kSearchBins);
   const Bins& search = coarse.size() >= wanted + 4 ? coarse : bins;
-  const Projected problem(search, n, settings), smaller(search, n - 1, settings);
+  const Projected problem(search, n, settings);
   std::vector<Outcome> tries;
   const auto start = [&](const std::vector<FitTerm>& terms) {
     tries.push_back(
         descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations, kSearchTolerance));
   };
-  const auto with = [](std::vector<FitTerm> terms, const Place& s) {
-    terms.push_back({0.0, s.b, s.c});
-    return terms;
-  };
-
   // One more term where it explains most.
-  for (const Place& s : best_places(smaller, nonlinear(before.terms, settings.narrowest), settings.polished))
-    start(with(before.terms, s));
+  for (const std::vector<FitTerm>& terms : with_one_more(search, before.terms, settings, settings.polished))
+    start(terms);
   // And anywhere: the best fit need not hold the one with a term less.
   for (int i = 0; n > 1 && i < settings.scattered; ++i) {
     std::vector<FitTerm> terms;
@@ -438,18 +531,14 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
   }
   if (also != nullptr) start(also->terms);
 
-  const auto sort = [&] {
-    std::stable_sort(tries.begin(), tries.end(),
-                     [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
-  };
   const auto go_on = [&](std::size_t most, int iterations) {
-    sort();
+    sort(tries);
     if (tries.size() > most) tries.resize(most);
     for (Outcome& t : tries) t = descend(problem, std::move(t.p), iterations, kSearchTolerance);
   };
   if (tries.size() > kSecond) go_on(kSecond, kSecondIterations);
   go_on(kFinalists, kIterations);
-  sort();
+  sort(tries);
   const double unit = settings.noise * settings.noise;
   Polished best;
   for (std::size_t i = 0; i < tries.size(); ++i) {
@@ -458,29 +547,7 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
     Polished trial = polish(search, tries[i].p, settings, kSearchTolerance);
     if (i == 0 || trial.fit.cost < best.fit.cost) best = std::move(trial);
   }
-  // Local minima differ by a term: each in turn is taken out and set where it explains most.
-  for (bool better = n > 1 && settings.exchange; better;) {
-    better = false;
-    const FitSettings same = firmed(settings, best.firmed);
-    const Projected all(search, n, same), rest(search, n - 1, same);
-    tries.clear();
-    for (int i = 0; i < n; ++i) {
-      std::vector<FitTerm> others = best.fit.terms;
-      others.erase(others.begin() + i);
-      for (const Place& s : best_places(rest, nonlinear(others, settings.narrowest), settings.polished)) {
-        tries.push_back(descend(all, nonlinear(with(others, s), settings.narrowest),
-                                kFirstIterations + kSecondIterations, kSearchTolerance));
-      }
-    }
-    sort();
-    const double goal = (1.0 - kExchangeGain) * best.fit.cost;
-    for (std::size_t i = 0; i < std::min(kExchanged, tries.size()); ++i) {
-      const Outcome done = descend(all, std::move(tries[i].p), kIterations, kSearchTolerance);
-      if (2.0 * done.cost * unit > goal) continue;
-      Polished trial = polish(search, done.p, settings, kSearchTolerance);
-      if (trial.fit.cost < std::min(goal, best.fit.cost)) best = std::move(trial), better = true;
-    }
-  }
+  if (n > 1 && settings.exchange) best = exchanged(search, std::move(best), settings);
   return polish(bins, best.p, settings, kTolerance, best.firmed).fit;
 }
 

@@ -9,8 +9,9 @@
 /// eliminated (variable projection, Kaufman's Jacobian); b_i, c_i are found by Levenberg–Marquardt
 /// (ceres::TinySolver) inside bounds. Every number of terms gets starts of two kinds, the same in every run:
 /// a term added to the best smaller fit where, over a grid of centres and widths, it explains most; and
-/// centres and widths spread over the range. Most are given up after a few steps, the best are finished; of the best
-/// fit each term in turn is then set anew where it explains most.
+/// centres and widths spread over the range. Most are given up after a few steps, the best are finished, each
+/// minimum once. From the best fit the search goes on to its neighbours: a term, or a pair that nearly cancels, set
+/// anew where it explains most; dips of a high level turned into bells of a low one.
 ///
 /// η0 and η1 are held near the straight line through the bins, since wide terms can take their part: without
 /// that, η0 or F − η1·v may leave the sign of the motion. A weak pull of the heights to zero keeps cancelling

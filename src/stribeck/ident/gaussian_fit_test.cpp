@@ -54,17 +54,21 @@ TEST(GaussianFit, FindsAllBranchesOfTable23WithThreeTerms) {
 }
 
 // Other random starts, the same optimum: 0.1 % of the sum of squares of the rows, whose noise of 18 N is what the bins do
-// not show. bench/identify_bench counts 100 sets on I1.
+// not show. A third of the starts that are tried otherwise: the way from a minimum to its neighbours must make up for
+// them. bench/identify_bench counts 100 sets on I1.
 TEST(GaussianFit, EndsAtTheSameOptimumFromOtherStarts) {
-  for (const double direction : {1.0, -1.0}) {
-    const Bins bins = bins_of_table('x', direction);
-    FitSettings s = settings();
-    double rows = 0.0;
-    for (const double w : bins.weight) rows += w;
-    for (unsigned set = 0; set < 6; ++set) {
-      s.first_start = 1 + 1000 * set;
-      EXPECT_LT(fit_ladder(bins, 3, s).back().cost, 1e-3 * rows * s.noise * s.noise)
-          << direction << " set " << set;
+  for (const char axis : {'x', 'y'}) {
+    for (const double direction : {1.0, -1.0}) {
+      const Bins bins = bins_of_table(axis, direction);
+      FitSettings s = settings();
+      s.scattered = 32;
+      double rows = 0.0;
+      for (const double w : bins.weight) rows += w;
+      for (unsigned set = 0; set < 25; ++set) {
+        s.first_start = 1 + 32 * set;
+        EXPECT_LT(fit_ladder(bins, 3, s).back().cost, 1e-3 * rows * s.noise * s.noise)
+            << axis << direction << " set " << set;
+      }
     }
   }
 }
