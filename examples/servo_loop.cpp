@@ -12,7 +12,7 @@ int main() {
   params.gains = control::Gains::critical(60.0);
   params.compensation.model.mass = 800.0;
   params.compensation.model.friction.steady = friction::Conventional<double>{15.0, 3e3, {}};
-  params.compensation.friction_feedforward = true;
+  params.compensation.feedforward = control::Feedforward::kSteady;
   params.compensation.observer = control::Observer::kDisturbance;
   params.force_limit = 250.0;
   const control::Pd controller(params, kPeriod);

@@ -22,7 +22,7 @@ Result run(double zone) {
   for (auto& axis : setup.compensation) {
     axis.model.mass = 800.0;
     axis.model.friction.steady = friction::Conventional<double>{0.0, 2e3, {}};
-    axis.friction_feedforward = true;
+    axis.feedforward = control::Feedforward::kSteady;
   }
   const control::DeadZone<2> law({40.0, zone}, setup);
   control::DeadZone<2>::State state;

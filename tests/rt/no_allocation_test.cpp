@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <span>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/pd.hpp>
 #include <stribeck/friction/table.hpp>
@@ -51,7 +52,7 @@ friction::AxisModel gaussian_model() {
 control::CompensationParams compensation(control::Observer observer) {
   control::CompensationParams p;
   p.model = gaussian_model();
-  p.friction_feedforward = true;
+  p.feedforward = control::Feedforward::kSteady;
   p.observer = observer;
   return p;
 }
@@ -112,6 +113,31 @@ void expect_no_allocation_along(const C& curve, path::FrameKind frame) {
               0)
         << params.kKind;
   });
+}
+
+TEST(RealTime, PredictiveControlAtItsLimitsAllocatesNothing) {
+  constexpr std::size_t kTicks = 400;
+  std::array<path::PathPoint<2>, kTicks> points;
+  path::Reference reference(path::Curve{path::Shape::kCircle, 10e-3}, {9.5e-3, 1.0, 10e-3});
+  for (auto& r : points) {
+    r = reference.point();
+    reference.advance(5e-3);
+  }
+  control::Setup<2> setup;
+  setup.period = 5e-3;
+  setup.compensation.fill(compensation(control::Observer::kKalman));
+  setup.force_limit = {{1700.0, 1700.0}};
+  int iterations = 0;
+  EXPECT_EQ(allocated([&] {
+              const control::Predictive<2> controller({}, setup);
+              control::Predictive<2>::State state;
+              for (std::size_t k = 0; k < kTicks; ++k) {
+                controller.step(state, std::span(points).subspan(k), points[k].position);
+                iterations += state.iterations;
+              }
+            }),
+            0);
+  EXPECT_GT(iterations, 0);
 }
 
 path::Fourier<3> saddle() {

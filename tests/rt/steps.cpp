@@ -3,6 +3,7 @@
 #include <stribeck/control/cutting_force_observer.hpp>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/pd.hpp>
+#include <stribeck/control/reversal_feedforward.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/path/contour_error.hpp>
 #include <stribeck/path/curve.hpp>
@@ -37,6 +38,11 @@ auto laws_2() { return steps_of<2>(static_cast<const control::LawParams*>(nullpt
 auto laws_3() { return steps_of<3>(static_cast<const control::LawParams*>(nullptr)); }
 auto laws_5() { return steps_of<5>(static_cast<const control::LawParams*>(nullptr)); }
 
+Vec<double, 5> with_points_ahead(const control::Predictive<5>& law, control::Predictive<5>::State& s,
+                                 std::span<const path::PathPoint<5>> ahead, const Vec<double, 5>& x) {
+  return law.step(s, ahead, x);
+}
+
 double disturbance(const control::DisturbanceObserver& o, control::DisturbanceObserver::State& s, double f,
                    double v) {
   return o.step(s, f, v);
@@ -44,6 +50,11 @@ double disturbance(const control::DisturbanceObserver& o, control::DisturbanceOb
 
 double kalman(const control::KalmanObserver& o, control::KalmanObserver::State& s, double f, double x) {
   return o.step(s, f, x);
+}
+
+double reversal(const control::ReversalFeedforward& o, control::ReversalFeedforward::State& s,
+                const control::MotionAhead& r) {
+  return o.step(s, r, r.velocity).sum();
 }
 
 double cutting(const control::CuttingForceObserver<2>& o, control::CuttingForceObserver<2>::State& s,

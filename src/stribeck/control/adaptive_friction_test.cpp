@@ -128,7 +128,7 @@ Ridden ride(Observer observer, double load, double mass) {
   for (auto& c : setup.compensation) {
     c.model.mass = mass;
     c.model.friction.steady = friction::Conventional<double>{1.0, 100.0, {}};
-    c.friction_feedforward = true;
+    c.feedforward = control::Feedforward::kSteady;
     c.observer = observer;
     c.adaptive_gain = kGain;
   }

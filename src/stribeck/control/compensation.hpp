@@ -1,18 +1,29 @@
 #pragma once
-/// What a controller adds to its feedback on one axis: friction feed-forward, load, and the estimate of an
-/// observer.
+/// What a controller adds to its feedback on one axis: friction feed-forward, load, and the estimate of an observer.
 ///
-///   f_add = F_friction(ṙ, r) + load + d̂
+///   f_add = F_friction(r) + load + d̂ + m·(r̈ over the hold − r̈)
 ///
-/// Friction is evaluated at the reference, not at the measurement: a measured velocity that trembles around
-/// zero would make the force chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Not
-/// modelled: pre-sliding (friction follows its steady state).
-/// Real time: safe; the constructor configure
-/// only.
+///   steady    F at the reference's velocity and position now, by the steady map; as in the thesis
+///   dynamic   pre-sliding over the same map, mean over the hold that begins now, computation delay included
+///             (friction_feedforward.hpp); the acceleration likewise
+///   reversal  the same hold, with the build-up after a reversal shaped over distance (reversal_feedforward.hpp)
+///
+/// Friction follows the reference, not the measurement: a measured velocity that trembles around zero would make the force
+/// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
+/// by the delay. With adaptation the model is corrected on line (friction_adaptation.hpp). A
+/// guarded loop that oscillates loses the observer's estimate and its velocity by halves.
+/// Real time: safe; the constructor configure only.
 
+#include <limits>
 #include <stribeck/control/adaptive_friction.hpp>
 #include <stribeck/control/disturbance_observer.hpp>
+#include <stribeck/control/drift_monitor.hpp>
+#include <stribeck/control/friction_adaptation.hpp>
+#include <stribeck/control/friction_feedforward.hpp>
 #include <stribeck/control/kalman_observer.hpp>
+#include <stribeck/control/oscillation_guard.hpp>
+#include <stribeck/control/reversal_feedforward.hpp>
+#include <stribeck/control/tracking_error.hpp>
 #include <stribeck/core/status.hpp>
 #include <stribeck/friction/axis_model.hpp>
 
@@ -20,14 +31,26 @@ namespace stribeck::control {
 
 enum class Observer { kNone, kDisturbance, kKalman, kAdaptive };
 
+/// How friction is fed forward.
+enum class Feedforward { kNone, kSteady, kDynamic, kReversal };
+
+/// No delay is longer, in periods.
+inline constexpr std::size_t kMostDelay = 8;
+
 struct CompensationParams {
-  friction::AxisModel model;            ///< what was identified of the axis
-  bool friction_feedforward = false;    ///< add the model's friction at the reference velocity
+  friction::AxisModel model;  ///< what was identified of the axis
+  Feedforward feedforward = Feedforward::kNone;
   Observer observer = Observer::kNone;  ///< add the estimate of this observer
-  double observer_pole = 20.0;          ///< both poles of the disturbance observer [1/s]
-  double adaptive_gain = 20.0;          ///< K_c of adaptive friction [1/s]
-  double disturbance_density = 4e6;     ///< Kalman: random walk of the disturbance [N²/s]
-  double encoder_resolution = 1e-7;     ///< Kalman: step of the encoder [m]
+  /// Both poles of the disturbance observer, or the bandwidth of the Kalman observer [1/s].
+  double observer_pole = 20.0;
+  double adaptive_gain = 20.0;  ///< K_c of adaptive friction [1/s]
+  /// Kalman: random walk of the disturbance [N²/s]; NaN: what gives it the bandwidth observer_pole.
+  double disturbance_density = std::numeric_limits<double>::quiet_NaN();
+  double encoder_resolution = 1e-7;  ///< Kalman: step of the encoder [m]
+  double delay = 0.0;                ///< from the sample to the begin of the hold [s], at most 8 periods
+  AdaptationParams adaptation;
+  ReversalParams reversal;
+  bool guarded = false;  ///< back off when the loop oscillates (oscillation_guard.hpp)
 };
 
 class Compensation {
@@ -36,51 +59,178 @@ class Compensation {
     DisturbanceObserver::State disturbance;
     KalmanObserver::State kalman;
     AdaptiveFriction::State adaptive;
-    double friction = 0.0;   ///< feed-forward of the last step [N]
-    double estimate = 0.0;   ///< d̂ of the last step [N]
-    double net_force = 0.0;  ///< force on the axis less the feed-forward, held since the last step [N]
+    FrictionFeedforward::State feedforward;
+    ReversalFeedforward::State reversal;
+    FrictionAdaptation::State adaptation;
+    DriftMonitor::State drift;
+    OscillationGuard::State guard;
+    double friction = 0.0;           ///< feed-forward of the last step [N]
+    double estimate = 0.0;           ///< d̂ of the last step [N]
+    double last_acceleration = 0.0;  ///< of the reference [m/s²]
+    double last_velocity = 0.0;      ///< of the reference [m/s]
+    double last_jerk = 0.0;          ///< of the reference [m/s³]
+    double ahead = 0.0;              ///< what accelerates the mass, of the last step [N]
+    bool started = false;
+    bool limited = false;  ///< the last force was cut
+    /// Forces commanded, and the feed-forward in them, newest first [N].
+    std::array<double, kMostDelay + 3> force{};
+    std::array<double, kMostDelay + 3> fed{};
   };
 
   Compensation() = default;
   Compensation(const CompensationParams& params, double period) noexcept
       : params_(params),
+        period_(period),
         observer_(params.observer_pole, params.model.mass, period),
         adaptive_(params.adaptive_gain, params.model.mass, period),
-        kalman_(params.observer == Observer::kKalman
-                    ? KalmanObserver(params.disturbance_density,
-                                     params.encoder_resolution * params.encoder_resolution / 12.0,
-                                     params.model.mass, period)
-                    : KalmanObserver()) {}
-
-  /// Force to add [N] for the reference position [m] and velocity [m/s], and what the encoder says now.
-  double step(State& s, double reference, double reference_velocity, double position, double velocity,
-              StatusCounter& status) const noexcept {
-    if (params_.observer == Observer::kDisturbance) {
-      s.estimate = observer_.step(s.disturbance, s.net_force, velocity);
-    } else if (params_.observer == Observer::kKalman) {
-      s.estimate = kalman_.step(s.kalman, s.net_force, position);
-    } else if (params_.observer == Observer::kAdaptive) {
-      s.estimate = adaptive_.step(s.adaptive, s.net_force, velocity);
-    }
-    s.friction = params_.model.load;
-    if (params_.friction_feedforward) {
-      const auto p = params_.model.friction.parts(reference_velocity, reference);
-      s.friction += p.level * sign(reference_velocity) + p.viscous + p.additive;
-      if (!params_.model.friction.covers(reference_velocity)) status.raise(Status::kOutsideVelocityRange);
-    }
-    return s.friction + s.estimate;
+        kalman_(
+            params.observer == Observer::kKalman
+                ? KalmanObserver(isfinite(params.disturbance_density)
+                                     ? params.disturbance_density
+                                     : KalmanObserver::density(params.observer_pole,
+                                                               params.encoder_resolution, params.model.mass),
+                                 params.encoder_resolution * params.encoder_resolution / 12.0,
+                                 params.model.mass, period)
+                : KalmanObserver()),
+        feedforward_(params.model.friction, period),
+        adaptation_(params.adaptation, params.model, params.encoder_resolution, period) {
+    if (params.feedforward == Feedforward::kReversal)
+      reversal_ = ReversalFeedforward(params.reversal, params.model.friction, period);
+    if (params.guarded)
+      guard_ =
+          OscillationGuard(kSwing * params.model.friction.parts(0.0, 0.0).level +
+                               kRattle * params.model.mass * params.encoder_resolution / (period * period),
+                           period);
+    const double periods = clamp_to(params.delay / period, 0.0, static_cast<double>(kMostDelay));
+    whole_ = static_cast<std::size_t>(periods);
+    rest_ = periods - static_cast<double>(whole_);
   }
 
-  /// Tells the observer the force [N] that was really commanded, after limits.
-  void applied(State& s, double force) const noexcept { s.net_force = force - s.friction; }
+  /// What the encoder says now [m], and its differenced velocity [m/s]. To be called once per period, before step().
+  void observe(State& s, double position, double velocity) const noexcept {
+    const double net = acted(s.force) - acted(s.fed);
+    if (params_.observer == Observer::kDisturbance) {
+      s.estimate = observer_.step(s.disturbance, net, velocity);
+    } else if (params_.observer == Observer::kKalman) {
+      s.estimate = kalman_.step(s.kalman, net, position);
+    } else if (params_.observer == Observer::kAdaptive) {
+      s.estimate = adaptive_.step(s.adaptive, net, velocity);
+    }
+    if (!adaptation_.enabled()) return;
+    // The reference in the middle of the period that has passed, at rest exactly at rest.
+    const double middle = 0.5 * period_;
+    const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
+    adaptation_.step(s.adaptation, acted(s.force) - params_.model.load, acted(s.fed) - acted(s.fed, 1),
+                     position, v, s.last_acceleration + middle * s.last_jerk,
+                     !s.limited && s.guard.trust == 1.0);
+    DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
+  }
+
+  /// Force to add [N] for the reference now: position [m], velocity [m/s], acceleration [m/s²].
+  double step(State& s, double reference, double velocity, double acceleration,
+              StatusCounter& status) const noexcept {
+    s.friction = params_.model.load;
+    double ahead = 0.0;
+    if (params_.feedforward != Feedforward::kNone) {
+      if (!params_.model.friction.covers(velocity)) status.raise(Status::kOutsideVelocityRange);
+    }
+    if (params_.feedforward == Feedforward::kSteady) {
+      const auto p = params_.model.friction.parts(velocity, reference);
+      s.friction += p.level * sign(velocity) + p.viscous + p.additive;
+    } else if (params_.feedforward != Feedforward::kNone) {
+      const double jerk = s.started ? (acceleration - s.last_acceleration) / period_ : 0.0;
+      s.last_jerk = jerk;
+      const MotionAhead coming = MotionAhead{reference, velocity, acceleration, jerk}.later(
+          params_.delay + adaptation_.delay(s.adaptation));
+      if (velocity == 0.0 && acceleration == 0.0) hand_over(s, reference);
+      const double middle = 0.5 * period_;
+      const double accelerates = coming.acceleration + middle * jerk;
+      const FrictionScales scales = adaptation_.scales(s.adaptation);
+      s.friction += params_.feedforward == Feedforward::kDynamic
+                        ? feedforward_.step(s.feedforward, coming, velocity, scales).sum()
+                        : reversal_.step(s.reversal, coming, velocity, scales).sum();
+      if (adaptation_.enabled())
+        s.friction += adaptation_.extra(s.adaptation, coming.position_at(middle), accelerates);
+      ahead = params_.model.mass * (accelerates - acceleration);
+    }
+    s.started = true;
+    s.last_acceleration = acceleration;
+    s.last_velocity = velocity;
+    s.ahead = ahead + params_.model.mass * acceleration;
+    return s.friction + ahead + s.guard.trust * s.estimate;
+  }
+
+  /// Tells the observers the force [N] that was really commanded, after limits.
+  void applied(State& s, double force, bool limited, StatusCounter& status) const noexcept {
+    if (params_.guarded && guard_.step(s.guard, force - s.friction - s.ahead, s.last_velocity)) {
+      status.raise(Status::kOscillation);
+      adaptation_.halve(s.adaptation);
+    }
+    for (std::size_t i = kMostDelay + 2; i > 0; --i) {
+      s.force[i] = s.force[i - 1];
+      s.fed[i] = s.fed[i - 1];
+    }
+    s.force[0] = force;
+    s.fed[0] = s.friction;
+    s.limited = limited;
+  }
 
   [[nodiscard]] double mass() const noexcept { return params_.model.mass; }
+  /// Whether velocity() may stand for the differenced one: not once the loop has oscillated.
+  [[nodiscard]] bool observes_velocity(const State& s) const noexcept {
+    return params_.observer == Observer::kKalman && s.guard.trust == 1.0;
+  }
+  /// Velocity of the Kalman observer [m/s].
+  [[nodiscard]] double velocity(const State& s) const noexcept { return s.kalman.estimate[1]; }
+  [[nodiscard]] bool adapts() const noexcept { return adaptation_.enabled(); }
+  /// How friction has changed since it was identified; of use with adaptation only.
+  [[nodiscard]] Drift drift(const State& s) const noexcept {
+    return DriftMonitor::report(s.drift, s.adaptation, period_);
+  }
 
  private:
+  /// At rest friction is whatever holds the axis, and creeps. What the observer has found out about it goes into the bristle, so
+  /// that the next start begins from there; the sum does not jump.
+  void hand_over(State& s, double reference) const noexcept {
+    double* d = params_.observer == Observer::kDisturbance ? &s.disturbance.disturbance
+                : params_.observer == Observer::kKalman    ? &s.kalman.estimate[2]
+                                                           : nullptr;
+    if (d == nullptr || !s.started || params_.feedforward != Feedforward::kDynamic) return;
+    const double share = period_ / (period_ + kHandOver);
+    const double moved = feedforward_.shift(s.feedforward.bristle, share * s.estimate, reference,
+                                            adaptation_.scales(s.adaptation));
+    s.estimate -= moved;
+    *d -= moved;
+    // What was commanded counts as if it had been fed forward like this.
+    for (double& fed : s.fed) fed += moved;
+  }
+
+  /// Time constant of that [s].
+  static constexpr double kHandOver = 0.1;
+  /// A swing of the force, as a share of the level of friction at rest.
+  static constexpr double kSwing = 0.6;
+  /// And of what a step of the encoder would ask for with a gain of 1/T.
+  static constexpr double kRattle = 0.3;
+
+  /// Mean over the last period of what was commanded, later by the delay.
+  [[nodiscard]] double acted(const std::array<double, kMostDelay + 3>& commanded,
+                             std::size_t ago = 0) const noexcept {
+    const std::size_t i = whole_ + ago;
+    if (rest_ == 0.0) return commanded[i];
+    return (1.0 - rest_) * commanded[i] + rest_ * commanded[i + 1];
+  }
+
   CompensationParams params_;
+  double period_ = 1e-3;
   DisturbanceObserver observer_;
   AdaptiveFriction adaptive_;
   KalmanObserver kalman_;
+  FrictionFeedforward feedforward_;
+  ReversalFeedforward reversal_;
+  FrictionAdaptation adaptation_;
+  OscillationGuard guard_;
+  std::size_t whole_ = 0;  ///< of the delay, in periods
+  double rest_ = 0.0;
 };
 
 }  // namespace stribeck::control
@@ -92,4 +242,13 @@ struct stribeck::EnumNames<stribeck::control::Observer> {
       std::pair{stribeck::control::Observer::kDisturbance, std::string_view{"disturbance"}},
       std::pair{stribeck::control::Observer::kKalman, std::string_view{"kalman"}},
       std::pair{stribeck::control::Observer::kAdaptive, std::string_view{"adaptive"}}};
+};
+
+template <>
+struct stribeck::EnumNames<stribeck::control::Feedforward> {
+  static constexpr std::array names{
+      std::pair{stribeck::control::Feedforward::kNone, std::string_view{"none"}},
+      std::pair{stribeck::control::Feedforward::kSteady, std::string_view{"steady"}},
+      std::pair{stribeck::control::Feedforward::kDynamic, std::string_view{"dynamic"}},
+      std::pair{stribeck::control::Feedforward::kReversal, std::string_view{"reversal"}}};
 };

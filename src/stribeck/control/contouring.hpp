@@ -52,20 +52,16 @@ struct ContouringParams {
   }
 };
 
+/// The feedback alone: −R·(K_v ė_l + K_p e_l + R̈ᵀe_w + 2Ṙᵀė_w) [m/s²].
 template <std::size_t N>
-class Contouring {
+class ContouringFeedback {
  public:
-  using Params = ContouringParams;
-  using State = typename Common<N>::State;
+  ContouringFeedback(const PerAxis& kp, const PerAxis& kv) noexcept
+      : kp_(spread<N>(kp, 0.0)), kv_(spread<N>(kv, 0.0)) {}
 
-  Contouring(const Params& params, const Setup<N>& setup) noexcept
-      : common_(setup, params.error_rate), kp_(spread<N>(params.kp, 0.0)), kv_(spread<N>(params.kv, 0.0)) {}
-
-  /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
-  Vec<double, N> step(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
-    if (!common_.begin(s, r, measured)) return s.force;
-    const Vec<double, N> e = common_.error(s);
-    const Vec<double, N> rate = common_.rate(s);
+  /// For tracking errors [m] and their rates [m/s] at a point of the path.
+  Vec<double, N> operator()(const path::PathPoint<N>& r, const Vec<double, N>& e,
+                            const Vec<double, N>& rate) const noexcept {
     const Vec<double, N> local = r.frame * e;
     const Vec<double, N> turned = r.frame_rate * e;   // Ṙᵀe
     const Vec<double, N> seen = r.frame_rate * rate;  // Ṙᵀė
@@ -74,13 +70,32 @@ class Contouring {
     Vec<double, N> inside;
     for (std::size_t i = 0; i < N; ++i)
       inside[i] = kv_[i] * local_rate[i] + kp_[i] * local[i] + bent[i] + 2.0 * seen[i];
-    return common_.finish(s, r, r.acceleration - to_machine(r.frame, inside));
+    return -1.0 * to_machine(r.frame, inside);
+  }
+
+ private:
+  Vec<double, N> kp_;
+  Vec<double, N> kv_;
+};
+
+template <std::size_t N>
+class Contouring {
+ public:
+  using Params = ContouringParams;
+  using State = typename Common<N>::State;
+
+  Contouring(const Params& params, const Setup<N>& setup) noexcept
+      : common_(setup, params.error_rate), feedback_(params.kp, params.kv) {}
+
+  /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
+  Vec<double, N> step(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
+    if (!common_.begin(s, r, measured)) return s.force;
+    return common_.finish(s, r, r.acceleration + feedback_(r, common_.error(s), common_.rate(s)));
   }
 
  private:
   Common<N> common_;
-  Vec<double, N> kp_;
-  Vec<double, N> kv_;
+  ContouringFeedback<N> feedback_;
 };
 
 }  // namespace stribeck::control

@@ -53,7 +53,7 @@ TEST(Pd, FeedforwardAloneFollowsAKnownMassWithoutError) {
 
 TEST(Pd, FeedsFrictionForwardByTheReferenceNotTheMeasurement) {
   auto p = pd(20.0);
-  p.compensation.friction_feedforward = true;
+  p.compensation.feedforward = control::Feedforward::kSteady;
   p.compensation.model.friction.steady = friction::Conventional<double>{30.0, 100.0, {}};
   p.compensation.model.load = 7.0;
   const Pd controller(p, kPeriod);
@@ -110,7 +110,7 @@ TEST(Pd, AnswersNaNWithItsLastForce) {
 
 TEST(Pd, CountsFrictionAskedOutsideItsRange) {
   auto p = pd(20.0);
-  p.compensation.friction_feedforward = true;
+  p.compensation.feedforward = control::Feedforward::kSteady;
   friction::Gaussian<double> g;
   g.positive.eta0 = 10.0;
   g.negative.eta0 = -10.0;

@@ -71,6 +71,24 @@ class KalmanObserver {
     return s.estimate[2];
   }
 
+  /// Density of the random walk [N²/s] with which the observer's poles lie at about `bandwidth` [1/s] for an encoder of this
+  /// resolution [m]: (q_d/(m²r))^(1/6).
+  static constexpr double density(double bandwidth, double resolution, double mass) noexcept {
+    const double cube = bandwidth * bandwidth * bandwidth;
+    return cube * cube * mass * mass * resolution * resolution / 12.0;
+  }
+
+  /// What d̂ makes of a disturbance that acted over the last period [N]: the observer's own lag, for one signal. `error` is the
+  /// state of that answer, zero at the start.
+  double answer(Vec<double, 3>& error, double disturbance) const noexcept {
+    // Errors of x̂ and v̂, and d̂ itself; the disturbance drives the axis, d̂ the estimate.
+    const double acceleration = (error[2] - disturbance) / m_;
+    const double x = error[0] + t_ * error[1] + 0.5 * t_ * t_ * acceleration;
+    const double v = error[1] + t_ * acceleration;
+    error = {{x - gain_[0] * x, v - gain_[1] * x, error[2] + m_ * gain_[2] * x}};
+    return error[2];
+  }
+
  private:
   static constexpr int kIterations = 100000;
   static constexpr Mat<double, 3> multiply(const Mat<double, 3>& a, const Mat<double, 3>& b) noexcept {

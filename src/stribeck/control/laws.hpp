@@ -16,7 +16,9 @@
 #include <stribeck/control/cascade.hpp>
 #include <stribeck/control/contouring.hpp>
 #include <stribeck/control/cross_coupled.hpp>
+#include <stribeck/control/learning.hpp>
 #include <stribeck/control/pid.hpp>
+#include <stribeck/control/predictive.hpp>
 #include <stribeck/control/repetitive.hpp>
 #include <stribeck/control/sliding_mode.hpp>
 #include <stribeck/control/zpetc.hpp>
@@ -25,6 +27,6 @@
 namespace stribeck::control {
 
 using LawParams = std::variant<ContouringParams, SlidingModeParams, PidParams, CascadeParams, ZpetcParams,
-                               CrossCoupledParams, RepetitiveParams>;
+                               CrossCoupledParams, RepetitiveParams, LearningParams, PredictiveParams>;
 
 }  // namespace stribeck::control

@@ -50,14 +50,17 @@ class Pd {
       return s.force;
     }
     s.error.update(in.measured, in.position, in.velocity, period_, params_.error_rate);
+    compensation_.observe(s.compensation, in.measured, s.error.velocity);
+    if (params_.error_rate == ErrorRate::kObserved && compensation_.observes_velocity(s.compensation))
+      s.error.rate = compensation_.velocity(s.compensation) - in.velocity;
     const double added =
-        compensation_.step(s.compensation, in.position, in.velocity, in.measured, s.error.velocity, s.status);
+        compensation_.step(s.compensation, in.position, in.velocity, in.acceleration, s.status);
     const double wanted = compensation_.mass() * (in.acceleration - params_.gains.kv * s.error.rate -
                                                   params_.gains.kp * s.error.e) +
                           added;
     s.force = clamp_to(wanted, -params_.force_limit, params_.force_limit);
     if (s.force != wanted) s.status.raise(Status::kOutputLimited);
-    compensation_.applied(s.compensation, s.force);
+    compensation_.applied(s.compensation, s.force, s.force != wanted, s.status);
     return s.force;
   }
 

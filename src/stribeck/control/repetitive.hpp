@@ -22,7 +22,7 @@
 
 #include <cmath>
 #include <complex>
-#include <cstdint>
+#include <stribeck/control/lap_memory.hpp>
 #include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/control/setup.hpp>
 
@@ -82,7 +82,7 @@ struct RepetitiveParams {
     return 1.0 - missing * missing;
   }
   /// Standard deviation of G in time [s].
-  [[nodiscard]] double width() const noexcept { return kHalf / cutoff; }
+  [[nodiscard]] double width() const noexcept { return kHalfOfQ / cutoff; }
 
   /// Whether the loop is stable and every frequency is learned, sampled with this period [s]. Configure only.
   [[nodiscard]] bool converges(double period) const noexcept {
@@ -97,10 +97,6 @@ struct RepetitiveParams {
     }
     return learning > 0.0;
   }
-
- private:
-  /// ω·σ at which 1 − (1 − G)² is one half.
-  static constexpr double kHalf = 1.5670;
 };
 
 template <std::size_t N>
@@ -110,6 +106,8 @@ class Repetitive {
   using V = Vec<double, N>;
 
   static constexpr std::int64_t kBins = 1024;  ///< places per lap
+  /// Two laps of u + γ·a_fb [m/s²]: what lies a lap back is read while the present one is written.
+  using Memory = LapMemory<N, kBins, 2 * kBins>;
 
   /// What was given at a past tick, and where.
   struct Given {
@@ -117,19 +115,10 @@ class Repetitive {
     V learned;
   };
   struct State : Common<N>::State {
-    /// Two laps of u + γ·a_fb [m/s²], by the place counted on from the start; what lies a lap back is read while the present
-    /// one is written.
-    std::array<V, 2 * kBins> memory{};
+    typename Memory::State memory;
     std::array<Given, Params::kMostLead + 1> given{};  ///< the last one first
     int known = 0;                                     ///< how many of them there are
-    double place = 0.0;                                ///< of this tick, in bins, counted on over the laps
-    double phi = 0.0;                                  ///< of the last tick
-    double written = 0.0;                              ///< place up to which is written
-    V value;                                           ///< there
-    V sum;                                             ///< over the bin that is being written
-    double covered = 0.0;                              ///< part of it
-    bool writing = false;
-    V learned;  ///< u of the last step [m/s²]
+    V learned;                                         ///< u of the last step [m/s²]
   };
 
   Repetitive(const Params& params, const Setup<N>& setup) noexcept
@@ -152,104 +141,33 @@ class Repetitive {
     for (std::size_t i = 0; i < N; ++i) feedback[i] = -kv_[i] * rate[i] - kp_[i] * e[i];
     s.learned = {};
     if (isfinite(r.phi * bins_per_phi_)) {
-      const double way = advance(s, r.phi);
-      const double width = max_of(width_ * abs(way), kLeastWidth);
-      if (width < kMostWidth) s.learned = read(s.memory, s.place - static_cast<double>(kBins), width);
+      const double way = Memory::advance(s.memory, r.phi, bins_per_phi_);
+      if (Memory::breaks(way)) {
+        Memory::interrupt(s.memory);
+        s.known = 0;
+      }
+      const double width = max_of(width_ * abs(way), Memory::kLeastWidth);
+      const double place = s.memory.place;
+      if (width < kMostWidth) s.learned = Memory::read(s.memory, place - static_cast<double>(kBins), width);
       remember(s);
       if (s.known > lead_ && width < kMostWidth) {
         const Given& then = s.given[static_cast<std::size_t>(lead_)];
-        write(s, then.place, then.learned + learning_ * feedback);
+        V value = then.learned + learning_ * feedback;
+        for (std::size_t i = 0; i < N; ++i) value[i] = clamp_to(value[i], -most_[i], most_[i]);
+        Memory::write(s.memory, then.place, value);
       }
     }
     return common_.finish(s, r, r.acceleration + feedback + s.learned);
   }
 
  private:
-  /// Narrower, the memory's places would show [bins].
-  static constexpr double kLeastWidth = 0.8;
   /// Wider, a lap is too short to be learned [bins].
   static constexpr double kMostWidth = 32.0;
-  /// The wider of Q's two Gaussians has faded to exp(−8) there [σ].
-  static constexpr double kReach = 5.66;
-  /// Farther in one period [bins] is a jump, not a motion.
-  static constexpr double kJump = static_cast<double>(kBins / 8);
-
-  static constexpr std::size_t slot(std::int64_t bin) noexcept {
-    return static_cast<std::size_t>(bin & (2 * kBins - 1));
-  }
-
-  /// Follows φ, whether it is counted on over the laps or begins anew. Returns the way since the last tick [bins].
-  double advance(State& s, double phi) const noexcept {
-    double way = (phi - s.phi) * bins_per_phi_;
-    if (s.known == 0) way = 0.0;
-    way -= static_cast<double>(kBins) * std::floor(way / static_cast<double>(kBins) + 0.5);
-    s.phi = phi;
-    s.place += way;
-    if (way < 0.0 || way > kJump) {
-      s.known = 0;
-      s.writing = false;
-    }
-    return way;
-  }
 
   void remember(State& s) const noexcept {
     for (std::size_t k = s.given.size() - 1; k > 0; --k) s.given[k] = s.given[k - 1];
-    s.given[0] = {s.place, s.learned};
+    s.given[0] = {s.memory.place, s.learned};
     if (s.known <= Params::kMostLead) ++s.known;
-  }
-
-  /// The memory under Q at a place: 2·(Gaussian of σ) − (Gaussian of √2σ), which is 1 − (1 − G)².
-  static V read(const std::array<V, 2 * kBins>& memory, double place, double width) noexcept {
-    const auto reach = static_cast<std::int64_t>(kReach * width) + 1;
-    const auto middle = static_cast<std::int64_t>(std::floor(place + 0.5));
-    // wide = exp(−x²/4σ²) and its neighbour's ratio go on by multiplication; the narrow one is its square.
-    const double scale = 0.25 / (width * width);
-    const double x = static_cast<double>(middle - reach) - place;
-    double wide = exp(-scale * x * x);
-    double ratio = exp(-scale * (2.0 * x + 1.0));
-    const double bend = exp(-2.0 * scale);
-    constexpr double kNarrow =
-        2.0 * 1.41421356237309515;  // both Gaussians with area 1, times that of the wide one
-    double total = 0.0;
-    V sum;
-    for (std::int64_t k = -reach; k <= reach; ++k) {
-      const double weight = wide * (kNarrow * wide - 1.0);
-      total += weight;
-      sum = sum + weight * memory[slot(middle + k)];
-      wide *= ratio;
-      ratio *= bend;
-    }
-    return (1.0 / total) * sum;
-  }
-
-  /// Enters a value at a place: what lies between it and the last one is taken as straight, and each bin gets its mean.
-  void write(State& s, double place, const V& value) const noexcept {
-    if (!s.writing) {
-      s.writing = true;
-      s.covered = 0.0;
-      s.sum = {};
-    } else {
-      const double way = place - s.written;
-      double from = s.written;
-      V at = s.value;
-      while (from < place) {
-        const double border = std::floor(from + 0.5) + 0.5;
-        const double to = min_of(border, place);
-        const V there = s.value + ((to - s.written) / way) * (value - s.value);
-        s.sum = s.sum + (0.5 * (to - from)) * (at + there);
-        s.covered += to - from;
-        if (to == border) {
-          V& bin = s.memory[slot(static_cast<std::int64_t>(std::floor(from + 0.5)))];
-          for (std::size_t i = 0; i < N; ++i) bin[i] = clamp_to(s.sum[i] / s.covered, -most_[i], most_[i]);
-          s.sum = {};
-          s.covered = 0.0;
-        }
-        from = to;
-        at = there;
-      }
-    }
-    s.written = place;
-    s.value = value;
   }
 
   Common<N> common_;

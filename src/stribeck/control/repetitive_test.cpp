@@ -5,65 +5,14 @@
 #include <random>
 #include <stribeck/control/contouring.hpp>
 #include <stribeck/control/repetitive.hpp>
+#include <stribeck/control/test_laps.hpp>
 #include <stribeck/control/test_laws.hpp>
 
 namespace stribeck::control {
 namespace {
 
-/// Laps on a line there and back, φ at a constant rate, under a disturbance that depends on the place in the lap.
-class Laps {
- public:
-  Laps(const RepetitiveParams& params, double period, double lap_seconds, bool wrapped = false,
-       double true_mass = test::kMass)
-      : law_(params, setup(period)),
-        period_(period),
-        seconds_(lap_seconds),
-        wrapped_(wrapped),
-        true_mass_(true_mass) {}
-
-  /// One lap; force(angle) [N] opposes motion towards +x. RMS error [m], and the harmonic n of the error.
-  template <class F>
-  double lap(F force, int n = 0) {
-    const int ticks = static_cast<int>(std::lround(seconds_ / period_));
-    const double w = 2.0 * kPi / seconds_;
-    double square = 0.0;
-    harmonic = {};
-    for (int k = 0; k < ticks; ++k) {
-      const double angle = w * period_ * k;
-      path::PathPoint<1> r;
-      r.phi = wrapped_ ? angle : angle + 2.0 * kPi * done_;
-      const double e = mass.x;  // a reference at rest; the laps are those of φ
-      square += e * e;
-      harmonic += e * std::complex<double>(std::cos(n * angle), -std::sin(n * angle));
-      const double u = law_.step(state, r, {{mass.x}})[0];
-      mass.move(u - force(angle), period_, true_mass_);
-    }
-    ++done_;
-    return std::sqrt(square / ticks);
-  }
-
-  test::Mass mass;
-  Repetitive<1>::State state;
-  std::complex<double> harmonic;
-
- private:
-  static Setup<1> setup(double period) {
-    auto s = test::masses<1>(period);
-    s.lap = 2.0 * kPi;
-    return s;
-  }
-  Repetitive<1> law_;
-  double period_;
-  double seconds_;
-  bool wrapped_;
-  double true_mass_;
-  int done_ = 0;
-};
-
-/// Like friction on a table with a screw: two reversals per lap, and a ripple with 25 periods per lap.
-double table(double angle) {
-  return 80.0 * (std::sin(angle) > 0.0 ? 1.0 : -1.0) + 20.0 * std::sin(25.0 * angle + 0.4);
-}
+using Laps = test::Laps<RepetitiveParams>;
+using test::table;
 
 TEST(Repetitive, ErrorOfLapFiveIsATenthOfThatOfLapOne) {
   // With one period, with many places per tick and with many ticks per place, and with φ begun anew each lap.
@@ -215,9 +164,9 @@ TEST(Repetitive, ForgetsNothingAtStandstillAndStaysFiniteWhenPhiRunsBackOrJumps)
   path::PathPoint<1> r;
   r.phi = 10.0 * kPi;
   for (int k = 0; k < 10; ++k) law.step(run.state, r, {{run.mass.x}});  // the lead runs out
-  const auto memory = run.state.memory;
+  const auto memory = run.state.memory.cell;
   for (int k = 0; k < 100; ++k) law.step(run.state, r, {{run.mass.x}});
-  EXPECT_EQ(run.state.memory, memory);
+  EXPECT_EQ(run.state.memory.cell, memory);
   // Over a jump nothing is entered.
   r.phi += 1.5;
   for (int k = 0; k < 20; ++k) {
@@ -225,7 +174,7 @@ TEST(Repetitive, ForgetsNothingAtStandstillAndStaysFiniteWhenPhiRunsBackOrJumps)
     law.step(run.state, r, {{run.mass.x}});
   }
   int changed = 0;
-  for (std::size_t k = 0; k < memory.size(); ++k) changed += run.state.memory[k] == memory[k] ? 0 : 1;
+  for (std::size_t k = 0; k < memory.size(); ++k) changed += run.state.memory.cell[k] == memory[k] ? 0 : 1;
   EXPECT_LE(changed, 5);
   for (const double phi : {31.0, 30.0, 12.0, 1e6, -1e6, 1e300, 0.0, std::nan(""), 0.1}) {
     r.phi = phi;
@@ -246,7 +195,7 @@ TEST(Repetitive, TheMemoryAsksForNoMoreThanTheForceLimit) {
     mass.move(law.step(s, r, {{mass.x}})[0] - 100.0, 1e-3);
     ASSERT_LE(std::abs(s.learned[0]) * test::kMass, 60.0 * 1.5);  // Q overshoots a step by less than half
   }
-  for (const auto& bin : s.memory) ASSERT_LE(std::abs(bin[0]) * test::kMass, 60.0 * (1.0 + 1e-12));
+  for (const auto& bin : s.memory.cell) ASSERT_LE(std::abs(bin[0]) * test::kMass, 60.0 * (1.0 + 1e-12));
 }
 
 TEST(Repetitive, KeepsWhatEveryLawKeeps) {

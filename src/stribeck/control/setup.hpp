@@ -73,8 +73,13 @@ class Common {
       s.status.raise(Status::kNotFinite);
       return false;
     }
-    for (std::size_t i = 0; i < N; ++i)
-      s.error[i].update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
+    for (std::size_t i = 0; i < N; ++i) {
+      TrackingError& e = s.error[i];
+      e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
+      compensation_[i].observe(s.compensation[i], measured[i], e.velocity);
+      if (form_ == ErrorRate::kObserved && compensation_[i].observes_velocity(s.compensation[i]))
+        e.rate = compensation_[i].velocity(s.compensation[i]) - r.velocity[i];
+    }
     return true;
   }
 
@@ -82,12 +87,12 @@ class Common {
   Vec<double, N> finish(State& s, const path::PathPoint<N>& r,
                         const Vec<double, N>& acceleration) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      const double added = compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i],
-                                                 s.error[i].position, s.error[i].velocity, s.status);
+      const double added =
+          compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i], r.acceleration[i], s.status);
       const double wanted = compensation_[i].mass() * acceleration[i] + added;
       s.force[i] = clamp_to(wanted, -setup_.force_limit[i], setup_.force_limit[i]);
       if (s.force[i] != wanted) s.status.raise(Status::kOutputLimited);
-      compensation_[i].applied(s.compensation[i], s.force[i]);
+      compensation_[i].applied(s.compensation[i], s.force[i], s.force[i] != wanted, s.status);
     }
     return s.force;
   }

@@ -5,6 +5,7 @@
 ///   f = M̂(q̈_d − w) + f̂_f + ĝ − M̂·R·(A s + diag(φ(s))·k)
 ///   k = γ + h̄                                        printed:     h̄ = |Rᵀ|·M̄⁻¹·(m̃ ∘ |q̈_d − w| + f̄)
 ///   k = (I − D̄)⁻¹(γ + h̄ + D̄ A|s|)                     sufficient:  D̄ = |Rᵀ|·diag(m̃/(m̂ − m̃))·|R|
+///   adaptive, in place of γ + h̄:                         k̇ = G|s|·sgn(|s| − c_k·k·T),   k(0) = γ,   γ_least ≤ k ≤ γ_most
 ///   φ(s)   sign: sgn s (printed) · boundary-layer: sat(s/Φ) · tanh: tanh(s/Φ)
 ///   super-twisting, in place of A s + φ(s)k:   1.5·√(c k |s|)·sgn s + z,   ż = 1.1·c·k·sgn s,   |z| ≤ k
 ///
@@ -12,9 +13,11 @@
 ///   friction and load, in (x, y, z, …); M̄⁻¹ = 1/(m̂ − m̃); c [1/s] how fast what k bounds may change.
 ///   Stable (dV/dt ≤ −sᵀAs − |s|ᵀγ, V = sᵀs/2) for the sufficient gain with sgn, |m̂ − m| ≤ m̃, |errors of force| ≤ f̄. It exists
 ///   while the spectral radius of D̄ is below 1, in every frame if Σ m̃/(m̂ − m̃) < 1 (sufficient_gain_exists); beyond, where a
-///   frame has none, γ + h̄ + D̄A|s| is taken. docs/theory/sliding-mode.md: proof, and what the printed gain lacks.
+///   frame has none, γ + h̄ + D̄A|s| is taken. docs/theory/sliding-mode.md: proofs, and what the printed gain lacks.
+///   Adaptive: needs no bounds; falls to what the disturbance needs; rests while a force is limited.
 /// Not modelled: sampling. Between two ticks s moves by up to 2kT, which is the chattering.
-/// Source: thesis (4.9)–(4.19), corrected; Levant 1993, doi:10.1080/00207179308923053 (super-twisting).
+/// Source: thesis (4.9)–(4.19), corrected; Levant 1993, doi:10.1080/00207179308923053 (super-twisting); Plestan, Shtessel,
+/// Brégeault, Poznyak 2010, doi:10.1080/00207179.2010.501385 (adaptive gain).
 /// Real time: safe; the constructor configure only.
 
 #include <stribeck/control/setup.hpp>
@@ -23,7 +26,7 @@
 namespace stribeck::control {
 
 enum class Switching { kSign, kBoundaryLayer, kTanh, kSuperTwisting };
-enum class SwitchingGain { kPrinted, kSufficient };
+enum class SwitchingGain { kPrinted, kSufficient, kAdaptive };
 
 }  // namespace stribeck::control
 
@@ -39,7 +42,8 @@ template <>
 struct stribeck::EnumNames<stribeck::control::SwitchingGain> {
   static constexpr std::array names{
       std::pair{stribeck::control::SwitchingGain::kPrinted, std::string_view{"printed"}},
-      std::pair{stribeck::control::SwitchingGain::kSufficient, std::string_view{"sufficient"}}};
+      std::pair{stribeck::control::SwitchingGain::kSufficient, std::string_view{"sufficient"}},
+      std::pair{stribeck::control::SwitchingGain::kAdaptive, std::string_view{"adaptive"}}};
 };
 
 namespace stribeck::control {
@@ -62,6 +66,10 @@ struct SlidingModeParams {
   double boundary = 1e-3;
   double disturbance_rate = 20.0;
   SwitchingGain gain = SwitchingGain::kPrinted;
+  double growth = 3000.0;
+  double layer = 2.0;
+  PerAxis gamma_least{1e-3};
+  PerAxis gamma_most{100e-3};
   ErrorRate error_rate = ErrorRate::kDifferenceOfError;
 
   static constexpr auto fields() {
@@ -89,9 +97,30 @@ struct SlidingModeParams {
         field("disturbance_rate", &P::disturbance_rate, quantity("1/s", "1/s").positive(),
               "super-twisting: how fast the disturbance may change, in its bounds per time")
             .or_default(),
-        field("gain", &P::gain, "switching gain: printed, or sufficient for the proof").or_default(),
+        field("gain", &P::gain, "switching gain: printed, sufficient for the proof, or adaptive")
+            .or_default(),
+        field("growth", &P::growth, quantity("1/s2", "1/s2").positive(),
+              "adaptive: how fast the gain follows the distance from the surface")
+            .or_default(),
+        field("layer", &P::layer, pure_number().positive(),
+              "adaptive: distance at which the gain stands still, in gains times control periods")
+            .or_default(),
+        field("gamma_least", &P::gamma_least, quantity("m/s2", "mm/s2").positive(),
+              "adaptive: least switching gain, along the path first, then across it")
+            .or_default(),
+        field("gamma_most", &P::gamma_most, quantity("m/s2", "mm/s2").positive(),
+              "adaptive: greatest switching gain, in the same order")
+            .or_default(),
         field("error_rate", &P::error_rate, "rate of the tracking error: difference-of-error, or late")
             .or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    const auto least = spread<kMostAxes>(gamma_least, 0.0);
+    const auto most = spread<kMostAxes>(gamma_most, 0.0);
+    for (std::size_t i = 0; i < kMostAxes; ++i) {
+      if (least[i] > most[i]) return report("gamma_most", "expected at least gamma_least in each direction");
+    }
   }
 };
 
@@ -103,6 +132,7 @@ class SlidingMode {
     Vec<double, N> surface;   ///< s of the last step [m/s]
     Vec<double, N> gain;      ///< k of the last step [m/s²]
     Vec<double, N> integral;  ///< z of super-twisting [m/s²]
+    Vec<double, N> adapted;   ///< adaptive k for the next step, less γ [m/s²]
   };
 
   SlidingMode(const Params& params, const Setup<N>& setup) noexcept
@@ -115,7 +145,13 @@ class SlidingMode {
         switching_(params.switching),
         inverse_boundary_(1.0 / params.boundary),
         disturbance_rate_(params.disturbance_rate),
-        sufficient_(params.gain == SwitchingGain::kSufficient) {
+        sufficient_(params.gain == SwitchingGain::kSufficient),
+        adaptive_(params.gain == SwitchingGain::kAdaptive),
+        growth_(params.growth),
+        layer_(params.layer),
+        least_(spread<N>(params.gamma_least, 0.0)),
+        most_(spread<N>(params.gamma_most, 0.0)),
+        force_limit_(setup.force_limit) {
     for (std::size_t i = 0; i < N; ++i)
       least_mass_inverse_[i] = 1.0 / max_of(common_.mass(i) - mass_bound_[i], 1e-3 * common_.mass(i));
   }
@@ -140,8 +176,14 @@ class SlidingMode {
       w[i] = lambda_[i] * local_rate[i] + bent[i] + 2.0 * seen[i];
     });
     const Vec<double, N> wanted = r.acceleration - to_machine(r.frame, w);
-    s.gain = switching_gain(r.frame, wanted, s.surface);
-    return wanted - to_machine(r.frame, reaching(s));
+    if (adaptive_) {
+      for (std::size_t i = 0; i < N; ++i) s.gain[i] = clamp_to(gamma_[i] + s.adapted[i], least_[i], most_[i]);
+    } else {
+      s.gain = switching_gain(r.frame, wanted, s.surface);
+    }
+    const Vec<double, N> pull = reaching(s);
+    if (adaptive_ && !limited(s)) adapt(s);
+    return wanted - to_machine(r.frame, pull);
   }
 
   /// k [m/s²] for the accelerations q̈_d − w [m/s²] and the surface [m/s].
@@ -214,6 +256,25 @@ class SlidingMode {
     return x;
   }
 
+  /// Whether the last force of an axis was cut: the surface is then out of reach whatever the gain.
+  bool limited(const State& s) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (abs(s.force[i]) >= force_limit_[i]) return true;
+    }
+    return false;
+  }
+
+  /// The gain of the next step.
+  void adapt(State& s) const noexcept {
+    const double period = common_.period();
+    for (std::size_t i = 0; i < N; ++i) {
+      const double x = abs(s.surface[i]);
+      const double k = s.gain[i];
+      const double rate = x > layer_ * k * period ? growth_ * x : -growth_ * x;
+      s.adapted[i] = clamp_to(k + period * rate, least_[i], most_[i]) - gamma_[i];
+    }
+  }
+
   Vec<double, N> reaching(State& s) const noexcept {
     Vec<double, N> u;
     for (std::size_t i = 0; i < N; ++i) {
@@ -252,6 +313,12 @@ class SlidingMode {
   double inverse_boundary_;
   double disturbance_rate_;
   bool sufficient_;
+  bool adaptive_;
+  double growth_;
+  double layer_;
+  Vec<double, N> least_;
+  Vec<double, N> most_;
+  Vec<double, N> force_limit_;
 };
 
 }  // namespace stribeck::control

@@ -9,7 +9,7 @@
 #include <random>
 #include <stribeck/control/contouring.hpp>
 #include <stribeck/control/sliding_mode.hpp>
-#include <stribeck/control/test_axes.hpp>
+#include <stribeck/control/test_laws.hpp>
 
 namespace stribeck::control {
 namespace {
@@ -506,6 +506,137 @@ TEST(Switching, SuperTwistingDoesNotWindUp) {
   EXPECT_EQ(s.integral[0], s.gain[0]);
 }
 
+// ---- the gain that adapts
+
+/// One axis; a is 0, so that the closed forms are short.
+SlidingModeParams adaptive_gain() {
+  SlidingModeParams p;
+  p.lambda = {40.0};
+  p.a = {0.0};
+  p.gamma = {10e-3};
+  p.gain = SwitchingGain::kAdaptive;
+  return p;
+}
+
+TEST(AdaptiveGain, FollowsTheIntegralOfTheDistanceWithinItsBounds) {
+  // An axis that is held: s = λe stays, k = γ ± growth·|s|·t.
+  constexpr double kTick = 1e-3;
+  for (const double e : {-25e-6, 25e-6, 0.25e-6}) {
+    const auto p = adaptive_gain();
+    const SlidingMode<1> law(p, test::masses<1>(kTick));
+    SlidingMode<1>::State s;
+    const double distance = 40.0 * std::abs(e);
+    const bool outside = distance > p.layer * 10e-3 * kTick;
+    for (int k = 0; k < 10; ++k) {
+      law.step(s, {}, {{e}});
+      EXPECT_NEAR(s.gain[0], 10e-3 + (outside ? 1.0 : -1.0) * p.growth * distance * k * kTick, 1e-15);
+    }
+    for (int k = 0; k < 1000; ++k) law.step(s, {}, {{e}});
+    // Inside it falls until the distance is that of its own chattering, c_k·k·T.
+    EXPECT_NEAR(s.gain[0], outside ? 100e-3 : distance / (p.layer * kTick), 1e-4);
+  }
+}
+
+TEST(AdaptiveGain, ReachesTheSurfaceUnderAForceThatNoGainWasMadeFor) {
+  // ṡ = d − k, k̇ = G·s:  s = (d − γ)/√G·sin(√G t),  k = d − (d − γ)·cos(√G t); back at 0 after π/√G with k = 2d − γ.
+  constexpr double kFine = 1e-5;
+  const auto p = adaptive_gain();
+  constexpr double kDisturbance = 40e-3;
+  const double root = std::sqrt(p.growth);
+  const double time = kPi / root;
+  test::Disturbed<SlidingModeParams> loop(p, kFine, -kDisturbance * test::kMass);
+  double greatest = 0.0;
+  double back = 0.0;
+  double gain = 0.0;
+  for (int k = 1; k < 2.0 * time / kFine && back == 0.0; ++k) {
+    loop.error_after(1);
+    const double s = loop.state.surface[0];
+    greatest = std::max(greatest, s);
+    if (k * kFine > 0.2 * time && s < 0.0) {
+      back = k * kFine;
+      gain = loop.state.gain[0];
+    }
+  }
+  EXPECT_NEAR(greatest, 30e-3 / root, 2e-3 * 30e-3 / root);
+  EXPECT_NEAR(back, time, 2e-2 * time);
+  EXPECT_NEAR(gain, 2.0 * kDisturbance - 10e-3, 1e-3);
+  // The printed law with the same γ is carried away.
+  auto fixed = p;
+  fixed.gain = SwitchingGain::kPrinted;
+  fixed.mass_bound = {0.0};
+  test::Disturbed<SlidingModeParams> lost(fixed, kFine, -kDisturbance * test::kMass);
+  lost.error_after(static_cast<int>(10.0 * time / kFine));
+  EXPECT_GT(lost.state.surface[0], 10.0 * greatest);
+}
+
+TEST(AdaptiveGain, ComesDownWhenTheDisturbanceGoesAndTheChatteringWithIt) {
+  constexpr double kTick = 1e-3;
+  auto p = adaptive_gain();
+  p.a = {20.0};
+  const SlidingMode<1> law(p, test::masses<1>(kTick));
+  SlidingMode<1>::State s;
+  test::Mass mass;
+  double before = 0.0;
+  std::array<double, 2> chatter{};
+  std::array<double, 2> gain{};
+  for (int k = 0; k < 8000; ++k) {
+    const double f = law.step(s, {}, {{mass.x}})[0];
+    const bool calm = k >= 4000;
+    // A disturbance that never rests, then none.
+    mass.move(f - (calm ? 0.0 : 40e-3 * test::kMass * std::sin(0.02 * k)), kTick);
+    if (k % 4000 >= 2000) {
+      chatter[calm] += std::abs(f - before) / 2000.0;
+      gain[calm] += s.gain[0] / 2000.0;
+    }
+    before = f;
+  }
+  std::printf("gain %.1f and %.1f mm/s2, mean |df| %.2f and %.2f N\n", 1e3 * gain[0], 1e3 * gain[1],
+              chatter[0], chatter[1]);
+  EXPECT_GT(gain[0], 30e-3);
+  EXPECT_LT(gain[1], 0.3 * gain[0]);
+  EXPECT_LT(chatter[1], 0.3 * chatter[0]);
+}
+
+TEST(AdaptiveGain, WithoutRoomItIsThePrintedLaw) {
+  auto p = printed_gains();
+  p.mass_bound = {0.0};
+  auto q = p;
+  q.gain = SwitchingGain::kAdaptive;
+  q.gamma_least = q.gamma_most = p.gamma;
+  const SlidingMode<3> printed(p, triaxial(1e-3));
+  const SlidingMode<3> adaptive(q, triaxial(1e-3));
+  SlidingMode<3>::State s, t;
+  for (int k = 0; k < 100; ++k) {
+    const V3 x{{1e-6 * std::sin(0.3 * k), 2e-6 * std::cos(0.2 * k), -1e-6}};
+    ASSERT_EQ(printed.step(s, {}, x), adaptive.step(t, {}, x));
+  }
+}
+
+TEST(AdaptiveGain, RestsWhileAForceIsLimited) {
+  auto p = adaptive_gain();
+  auto setup = test::masses<1>(1e-3);
+  setup.force_limit = {{0.6}};  // γ·m is 0.5 N
+  const SlidingMode<1> law(p, setup);
+  SlidingMode<1>::State s;
+  law.step(s, {}, {{50e-6}});
+  law.step(s, {}, {{50e-6}});
+  law.step(s, {}, {{50e-6}});
+  EXPECT_EQ(s.status.first, Status::kOutputLimited);
+  const double gain = s.gain[0];
+  for (int k = 0; k < 100; ++k) law.step(s, {}, {{50e-6}});
+  EXPECT_EQ(s.gain[0], gain);
+  EXPECT_LT(gain, 25e-3);
+}
+
+TEST(AdaptiveGain, KeepsWhatEveryLawKeepsAndKnowsNoSides) {
+  SlidingModeParams p = adaptive_gain();
+  p.a = {20.0};
+  test::expect_nan_answered(p);
+  test::expect_limits_kept(p);
+  test::expect_mirrored(p);
+  EXPECT_LT(test::worst_error_under_known_friction(p, 1e-3), 1e-7);
+}
+
 // ---- what every controller keeps
 
 TEST(SlidingMode, IsTheSameLawInTheMirror) {
@@ -563,8 +694,9 @@ TEST(SlidingMode, WithoutSwitchingItIsContouringWithTwoPoles) {
 }
 
 /// Largest difference of the forces that Frenet's and the transported frame lead to at the same errors, of their mean [1].
-double difference_of_frames(const path::Fourier<3>& curve) {
-  const SlidingMode<3> law(printed_gains(), triaxial(5e-3));
+double difference_of_frames(const path::Fourier<3>& curve,
+                            const SlidingModeParams& params = printed_gains()) {
+  const SlidingMode<3> law(params, triaxial(5e-3));
   SlidingMode<3>::State s, t;
   path::Reference<path::Fourier<3>> frenet(curve, {9.5e-3, 1.0, 1.0}, path::Pace::kSpeed,
                                            path::FrameKind::kFrenet);
@@ -591,6 +723,7 @@ TEST(SlidingMode, NeedsNoContinuousFrameOnAPlanePathWithExactDerivatives) {
   free_form.axis[1].terms = {path::Harmonic{15e-3, 1.0, -0.5 * kPi}};
   free_form.axis[2].terms = {path::Harmonic{15e-3, 1.0, -0.5 * kPi}};
   EXPECT_LT(difference_of_frames(free_form), 1e-9);
+  EXPECT_LT(difference_of_frames(free_form, with(SwitchingGain::kAdaptive)), 1e-9);
   EXPECT_GT(difference_of_frames(test::saddle()), 0.5);
 }
 

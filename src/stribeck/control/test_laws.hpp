@@ -106,7 +106,7 @@ double worst_error_under_known_friction(const Params& params, double period) {
   auto& c = setup.compensation[0];
   c.model.friction.steady = friction::Conventional<double>{30.0, 2e3, {}};
   c.model.load = 7.0;
-  c.friction_feedforward = true;
+  c.feedforward = control::Feedforward::kSteady;
   const Law law(params, setup);
   typename Law::State s;
   Mass mass{0.0, kSpeed};

@@ -3,6 +3,7 @@
 ///
 ///   difference of the error   ė_k = (e_k − e_{k−1})/T             the law's ė
 ///   late                      ė_k = (x_k − x_{k−1})/T − ṙ(k)      half a sample late
+///   observed                  ė_k = v̂_k − ṙ(k)                    v̂ from the Kalman observer, which the caller sets
 ///
 /// On a circle the late form adds a constant radius error a·T/ω.
 /// The late form is kept for comparison only. The first sample has ė = 0.
@@ -16,7 +17,7 @@
 
 namespace stribeck::control {
 
-enum class ErrorRate { kDifferenceOfError, kLate };
+enum class ErrorRate { kDifferenceOfError, kLate, kObserved };
 
 struct TrackingError {
   double e = 0.0;         ///< [m]
@@ -30,7 +31,7 @@ struct TrackingError {
     const double error = measured - reference;
     if (started) {
       velocity = (measured - position) / period;
-      rate = form == ErrorRate::kDifferenceOfError ? (error - e) / period : velocity - reference_velocity;
+      rate = form != ErrorRate::kLate ? (error - e) / period : velocity - reference_velocity;
     }
     e = error;
     position = measured;
@@ -44,5 +45,6 @@ template <>
 struct stribeck::EnumNames<stribeck::control::ErrorRate> {
   static constexpr std::array names{
       std::pair{stribeck::control::ErrorRate::kDifferenceOfError, std::string_view{"difference-of-error"}},
-      std::pair{stribeck::control::ErrorRate::kLate, std::string_view{"late"}}};
+      std::pair{stribeck::control::ErrorRate::kLate, std::string_view{"late"}},
+      std::pair{stribeck::control::ErrorRate::kObserved, std::string_view{"observed"}}};
 };

@@ -13,6 +13,7 @@ enum class Status : std::uint8_t {
   kNotFinite,             ///< an input was NaN or infinite; the step held its last safe output
   kOutputLimited,         ///< the output reached the limit of the drive
   kOutsideVelocityRange,  ///< a friction model was asked beyond the velocities it was identified on
+  kOscillation,           ///< the loop oscillated; what closes it beyond the law was backed off
   kCount
 };
 
@@ -26,6 +27,8 @@ constexpr std::string_view describe(Status s) noexcept {
       return "the output reached the limit of the drive";
     case Status::kOutsideVelocityRange:
       return "friction was asked beyond the velocities the model was identified on";
+    case Status::kOscillation:
+      return "the loop oscillated, and the observer and the adaptation were backed off";
     case Status::kCount:
       break;
   }
