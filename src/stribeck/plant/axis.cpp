@@ -44,6 +44,13 @@ struct Axis::Implementation {
     if (const auto* c = std::get_if<CurrentDrive>(&p.drive)) amplifier_gain = c->amplifier_gain;
   }
 
+  /// Friction as warm as it is in the middle of the coming period.
+  void warm() {
+    if (!params.warming) return;
+    const double share = params.warming->share((ticks++ + 0.5) * period);
+    std::visit([&](auto& m) { m.set_friction_share(share); }, mechanics);
+  }
+
   /// Control word to what acts during the coming period: converter, delay, noise.
   Held held(double wanted, double cutting) {
     const Converter& da = params.converter;
@@ -66,6 +73,7 @@ struct Axis::Implementation {
   std::optional<double> amplifier_gain;
   std::array<double, 8> waiting{};  ///< voltages that have not acted yet, oldest first
   double voltage = 0.0;
+  double ticks = 0.0;  ///< since start()
 };
 
 Axis::Axis(const AxisParams& params, double period, double v_max)
@@ -79,6 +87,7 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
   std::visit([&](auto& m) { m.reset(x); }, s.mechanics);
   s.waiting = {};
   s.voltage = 0.0;
+  s.ticks = 0.0;
   s.fidelity = fidelity;
   s.noise.reset();
   if (s.params.noise && fidelity.noisy) s.noise.emplace(*s.params.noise, s.period, stream);
@@ -86,6 +95,7 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
 
 void Axis::step(double voltage, double cutting) {
   Implementation& s = *implementation_;
+  s.warm();
   const Held held = s.held(voltage, cutting);
   std::visit([&](auto& m) { m.advance(held, s.period, s.fidelity.substeps); }, s.mechanics);
 }
@@ -99,6 +109,8 @@ void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, d
     b.step(voltage_b, cutting_b);
     return;
   }
+  one.warm();
+  other.warm();
   const Held held_a = one.held(voltage_a, cutting_a);
   const Held held_b = other.held(voltage_b, cutting_b);
   std::visit(

@@ -10,6 +10,7 @@
 ///   x, v drive side [m, m/s], x_t, v_t table, i current [A], F friction [N] on the drive side, w load and
 ///   noise [N], c cutting force on the table [N], ω = 2π·frequency
 ///
+/// The level and the viscous part of F may be scaled from one control period to the next (a drive that warms up).
 /// With a voltage drive the back-EMF acts through i; the friction model must then not contain it again.
 /// Sign: friction, load, noise and cutting force are positive against +x.
 /// Not modelled: torsion, backlash, friction of the guides on the table side of the spring, saturation of the
@@ -93,13 +94,17 @@ class Mechanics {
     set(p);
   }
 
-  /// At rest at position x [m], bristles relaxed.
+  /// At rest at position x [m], bristles relaxed, friction cold.
   void reset(double x) noexcept {
     y_ = {};
+    friction_share_ = 1.0;
     y_[0] = x;
     if constexpr (kMode) y_[kTable] = x;
     if constexpr (requires { friction_.state; }) friction_.state = {};
   }
+
+  /// Level and viscous part of friction from now on, as a share of the map's; 1 after reset().
+  void set_friction_share(double share) noexcept { friction_share_ = share; }
 
   /// Advances by dt [s] in equal sub-steps: as many as asked for accuracy, more where friction decays too
   /// fast for them.
@@ -143,7 +148,7 @@ class Mechanics {
   /// Friction force at the present state [N].
   [[nodiscard]] double friction_force() const noexcept {
     std::array<double, FrictionStates<Friction>::kCount> rate;
-    return friction_.evaluate(&y_[kFriction], y_[1], map_.parts(y_[1], y_[0]), rate.data());
+    return friction_.evaluate(&y_[kFriction], y_[1], parts(map_, y_[1], y_[0]), rate.data());
   }
 
   /// Fastest rate [1/s] of the equations other than the decay of friction, for which advance() itself allows.
@@ -164,9 +169,18 @@ class Mechanics {
   static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of it
   static constexpr double kMostSubsteps = 16384.0;
 
+  /// Of the map as warm as it is.
+  template <class AnyMap>
+  [[nodiscard]] friction::SteadyParts<double> parts(const AnyMap& map, double v, double x) const noexcept {
+    friction::SteadyParts<double> p = map.parts(v, x);
+    p.level *= friction_share_;
+    p.viscous *= friction_share_;
+    return p;
+  }
+
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) const noexcept {
-    const double decay = friction_.rate_bound(std::abs(y_[1]), map_.parts(y_[1], y_[0]).level) * dt;
+    const double decay = friction_.rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
     const double steps = decay * (1.0 / kStableStep);
     // A run that has diverged (NaN) keeps the number it was given, so that whoever looks for a stable one
     // learns of it.
@@ -185,7 +199,7 @@ class Mechanics {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(map_, y, held); });
     }
     if constexpr (FrictionStates<Friction>::kSettles) {
-      friction_.settle(&y_[kFriction], before, y_[1], map_.parts(y_[1], y_[0]));
+      friction_.settle(&y_[kFriction], before, y_[1], parts(map_, y_[1], y_[0]));
     }
   }
 
@@ -217,7 +231,7 @@ class Mechanics {
                                        const Held& held) const noexcept {
     StateVector d;
     const double v = y[1];
-    const auto p = map.parts(v, y[0]);
+    const auto p = parts(map, v, y[0]);
     double force = -friction_.evaluate(&y[kFriction], v, p, &d[kFriction]) - held.force;
     if constexpr (kVoltage) {
       force += force_per_ampere_ * y[kCurrent];
@@ -241,6 +255,7 @@ class Mechanics {
   Map map_;
   FrictionStates<Friction> friction_;
   StateVector y_{};
+  double friction_share_ = 1.0;
   double mass_ = 1.0;
   double inverse_mass_ = 1.0;
   double gain_ = 0.0;

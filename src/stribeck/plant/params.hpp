@@ -6,6 +6,7 @@
 ///
 /// Real time: configure only.
 
+#include <cmath>
 #include <optional>
 #include <stribeck/friction/model.hpp>
 
@@ -104,6 +105,24 @@ struct ForceNoise {
   }
 };
 
+/// Friction that changes as the axis warms up: level and viscous part, times 1 + change·(1 − exp(−t/τ)), t from the
+/// start of a run. What is periodic in position and keeps its sign with direction stays.
+struct Warming {
+  double change = -0.2;
+  double time_constant = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("change", &Warming::change, pure_number().at_least(-0.9).at_most(10.0),
+              "share by which friction has changed in the end; negative: it falls"),
+        field("time_constant", &Warming::time_constant, quantity("s", "s").positive(), "time constant τ")};
+  }
+  /// Friction at time t [s], as a share of what it was at rest in the beginning.
+  [[nodiscard]] double share(double t) const noexcept {
+    return 1.0 + change * (1.0 - std::exp(-t / time_constant));
+  }
+};
+
 enum class EncoderSide { kDrive, kTable };
 
 struct Encoder {
@@ -141,6 +160,7 @@ struct AxisParams {
   friction::Model friction;
   std::optional<AxialMode> axial_mode;
   std::optional<ForceNoise> noise;
+  std::optional<Warming> warming;
 
   static constexpr auto fields() {
     return std::tuple{
@@ -160,7 +180,9 @@ struct AxisParams {
             .or_default(),
         field("friction", &AxisParams::friction, "true friction; needs dynamics"),
         field("axial_mode", &AxisParams::axial_mode, "first axial mode; left out: rigid").or_default(),
-        field("noise", &AxisParams::noise, "force noise; left out: none").or_default()};
+        field("noise", &AxisParams::noise, "force noise; left out: none").or_default(),
+        field("warming", &AxisParams::warming, "change of friction during a run; left out: none")
+            .or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {

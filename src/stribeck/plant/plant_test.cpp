@@ -212,6 +212,88 @@ TEST(AxialMode, StiffModeMovesAsTheRigidAxis) {
   EXPECT_GT(std::abs(flexible.position() - rigid.position()), 1e-12);
 }
 
+// ---- warming up
+
+/// V2, x axis, with a third part of friction that keeps its sign: 50 N everywhere.
+AxisParams biaxial_x_that_warms(bool gms = false) {
+  AxisParams p = biaxial_x();
+  p.friction.eccentric.push_back({50.0, 1e9, -0.5 * kPi, friction::EccentricForm::kAdditive});
+  if (gms) {
+    friction::Gms<double> law;
+    for (const double k : {1.6e8, 0.8e8, 0.4e8, 0.2e8}) law.elements.push_back({k, 0.25});
+    law.attraction = 1e5;
+    law.damping_coefficient = 600e3;
+    law.damping_velocity = 0.05e-3;
+    p.friction.dynamics = law;
+  }
+  p.warming = Warming{-0.2, 0.5};
+  return p;
+}
+
+TEST(Warming, ScalesLevelAndViscousPartAndLeavesTheRest) {
+  // A force of 80 % of cold friction, and what does not change, holds the speed once the axis is warm: after 40 time constants.
+  const double force = 0.8 * friction::steady_force(friction::test::table_2_3_x(), 2e-3) + 50.0;
+  for (const bool mode : {false, true}) {
+    for (const bool gms : {false, true}) {
+      auto p = biaxial_x_that_warms(gms);
+      if (mode) p.axial_mode = AxialMode{80.0, 0.05, 0.3};
+      Axis axis(p, kPeriod, 9.5e-3);
+      axis.start(0.0, kExact, {});
+      for (int k = 0; k < 4000; ++k) axis.step(force / 1048.0);
+      EXPECT_NEAR(axis.velocity(), 2e-3, 1e-8) << mode << gms;
+      EXPECT_NEAR(axis.friction_force(), force, 1e-3) << mode << gms;
+    }
+  }
+}
+
+TEST(Warming, FollowsItsTimeConstant) {
+  // Viscous friction and little mass: v = f/(c·share(t)), late by m/c = 1 ms of a τ of 2 s, 0.05 % of 50 %.
+  auto p = frictionless(1.0);
+  p.friction.steady = friction::Conventional<double>{1e-6, 1000.0, {}};
+  p.warming = Warming{-0.5, 2.0};
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(0.0, {32, false, false}, {});
+  for (int k = 0; k < 1200; ++k) {
+    axis.step(1.0);
+    const double t = kPeriod * (k + 1);
+    if (k >= 10) {
+      EXPECT_NEAR(axis.velocity(), 0.01 / (0.5 + 0.5 * std::exp(-t / 2.0)), 0.01 * 2e-3) << t;
+    }
+  }
+}
+
+TEST(Warming, WithoutChangeIsTheAxisWithout) {
+  auto p = biaxial_x_that_warms();
+  p.warming->change = 0.0;
+  Axis warm(p, kPeriod, 9.5e-3);
+  p.warming.reset();
+  Axis without(p, kPeriod, 9.5e-3);
+  warm.start(0.0, kExact, {});
+  without.start(0.0, kExact, {});
+  for (int k = 0; k < 400; ++k) {
+    warm.step(2.0 * std::sin(0.05 * k));
+    without.step(2.0 * std::sin(0.05 * k));
+  }
+  EXPECT_EQ(warm.position(), without.position());
+}
+
+TEST(Warming, BeginsAgainWithEveryRunAndMirrors) {
+  auto p = biaxial_x_that_warms();
+  p.friction.eccentric = {};
+  auto& map = std::get<friction::Gaussian<double>>(p.friction.steady);
+  map.negative = friction::test::branch(
+      -768.6, 102.48, {{-517.4, -1.763, 3.091}, {-509.3, -5.806, 1.825}, {-1995.9, -10.668, 1.876}});
+  Axis axis(p, kPeriod, 9.5e-3);
+  const auto run = [&](double direction) {
+    axis.start(0.0, kExact, {});
+    for (int k = 0; k < 400; ++k) axis.step(direction * 2.0 * std::sin(0.05 * k));
+    return axis.position();
+  };
+  const double first = run(1.0);
+  EXPECT_EQ(run(1.0), first);
+  EXPECT_EQ(run(-1.0), -first);
+}
+
 // ---- converter, encoder, delay, noise
 
 TEST(Axis, EncoderAndConverterRound) {
