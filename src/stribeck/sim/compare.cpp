@@ -23,6 +23,7 @@ void for_each_figure(F&& f) {
   f([](auto& m) -> auto& { return m.input_variation; });
   f([](auto& m) -> auto& { return m.max_orientation_error; });
   f([](auto& m) -> auto& { return m.mean_orientation_error; });
+  f([](auto& m) -> auto& { return m.quadrant_ratio; });
 }
 
 void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& spread) {
@@ -178,7 +179,8 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
         CompareRow& row = result.rows[job / spec.trials];
         const auto trial = static_cast<std::uint32_t>(job % spec.trials);
         row.trials[trial] = drives.run<N>(cell.controller, *cell.route, {row.substeps, true, true}, spec.seed,
-                                          trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial]);
+                                          trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial],
+                                          trial == 0 ? &row.drift : nullptr);
         if (const auto& cutting = spec.travels[row.travel].cutting; trial == 0 && cutting)
           estimate_cutting<N>(row.trace, *cutting, cell.setup);
       },
@@ -247,13 +249,15 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
       return need(gaussian, "Gaussian");
     case FrictionUse::kEccentric:
       return need(eccentric, "eccentric");
+    case FrictionUse::kWhole:
+      return need(whole, "whole");
     case FrictionUse::kNominal: {
       friction::AxisModel m = need(eccentric, "eccentric");
       m.friction.eccentric = {};
       return m;
     }
   }
-  for (const auto* m : {&eccentric, &conventional, &gaussian}) {
+  for (const auto* m : {&eccentric, &conventional, &gaussian, &whole}) {
     if (*m) return **m;
   }
   return need(conventional, "conventional");
@@ -288,10 +292,16 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.model = knowledge[axes[i]].model(which.friction, name);
     if (which.friction == FrictionUse::kNominal)
       c.model.friction = straightened(c.model.friction, axis.limits.speed);
-    c.friction_feedforward = which.friction != FrictionUse::kNone;
+    c.feedforward = which.friction == FrictionUse::kNone ? control::Feedforward::kNone : which.feedforward;
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;
     c.adaptive_gain = adaptive[i];
+    if (which.disturbance_density) c.disturbance_density = *which.disturbance_density;
+    c.guarded =
+        which.feedforward != control::Feedforward::kSteady || which.adaptation != control::Adaptation::kOff;
+    c.adaptation.enabled = which.adaptation == control::Adaptation::kOn;
+    c.reversal = which.reversal;
+    c.delay = axis.commissioning.delay;
     c.encoder_resolution = axis.plant.encoder.resolution;
     setup.force_limit[i] = axis.force_limit();
   }
@@ -339,8 +349,9 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
     setup.lap = route.lap;
     check_law<kAxes>(row.controller, setup);
     row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy);
-    row.mean = drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
-                                 {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status);
+    row.mean =
+        drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
+                          {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status, &row.drift);
     row.spread = Metrics::unknown();
     result.rows.push_back(std::move(row));
   });

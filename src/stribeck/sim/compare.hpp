@@ -20,6 +20,7 @@ enum class FrictionUse {
   kConventional,
   kGaussian,
   kEccentric,
+  kWhole,    ///< all that was identified together: map, periodic terms, bristles
   kNominal,  ///< the straight line through each side of the eccentric model's map: Γ, Λ of adaptive friction
 };
 
@@ -33,6 +34,7 @@ struct stribeck::EnumNames<stribeck::sim::FrictionUse> {
                                     std::pair{kConventional, std::string_view{"conventional"}},
                                     std::pair{kGaussian, std::string_view{"gaussian"}},
                                     std::pair{kEccentric, std::string_view{"eccentric"}},
+                                    std::pair{kWhole, std::string_view{"whole"}},
                                     std::pair{kNominal, std::string_view{"nominal"}}};
 };
 
@@ -45,25 +47,41 @@ struct ControllerSpec {
   FrictionUse friction = FrictionUse::kNone;
   control::Observer observer = control::Observer::kNone;
   control::LawParams law{};
-  double observer_pole = 20.0;           ///< of the disturbance observer [1/s]
+  double observer_pole = 20.0;  ///< of the disturbance observer, or bandwidth of the Kalman observer [1/s]
   control::PerAxis adaptive_gain{20.0};  ///< K_c of adaptive friction, per axis [1/s]
+  control::Feedforward feedforward = control::Feedforward::kSteady;
+  std::optional<double> disturbance_density{};  ///< of the Kalman observer [N²/s]; left out: by observer_pole
+  control::Adaptation adaptation = control::Adaptation::kOff;
+  control::ReversalParams reversal{};
 
   static constexpr auto fields() {
     using S = ControllerSpec;
-    return std::tuple{field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
-                      field("label", &S::label, "what it is, in words"),
-                      field("friction", &S::friction,
-                            "which identified model is fed forward: none, viscous, conventional, gaussian, "
-                            "eccentric or nominal")
-                          .or_default(),
-                      field("observer", &S::observer, "none, disturbance, kalman or adaptive").or_default(),
-                      field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive(),
-                            "both poles of the disturbance observer")
-                          .or_default(),
-                      field("adaptive_gain", &S::adaptive_gain, quantity("1/s", "1/s").positive(),
-                            "gain of adaptive friction, per axis; the last one stands for the rest")
-                          .or_default(),
-                      field("law", &S::law, "control law with its gains")};
+    return std::tuple{
+        field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
+        field("label", &S::label, "what it is, in words"),
+        field(
+            "friction", &S::friction,
+            "which identified model is fed forward: none, viscous, conventional, gaussian, eccentric, whole "
+            "(with its bristles) or nominal")
+            .or_default(),
+        field("feedforward", &S::feedforward,
+              "how friction is fed forward: none, steady (as in the thesis), dynamic or reversal")
+            .or_default(),
+        field("observer", &S::observer, "none, disturbance, kalman or adaptive").or_default(),
+        field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive(),
+              "both poles of the disturbance observer, or the bandwidth of the Kalman observer")
+            .or_default(),
+        field("disturbance_density", &S::disturbance_density, quantity("N2/s", "N2/s").positive(),
+              "Kalman observer: how fast the disturbance walks; left out: as observer_pole asks for")
+            .or_default(),
+        field("adaptive_gain", &S::adaptive_gain, quantity("1/s", "1/s").positive(),
+              "gain of adaptive friction, per axis; the last one stands for the rest")
+            .or_default(),
+        field("adaptation", &S::adaptation, "correct the friction model on line: off or on").or_default(),
+        field("reversal", &S::reversal,
+              "how friction builds up after a reversal, with feedforward = \"reversal\"")
+            .or_default(),
+        field("law", &S::law, "control law with its gains")};
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -82,9 +100,10 @@ std::vector<ControllerSpec> biaxial_controllers(
 
 /// What identification (or the thesis) says of one axis.
 struct AxisKnowledge {
-  std::optional<friction::AxisModel> conventional;
-  std::optional<friction::AxisModel> gaussian;
-  std::optional<friction::AxisModel> eccentric;
+  std::optional<friction::AxisModel> conventional{};
+  std::optional<friction::AxisModel> gaussian{};
+  std::optional<friction::AxisModel> eccentric{};
+  std::optional<friction::AxisModel> whole{};
 
   /// The model that a controller with this use gets; kNone gets the mass and load of the best model there is. Throws Refused
   /// when there is none, naming the axis.
@@ -109,8 +128,9 @@ struct CompareRow {
   Metrics mean;                 ///< over the trials
   Metrics spread;               ///< standard deviation over the trials; NaN for a single trial
   std::vector<Metrics> trials;  ///< one by one
-  std::vector<ContourSample> trace;  ///< of the first trial
-  StatusCounter status;              ///< of all trials together
+  std::vector<ContourSample> trace;   ///< of the first trial
+  StatusCounter status;               ///< of all trials together
+  std::vector<control::Drift> drift;  ///< per axis, at the end of the first trial; empty without adaptation
   int substeps = 0;
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 #include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::sim {
@@ -25,10 +26,24 @@ std::array<double, 2> errors(const Curve& curve, const Vec<double, N>& position,
   }
 }
 
+/// Forces of a controller at the k-th point; one that looks ahead gets the points that follow as well.
+template <class Controller, std::size_t N>
+Vec<double, N> asked_of(const Controller& controller, typename Controller::State& state,
+                        const std::vector<path::PathPoint<N>>& points, std::size_t k,
+                        const Vec<double, N>& encoder) {
+  if constexpr (requires { Controller::kPreview; }) {
+    const std::size_t seen = std::min(Controller::kPreview + 1, points.size() - k);
+    return controller.step(state, std::span(points).subspan(k, seen), encoder);
+  } else {
+    return controller.step(state, points[k], encoder);
+  }
+}
+
 template <class Controller, class Curve, std::size_t N>
 Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
                  const Controller& controller, const Curve& curve, const Route<N>& route,
-                 std::vector<ContourSample>* seen, StatusCounter* status) {
+                 std::vector<ContourSample>* seen, StatusCounter* status,
+                 std::vector<control::Drift>* drift) {
   typename Controller::State state;
   GlitchWindow<N> glitch;
   MetricsCollector<N> metrics;
@@ -43,7 +58,7 @@ Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain
     }
     const Vec<double, N> tracking = position - r.position;
     const auto [error, orientation] = errors(curve, position, tracking, r.phi);
-    const Vec<double, N> force = controller.step(state, r, encoder);
+    const Vec<double, N> force = asked_of(controller, state, route.points, k, encoder);
     Vec<double, N> voltage;
     for (std::size_t i = 0; i < N; ++i) voltage[i] = force[i] / gain[i];
     const Vec<double, N> cutting = route.cutting.empty() ? Vec<double, N>{} : route.cutting[k];
@@ -86,6 +101,13 @@ Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain
     }
   }
   if (status != nullptr) *status = state.status;
+  if (drift != nullptr) {
+    drift->clear();
+    for (const auto& c : state.compensation) {
+      if (c.adaptation.informed)
+        drift->push_back(control::DriftMonitor::report(c.drift, c.adaptation, period));
+    }
+  }
   return metrics.result();
 }
 
@@ -117,15 +139,16 @@ double Drives::rate_bound() const {
 template <std::size_t N>
 Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
                     const plant::Fidelity& fidelity, std::uint64_t seed, std::uint32_t trial,
-                    std::vector<ContourSample>* seen, StatusCounter* status) {
+                    std::vector<ContourSample>* seen, StatusCounter* status,
+                    std::vector<control::Drift>* drift) {
   for (std::uint32_t i = 0; i < N; ++i)
     axes_[i].start(route.points[0].position[i], fidelity, {seed, trial, i});
   if (seen != nullptr) seen->reserve(route.points.size());
   return std::visit(
       [&](const auto& law, const auto& curve) {
         if constexpr (std::decay_t<decltype(curve)>::kAxes == N) {
-          return run_loop<std::decay_t<decltype(law)>>(axes_, gain_, period_, law, curve, route, seen,
-                                                       status);
+          return run_loop<std::decay_t<decltype(law)>>(axes_, gain_, period_, law, curve, route, seen, status,
+                                                       drift);
         } else {
           return Metrics::unknown();
         }
@@ -188,11 +211,11 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
       "stability, or the accuracy is finer than rounding allows");
 }
 
-#define STRIBECK_INSTANTIATE(N)                                                                      \
-  template AnyController<N> make_controller<N>(const control::LawParams&, const control::Setup<N>&); \
-  template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,  \
-                                  std::uint64_t, std::uint32_t, std::vector<ContourSample>*,         \
-                                  StatusCounter*);                                                   \
+#define STRIBECK_INSTANTIATE(N)                                                                              \
+  template AnyController<N> make_controller<N>(const control::LawParams&, const control::Setup<N>&);         \
+  template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,          \
+                                  std::uint64_t, std::uint32_t, std::vector<ContourSample>*, StatusCounter*, \
+                                  std::vector<control::Drift>*);                                             \
   template int choose_substeps<N>(Drives&, const AnyController<N>&, const Route<N>&, double);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)

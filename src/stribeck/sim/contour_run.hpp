@@ -62,12 +62,12 @@ class Drives {
   /// which: indices of the machine's axes; v_max [m/s] bounds the tables of the friction curves.
   Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max);
 
-  /// Runs a controller along a route; `seen` may be null. Returns the figures of the scored part. The controller gets as many
+  /// Runs a controller along a route; what is null is not filled. `drift` gets one entry per axis that adapts. Returns the figures of the scored part. The controller gets as many
   /// axes as the route has, which are as many as the drives.
   template <std::size_t N>
   Metrics run(const AnyController<N>& controller, const Route<N>& route, const plant::Fidelity& fidelity,
               std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen = nullptr,
-              StatusCounter* status = nullptr);
+              StatusCounter* status = nullptr, std::vector<control::Drift>* drift = nullptr);
 
   [[nodiscard]] double rate_bound() const;
   [[nodiscard]] double period() const { return period_; }

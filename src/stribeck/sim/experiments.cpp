@@ -354,24 +354,30 @@ Travel along(path::Shape shape, double size, double speed, double laps) {
 }
 
 std::vector<Experiment> experiments() {
-  return {uni_sim(),
-          uni_exp(),
-          bi_circle(),
-          bi_table(),
-          bi_curve(path::Shape::kEight, "bi-eight", "Two axes: figure of eight", "figs 3.28–3.30"),
-          bi_curve(path::Shape::kTrifolium, "bi-trifolium", "Two axes: trifolium", "figs 3.31–3.33"),
-          tri("tri-circle", "Three axes: circular contour", "§4.4.4.1, (4.6), figs 4.9–4.13",
-              printed_motion(tilted_circle(10 * kMilli), "10 (cos, sin, sin) φ mm", 4.0 * kPi / 15.0, 15.0),
-              -0.26, -0.093),
-          tri("tri-free", "Three axes: non-circular contour", "§4.4.4.2, (4.7), figs 4.14–4.18",
-              printed_motion(tilted_trifolium(), "trifolium (4.7)", kPi / 10.0, 10.0), -0.16, -0.354),
-          sliding("smc-circle", "Sliding mode: circular contour", "§4.5.3, (4.24), figs 4.19–4.22",
-                  printed_motion(tilted_circle(15 * kMilli), "15 (cos, sin, sin) φ mm", 0.25 * kPi, 16.0),
-                  -0.286, -0.071),
-          sliding("smc-free", "Sliding mode: non-circular contour", "§4.5.3, (4.25), figs 4.23–4.26",
-                  printed_motion(free_form(), "free form (4.25)", kPi / 10.0, 20.0), -0.342, -0.025),
-          five_axis(),
-          milling()};
+  std::vector<Experiment> all{
+      uni_sim(),
+      uni_exp(),
+      bi_circle(),
+      bi_table(),
+      bi_curve(path::Shape::kEight, "bi-eight", "Two axes: figure of eight", "figs 3.28–3.30"),
+      bi_curve(path::Shape::kTrifolium, "bi-trifolium", "Two axes: trifolium", "figs 3.31–3.33"),
+      tri("tri-circle", "Three axes: circular contour", "§4.4.4.1, (4.6), figs 4.9–4.13",
+          printed_motion(tilted_circle(10 * kMilli), "10 (cos, sin, sin) φ mm", 4.0 * kPi / 15.0, 15.0),
+          -0.26, -0.093),
+      tri("tri-free", "Three axes: non-circular contour", "§4.4.4.2, (4.7), figs 4.14–4.18",
+          printed_motion(tilted_trifolium(), "trifolium (4.7)", kPi / 10.0, 10.0), -0.16, -0.354),
+      sliding("smc-circle", "Sliding mode: circular contour", "§4.5.3, (4.24), figs 4.19–4.22",
+              printed_motion(tilted_circle(15 * kMilli), "15 (cos, sin, sin) φ mm", 0.25 * kPi, 16.0), -0.286,
+              -0.071),
+      sliding("smc-free", "Sliding mode: non-circular contour", "§4.5.3, (4.25), figs 4.23–4.26",
+              printed_motion(free_form(), "free form (4.25)", kPi / 10.0, 20.0), -0.342, -0.025),
+      five_axis(),
+      milling()};
+  for (const char* id :
+       {"bi-table", "bi-eight", "bi-trifolium", "tri-circle", "tri-free", "smc-circle", "smc-free"})
+    all.push_back(beyond(*find_experiment(all, id)));
+  all.push_back(passes(*find_experiment(all, "bi-table")));
+  return all;
 }
 
 const Experiment* find_experiment(const std::vector<Experiment>& all, std::string_view id) {

@@ -46,6 +46,9 @@ std::vector<Experiment> experiments();
 /// Null when there is none of that name.
 const Experiment* find_experiment(const std::vector<Experiment>& all, std::string_view id);
 
+/// Controllers that go beyond the thesis, (g) and on, around the law and the gains of one of its own.
+std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis);
+
 /// A plane curve at a speed.
 Travel along(path::Shape shape, double size, double speed, double laps = 2.0);
 

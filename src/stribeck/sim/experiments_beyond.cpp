@@ -1,3 +1,4 @@
+#include <cmath>
 #include <stribeck/sim/experiments_beyond.hpp>
 
 namespace stribeck::sim {
@@ -22,7 +23,124 @@ ControllerSpec with(std::string id, std::string label, control::LawParams law, F
   return c;
 }
 
+/// Gains of the feedback across the path [rad/s], which tell how fast an observer beside it may be.
+double speed_of(const control::LawParams& law) {
+  if (const auto* c = std::get_if<ContouringParams>(&law)) return std::sqrt(c->kp[c->kp.size() - 1]);
+  if (const auto* s = std::get_if<control::SlidingModeParams>(&law)) return s->lambda[s->lambda.size() - 1];
+  return 40.0;
+}
+
 }  // namespace
+
+std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
+  ControllerSpec g = thesis;
+  g.id = "g";
+  g.label = "dynamic friction, observer";
+  g.friction = FrictionUse::kWhole;
+  g.feedforward = control::Feedforward::kDynamic;
+  g.observer = Observer::kDisturbance;
+  ControllerSpec h = g;
+  h.id = "h";
+  h.label = "dynamic friction, adapting";
+  h.adaptation = control::Adaptation::kOn;
+  ControllerSpec i = g;
+  i.id = "i";
+  i.label = "dynamic friction, Kalman observer";
+  i.observer = Observer::kKalman;
+  i.observer_pole = 1.5 * speed_of(thesis.law);
+  std::visit(
+      [](auto& law) {
+        if constexpr (requires { law.error_rate; }) law.error_rate = control::ErrorRate::kObserved;
+      },
+      i.law);
+  ControllerSpec j = g;
+  j.id = "j";
+  j.label = "reversal logic, observer";
+  j.feedforward = control::Feedforward::kReversal;
+  std::vector<ControllerSpec> all{g, h, i, j};
+  if (std::holds_alternative<ContouringParams>(thesis.law)) {
+    ControllerSpec k = g;
+    k.id = "k";
+    k.label = "predictive, dynamic friction";
+    control::PredictiveParams law;
+    law.omega = speed_of(thesis.law);
+    k.law = law;
+    all.push_back(k);
+  }
+  if (const auto* sliding = std::get_if<control::SlidingModeParams>(&thesis.law)) {
+    ControllerSpec m = g;
+    m.id = "m";
+    m.label = "adaptive sliding mode, dynamic";
+    control::SlidingModeParams law = *sliding;
+    law.gain = control::SwitchingGain::kAdaptive;
+    law.mass_bound = {};
+    m.law = law;
+    all.push_back(m);
+  }
+  return all;
+}
+
+namespace {
+
+ControllerSpec learning_controller(const ControllerSpec& thesis) {
+  ControllerSpec l = beyond_controllers(thesis).front();
+  l.id = "l";
+  l.label = "learning, dynamic friction";
+  control::LearningParams law;
+  if (const auto* c = std::get_if<ContouringParams>(&thesis.law)) {
+    law.kp = c->kp;
+    law.kv = c->kv;
+  }
+  l.law = law;
+  return l;
+}
+
+}  // namespace
+
+Experiment passes(const Experiment& thesis) {
+  Experiment e{
+      "beyond-passes", "Beyond the thesis: the sixth pass of the same circle", "§5.2 (future work)", {}, {}};
+  Setting s = thesis.settings.front();
+  s.name.clear();
+  s.claims.clear();
+  const ControllerSpec f = s.spec.controllers.back();
+  for (Travel& t : s.spec.travels) {
+    t.settle_laps = 5.0;
+    t.laps = 1.0;
+  }
+  s.spec.controllers = {f};
+  for (const ControllerSpec& c : beyond_controllers(f)) {
+    if (c.id == "g" || c.id == "h") s.spec.controllers.push_back(c);
+  }
+  ControllerSpec over_f = learning_controller(f);
+  over_f.id = "l-f";
+  over_f.label = "learning over (f)";
+  over_f.friction = f.friction;
+  over_f.feedforward = f.feedforward;
+  s.spec.controllers.push_back(over_f);
+  s.spec.controllers.push_back(learning_controller(f));
+  e.settings = {s};
+  e.remarks = {"Five laps for what learns, then one that is scored.", "Nothing of this was printed."};
+  return e;
+}
+
+Experiment beyond(const Experiment& thesis) {
+  Experiment e{"beyond-" + thesis.id, "Beyond the thesis: " + thesis.title, "§5.2 (future work)", {}, {}};
+  for (const Setting& s : thesis.settings) {
+    if (s.parameters != ParameterSource::kIdentified) continue;
+    Setting more = s;
+    more.claims.clear();
+    for (ControllerSpec& c : beyond_controllers(s.spec.controllers.back()))
+      more.spec.controllers.push_back(std::move(c));
+    e.settings.push_back(std::move(more));
+  }
+  e.remarks = {
+      "(g) and on have the law and the gains of the last of the thesis's own controllers; what differs is "
+      "what they feed forward "
+      "and observe.",
+      "Nothing of this was printed."};
+  return e;
+}
 
 Experiment five_axis() {
   path::ConeFrustum cone;

@@ -3,6 +3,7 @@
 ///
 ///   max |ε|;  RMS = √mean ε²;  SD = √(RMS² − mean²);  mean |ε|
 ///   quadrant glitch   max |ε| within the first 0.15 mm that an axis travels after its reference velocity changed sign
+///   quadrant ratio    mean of the quadrants' max |ε| over the mean max |ε| of windows of the same length elsewhere; 1: no quadrant to be seen
 ///   input variation   mean |Δu| over the axes and samples; chattering shows here
 ///   power             mean electrical power R·i² + K_e·θ̇·i, sum over the axes; known where the motor is
 ///   mean |u·i|        mean of the axes' sum of |u·i|; known where the current is
@@ -11,6 +12,7 @@
 /// ε contour error [m], of the tool tip where the path gives a tool axis; u voltage [V], i current [A].
 /// Real time: no.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -34,12 +36,14 @@ struct Metrics {
       std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
   double mean_orientation_error =
       std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
+  double quadrant_ratio =
+      std::numeric_limits<double>::quiet_NaN();  ///< NaN without a quadrant or a stretch between two
 
   /// Every figure NaN: not known.
   static Metrics unknown() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone),
-            kNone, kNone, kNone, kNone, kNone};
+            kNone, kNone, kNone, kNone, kNone, kNone};
   }
 };
 
@@ -89,6 +93,7 @@ class MetricsCollector {
     const double e = std::abs(s.contour_error);
     if (!(e <= max_)) max_ = e;  // NaN stays
     if (s.in_glitch) glitch_ = std::isnan(glitch_) ? e : std::max(glitch_, e);
+    window(e, s.in_glitch);
     sum_ += s.contour_error;
     sum_abs_ += e;
     sum_square_ += e * e;
@@ -119,10 +124,47 @@ class MetricsCollector {
     m.input_variation = variation_ / (static_cast<double>(N) * (n - 1.0));
     m.max_orientation_error = max_orientation_;
     m.mean_orientation_error = sum_orientation_ / n;
+    // The last quadrant may be cut short by the end of the run and is not counted.
+    m.quadrant_ratio = (quadrants_.sum / quadrants_.count) / (elsewhere_.sum / elsewhere_.count);
     return m;
   }
 
  private:
+  struct Windows {
+    double sum = 0.0;
+    double count = 0.0;
+  };
+
+  /// A quadrant's window lasts as long as the axis needs for its first travel; what follows is cut into windows as long.
+  void window(double error, bool in_quadrant) noexcept {
+    if (in_quadrant != in_quadrant_) {
+      if (in_quadrant_ && whole_) {
+        quadrants_.sum += window_max_;
+        quadrants_.count += 1.0;
+        length_ = ticks_;
+      }
+      // The first window of a run has begun before it, unless it begins outside.
+      whole_ = in_quadrant && count_ > 0;
+      in_quadrant_ = in_quadrant;
+      ticks_ = 0;
+      window_max_ = 0.0;
+    }
+    window_max_ = std::max(window_max_, error);
+    ++ticks_;
+    if (in_quadrant || length_ == 0 || ticks_ < length_) return;
+    elsewhere_.sum += window_max_;
+    elsewhere_.count += 1.0;
+    ticks_ = 0;
+    window_max_ = 0.0;
+  }
+
+  Windows quadrants_;
+  Windows elsewhere_;
+  bool in_quadrant_ = false;
+  bool whole_ = false;
+  int ticks_ = 0;
+  int length_ = 0;
+  double window_max_ = 0.0;
   double max_ = 0.0;
   double glitch_ = std::numeric_limits<double>::quiet_NaN();
   double sum_ = 0.0;

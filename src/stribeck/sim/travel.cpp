@@ -55,7 +55,7 @@ Route<N> sample(const Travel& travel, double period) {
   Route<N> route;
   route.path = travel.path;
   const path::SpeedLaw law = travel.law();
-  route.scored_from = travel.run_in;
+  route.scored_from = travel.run_in + travel.settle_laps * travel.lap() / travel.speed;
   route.scored_to = travel.run_in + law.cruise_time();
   route.first_lap = travel.run_in + travel.lap() / travel.speed;
   std::visit(

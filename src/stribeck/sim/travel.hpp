@@ -1,7 +1,8 @@
 #pragma once
 /// A path as an experiment travels it, and the motion sampled from it once for every run on it.
 ///
-/// A travel begins at rest on the path, reaches its law within the run-in, keeps it, and runs out; what lies between is scored.
+/// A travel begins at rest on the path, reaches its law within the run-in, keeps it, and runs out; what lies between is scored,
+/// less the laps to settle.
 /// A cutting force may act on the way.
 /// Real time: no.
 
@@ -34,6 +35,7 @@ struct Travel {
   path::FrameKind frame = path::FrameKind::kTransported;
   FrameDerivatives frame_derivatives = FrameDerivatives::kExact;
   std::optional<CuttingForce> cutting;
+  double settle_laps = 0.0;  ///< under the law before the scored ones, for what adapts to have settled
 
   [[nodiscard]] std::size_t axes() const {
     return std::visit([](const auto& p) { return std::decay_t<decltype(p)>::kAxes; }, path);
@@ -43,7 +45,7 @@ struct Travel {
     return std::visit(
         [&](const auto& p) { return pace == path::Pace::kRate ? p.period() : path::lap_length(p); }, path);
   }
-  [[nodiscard]] path::SpeedLaw law() const { return {speed, run_in, laps * lap()}; }
+  [[nodiscard]] path::SpeedLaw law() const { return {speed, run_in, (settle_laps + laps) * lap()}; }
   /// How fast, in words: "9.5 mm/s", or "one lap in 7.39 s".
   [[nodiscard]] std::string pace_in_words() const;
 };
