@@ -68,6 +68,7 @@ sim::CompareSpec spec_of(const Options& o, const std::string& experiment) {
                                 experiment, kVaried));
     }
   }
+  add_beyond(s.controllers, experiment, o.parameters);
   for (const std::string& c : o.controllers) {
     sim::ControllerSpec more = read_controller(c);
     for (const sim::ControllerSpec& other : s.controllers) {
@@ -157,6 +158,10 @@ int compare(const Options& o) {
   say(o.common, report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");
+  const auto drift = report::drift_words(result);
+  if (!drift.empty())
+    say(o.common, "Change since identification, as adaptation sees it at the end of the first trial:\n");
+  for (const std::string& words : drift) say(o.common, "  " + words + "\n");
   say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
   return 0;
 }

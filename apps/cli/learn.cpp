@@ -134,9 +134,10 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
     n.conventional = n.conventional || c.friction == kConventional || c.friction == kViscous;
     n.gaussian = n.gaussian || c.friction == kGaussian;
     n.eccentric = n.eccentric || c.friction == kEccentric || c.friction == kNominal;
+    n.whole = n.whole || c.friction == kWhole;
   }
   // A controller without friction compensation still needs a mass.
-  if (!n.gaussian && !n.eccentric) n.conventional = true;
+  if (!n.gaussian && !n.eccentric && !n.whole) n.conventional = true;
   return n;
 }
 
@@ -165,12 +166,13 @@ Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& n
   // As the thesis does: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The machine decides, not
   // what else is asked for.
   const bool by_jogs = machine.axes.size() > 2;
-  if (needs.eccentric || (needs.conventional && by_jogs)) {
+  if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
     // Pulses give the mass once the bristles and the sine are part of the fit; without them it comes out some per cent low.
     const ident::Record turns =
         add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
     const ident::Result whole = ident::identify_drive({pulses, turns}, {});
     l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
+    if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
     if (needs.conventional && by_jogs) {
       const ident::Record jogs = add("jog", design(machine, axis, "jog", 0));
       ident::JogOptions conventional;
@@ -193,9 +195,12 @@ Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& n
     l.knowledge.conventional =
         keep("conventional", {pulses}, ident::identify_least_squares_a({pulses}).result);
   }
-  if (needs.gaussian) {
+  if (needs.gaussian || (needs.whole && !by_jogs)) {
     const ident::Record sine = add("sine", design(machine, axis, "sine", kSinePeriods));
-    l.knowledge.gaussian = keep("gaussian", {pulses, sine}, ident::identify_velocity_map({pulses, sine}));
+    if (needs.gaussian)
+      l.knowledge.gaussian = keep("gaussian", {pulses, sine}, ident::identify_velocity_map({pulses, sine}));
+    if (needs.whole && !by_jogs)
+      l.knowledge.whole = keep("whole", {pulses, sine}, ident::identify_drive({pulses, sine}, {}));
   }
   return l;
 }

@@ -15,7 +15,7 @@ namespace stribeck::cli {
 
 /// A model of an axis, what it was identified from, and the result with its intervals.
 struct LearnedModel {
-  std::string kind;                  ///< "conventional", "gaussian" or "eccentric"
+  std::string kind;                  ///< "conventional", "gaussian", "eccentric" or "whole"
   std::vector<std::string> sources;  ///< names of the logs, which Learned::logs holds
   ident::Result result;
 };
@@ -34,6 +34,7 @@ struct Needs {
   bool conventional = false;
   bool gaussian = false;
   bool eccentric = false;
+  bool whole = false;
 
   static Needs of(const std::vector<sim::ControllerSpec>& controllers);
 };
@@ -56,6 +57,7 @@ void refuse_nonsense(const ident::Result& result, const std::string& source);
 /// What goes into an axis file.
 friction::AxisModel as_model(const ident::Result& result);
 /// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one;
+/// the whole model, bristles included, comes from the pulses and whichever sine the machine has;
 /// the conventional model comes from pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.
 Learned learn_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs, std::uint64_t seed);
 

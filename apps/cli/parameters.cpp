@@ -39,7 +39,13 @@ sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path,
   need(needs.conventional, p.conventional, "conventional");
   need(needs.gaussian, p.gaussian, "gaussian");
   need(needs.eccentric, p.eccentric, "eccentric");
-  return {p.conventional, p.gaussian, p.eccentric};
+  if (needs.whole) {
+    throw io::InputError(
+        {path, 0, "axes." + name + ".published",
+         "nobody printed a model with bristles, which these controllers need (leave out --parameters "
+         "thesis)"});
+  }
+  return {p.conventional, p.gaussian, p.eccentric, {}};
 }
 
 }  // namespace
@@ -61,10 +67,11 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     for (const std::size_t i : axes) p.knowledge[i] = p.learned[i].knowledge;
     std::vector<std::string> what{"pulses"};
     const bool by_jogs = needs.conventional && machine.axes.size() > 2;
-    if (needs.eccentric || by_jogs)
+    if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
       what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
     if (by_jogs) what.push_back("jogs");
-    if (needs.gaussian) what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
+    if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
+      what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
     p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
   }
   for (const std::string& text : options.axis_files) {
@@ -80,6 +87,9 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     const bool gaussian =
         map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
     const bool eccentric = !gaussian && !model.friction.eccentric.empty();
+    // A model without bristles does not take the place of one that has them.
+    if (!p.knowledge[i].whole || !std::holds_alternative<friction::Static>(model.friction.dynamics))
+      p.knowledge[i].whole = model;
     (gaussian    ? p.knowledge[i].gaussian
      : eccentric ? p.knowledge[i].eccentric
                  : p.knowledge[i].conventional) = model;

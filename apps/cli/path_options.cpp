@@ -75,6 +75,23 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
       option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
 }
 
+void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
+                const ParameterOptions& parameters) {
+  const auto all = sim::experiments();
+  const bool has = experiment.empty() || sim::find_experiment(all, "beyond-" + experiment) != nullptr;
+  if (!has || parameters.source == "thesis") return;
+  for (sim::ControllerSpec& more : sim::beyond_controllers(controllers.back()))
+    controllers.push_back(std::move(more));
+}
+
+const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
+                                              std::size_t printed) {
+  for (const sim::ControllerSpec& c : controllers) {
+    if (c.adaptation == control::Adaptation::kOn) return c;
+  }
+  return controllers[printed - 1];
+}
+
 double make_accuracy(const PathOptions& o) {
   return option_si("--accuracy", o.accuracy, quantity("m", "nm").at_least(1e-12));
 }

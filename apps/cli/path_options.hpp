@@ -1,6 +1,7 @@
 #pragma once
 /// Options of a run along a path, the same for every verb that has them.
 
+#include <apps/cli/parameters.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <string>
 
@@ -30,6 +31,15 @@ sim::Travel make_travel(const PathOptions& options, double speed);
 
 /// Controllers (a) to (f) with the options' gains and observer.
 std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
+
+/// Appends controllers that go beyond the thesis to those of an experiment that has some; empty: the circle of the biaxial table.
+/// Not with printed parameters, which know no bristles.
+void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
+                const ParameterOptions& parameters);
+
+/// The one that a user gets who does not choose: the adapting one where there is one, else the last of the first `printed`.
+const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
+                                              std::size_t printed);
 
 double make_accuracy(const PathOptions& options);
 

@@ -10,6 +10,7 @@
 #include <apps/cli/learn.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/reproduce_ident.hpp>
+#include <apps/cli/reproduce_robustness.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/reproduction.hpp>
@@ -27,6 +28,8 @@ struct Options {
   std::string markdown;
   std::string check;
   std::uint32_t trials = 10;
+  std::uint32_t machines = kRobustMachines;
+  std::string vary = "all";
   std::uint64_t seed = 1;
   unsigned threads = 0;
 };
@@ -42,7 +45,7 @@ struct Known {
 std::vector<sim::AxisKnowledge> printed_knowledge(const sim::Machine& machine) {
   std::vector<sim::AxisKnowledge> all;
   for (const auto& [name, axis] : machine.axes)
-    all.push_back({axis.published.conventional, axis.published.gaussian, axis.published.eccentric});
+    all.push_back({axis.published.conventional, axis.published.gaussian, axis.published.eccentric, {}});
   return all;
 }
 
@@ -60,6 +63,7 @@ std::map<std::string, Known> learn(const std::vector<const sim::Experiment*>& ch
       k.needs.conventional = k.needs.conventional || n.conventional;
       k.needs.gaussian = k.needs.gaussian || n.gaussian;
       k.needs.eccentric = k.needs.eccentric || n.eccentric;
+      k.needs.whole = k.needs.whole || n.whole;
       for (const std::size_t i : sim::chosen_axes(k.machine, s.spec)) k.used[i] = true;
     }
   }
@@ -198,6 +202,9 @@ int reproduce(const Options& o) {
   for (const sim::Experiment& e : all) {
     if (wanted(e.id)) chosen.push_back(&e);
   }
+  // Nothing of it is the thesis's, so "all" does not mean it.
+  const bool robust = std::find(o.ids.begin(), o.ids.end(), kRobustness) != o.ids.end();
+  const sim::Experiment robustness = robustness_experiment();
 
   report::ReproductionInput page;
   page.seed = o.seed;
@@ -206,11 +213,15 @@ int reproduce(const Options& o) {
   page.command = "stribeck reproduce " + report::joined(o.ids, " ");
   if (o.trials != 10) page.command += fmt::format(" --trials {}", o.trials);
   if (o.seed != 1) page.command += fmt::format(" --seed {}", o.seed);
+  if (o.machines != kRobustMachines) page.command += fmt::format(" --machines {}", o.machines);
+  if (o.vary != "all") page.command += " --vary " + o.vary;
   if (!identification.empty()) {
     page.sections = reproduce_identification(identification, built_in_machine("biaxial-table"),
                                              built_in_machine("triaxial-tool"), o.seed, o.threads);
   }
-  const auto known = learn(chosen, o);
+  auto identified = chosen;
+  if (robust) identified.push_back(&robustness);
+  const auto known = learn(identified, o);
   std::size_t settings = 0;
   for (const sim::Experiment* e : chosen) settings += e->settings.size();
   {
@@ -232,6 +243,15 @@ int reproduce(const Options& o) {
         progress(++done, settings);
       }
     }
+  }
+
+  if (robust) {
+    Progress progress("robustness", o.common.quiet);
+    const Known& k = known.at(robustness.settings.front().machine);
+    page.sections.push_back(
+        reproduce_robustness(k.machine, k.identified, o.machines,
+                             o.vary == "all" ? sim::Variation{} : sim::vary_only(o.vary), o.seed, o.threads,
+                             [&](std::size_t done, std::size_t count) { progress(done, count); }));
   }
 
   write_json(o.common.json, report::reproduction_json(page));
@@ -258,12 +278,22 @@ void add_reproduce(CLI::App& app, Action& action) {
   std::vector<std::string> ids{"all"};
   for (const std::string& id : kIdentification) ids.push_back(id);
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
-  verb->add_option("ids", o->ids, "Experiments, or all")
+  ids.emplace_back(kRobustness);
+  verb->add_option("ids", o->ids, "Experiments, or all of the thesis; robustness has to be asked for")
       ->required()
       ->check(CLI::IsMember(ids))
       ->type_name("ID");
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
+  verb->add_option("--machines", o->machines, "Machines of robustness, each with deviations of its own")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  std::vector<std::string> factors = sim::variation_factors();
+  factors.insert(factors.begin(), "all");
+  verb->add_option("--vary", o->vary, "What the machines of robustness differ in")
+      ->check(CLI::IsMember(factors))
+      ->type_name("FACTOR")
+      ->capture_default_str();
   verb->add_option("--markdown", o->markdown, "Table for a document")->type_name("FILE.md");
   verb->add_option("--check", o->check,
                    "Compares with a table that --markdown wrote; exit code 1 when they differ")
@@ -272,7 +302,7 @@ void add_reproduce(CLI::App& app, Action& action) {
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck reproduce all --report build/reproduction\n  stribeck reproduce smc-circle "
-      "smc-free");
+      "smc-free\n  stribeck reproduce robustness --machines 1000");
   verb->callback([o, &action] { action = [o] { return reproduce(*o); }; });
 }
 

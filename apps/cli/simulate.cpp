@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/io/toml.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -19,7 +22,7 @@ struct Options {
   std::string output;
   std::uint64_t seed = 1;
   // along a path
-  std::string controller;  ///< empty: the last of the experiment, which has the most
+  std::string controller;  ///< empty: the product's default
   std::string experiment;
   PathOptions path;
   std::string speed;  ///< empty: 9.5 mm/s
@@ -127,16 +130,22 @@ sim::CompareSpec spec_of(const Options& o) {
     spec = sim::find_experiment(all, o.experiment)->settings.front().spec;
     spec.travels.resize(1);
   }
+  const std::size_t printed = spec.controllers.size();
+  add_beyond(spec.controllers, o.experiment, o.parameters);
   std::vector<std::string> ids;
   std::vector<sim::ControllerSpec> chosen;
   for (const sim::ControllerSpec& c : spec.controllers) {
     ids.push_back(c.id);
     if (c.id == o.controller) chosen = {c};
   }
-  if (o.controller.empty()) chosen = {spec.controllers.back()};
+  // The product's default, or the last of the thesis's controllers, which has the most.
+  if (o.controller.empty()) chosen = {default_controller(spec.controllers, printed)};
+  std::error_code ignored;
+  if (chosen.empty() && std::filesystem::exists(o.controller, ignored))
+    chosen = {read_controller(o.controller)};
   if (chosen.empty()) {
-    refuse_option("--controller", fmt::format("got {}, expected one of {}", io::in_quotes(o.controller),
-                                              report::listed(ids)));
+    refuse_option("--controller", fmt::format("got {}, expected a file or one of {}",
+                                              io::in_quotes(o.controller), report::listed(ids)));
   }
   spec.controllers = chosen;
   spec.trials = o.trial + 1;
@@ -194,8 +203,10 @@ void add_simulate(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);
-  verb->add_option("--controller", o->controller,
-                   "One of the controllers of the experiment, by its letter; left out: the last one");
+  verb->add_option(
+      "--controller", o->controller,
+      "One of the controllers of the experiment, by its letter, or a file like those of controllers/; left "
+      "out: (h), or the last of the thesis's own");
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->experiment, "Path, gains and controllers of an experiment of compare")

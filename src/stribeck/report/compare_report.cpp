@@ -182,18 +182,11 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
                           {"glitch", "µm", kMicro, [](const Metrics& m) { return m.quadrant_glitch; },
                            &PrintedRow::quadrant_glitch_um},
                           {"RMS", "µm", kMicro, [](const Metrics& m) { return m.rms; }, &PrintedRow::rms_um},
-                          {"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um},
                           {"mean |ε|", "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
-  using Get = double (*)(const Metrics&);
-  constexpr std::array<Get, control::kMostAxes> kTracking{
-      [](const Metrics& m) { return m.mean_abs_tracking[0]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[1]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[2]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[3]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[4]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
-  for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
-    all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
+  if (std::any_of(result.rows.begin(), result.rows.end(),
+                  [](const sim::CompareRow& r) { return std::isfinite(r.mean.quadrant_ratio); })) {
+    all.push_back({"quadrant ratio", "", 1.0, [](const Metrics& m) { return m.quadrant_ratio; }, nullptr});
+  }
   const auto tool_axis = [](const sim::CompareRow& r) { return std::isfinite(r.mean.max_orientation_error); };
   if (std::any_of(result.rows.begin(), result.rows.end(), tool_axis)) {
     all.push_back(
@@ -208,6 +201,18 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
                   [](const sim::CompareRow& r) { return std::isfinite(r.mean.mean_abs_ui); });
   if (current_known)
     all.push_back({"mean |u·i|", "W", 1.0, [](const Metrics& m) { return m.mean_abs_ui; }, nullptr, false});
+  // What is looked at least stands last, where a narrow page cuts it off.
+  all.push_back({"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um});
+  using Get = double (*)(const Metrics&);
+  constexpr std::array<Get, control::kMostAxes> kTracking{
+      [](const Metrics& m) { return m.mean_abs_tracking[0]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[1]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[2]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[3]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[4]; },
+      [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
+  for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
+    all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
   return all;
 }
 
@@ -239,6 +244,41 @@ Table controllers_table(const Block& block, const sim::CompareResult& result) {
       row.push_back(std::move(cell));
     }
     t.rows.push_back(std::move(row));
+  }
+  return t;
+}
+
+/// What adaptation found changed, one row for each controller, travel and axis; no rows without adaptation.
+Table drift_table(const sim::CompareResult& result) {
+  Table t{"",
+          {{"controller", "", false},
+           {"axis", "", false},
+           {"friction", "%"},
+           {"forwards", "%"},
+           {"backwards", "%"},
+           {"viscous", "%"},
+           {"break-away distance", "%"},
+           {"mass", "%"},
+           {"delay", "ms"},
+           {"in words", "", false}},
+          {}};
+  for (const sim::CompareRow& r : result.rows) {
+    for (std::size_t i = 0; i < r.drift.size(); ++i) {
+      const control::Drift& d = r.drift[i];
+      const auto percent = [](double share) { return Cell{fmt::format("{:+.0f}", 100.0 * share)}; };
+      Cell friction = percent(d.level);
+      friction.spread = fmt::format("± {:.0f}", 100.0 * d.level_deviation);
+      t.rows.push_back({{name_of(r), "", result.spec.travels[r.travel].pace_in_words()},
+                        {result.axes[i]},
+                        friction,
+                        percent(d.positive),
+                        percent(d.negative),
+                        percent(d.viscous),
+                        percent(d.break_away),
+                        percent(d.mass),
+                        {fmt::format("{:+.2f}", 1e3 * d.delay)},
+                        {std::string(describe(d.verdict))}});
+    }
   }
   return t;
 }
@@ -826,7 +866,9 @@ std::string compare_report(const CompareReportInput& input) {
       "largest |ε| within "
       "the first 0.15 mm that an axis travels after it reversed. ε: contour error; e: tracking error of an "
       "axis; mean |Δu|: "
-      "variation of the control input from period to period, which shows chattering.");
+      "variation of the control input from period to period, which shows chattering; quadrant ratio: mean of "
+      "the quadrants' "
+      "largest |ε| over that of windows as long elsewhere; at 1 there is no quadrant to be seen.");
   if (printed) {
     page.remark(
         "print: averages of 10 trials on the hardware of the thesis, with the ratio result to print. The "
@@ -849,6 +891,14 @@ std::string compare_report(const CompareReportInput& input) {
     page.figures(m.plots, 3, m.caption);
   }
 
+  if (const Table drift = drift_table(result); !drift.rows.empty()) {
+    page.section("Change since identification");
+    page.table(drift);
+    page.remark(
+        "What on-line adaptation believes at the end of the first trial, as shares of the identified model, "
+        "± standard "
+        "deviation. Delay: by how much more than assumed the force acts late.");
+  }
   page.section("Contour error along the path");
   for (const Block& b : blocks) {
     page.figures(

@@ -37,6 +37,7 @@ void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
   out["mean_abs_tracking_um"] = std::move(tracking);
   out["max_orientation_error_urad"] = number_or_null(m.max_orientation_error * kMicro);
   out["mean_orientation_error_urad"] = number_or_null(m.mean_orientation_error * kMicro);
+  out["quadrant_ratio"] = number_or_null(m.quadrant_ratio);
 }
 
 /// Cutting force against the feed, true and estimated.
@@ -122,6 +123,23 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
     row["spread"] = std::move(spread);
     if (const auto& cutting = result.spec.travels.at(r.travel).cutting; cutting && !r.trace.empty())
       row["cutting"] = cutting_json(sim::cutting_figures(r.trace, *cutting));
+    if (!r.drift.empty()) {
+      Json drift = Json::object();
+      for (std::size_t i = 0; i < r.drift.size(); ++i) {
+        const control::Drift& d = r.drift[i];
+        drift[result.axes[i]] = {{"level_percent", number_or_null(100.0 * d.level)},
+                                 {"level_deviation_percent", number_or_null(100.0 * d.level_deviation)},
+                                 {"forwards_percent", number_or_null(100.0 * d.positive)},
+                                 {"backwards_percent", number_or_null(100.0 * d.negative)},
+                                 {"viscous_percent", number_or_null(100.0 * d.viscous)},
+                                 {"break_away_distance_percent", number_or_null(100.0 * d.break_away)},
+                                 {"mass_percent", number_or_null(100.0 * d.mass)},
+                                 {"delay_ms", number_or_null(1e3 * d.delay)},
+                                 {"trend_percent_per_hour", number_or_null(100.0 * 3600.0 * d.trend)},
+                                 {"verdict", std::string(describe(d.verdict))}};
+      }
+      row["drift"] = std::move(drift);
+    }
     row["solver"] = {{"substeps", r.substeps > 0 ? Json(r.substeps) : Json(nullptr)},
                      {"accuracy_nm", number_or_null(result.spec.accuracy * 1e9)}};
     rows.push_back(std::move(row));

@@ -41,6 +41,7 @@ TEST(CompareJson, IsAsDescribed) {
       ],
       "max_orientation_error_urad": null,
       "mean_orientation_error_urad": null,
+      "quadrant_ratio": null,
       "spread": {
         "max_contour_error_um": 0.25,
         "quadrant_glitch_um": 0.125,
@@ -55,7 +56,8 @@ TEST(CompareJson, IsAsDescribed) {
           0.25
         ],
         "max_orientation_error_urad": null,
-        "mean_orientation_error_urad": null
+        "mean_orientation_error_urad": null,
+        "quadrant_ratio": null
       },
       "solver": {
         "substeps": 4,
@@ -80,6 +82,7 @@ TEST(CompareJson, IsAsDescribed) {
       ],
       "max_orientation_error_urad": null,
       "mean_orientation_error_urad": null,
+      "quadrant_ratio": null,
       "spread": {
         "max_contour_error_um": null,
         "quadrant_glitch_um": null,
@@ -94,7 +97,8 @@ TEST(CompareJson, IsAsDescribed) {
           null
         ],
         "max_orientation_error_urad": null,
-        "mean_orientation_error_urad": null
+        "mean_orientation_error_urad": null,
+        "quadrant_ratio": null
       },
       "solver": {
         "substeps": 4,

@@ -836,11 +836,14 @@ void thin(std::vector<double>& x, std::vector<double>& y, int columns) {
 }
 
 std::string controller_color(std::string_view id, std::size_t position) {
-  static constexpr std::array<std::string_view, 8> kPalette{"#7a7a7a", "#e69f00", "#009e73", "#56b4e9",
-                                                            "#d55e00", "#0072b2", "#cc79a7", "#000000"};
-  const std::size_t known =
-      id.size() == 1 && id[0] >= 'a' && id[0] <= 'f' ? static_cast<std::size_t>(id[0] - 'a') : 8;
-  return std::string(kPalette[known < 8 ? known : position % kPalette.size()]);
+  // Eight that everybody can tell apart, and as many darker or lighter for controllers (i) and on.
+  constexpr std::size_t kDistinct = 8;
+  static constexpr std::array<std::string_view, 16> kPalette{
+      "#7a7a7a", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#0072b2", "#cc79a7", "#000000",
+      "#8c3fc9", "#8a6d00", "#004d38", "#b3cde3", "#7f2704", "#4a4a8a", "#f2a6c2", "#a6a600"};
+  if (id.size() == 1 && id[0] >= 'a' && id[0] <= 'p')
+    return std::string(kPalette[static_cast<std::size_t>(id[0] - 'a')]);
+  return std::string(kPalette[position % kDistinct]);
 }
 
 }  // namespace stribeck::report

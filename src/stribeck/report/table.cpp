@@ -23,11 +23,29 @@ std::string with_spread(double mean, double spread) {
 std::vector<std::string> status_warnings(const sim::CompareResult& result) {
   std::vector<std::string> all;
   for (const sim::CompareRow& r : result.rows) {
-    for (const Status s : {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange}) {
+    for (const Status s :
+         {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange, Status::kOscillation}) {
       if (r.status.count(s) == 0) continue;
       all.push_back(fmt::format("({}) at {}: {} ({} times in {} trial{})", r.controller.id,
                                 result.spec.travels[r.travel].pace_in_words(), describe(s), r.status.count(s),
                                 result.spec.trials, result.spec.trials == 1 ? "" : "s"));
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> drift_words(const sim::CompareResult& result) {
+  std::vector<std::string> all;
+  for (const sim::CompareRow& r : result.rows) {
+    for (std::size_t i = 0; i < r.drift.size(); ++i) {
+      const control::Drift& d = r.drift[i];
+      all.push_back(fmt::format(
+          "({}) at {}, axis {}: friction {:+.0f} % (± {:.0f}), forwards {:+.0f} %, backwards {:+.0f} %, "
+          "viscous {:+.0f} %, "
+          "break-away distance {:+.0f} %, mass {:+.0f} %, delay {:+.2f} ms: {}",
+          r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i], 100.0 * d.level,
+          100.0 * d.level_deviation, 100.0 * d.positive, 100.0 * d.negative, 100.0 * d.viscous,
+          100.0 * d.break_away, 100.0 * d.mass, 1e3 * d.delay, describe(d.verdict)));
     }
   }
   return all;

@@ -18,6 +18,9 @@ inline constexpr std::size_t kTableWidth = 100;
 /// What controllers reported while they ran (limits, models asked outside their range), one sentence for each row.
 std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
+/// What on-line adaptation found changed since identification, one sentence for each row and axis.
+std::vector<std::string> drift_words(const sim::CompareResult& result);
+
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed = {});
 
 /// Mass, parameters with intervals, models that were tried, warnings.

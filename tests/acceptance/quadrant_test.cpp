@@ -1,0 +1,87 @@
+/// What the controllers that go beyond the thesis must reach, on seeds that nobody tuned with.
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "../cli/command.hpp"
+
+namespace stribeck::test {
+namespace {
+
+using Rows = std::map<std::pair<double, std::string>, nlohmann::json>;
+
+/// Rows by speed (0 where the path has none) and controller.
+Rows rows_of(const std::string& machine, const std::string& experiment, const std::string& trials) {
+  Folder f;
+  const Said said =
+      command({"compare", std::string(STRIBECK_SOURCE_DIR) + "/machines/" + machine + ".toml", "--experiment",
+               experiment, "--seed", "1000", "--trials", trials, "--json", f / "o.json", "--quiet"});
+  EXPECT_EQ(said.code, 0) << said.err;
+  Rows rows;
+  for (const auto& row : nlohmann::json::parse(text_of(f / "o.json"))["rows"]) {
+    const auto& speed = row["speed_mm_per_s"];
+    rows[{speed.is_null() ? 0.0 : speed.get<double>(), row["controller"].get<std::string>()}] = row;
+  }
+  return rows;
+}
+
+double get(const Rows& rows, double speed, const std::string& controller, const char* key) {
+  return rows.at({speed, controller})[key].get<double>();
+}
+
+TEST(Quadrant, OnTheCircleOfTheBiaxialTableIsNoLongerToBeSeen) {
+  const Rows rows = rows_of("biaxial-table", "bi-table", "10");
+  for (const double speed : {3.0, 9.5}) {
+    for (const char* c : {"g", "h", "i"}) {
+      const auto of = [&](const char* key) { return get(rows, speed, c, key); };
+      const auto of_f = [&](const char* key) { return get(rows, speed, "f", key); };
+      EXPECT_LE(of("max_contour_error_um"), 0.7) << c << speed;
+      EXPECT_GE(of("max_contour_error_um"), 0.1) << c << speed;  // noise alone
+      EXPECT_LE(of("rms_um"), 0.2) << c << speed;
+      EXPECT_LE(of("quadrant_ratio"), 1.3) << c << speed;
+      EXPECT_GE(of("quadrant_ratio"), 0.7) << c << speed;
+      EXPECT_LE(of("input_variation_V"), of_f("input_variation_V")) << c << speed;
+      EXPECT_LE(7.0 * of("max_contour_error_um"), of_f("max_contour_error_um")) << c << speed;
+      EXPECT_GE(of_f("quadrant_ratio"), 5.0);
+    }
+  }
+}
+
+TEST(Quadrant, NorOnEightAndTrifolium) {
+  for (const char* experiment : {"bi-eight", "bi-trifolium"}) {
+    const Rows rows = rows_of("biaxial-table", experiment, "10");
+    for (const double speed : {3.0, 9.5}) {
+      for (const char* c : {"g", "h", "i"})
+        EXPECT_LE(get(rows, speed, c, "max_contour_error_um"), 0.8) << experiment << c << speed;
+    }
+  }
+}
+
+TEST(Quadrant, OnTheTriaxialToolTheMeanFallsBelowTheThesis) {
+  for (const auto& [machine, share] :
+       {std::pair{"triaxial-tool", 0.4}, std::pair{"triaxial-tool-5ms", 0.5}}) {
+    for (const char* experiment : {"tri-circle", "tri-free", "smc-circle", "smc-free"}) {
+      const Rows rows = rows_of(machine, experiment, "4");
+      double thesis = 1e9;
+      for (const char* c : {"a", "b", "c"}) {
+        if (rows.count({0.0, c}) != 0) thesis = std::min(thesis, get(rows, 0.0, c, "mean_abs_um"));
+      }
+      EXPECT_LE(get(rows, 0.0, "i", "mean_abs_um"), share * thesis) << machine << experiment;
+      EXPECT_GE(get(rows, 0.0, "i", "mean_abs_um"), 0.01);
+    }
+  }
+}
+
+TEST(Quadrant, WhatAdaptationFoundIsSaid) {
+  const Rows rows = rows_of("biaxial-table", "bi-table", "1");
+  const auto& drift = rows.at({9.5, "h"})["drift"];
+  for (const char* axis : {"x", "y"}) {
+    EXPECT_LT(std::abs(drift[axis]["level_percent"].get<double>()), 6.0);
+    EXPECT_EQ(drift[axis]["verdict"], "as commissioned");
+  }
+  EXPECT_FALSE(rows.at({9.5, "g"}).contains("drift"));
+}
+
+}  // namespace
+}  // namespace stribeck::test
