@@ -116,6 +116,7 @@ friction::AxisModel as_model(const ident::Result& result) {
   friction::AxisModel model;
   model.mass = result.mass;
   model.load = result.load;
+  model.delay = result.delay;
   model.friction = result.friction;
   return model;
 }

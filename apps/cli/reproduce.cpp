@@ -248,10 +248,9 @@ int reproduce(const Options& o) {
   if (robust) {
     Progress progress("robustness", o.common.quiet);
     const Known& k = known.at(robustness.settings.front().machine);
-    page.sections.push_back(
-        reproduce_robustness(k.machine, k.identified, o.machines,
-                             o.vary == "all" ? sim::Variation{} : sim::vary_only(o.vary), o.seed, o.threads,
-                             [&](std::size_t done, std::size_t count) { progress(done, count); }));
+    page.sections.push_back(reproduce_robustness(
+        k.machine, k.identified, o.machines, o.vary == "all" ? sim::Variation{} : sim::vary_only(o.vary),
+        o.seed, o.threads, [&](std::size_t done, std::size_t count) { progress(done, count); }));
   }
 
   write_json(o.common.json, report::reproduction_json(page));

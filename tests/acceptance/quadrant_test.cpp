@@ -19,7 +19,8 @@ Rows rows_of(const std::string& machine, const std::string& experiment, const st
                experiment, "--seed", "1000", "--trials", trials, "--json", f / "o.json", "--quiet"});
   EXPECT_EQ(said.code, 0) << said.err;
   Rows rows;
-  for (const auto& row : nlohmann::json::parse(text_of(f / "o.json"))["rows"]) {
+  const auto json = nlohmann::json::parse(text_of(f / "o.json"));
+  for (const auto& row : json["rows"]) {
     const auto& speed = row["speed_mm_per_s"];
     rows[{speed.is_null() ? 0.0 : speed.get<double>(), row["controller"].get<std::string>()}] = row;
   }

@@ -1,5 +1,6 @@
 /// `reproduce`, and controllers of one's own in `compare`.
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
@@ -67,8 +68,9 @@ TEST(Compare, RunsEveryBuiltInLawBesideTheThesisOnes) {
   std::vector<std::string> words{"compare",  kMachine,   "--parameters", "thesis", "--trials",
                                  "1",        "--speed",  "9.5 mm/s",     "--json", f / "o.json",
                                  "--report", f / "page", "--quiet"};
-  const std::vector<std::string> laws{"pid",        "cascade",      "zpetc",     "cross-coupled",
-                                      "repetitive", "sliding-mode", "contouring"};
+  const std::vector<std::string> laws{"pid",           "cascade",    "zpetc",
+                                      "cross-coupled", "repetitive", "sliding-mode",
+                                      "contouring",    "predictive", "learning"};
   for (const auto& law : laws) {
     words.emplace_back("--controller");
     words.push_back(law);
@@ -83,6 +85,29 @@ TEST(Compare, RunsEveryBuiltInLawBesideTheThesisOnes) {
     EXPECT_GT(json["rows"][i]["rms_um"].get<double>(), 0.1 * b) << json["rows"][i]["label"];
     EXPECT_LT(json["rows"][i]["rms_um"].get<double>(), 2.0 * b) << json["rows"][i]["label"];
   }
+}
+
+TEST(Compare, RunsTheBuiltInControllersThatNeedBristles) {
+  Folder f;
+  const Said said =
+      command({"compare", kMachine, "--trials", "1", "--speed", "9.5 mm/s", "--controller", "dynamic",
+               "--controller", "kalman", "--controller", "reversal", "--json", f / "o.json", "--quiet"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(f / "o.json"));
+  std::map<std::string, double> max;
+  for (const auto& row : json["rows"]) max[row["controller"]] = row["max_contour_error_um"];
+  // The files are the controllers of the same kind among (g) and on, to the last bit of the trace's figures.
+  EXPECT_EQ(max.at("dynamic"), max.at("h"));
+  EXPECT_EQ(max.at("kalman"), max.at("i"));
+  // A distance of 4 um in place of the bristles: worse than (j), far better than (f).
+  EXPECT_GT(max.at("reversal"), max.at("j"));
+  EXPECT_LT(max.at("reversal"), 0.5 * max.at("f"));
+}
+
+TEST(Compare, BristlesAreNotPrinted) {
+  const Said said = command({"compare", kMachine, "--parameters", "thesis", "--controller", "dynamic"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_NE(said.err.find("nobody printed a model with bristles"), std::string::npos) << said.err;
 }
 
 TEST(Compare, TakesAControllerFromAFile) {

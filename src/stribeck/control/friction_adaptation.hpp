@@ -54,6 +54,9 @@ class FrictionAdaptation {
     bool started = false;
     bool informed = false;  ///< P holds its start
     double position = 0.0;  ///< where the axis is, within the encoder's step [m]
+    double reading = 0.0;   ///< of the encoder [m]
+    double jump = 0.0;      ///< least that the encoder has made while the axis hardly moved [m]
+    int jumps = 0;
     KalmanObserver::State observer;
     std::array<Vec<double, 3>, kCount> answers;
     Mat<double, kCount> p;
@@ -72,9 +75,11 @@ class FrictionAdaptation {
     const double noise = params.noise_share * level;
     // The observer only has to be much faster than what it shall see: it is in no loop.
     const double bandwidth = min_of(kBandwidth, 0.7 / period);
-    // What the encoder's rounding looks like through the observer.
-    const double rounding = model.mass * bandwidth * bandwidth * encoder_resolution / sqrt(12.0);
-    variance_ = (noise * noise + rounding * rounding) * max_of(1.0, 2.0 * params.correlation / period);
+    // What the encoder's rounding looks like through the observer comes on top.
+    const double rounding = model.mass * bandwidth * bandwidth / sqrt(12.0);
+    const double samples = max_of(1.0, 2.0 * params.correlation / period);
+    variance_ = noise * noise * samples;
+    rounding_ = rounding * rounding * samples;
     observer_ = KalmanObserver(KalmanObserver::density(bandwidth, encoder_resolution, model.mass),
                                encoder_resolution * encoder_resolution / 12.0, model.mass, period);
     spread_ = {{params.level_spread, params.level_spread, params.viscous_spread, params.stiffness_spread,
@@ -91,15 +96,16 @@ class FrictionAdaptation {
     if (!params_.enabled) return;
     if (!s.informed) {
       s.informed = true;
-      s.position = position;
+      s.position = s.reading = position;
       for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
       s.deviation = spread_;
       return;
     }
     // Somewhere within the encoder's step: as far as the reference went, unless the encoder says otherwise. Its own steps would
     // make bristles creep.
+    const double resolution = resolution_of(s, position, v);
     const double before = s.position;
-    s.position = clamp_to(before + period_ * v, position - 0.5 * resolution_, position + 0.5 * resolution_);
+    s.position = clamp_to(before + period_ * v, position - 0.5 * resolution, position + 0.5 * resolution);
     const double travel = s.position - before;
     constexpr double kStep = 1e-3;
     std::array<FrictionScales, 4> scales;
@@ -125,7 +131,7 @@ class FrictionAdaptation {
     if (!learn || v == 0.0) return;
     // P·φ and the gain
     Vector pf;
-    double sum = variance_;
+    double sum = variance_ + rounding_ * resolution * resolution;
     for (std::size_t i = 0; i < kCount; ++i) pf[i] = dot(s.p[i], phi);
     sum += dot(phi, pf);
     const double share = s.residual / sum;
@@ -172,6 +178,19 @@ class FrictionAdaptation {
     return {terms[0].amplitude * sin(angle), terms[0].amplitude * cos(angle)};
   }
 
+  /// Step of the encoder: as declared, or coarser if it jumps farther than that while the axis hardly moves [m].
+  double resolution_of(State& s, double reading, double v) const noexcept {
+    const double jump = abs(reading - s.reading);
+    s.reading = reading;
+    // A part of the declared step is rounding of the numbers themselves.
+    if (jump > 0.5 * resolution_ && jump > 2.0 * abs(v) * period_) {
+      s.jump = s.jumps == 0 ? jump : min_of(s.jump, jump);
+      if (s.jumps < kEnough) ++s.jumps;
+    }
+    return s.jumps < kEnough ? resolution_ : max_of(resolution_, s.jump);
+  }
+  static constexpr int kEnough = 2;
+
   static constexpr double kBandwidth = 140.0;  ///< of the observer G [1/s]
   /// How far θ may go, downwards and upwards.
   static constexpr std::array<std::array<double, 2>, kCount> kBounds{
@@ -185,6 +204,7 @@ class FrictionAdaptation {
   double period_ = 1e-3;
   double resolution_ = 0.0;
   double variance_ = 1.0;
+  double rounding_ = 0.0;  ///< variance over square of the encoder's step [N²/m²]
 };
 
 }  // namespace stribeck::control

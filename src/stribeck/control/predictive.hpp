@@ -13,7 +13,7 @@
 ///
 /// With points ahead (kPreview) corners are seen; with the present one alone its acceleration is taken to last.
 /// Source: after Lam, Manzie, Good 2010, doi:10.1109/CDC.2010.5717042, with progress found first (docs/theory/predictive.md).
-/// Not modelled: elasticity; jerk of progress; forces of other axes on one that is limited by a disturbance alone.
+/// Not modelled: elasticity; jerk of progress; limits of axes with different delays; slowing for an axis that only a disturbance limits.
 /// Real time: safe, time bounded by `iterations`; the constructor configure only. State: 23 KiB for two axes, 50 for five.
 /// Errors: setup.hpp.
 
@@ -193,7 +193,11 @@ class Predictive {
     read(s, ahead, place);
     for (std::size_t i = 0; i < N; ++i) {
       const Motion m = begin_of_hold(s, r, measured, i, first);
-      x[i] = {m.position - s.position[0][i], m.velocity - s.rate * s.velocity[0][i]};
+      // An axis that is late by more than the first has its error predicted to a later place of the reference.
+      const double later = setup_.compensation[i].delay - delay;
+      const double v = s.rate * s.velocity[0][i];
+      const double a = later == 0.0 ? 0.0 : mean(s, i, 0);
+      x[i] = {m.position - (s.position[0][i] + later * (v + 0.5 * later * a)), m.velocity - (v + later * a)};
       speed[i] = m.speed;
     }
 

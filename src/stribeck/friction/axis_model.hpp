@@ -13,14 +13,19 @@ struct AxisModel {
   double mass = 0.0;  ///< equivalent mass, reflected inertia included [kg]
   double load = 0.0;  ///< [N]
   Model friction;
+  double delay = 0.0;  ///< from the command of a force to the begin of its hold [s]
 
   static constexpr auto fields() {
-    return std::tuple{field("mass", &AxisModel::mass, quantity("kg", "N s2/mm").positive(),
-                            "equivalent mass, reflected inertia included"),
-                      field("load", &AxisModel::load, quantity("N", "N"),
-                            "constant force against the positive direction, e.g. weight")
-                          .or_default(),
-                      field("friction", &AxisModel::friction, "friction of the axis")};
+    return std::tuple{
+        field("mass", &AxisModel::mass, quantity("kg", "N s2/mm").positive(),
+              "equivalent mass, reflected inertia included"),
+        field("load", &AxisModel::load, quantity("N", "N"),
+              "constant force against the positive direction, e.g. weight")
+            .or_default(),
+        field("delay", &AxisModel::delay, quantity("s", "ms").not_negative(),
+              "computation delay: from the sample to the instant at which its force begins to act")
+            .or_default(),
+        field("friction", &AxisModel::friction, "friction of the axis")};
   }
 };
 

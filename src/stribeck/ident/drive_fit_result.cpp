@@ -53,6 +53,9 @@ Result DriveFit::finish() {
   }
   if (shift_free_) {
     const double T = records_.front().sample_time;
+    // A held force belongs to the motion half a row later without any delay (motion.hpp). One that was measured stands late, if
+    // at all, and acts at once.
+    result_.delay = std::max(0.0, (-shift_ - 0.5) * T);
     add("force_shift", shift_ * T, "s", "ms", error_at(q - 1) * T, true);
     warn(text("the force stands %.3g rows (%.3g ms) %s than the motion that it belongs to; this is taken out",
               std::abs(shift_), std::abs(shift_) * T * 1e3, shift_ > 0 ? "later" : "earlier"));

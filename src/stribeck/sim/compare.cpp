@@ -301,7 +301,7 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
         which.feedforward != control::Feedforward::kSteady || which.adaptation != control::Adaptation::kOff;
     c.adaptation.enabled = which.adaptation == control::Adaptation::kOn;
     c.reversal = which.reversal;
-    c.delay = axis.commissioning.delay;
+    c.delay = std::min(c.model.delay, static_cast<double>(control::kMostDelay) * machine.sample_time);
     c.encoder_resolution = axis.plant.encoder.resolution;
     setup.force_limit[i] = axis.force_limit();
   }

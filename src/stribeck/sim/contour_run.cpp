@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <span>
 #include <stribeck/sim/contour_run.hpp>
+#include <type_traits>
 
 namespace stribeck::sim {
 namespace {
@@ -39,6 +40,18 @@ Vec<double, N> asked_of(const Controller& controller, typename Controller::State
   }
 }
 
+/// Where to look for the nearest point of the path: at the reference, or behind it by the lag of a controller that slows down.
+template <class State, std::size_t N>
+double near_phi(const State& state, const std::vector<path::PathPoint<N>>& points, std::size_t k,
+                double period) {
+  if constexpr (std::is_same_v<State, typename control::Predictive<N>::State>) {
+    const auto behind = static_cast<std::size_t>(state.lag / period + 0.5);
+    return points[k - std::min(behind, k)].phi;
+  } else {
+    return points[k].phi;
+  }
+}
+
 template <class Controller, class Curve, std::size_t N>
 Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
                  const Controller& controller, const Curve& curve, const Route<N>& route,
@@ -57,7 +70,8 @@ Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain
       position[i] = axes[i].position();
     }
     const Vec<double, N> tracking = position - r.position;
-    const auto [error, orientation] = errors(curve, position, tracking, r.phi);
+    const auto [error, orientation] =
+        errors(curve, position, tracking, near_phi(state, route.points, k, period));
     const Vec<double, N> force = asked_of(controller, state, route.points, k, encoder);
     Vec<double, N> voltage;
     for (std::size_t i = 0; i < N; ++i) voltage[i] = force[i] / gain[i];

@@ -68,11 +68,15 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
     all.push_back(k);
   }
   if (const auto* sliding = std::get_if<control::SlidingModeParams>(&thesis.law)) {
+    // Super-twisting integrates by itself.
     ControllerSpec m = g;
+    m.observer = Observer::kNone;
     m.id = "m";
     m.label = "adaptive sliding mode, dynamic";
     control::SlidingModeParams law = *sliding;
     law.gain = control::SwitchingGain::kAdaptive;
+    law.switching = control::Switching::kSuperTwisting;
+    law.layer = 1.0;
     law.mass_bound = {};
     m.law = law;
     all.push_back(m);
@@ -83,10 +87,12 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
 namespace {
 
 ControllerSpec learning_controller(const ControllerSpec& thesis) {
-  ControllerSpec l = beyond_controllers(thesis).front();
+  // Over (i), which leaves the least to learn.
+  ControllerSpec l = beyond_controllers(thesis)[2];
   l.id = "l";
-  l.label = "learning, dynamic friction";
+  l.label = "learning over (i)";
   control::LearningParams law;
+  law.error_rate = control::ErrorRate::kObserved;
   if (const auto* c = std::get_if<ContouringParams>(&thesis.law)) {
     law.kp = c->kp;
     law.kv = c->kv;
@@ -110,13 +116,16 @@ Experiment passes(const Experiment& thesis) {
   }
   s.spec.controllers = {f};
   for (const ControllerSpec& c : beyond_controllers(f)) {
-    if (c.id == "g" || c.id == "h") s.spec.controllers.push_back(c);
+    if (c.id == "g" || c.id == "i") s.spec.controllers.push_back(c);
   }
   ControllerSpec over_f = learning_controller(f);
   over_f.id = "l-f";
   over_f.label = "learning over (f)";
   over_f.friction = f.friction;
   over_f.feedforward = f.feedforward;
+  over_f.observer = f.observer;
+  over_f.observer_pole = f.observer_pole;
+  std::get<control::LearningParams>(over_f.law).error_rate = control::ErrorRate::kDifferenceOfError;
   s.spec.controllers.push_back(over_f);
   s.spec.controllers.push_back(learning_controller(f));
   e.settings = {s};

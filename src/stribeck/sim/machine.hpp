@@ -40,7 +40,6 @@ struct Commissioning {
   double friction = 0.0;        ///< rough level, from a first push by hand or a slow ramp [N]
   double omega = 40.0;          ///< double pole of the position loop while recording [rad/s]
   double observer_pole = 20.0;  ///< of the disturbance observer while recording [1/s]
-  double delay = 0.0;           ///< from the sample to the begin of the hold [s]
   double sine_offset = 0.0;     ///< [m]
   double sine_amplitude = 0.0;  ///< [m]
   double sine_frequency = 0.0;  ///< [rad/s]
@@ -56,9 +55,6 @@ struct Commissioning {
             .or_default(),
         field("observer_pole", &Commissioning::observer_pole, quantity("1/s", "1/s").positive(),
               "poles of the disturbance observer while recording")
-            .or_default(),
-        field("delay", &Commissioning::delay, quantity("s", "ms").not_negative(),
-              "computation delay: from the sample to the instant at which its force begins to act")
             .or_default(),
         field("sine_offset", &Commissioning::sine_offset, quantity("m", "mm"),
               "middle of the sine excitation"),

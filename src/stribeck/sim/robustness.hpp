@@ -5,8 +5,9 @@
 /// machine and what was identified of it; the machines alone differ. A machine has its own noise, the same for
 /// all controllers.
 ///
-///   lost    the contour error passed a tenth of the path's extent, or a drive was at its limit for more than
-///           0.1 % of the ticks: an unstable loop that the limit holds together. A result, not an error.
+///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
+///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
+///           result, not an error.
 ///
 /// Quantiles interpolate between order statistics, Q(p) = x_k + (h − k)(x_{k+1} − x_k) with h = p(n − 1); a lost run counts as
 /// infinite.

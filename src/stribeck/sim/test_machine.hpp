@@ -19,7 +19,7 @@ inline Machine biaxial_table() {
     a.plant.friction.dynamics = friction::LuGre<double>{3e8, 600e3, 0.05e-3};
     a.plant.noise = plant::ForceNoise{20.0, 47e-3};
     a.limits = {-75e-3, 75e-3, 20e-3, 0.2};
-    a.commissioning = {55000.0, 1300.0, 40.0, 20.0, 0.0, -20e-3, 20e-3, 0.475};
+    a.commissioning = {55000.0, 1300.0, 40.0, 20.0, -20e-3, 20e-3, 0.475};
     m.axes.emplace_back(y ? "y" : "x", a);
   }
   return m;
