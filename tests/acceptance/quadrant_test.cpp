@@ -1,8 +1,13 @@
 /// What the controllers that go beyond the thesis must reach, on seeds that nobody tuned with.
 
 #include <algorithm>
+#include <apps/cli/learn.hpp>
+#include <apps/cli/machines.hpp>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stribeck/sim/robustness.hpp>
+#include <vector>
 
 #include "../cli/command.hpp"
 
@@ -82,6 +87,27 @@ TEST(Quadrant, WhatAdaptationFoundIsSaid) {
     EXPECT_EQ(drift[axis]["verdict"], "as commissioned");
   }
   EXPECT_FALSE(rows.at({9.5, "g"}).contains("drift"));
+}
+
+TEST(Robustness, TheDefaultStaysFarBelowTheThesisOnMachinesThatAreNotTheOneIdentified) {
+  const sim::Machine machine = cli::built_in_machine("biaxial-table");
+  sim::RobustnessSpec spec = sim::robust_biaxial();
+  std::erase_if(spec.controllers, [](const sim::ControllerSpec& c) { return c.id != "f" && c.id != "h"; });
+  ASSERT_EQ(spec.controllers.size(), 2U);
+  spec.machines = 60;
+  spec.seed = 1000;
+  std::vector<sim::AxisKnowledge> knowledge;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    knowledge.push_back(cli::learn_axis(machine, i, cli::Needs::of(spec.controllers), spec.seed).knowledge);
+  const sim::RobustnessResult result = sim::robustness(machine, knowledge, spec);
+  for (std::size_t i = 0; i + 1 < result.rows.size(); i += 2) {
+    const auto f = sim::quantiles(sim::figures(result.rows[i], &sim::Metrics::max_contour_error));
+    const auto h = sim::quantiles(sim::figures(result.rows[i + 1], &sim::Metrics::max_contour_error));
+    EXPECT_EQ(sim::lost(result.rows[i + 1]), 0U);
+    EXPECT_LE(h.median, 0.4 * f.median);
+    EXPECT_GE(h.median, 0.02 * f.median);
+    EXPECT_LE(h.p99, 0.7 * f.p99);
+  }
 }
 
 }  // namespace

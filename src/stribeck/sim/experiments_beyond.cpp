@@ -45,7 +45,7 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
   h.adaptation = control::Adaptation::kOn;
   ControllerSpec i = g;
   i.id = "i";
-  i.label = "dynamic friction, Kalman observer";
+  i.label = "dynamic friction, Kalman";
   i.observer = Observer::kKalman;
   i.observer_pole = 1.5 * speed_of(thesis.law);
   std::visit(

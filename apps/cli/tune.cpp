@@ -1,0 +1,244 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <apps/cli/commands.hpp>
+#include <apps/cli/machines.hpp>
+#include <apps/cli/parameters.hpp>
+#include <apps/cli/path_options.hpp>
+#include <apps/cli/shared.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/report/tune_report.hpp>
+#include <stribeck/sim/experiments.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+constexpr const char* kVaried = "bi-table";
+
+struct Options {
+  Common common;
+  std::string machine;
+  std::string experiment;
+  ParameterOptions parameters;
+  std::uint32_t trials = 10;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+  std::vector<std::string> speeds;
+  std::vector<std::string> controllers;
+  PathOptions path;
+  double phase_margin = 45.0;
+  double gain_margin = 6.0;
+  double delay_margin = 1.0;
+  std::string input_variation;
+  std::string axial_mode;
+  int evaluations = 300;
+  std::string out;
+};
+
+/// As compare has it.
+std::string experiment_for(const sim::Machine& machine) {
+  switch (machine.axes.size()) {
+    case 1:
+      return "uni-sim";
+    case 2:
+      return kVaried;
+    case 5:
+      return "five-axis";
+    default:
+      return "tri-circle";
+  }
+}
+
+/// Travels, and the controllers that the machine's experiment has; `printed` of them are the thesis's.
+sim::CompareSpec experiment_of(const Options& o, std::size_t& printed) {
+  sim::CompareSpec s;
+  if (o.experiment == kVaried) {
+    for (const std::string& speed : o.speeds)
+      s.travels.push_back(
+          make_travel(o.path, option_si("--speed", speed, quantity("m/s", "mm/s").positive())));
+    if (s.travels.empty()) s.travels = {make_travel(o.path, 3e-3), make_travel(o.path, 9.5e-3)};
+    s.controllers = make_controllers(o.path);
+    s.accuracy = make_accuracy(o.path);
+  } else {
+    const auto all = sim::experiments();
+    s = sim::find_experiment(all, o.experiment)->settings.front().spec;
+    if (!(o.path == PathOptions{}) || !o.speeds.empty()) {
+      refuse_option("--experiment",
+                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
+                                o.experiment, kVaried));
+    }
+  }
+  printed = s.controllers.size();
+  add_beyond(s.controllers, o.experiment, o.parameters);
+  s.trials = o.trials;
+  s.seed = o.seed;
+  s.threads = o.threads;
+  return s;
+}
+
+/// One of the experiment's by its id, one that is built in, or a file.
+sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
+  for (const sim::ControllerSpec& c : known) {
+    if (c.id == name) return c;
+  }
+  return read_controller(name);
+}
+
+sim::TuneSpec spec_of(const Options& o) {
+  sim::TuneSpec s;
+  std::size_t printed = 0;
+  s.compare = experiment_of(o, printed);
+  s.reference = s.compare.controllers[printed - 1];
+  if (!o.controllers.empty()) {
+    const std::vector<sim::ControllerSpec> known = std::move(s.compare.controllers);
+    s.compare.controllers.clear();
+    for (const std::string& name : o.controllers) {
+      sim::ControllerSpec more = chosen(known, name);
+      for (const sim::ControllerSpec& other : s.compare.controllers) {
+        if (other.id == more.id) {
+          refuse_option("--controller",
+                        fmt::format("{}: there is a controller with the id {} already (choose another id)",
+                                    io::in_quotes(name), io::in_quotes(more.id)));
+        }
+      }
+      s.compare.controllers.push_back(std::move(more));
+    }
+  }
+  if (!std::isfinite(o.phase_margin) || !std::isfinite(o.gain_margin) || !std::isfinite(o.delay_margin))
+    refuse_option("--phase-margin, --gain-margin, --delay-margin", "expected finite numbers");
+  s.limits.phase_margin = o.phase_margin * kPi / 180.0;
+  s.limits.gain_margin = std::pow(10.0, o.gain_margin / 20.0);
+  s.limits.delay_margin = o.delay_margin;
+  if (!o.input_variation.empty())
+    s.limits.input_variation =
+        option_si("--input-variation", o.input_variation, quantity("V", "V").positive());
+  if (!o.axial_mode.empty()) {
+    // Light damping and a table of half the mass, where nothing was measured.
+    const plant::AxialMode mode{option_si("--axial-mode", o.axial_mode, quantity("Hz", "Hz").positive()),
+                                0.02, 0.5};
+    s.limits.axial_mode.assign(control::kMostAxes, mode);
+  }
+  s.evaluations = o.evaluations;
+  return s;
+}
+
+bool is_file(const std::string& out) { return out.size() > 5 && out.ends_with(".toml"); }
+
+/// Where each tuned controller goes.
+std::string file_of(const Options& o, const std::string& id) {
+  return is_file(o.out) ? o.out : o.out + "/" + id + ".toml";
+}
+
+int tune(Options o) {
+  const sim::Machine machine = load_machine(o.machine);
+  if (o.experiment.empty()) o.experiment = experiment_for(machine);
+  const sim::TuneSpec spec = spec_of(o);
+  std::vector<std::string> inputs = o.controllers;
+  inputs.push_back(o.machine);
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
+  std::vector<std::string> outputs{page_of(o.common), o.common.json};
+  if (!o.out.empty()) {
+    if (is_file(o.out) && spec.compare.controllers.size() > 1) {
+      refuse_option("-o",
+                    fmt::format("got a file for {} controllers, expected a folder (or a single --controller)",
+                                spec.compare.controllers.size()));
+    }
+    if (!is_file(o.out)) io::make_directory(o.out);
+    for (const sim::ControllerSpec& c : spec.compare.controllers) outputs.push_back(file_of(o, c.id));
+  }
+  check_distinct(inputs, outputs);
+  check_outputs(o.common);
+  if (is_file(o.out)) check_writable(o.out);
+  check_travel(machine, o.machine, spec.compare);
+  sim::CompareSpec needed = spec.compare;
+  if (!spec.limits.input_variation) needed.controllers.push_back(*spec.reference);
+  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, needed);
+  sim::TuneResult result;
+  {
+    Progress progress("tune", o.common.quiet);
+    result = sim::tune(machine, parameters.knowledge, spec,
+                       [&](std::size_t done, std::size_t all) { progress(done, all); });
+  }
+  write_json(o.common.json, report::to_json(result, spec));
+  if (!o.common.report.empty())
+    report::write_tune_report(o.common.report,
+                              {result, spec, parameters.words, typed_command(), STRIBECK_VERSION});
+  bool all = true;
+  for (const sim::TunedController& c : result.controllers) {
+    all = all && c.missed.empty();
+    if (o.out.empty() || !c.missed.empty()) continue;
+    io::write_atomically(file_of(o, c.start.id),
+                         io::write_toml(c.tuned, "Tuned by stribeck " STRIBECK_VERSION " on the machine \"" +
+                                                     machine.name + "\": docs/theory/tuning.md."));
+  }
+  say(o.common, report::text_table(result, spec));
+  say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
+  if (all) return 0;
+  std::vector<std::string> missed;
+  for (const sim::TunedController& c : result.controllers) {
+    if (!c.missed.empty()) missed.push_back("controller (" + c.start.id + "): " + c.missed);
+  }
+  throw sim::Refused(report::joined(missed, "; "));
+}
+
+}  // namespace
+
+void add_tune(CLI::App& app, Action& action) {
+  auto* verb =
+      app.add_subcommand("tune", "Gains by optimisation under limits, the same search for every controller");
+  auto o = std::make_shared<Options>();
+  verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
+  std::vector<std::string> ids;
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  verb->add_option("--experiment", o->experiment,
+                   "Experiment whose path and controllers are taken; left out: as compare chooses")
+      ->check(CLI::IsMember(ids));
+  verb->add_option(
+          "--controller", o->controllers,
+          fmt::format(
+              "Only these, repeatable: an id of the experiment's, {}, or a file like those of controllers/",
+              report::listed(built_in_controllers())))
+      ->type_name("ID|NAME|FILE.toml");
+  verb->add_option("--phase-margin", o->phase_margin, "Least phase margin of the loop, in degrees")
+      ->check(CLI::Range(1.0, 90.0))
+      ->capture_default_str();
+  verb->add_option("--gain-margin", o->gain_margin, "Least gain margin, up and down, in dB")
+      ->check(CLI::Range(0.1, 40.0))
+      ->capture_default_str();
+  verb->add_option("--delay-margin", o->delay_margin,
+                   "Least delay that the loop bears in addition, in control periods")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  verb->add_option("--input-variation", o->input_variation,
+                   "Largest mean |Δu| on every travel; left out: that of the thesis's last controller of the "
+                   "experiment at its "
+                   "own gains, (f) on the biaxial table")
+      ->type_name("VOLTAGE");
+  verb->add_option("--axial-mode", o->axial_mode,
+                   "Frequency of a first axial mode of every axis that the loop must bear; left out: rigid")
+      ->type_name("FREQUENCY");
+  verb->add_option("--evaluations", o->evaluations, "Gains tried for each controller")
+      ->check(CLI::Range(10, 100000))
+      ->capture_default_str();
+  verb->add_option("-o,--output", o->out,
+                   "Controller files: a folder for ID.toml of each, or FILE.toml for a single controller")
+      ->type_name("DIR|FILE.toml");
+  add_parameter_options(*verb, o->parameters);
+  add_trials(*verb, o->trials, o->threads);
+  add_seed(*verb, o->seed);
+  verb->add_option("--speed", o->speeds, "Speed along the path, repeatable; left out: 3 and 9.5 mm/s")
+      ->type_name("SPEED");
+  add_path_options(*verb, o->path);
+  add_common(*verb, o->common);
+  refuse_empty_options(*verb);
+  verb->footer(
+      "Example:\n  stribeck tune machines/biaxial-table.toml --controller f --controller pid -o tuned");
+  verb->callback([o, &action] { action = [o] { return tune(*o); }; });
+}
+
+}  // namespace stribeck::cli

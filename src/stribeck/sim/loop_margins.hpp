@@ -1,0 +1,53 @@
+#pragma once
+/// Margins of the loop that a control law closes, measured on the law as it is, whatever it is.
+///
+///   C(z)   answer of the law's force to a short small error of the measured position, less the answer without; reference straight
+///          on at constant speed. Integrators are differenced out: C = Σ Δ^q h_n z⁻ⁿ / (1 − z⁻¹)^q
+///   P(z)   mass, force held over a period and late by the declared delay, first axial mode where one is declared; exact
+///   L_i    loop of axis i broken at its force, the other axes closed:  1/[(I + C·P)⁻¹]_ii − 1,  and C·P where axes do not couple
+///
+///   phase margin   least |arg(−L)| where |L| = 1                  gain margin    least factor, up or down, to L = −1
+///   delay margin   least (π + arg L)/ω where |L| = 1, in [0, 2π)/ω modulus       least |1 + L|
+///
+/// The tangent lies along each axis in turn, so that the gains along and across the path meet every drive. Stable: a small
+/// error of the closed linear loop dies out. Unstable loops have the same distances with the sign turned: phase < 0, gain < 1,
+/// delay 0. Switching with sgn counts with its describing function 4k/(πa) at a = 0.1 mm/s of the surface: 1 µm at 100 rad/s.
+/// Sign: L = +C·P, C > 0 for a force against the error. Source: Åström, Murray 2008, Feedback Systems, 9.3; Skogestad,
+/// Postlethwaite 2005, 8.5 (one loop at a time); Gelb, Vander Velde 1968 (describing function).
+/// Not modelled: friction in the plant (viscous friction helps, pre-sliding stiffens), limits, adaptation of the friction model
+/// (slow), what a law learned laps ago, frames turned between the axes, errors of the mass.
+/// Real time: no. Errors: Refused where a law has no linear part or does not settle.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <stribeck/control/laws.hpp>
+#include <stribeck/plant/params.hpp>
+
+namespace stribeck::sim {
+
+struct LoopMargins {
+  bool stable = false;
+  double phase = std::numeric_limits<double>::infinity();      ///< [rad]
+  double gain = std::numeric_limits<double>::infinity();       ///< [1]; 2 is 6 dB
+  double gain_up = std::numeric_limits<double>::infinity();    ///< the same, for more gain only
+  double gain_down = std::numeric_limits<double>::infinity();  ///< the same, for less gain, as a divisor
+  double delay = std::numeric_limits<double>::infinity();      ///< more delay that the loop bears [s]
+  double modulus = std::numeric_limits<double>::infinity();
+  double crossover = 0.0;  ///< highest frequency where |L| = 1 [rad/s]
+  std::size_t axis = 0;    ///< with the least phase margin
+};
+
+/// What is known of the drives beside the setup's masses and delays: a first axial mode.
+template <std::size_t N>
+using DeclaredModes = std::array<std::optional<plant::AxialMode>, N>;
+
+/// For the masses, period and delays of the setup. Limits of force, adaptation and friction of the setup are left out.
+template <std::size_t N>
+LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>& setup,
+                         const DeclaredModes<N>& modes = {});
+
+/// The law with its switching part in place of sgn as a line through the origin, at the amplitude above.
+control::LawParams linear_part(const control::LawParams& law);
+
+}  // namespace stribeck::sim

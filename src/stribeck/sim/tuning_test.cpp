@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/sim/test_machine.hpp>
+#include <stribeck/sim/tuning.hpp>
+
+namespace stribeck::sim {
+namespace {
+
+/// (f) on a lap of the circle.
+TuneSpec short_spec() {
+  TuneSpec s;
+  s.compare.travels = {test::circle(9.5e-3, 1.0)};
+  s.reference = biaxial_controllers()[5];
+  s.compare.controllers = {*s.reference};
+  s.compare.trials = 2;
+  s.evaluations = 36;
+  s.search_trials = 1;
+  return s;
+}
+
+double error(const std::vector<TravelScore>& s) { return s.at(0).mean.max_contour_error + s.at(0).mean.rms; }
+
+TEST(Gains, AreTheNumbersThatCountInTime) {
+  ControllerSpec c;
+  c.law = control::SlidingModeParams{};
+  const auto names = [&](std::size_t axes) {
+    std::vector<std::string> all;
+    for (const Gain& g : gains_of(c, axes)) all.push_back(g.name);
+    return all;
+  };
+  const auto has = [&](std::size_t axes, const char* name) {
+    const auto all = names(axes);
+    return std::find(all.begin(), all.end(), name) != all.end();
+  };
+  EXPECT_TRUE(has(2, "law.lambda[1]"));
+  EXPECT_FALSE(has(1, "law.lambda[1]"));
+  EXPECT_TRUE(has(2, "law.boundary"));
+  EXPECT_TRUE(has(2, "observer_pole"));
+  EXPECT_FALSE(has(2, "law.mass_bound"));
+  // An integral that is not there is no gain to change.
+  control::PidParams pid;
+  pid.ki = {0.0};
+  c.law = pid;
+  EXPECT_FALSE(has(2, "law.ki"));
+  EXPECT_TRUE(has(2, "law.kp"));
+}
+
+TEST(Gains, SlowedKeepDampingRatios) {
+  ControllerSpec c;
+  c.law = control::ContouringParams::critical(40.0, 60.0);
+  const ControllerSpec half = slowed(c, 2, 0.5);
+  const auto expected = control::ContouringParams::critical(20.0, 30.0);
+  const auto& law = std::get<control::ContouringParams>(half.law);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_DOUBLE_EQ(law.kp[i], expected.kp[i]);
+    EXPECT_DOUBLE_EQ(law.kv[i], expected.kv[i]);
+  }
+  EXPECT_DOUBLE_EQ(half.observer_pole, 10.0);
+  // Times grow: at half the speed an integral time is twice as long.
+  ControllerSpec cascade;
+  cascade.law = control::CascadeParams{};
+  EXPECT_DOUBLE_EQ(std::get<control::CascadeParams>(slowed(cascade, 2, 0.5).law).integral_time[0], 0.2);
+}
+
+TEST(Tune, IsBetterWithinTheLimitsOnAnyNumberOfThreads) {
+  TuneSpec s = short_spec();
+  s.compare.controllers.push_back(biaxial_controllers()[2]);
+  s.compare.threads = 1;
+  const TuneResult one = tune(test::biaxial_table(), test::printed(), s);
+  s.compare.threads = 3;
+  const TuneResult three = tune(test::biaxial_table(), test::printed(), s);
+  ASSERT_EQ(one.controllers.size(), 2U);
+  EXPECT_EQ(one.reference, "f");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TunedController& c = one.controllers[i];
+    ASSERT_EQ(c.missed, "");
+    EXPECT_LE(c.evaluations, s.evaluations + 1);
+    EXPECT_LT(error(c.after), error(c.before));
+    EXPECT_GE(c.tuned_margins.phase, s.limits.phase_margin);
+    EXPECT_GE(c.tuned_margins.gain, s.limits.gain_margin);
+    EXPECT_GE(c.tuned_margins.delay, 5e-3);
+    // 0.5 % are kept back; two trials spread by less.
+    EXPECT_LE(c.after[0].mean.input_variation, 1.01 * one.variation_limit[0]);
+    // Without an observer its pole has no effect, and stays.
+    const bool pole =
+        std::any_of(c.gains.begin(), c.gains.end(), [](const auto& g) { return g.name == "observer_pole"; });
+    EXPECT_EQ(pole, c.start.id == "f");
+    ASSERT_EQ(c.gains.size(), three.controllers[i].gains.size());
+    for (std::size_t k = 0; k < c.gains.size(); ++k)
+      EXPECT_EQ(c.gains[k].tuned, three.controllers[i].gains[k].tuned);
+    EXPECT_EQ(error(c.after), error(three.controllers[i].after));
+  }
+}
+
+TEST(Tune, SeesTheDelayThatMakesTheStartUnstable) {
+  Machine late = test::biaxial_table();
+  for (auto& [name, a] : late.axes) a.plant.delay_periods = 1;
+  auto known = test::printed();  // and says so
+  for (AxisKnowledge& k : known) k.gaussian->delay = k.conventional->delay = late.sample_time;
+  TuneSpec s = short_spec();
+  s.compare.controllers[0].law = control::ContouringParams::critical(60.0, 70.0);
+  s.evaluations = 12;
+  const TuneResult r = tune(late, known, s);
+  const TunedController& c = r.controllers[0];
+  EXPECT_FALSE(c.start_margins.stable);
+  ASSERT_EQ(c.missed, "");
+  EXPECT_TRUE(c.tuned_margins.stable);
+  EXPECT_GE(c.tuned_margins.phase, s.limits.phase_margin);
+  // The machine that it runs on agrees: friction keeps the unstable loop in a limit cycle, and the tuned one is out of it.
+  EXPECT_LT(c.after.at(0).mean.max_contour_error, 0.5 * c.before.at(0).mean.max_contour_error);
+  EXPECT_LT(c.after.at(0).mean.input_variation, 0.5 * c.before.at(0).mean.input_variation);
+}
+
+TEST(Tune, SaysWhichLimitNoGainsMeet) {
+  TuneSpec s = short_spec();
+  s.limits.input_variation = 1e-6;
+  s.evaluations = 12;
+  const TunedController c = tune(test::biaxial_table(), test::printed(), s).controllers[0];
+  EXPECT_NE(c.missed.find("input variation"), std::string::npos) << c.missed;
+  EXPECT_TRUE(c.after.empty());
+  EXPECT_FALSE(c.before.empty());
+  EXPECT_EQ(c.tuned.observer_pole, c.start.observer_pole);
+  s.limits.input_variation.reset();
+  s.limits.phase_margin = 89.0 * kPi / 180.0;
+  EXPECT_NE(tune(test::biaxial_table(), test::printed(), s).controllers[0].missed.find("phase margin"),
+            std::string::npos);
+  s.compare.controllers.clear();
+  EXPECT_THROW(tune(test::biaxial_table(), test::printed(), s), Refused);
+}
+
+}  // namespace
+}  // namespace stribeck::sim
