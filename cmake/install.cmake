@@ -5,12 +5,14 @@ include(CMakePackageConfigHelpers)
 
 set(modules core friction path control plant sim)
 list(TRANSFORM modules PREPEND stribeck_ OUTPUT_VARIABLE targets)
+list(APPEND targets stribeck_capi stribeck_capi_plant)
 install(TARGETS ${targets} EXPORT stribeckTargets)
 install(TARGETS stribeck RUNTIME)
 foreach(module IN LISTS modules)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/stribeck/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stribeck
           FILES_MATCHING PATTERN "*.hpp" PATTERN "test_*" EXCLUDE)
 endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/capi/include/stribeck DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT stribeckTargets NAMESPACE stribeck:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)
 file(WRITE ${PROJECT_BINARY_DIR}/stribeckConfig.cmake
      "include(CMakeFindDependencyMacro)\nfind_dependency(Threads)\ninclude(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)\n")

@@ -25,7 +25,9 @@ void add_identify(CLI::App& app, Action& action);
 void add_excite(CLI::App& app, Action& action);
 void add_reproduce(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
+void add_tune(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Action& action);
 
 /// The command as it was typed, for pages that say how to make them again.
 const std::string& typed_command();

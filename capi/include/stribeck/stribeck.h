@@ -1,0 +1,148 @@
+/*
+ * Stribeck for hosts in C: position controller of one to three axes, with all that the real-time tier knows of friction.
+ *
+ *   size_t n = stribeck_controller_size(1);
+ *   stribeck_controller *c = stribeck_controller_init(memory, n, 1);      memory of yours, stribeck_alignment() aligned
+ *   stribeck_controller_set(c, 0, "mass", 1000.0);                        SI; names: stribeck_controller_parameter()
+ *   stribeck_controller_configure(c, 1e-3);                               control period [s]; checks everything
+ *   stribeck_controller_step(c, in, force);                               once per period
+ *
+ * Law: contouring control, which is PD for one axis; docs/theory/control.md. Force on the axis in N, positive in the positive
+ * direction; friction positive for a positive velocity. The frame of two and three axes comes from the commanded motion.
+ * A number that is "left out" is NaN. Elements of lists are named by their index, from 0.
+ *
+ * Real time: step, reset and signals are safe: no allocation, exception, lock or input and output. They use what is in the
+ * handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs up to some
+ * hundred microseconds. A handle may be thrown away with its memory; there is nothing to release.
+ * Errors: a result below zero, and then nothing has changed; stribeck_controller_problem() says which parameter and why.
+ */
+#ifndef STRIBECK_STRIBECK_H
+#define STRIBECK_STRIBECK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+#define STRIBECK_NOEXCEPT noexcept
+extern "C" {
+#else
+#define STRIBECK_NOEXCEPT
+#endif
+
+/* Grows with every change that breaks compiled programs. Compare with stribeck_abi() after loading. */
+#define STRIBECK_ABI 1u
+#define STRIBECK_MAX_AXES 3u
+
+typedef int32_t stribeck_result;
+enum {
+  STRIBECK_OK = 0,
+  STRIBECK_BAD_HANDLE = -1,   /* null, or memory that init has not seen */
+  STRIBECK_BAD_ARGUMENT = -2, /* an index too high, a null pointer, a period that is no time */
+  STRIBECK_UNKNOWN_NAME = -3, /* no such parameter, or an element beyond the list's end */
+  STRIBECK_OUT_OF_RANGE = -4, /* the parameter does not take this value */
+  STRIBECK_NOT_SELECTED =
+      -5,                /* belongs to a kind of model that is not chosen: set e.g. friction.steady first */
+  STRIBECK_REFUSED = -6, /* the parameters together mean nothing; see problem() */
+  STRIBECK_NOT_CONFIGURED = -7, /* step before configure */
+  STRIBECK_NOT_FINITE = -8,     /* an input was NaN or infinite; the forces are the last ones */
+  STRIBECK_NO_MEMORY = -9
+};
+
+/* What this library can do; bits of stribeck_capabilities(). */
+enum {
+  STRIBECK_HAS_CONTOURING = 1u << 0,
+  STRIBECK_HAS_DYNAMIC_FEEDFORWARD = 1u << 1,
+  STRIBECK_HAS_REVERSAL_FEEDFORWARD = 1u << 2,
+  STRIBECK_HAS_DISTURBANCE_OBSERVER = 1u << 3,
+  STRIBECK_HAS_KALMAN_OBSERVER = 1u << 4,
+  STRIBECK_HAS_ADAPTIVE_FRICTION = 1u << 5,
+  STRIBECK_HAS_FRICTION_ADAPTATION = 1u << 6
+};
+
+uint32_t stribeck_abi(void) STRIBECK_NOEXCEPT;
+uint32_t stribeck_capabilities(void) STRIBECK_NOEXCEPT;
+const char* stribeck_version(void) STRIBECK_NOEXCEPT;
+const char* stribeck_describe(stribeck_result) STRIBECK_NOEXCEPT;
+size_t stribeck_alignment(void) STRIBECK_NOEXCEPT;
+
+/* One declared parameter. */
+typedef enum stribeck_parameter_kind {
+  STRIBECK_NUMBER = 0, /* with a unit */
+  STRIBECK_INTEGER = 1,
+  STRIBECK_SWITCH = 2, /* 0 or 1 */
+  STRIBECK_CHOICE = 3  /* index of a word: stribeck_..._parameter_word() */
+} stribeck_parameter_kind;
+
+typedef struct stribeck_parameter {
+  char name[64];
+  const char* unit;  /* SI unit of the value; "" for a pure number */
+  const char* about; /* one sentence */
+  double value;      /* before it is set; NaN: left out */
+  double min;
+  double max;
+  int32_t kind; /* stribeck_parameter_kind */
+  uint32_t words;
+} stribeck_parameter;
+
+/* ---- controller ---- */
+
+typedef struct stribeck_controller stribeck_controller;
+
+/* Bytes for a controller of that many axes; 0: there is none. */
+size_t stribeck_controller_size(uint32_t axes) STRIBECK_NOEXCEPT;
+
+/* A controller in memory of the caller, with the initial values of all parameters; null when the memory is too small or not
+ * aligned. The same memory may be initialised again. */
+stribeck_controller* stribeck_controller_init(void* memory, size_t size, uint32_t axes) STRIBECK_NOEXCEPT;
+
+/* The parameters of one axis, index 0 and up; STRIBECK_BAD_ARGUMENT after the last. omega, kp and kv are gains of the path's
+ * directions: axis 0 means along the path, the others across it. */
+stribeck_result stribeck_controller_parameter(uint32_t index, stribeck_parameter*) STRIBECK_NOEXCEPT;
+/* Word of a choice; null after the last. */
+const char* stribeck_controller_parameter_word(const char* name, uint32_t index) STRIBECK_NOEXCEPT;
+
+/* Takes effect with the next configure. */
+stribeck_result stribeck_controller_set(stribeck_controller*, uint32_t axis, const char* name,
+                                        double value) STRIBECK_NOEXCEPT;
+/* The same for a choice by its word. */
+stribeck_result stribeck_controller_choose(stribeck_controller*, uint32_t axis, const char* name,
+                                           const char* word) STRIBECK_NOEXCEPT;
+
+/* Checks all parameters and builds the controller, which begins anew. When refused, it goes on as it was. */
+stribeck_result stribeck_controller_configure(stribeck_controller*, double period) STRIBECK_NOEXCEPT;
+/* What the last call that failed did not like: "axis 1: mass: ...". */
+const char* stribeck_controller_problem(const stribeck_controller*) STRIBECK_NOEXCEPT;
+
+typedef struct stribeck_axis_input {
+  double position;     /* reference at this sample [m] */
+  double velocity;     /* [m/s] */
+  double acceleration; /* [m/s2] */
+  double measured;     /* encoder at this sample [m] */
+} stribeck_axis_input;
+
+/* Forces for the coming period [N], one per axis, from one input per axis. */
+stribeck_result stribeck_controller_step(stribeck_controller*, const stribeck_axis_input*,
+                                         double* force) STRIBECK_NOEXCEPT;
+/* Forgets all motion: the next step is a first one. */
+stribeck_result stribeck_controller_reset(stribeck_controller*) STRIBECK_NOEXCEPT;
+
+/* What the last step did on one axis. */
+typedef struct stribeck_axis_signals {
+  double force;       /* [N], after the limit */
+  double friction;    /* feed-forward and load in it [N] */
+  double disturbance; /* estimate of the observer in it [N] */
+  double error;       /* encoder minus reference [m] */
+  double error_rate;  /* [m/s] */
+  double level;       /* by adaptation: change of the level of friction as a share; NaN without */
+  int32_t limited;    /* the force was cut */
+  int32_t backed_off; /* the loop oscillated, and observer and adaptation were turned down */
+} stribeck_axis_signals;
+
+/* `size` is sizeof(stribeck_axis_signals), so that the struct may grow at its end. */
+stribeck_result stribeck_controller_signals(const stribeck_controller*, uint32_t axis, stribeck_axis_signals*,
+                                            size_t size) STRIBECK_NOEXCEPT;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

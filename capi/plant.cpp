@@ -1,0 +1,138 @@
+#include <stribeck/plant.h>
+
+#include <cmath>
+#include <new>
+#include <stribeck/plant/axis.hpp>
+
+#include "parameters.hpp"
+
+using namespace stribeck;
+
+struct stribeck_plant {
+  plant::AxisParams params;
+  std::optional<plant::Axis> axis;
+  double force_gain = capi::kAbsent;  ///< [N/V]
+  double range = capi::kAbsent;       ///< [V]
+  capi::Problem problem;
+};
+
+namespace {
+
+/// No exception passes the C interface.
+template <class F>
+stribeck_result guarded(stribeck_plant* p, F&& f) noexcept {
+  if (p == nullptr) return STRIBECK_BAD_HANDLE;
+  try {
+    return f();
+  } catch (const std::bad_alloc&) {
+    return STRIBECK_NO_MEMORY;
+  } catch (const std::exception& e) {
+    p->problem.set({e.what()});
+    return STRIBECK_REFUSED;
+  } catch (...) {
+    return STRIBECK_REFUSED;
+  }
+}
+
+const plant::AxisParams& initial() noexcept {
+  static const plant::AxisParams params;
+  return params;
+}
+
+}  // namespace
+
+extern "C" {
+
+stribeck_result stribeck_plant_create(stribeck_plant** out) noexcept {
+  if (out == nullptr) return STRIBECK_BAD_ARGUMENT;
+  *out = new (std::nothrow) stribeck_plant();
+  return *out == nullptr ? STRIBECK_NO_MEMORY : STRIBECK_OK;
+}
+
+void stribeck_plant_destroy(stribeck_plant* p) noexcept { delete p; }
+
+stribeck_result stribeck_plant_parameter(std::uint32_t index, stribeck_parameter* out) noexcept {
+  return capi::parameter_at(initial(), index, out);
+}
+
+const char* stribeck_plant_parameter_word(const char* name, std::uint32_t index) noexcept {
+  return capi::word_at(initial(), name, index);
+}
+
+stribeck_result stribeck_plant_set(stribeck_plant* p, const char* name, double value) noexcept {
+  if (p == nullptr) return STRIBECK_BAD_HANDLE;
+  return capi::set_parameter(p->params, name, value, "", p->problem);
+}
+
+stribeck_result stribeck_plant_choose(stribeck_plant* p, const char* name, const char* word) noexcept {
+  if (p == nullptr) return STRIBECK_BAD_HANDLE;
+  return capi::choose_parameter(p->params, initial(), name, word, "", p->problem);
+}
+
+const char* stribeck_plant_problem(const stribeck_plant* p) noexcept {
+  return p == nullptr ? stribeck_describe(STRIBECK_BAD_HANDLE) : p->problem.text();
+}
+
+stribeck_result stribeck_plant_configure(stribeck_plant* p, double period, double highest_speed) noexcept {
+  return guarded(p, [&]() -> stribeck_result {
+    if (!(period > 0.0 && period < 1.0) || !(highest_speed > 0.0 && std::isfinite(highest_speed))) {
+      p->problem.set({"period or highest speed: expected a time below 1 s and a speed, both above 0"});
+      return STRIBECK_BAD_ARGUMENT;
+    }
+    capi::Name name;
+    const bool sound =
+        capi::check(name, p->params, initial(), {}, [&](std::string_view key, std::string_view what) {
+          p->problem.set({key, ": ", what});
+        });
+    if (!sound) return STRIBECK_REFUSED;
+    plant::Axis axis(p->params, period, highest_speed);
+    axis.start(0.0, {}, {});
+    p->axis = std::move(axis);
+    p->force_gain = p->params.force_gain();
+    p->range = p->params.converter.range;
+    return STRIBECK_OK;
+  });
+}
+
+stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::uint64_t seed,
+                                     std::int32_t substeps) noexcept {
+  return guarded(p, [&]() -> stribeck_result {
+    if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+    if (!std::isfinite(position) || substeps < 1 || substeps > 1000) return STRIBECK_BAD_ARGUMENT;
+    plant::Fidelity fidelity;
+    fidelity.substeps = substeps;
+    p->axis->start(position, fidelity, {seed, 0, 0});
+    return STRIBECK_OK;
+  });
+}
+
+stribeck_result stribeck_plant_step(stribeck_plant* p, double voltage, double load) noexcept {
+  if (p == nullptr) return STRIBECK_BAD_HANDLE;
+  if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+  const bool finite = std::isfinite(voltage) && std::isfinite(load);
+  p->axis->step(std::isfinite(voltage) ? voltage : 0.0, std::isfinite(load) ? load : 0.0);
+  return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
+}
+
+double stribeck_plant_get(const stribeck_plant* p, stribeck_plant_signal signal) noexcept {
+  if (p == nullptr || !p->axis) return capi::kAbsent;
+  switch (signal) {
+    case STRIBECK_PLANT_ENCODER:
+      return p->axis->encoder();
+    case STRIBECK_PLANT_POSITION:
+      return p->axis->position();
+    case STRIBECK_PLANT_VELOCITY:
+      return p->axis->velocity();
+    case STRIBECK_PLANT_FRICTION:
+      return p->axis->friction_force();
+    case STRIBECK_PLANT_VOLTAGE:
+      return p->axis->voltage();
+    case STRIBECK_PLANT_FORCE_PER_VOLT:
+      return p->force_gain;
+    case STRIBECK_PLANT_FORCE_LIMIT:
+      return p->force_gain * p->range;
+  }
+  return capi::kAbsent;
+}
+
+}  // extern "C"

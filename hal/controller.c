@@ -1,0 +1,292 @@
+/*
+ * stribeck_axis and stribeck_contour: position controllers with friction compensation for the servo thread of LinuxCNC.
+ *
+ *   loadrt stribeck_axis names=ax.x,ax.y             one axis each: ax.x.pos-cmd, …, function ax.x
+ *   loadrt stribeck_contour names=ct axes=3          one path:      ct.0.pos-cmd, …, function ct
+ *
+ * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h. Of a contour controller
+ * every axis is enabled together, and a fault of one axis takes all down.
+ */
+#include "hal_parts.h"
+#include "supervisor.h"
+
+#include <stdlib.h>
+
+#ifdef STRIBECK_CONTOUR
+#define COMPONENT "stribeck_contour"
+#define AXES 3
+MODULE_DESCRIPTION("contouring controller with friction compensation, two or three axes");
+static int axes = AXES;
+RTAPI_MP_INT(axes, "axes of every path, 2 or 3");
+#else
+#define COMPONENT "stribeck_axis"
+#define AXES 1
+MODULE_DESCRIPTION("position controller of one axis with friction compensation");
+static const int axes = AXES;
+#endif
+MODULE_LICENSE("GPL"); /* of the module that is loaded: rtapi_app.h is GPL; the sources here are MIT */
+
+static char* names[MAX_INSTANCES] = {0};
+RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the controllers");
+
+struct axis {
+  hal_float_t *pos_cmd, *vel_cmd, *acc_cmd, *pos_fb;
+  hal_float_t *force, *voltage, *friction_ff, *disturbance, *pos_error;
+  hal_s32_t* fault;
+  hal_bit_t* saturated;
+  hal_float_t ferror_limit, jump_limit, frozen_limit;
+  hal_float_t force_per_volt;
+};
+
+/* Of an axis, outside HAL memory. */
+struct inner {
+  struct supervisor watch;
+  struct values values;
+};
+
+struct instance {
+  hal_bit_t *enable, *faulted, *pending;
+  hal_float_t position_unit, force_unit, ramp_time;
+  double period;
+  int was_enabled;
+  int good; /* the controller is configured */
+  stribeck_controller* controller;
+  size_t size;
+  void* memory; /* of the controller, and what is in front of it for alignment */
+  struct inner* inner;
+  struct axis axis[AXES];
+};
+
+static int component = -1;
+static struct parameters parameters;
+static struct instance* instances[MAX_INSTANCES];
+static int count;
+
+/* A controller from the HAL parameters; says what is wrong with them. */
+static int configure(struct instance* s, double period) {
+  s->period = period;
+  s->controller = stribeck_controller_init(s->controller, s->size, (uint32_t)axes);
+  for (int a = 0; a < axes; ++a) {
+    struct values* v = &s->inner[a].values;
+    values_taken(&parameters, v);
+    for (uint32_t i = 0; i < parameters.count; ++i) {
+      if (same(v->used[i], parameters.initial[i])) continue;
+      if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
+          STRIBECK_OK) {
+        rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_controller_problem(s->controller));
+        return 0;
+      }
+    }
+  }
+  if (stribeck_controller_configure(s->controller, period) == STRIBECK_OK) return 1;
+  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_controller_problem(s->controller));
+  return 0;
+}
+
+static int must_configure(const struct instance* s, double period) {
+  if (!s->good || !same(period, s->period)) return 1;
+  for (int a = 0; a < axes; ++a) {
+    if (values_changed(&parameters, &s->inner[a].values)) return 1;
+  }
+  return 0;
+}
+
+static int positive(double x) { return isfinite(x) && x > 0.0; }
+
+static void update(void* arg, long period_ns) {
+  struct instance* s = arg;
+  const double period = 1e-9 * (double)period_ns;
+  const double unit = positive(s->position_unit) ? s->position_unit : 1e-3;
+  const int enable = *s->enable != 0;
+  const int rises = enable && !s->was_enabled;
+  s->was_enabled = enable;
+
+  stribeck_axis_input in[AXES];
+  struct limits limits[AXES];
+  int finite = 1;
+  for (int a = 0; a < axes; ++a) {
+    const struct axis* x = &s->axis[a];
+    in[a].position = *x->pos_cmd * unit;
+    in[a].velocity = *x->vel_cmd * unit;
+    in[a].acceleration = *x->acc_cmd * unit;
+    in[a].measured = *x->pos_fb * unit;
+    limits[a].ferror = x->ferror_limit * unit;
+    limits[a].jump = x->jump_limit * unit;
+    limits[a].frozen = x->frozen_limit * unit;
+    limits[a].ramp_time = s->ramp_time;
+    limits[a].force = INFINITY;
+    if (!isfinite(in[a].position + in[a].velocity + in[a].acceleration + in[a].measured)) finite = 0;
+  }
+
+  if (rises) {
+    for (int a = 0; a < axes; ++a) {
+      s->inner[a].watch.fault = FAULT_NONE;
+      if (finite) {
+        supervisor_begin(&s->inner[a].watch, in[a].position, in[a].measured);
+      } else {
+        const enum fault f = supervisor_judge(&s->inner[a].watch, &limits[a], in[a].position, in[a].velocity,
+                                              in[a].acceleration, in[a].measured, period);
+        supervisor_fail(&s->inner[a].watch, f, period, s->ramp_time);
+      }
+    }
+    if (must_configure(s, period)) {
+      s->good = configure(s, period);
+    } else {
+      stribeck_controller_reset(s->controller);
+    }
+    if (!s->good) supervisor_fail(&s->inner[0].watch, FAULT_PARAMETERS, period, s->ramp_time);
+  }
+
+  int failed = !enable;
+  int runs = 0;
+  for (int a = 0; a < axes; ++a) {
+    struct supervisor* w = &s->inner[a].watch;
+    if (w->mode == MODE_RUNNING && enable) {
+      const enum fault f = supervisor_judge(w, &limits[a], in[a].position, in[a].velocity, in[a].acceleration,
+                                            in[a].measured, period);
+      if (f != FAULT_NONE) supervisor_fail(w, f, period, s->ramp_time);
+    }
+    if (w->fault != FAULT_NONE) failed = 1;
+  }
+  for (int a = 0; a < axes; ++a) {
+    struct supervisor* w = &s->inner[a].watch;
+    if (failed && w->mode == MODE_RUNNING) supervisor_fail(w, FAULT_NONE, period, s->ramp_time);
+    if (w->mode == MODE_RUNNING) runs = 1;
+  }
+
+  double wanted[AXES] = {0};
+  if (runs) {
+    for (int a = 0; a < axes; ++a) {
+      struct supervisor* w = &s->inner[a].watch;
+      in[a].position += w->offset;
+      w->offset *= exp(-period / STRIBECK_BUMPLESS_TIME);
+      w->last = in[a].measured;
+      w->started = 1;
+    }
+    stribeck_controller_step(s->controller, in, wanted);
+  }
+  int faulted = 0;
+  for (int a = 0; a < axes; ++a) {
+    struct axis* x = &s->axis[a];
+    stribeck_axis_signals now = {0};
+    if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
+    const double force = supervisor_force(&s->inner[a].watch, &limits[a], wanted[a]);
+    *x->force = positive(s->force_unit) ? force / s->force_unit : force;
+    *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
+    *x->friction_ff = now.friction;
+    *x->disturbance = now.disturbance;
+    const double error = in[a].measured - in[a].position;
+    *x->pos_error = isfinite(error) ? error / unit : 0.0;
+    *x->fault = s->inner[a].watch.fault;
+    *x->saturated = now.limited != 0;
+    if (s->inner[a].watch.fault != FAULT_NONE) faulted = 1;
+  }
+  *s->faulted = faulted != 0;
+  *s->pending = runs && must_configure(s, period);
+}
+
+static int make_axis(struct axis* x, struct inner* inner, const char* prefix) {
+  int r = 0;
+  const struct {
+    const char* name;
+    hal_float_t** pin;
+    hal_pin_dir_t direction;
+  } pins[] = {{"pos-cmd", &x->pos_cmd, HAL_IN},
+              {"vel-cmd", &x->vel_cmd, HAL_IN},
+              {"acc-cmd", &x->acc_cmd, HAL_IN},
+              {"pos-fb", &x->pos_fb, HAL_IN},
+              {"force", &x->force, HAL_OUT},
+              {"voltage", &x->voltage, HAL_OUT},
+              {"friction-ff", &x->friction_ff, HAL_OUT},
+              {"disturbance", &x->disturbance, HAL_OUT},
+              {"pos-error", &x->pos_error, HAL_OUT}};
+  for (size_t i = 0; i < sizeof pins / sizeof pins[0]; ++i) {
+    if ((r = hal_pin_float_newf(pins[i].direction, pins[i].pin, component, "%s.%s", prefix, pins[i].name)) <
+        0)
+      return r;
+  }
+  if ((r = hal_pin_s32_newf(HAL_OUT, &x->fault, component, "%s.fault", prefix)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &x->saturated, component, "%s.saturated", prefix)) < 0) return r;
+  const struct {
+    const char* name;
+    hal_float_t* value;
+    double initial;
+  } own[] = {{"ferror-limit", &x->ferror_limit, 1.0},
+             {"jump-limit", &x->jump_limit, 0.5},
+             {"frozen-limit", &x->frozen_limit, 0.2},
+             {"force-per-volt", &x->force_per_volt, 0.0}};
+  for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
+    *own[i].value = own[i].initial;
+    if ((r = hal_param_float_newf(HAL_RW, own[i].value, component, "%s.%s", prefix, own[i].name)) < 0)
+      return r;
+  }
+  return export_parameters(&parameters, &inner->values, component, prefix);
+}
+
+static int make(const char* name) {
+  const size_t alignment = stribeck_alignment();
+  const size_t size = stribeck_controller_size((uint32_t)axes);
+  struct instance* s = hal_malloc(sizeof *s);
+  if (s == NULL || size == 0) return -ENOMEM;
+  memset(s, 0, sizeof *s);
+  instances[count++] = s;
+  s->memory = calloc(1, size + alignment);
+  s->inner = calloc((size_t)axes, sizeof *s->inner);
+  if (s->memory == NULL || s->inner == NULL) return -ENOMEM;
+  s->size = size;
+  char* memory = s->memory;
+  memory += (alignment - (uintptr_t)memory % alignment) % alignment;
+  s->controller = stribeck_controller_init(memory, size, (uint32_t)axes);
+  if (s->controller == NULL) return -EINVAL;
+  int r = 0;
+  if ((r = hal_pin_bit_newf(HAL_IN, &s->enable, component, "%s.enable", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->faulted, component, "%s.faulted", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->pending, component, "%s.pending", name)) < 0) return r;
+  s->position_unit = 1e-3;
+  s->force_unit = 1.0;
+  s->ramp_time = 0.02;
+  if ((r = hal_param_float_newf(HAL_RW, &s->position_unit, component, "%s.position-unit", name)) < 0)
+    return r;
+  if ((r = hal_param_float_newf(HAL_RW, &s->force_unit, component, "%s.force-unit", name)) < 0) return r;
+  if ((r = hal_param_float_newf(HAL_RW, &s->ramp_time, component, "%s.ramp-time", name)) < 0) return r;
+  for (int a = 0; a < axes; ++a) {
+    char prefix[HAL_NAME_LEN + 1];
+#ifdef STRIBECK_CONTOUR
+    rtapi_snprintf(prefix, sizeof prefix, "%s.%d", name, a);
+#else
+    rtapi_snprintf(prefix, sizeof prefix, "%s", name);
+#endif
+    if ((r = make_axis(&s->axis[a], &s->inner[a], prefix)) < 0) return r;
+  }
+  return hal_export_funct(name, update, s, 1, 0, component);
+}
+
+static void release(void) {
+  hal_exit(component);
+  while (count > 0) {
+    --count;
+    free(instances[count]->memory);
+    free(instances[count]->inner);
+  }
+}
+
+int rtapi_app_main(void) {
+  if (stribeck_abi() != STRIBECK_ABI || axes < 1 || axes > AXES) return -EINVAL;
+  component = hal_init(COMPONENT);
+  if (component < 0) return component;
+  find_parameters(&parameters, stribeck_controller_parameter);
+  for (int i = 0; i < MAX_INSTANCES && names[i] != NULL && names[i][0] != '\0'; ++i) {
+    const int r = make(names[i]);
+    if (r < 0) {
+      rtapi_print_msg(RTAPI_MSG_ERR,
+                      COMPONENT ": \"%s\" could not be made (%d); names have at most %d letters\n", names[i],
+                      r, AXES > 1 ? 4 : 6);
+      release();
+      return r;
+    }
+  }
+  hal_ready(component);
+  return 0;
+}
+
+void rtapi_app_exit(void) { release(); }

@@ -1,0 +1,152 @@
+/*
+ * stribeck_plant: a virtual drive in the servo thread, in place of amplifier, motor, screw and encoder.
+ *
+ *   loadrt stribeck_plant names=pl.x,pl.y
+ *
+ * In: force [N] and voltage [V], which add up; cutting [N], a force on the table against the positive direction. Out: pos, the
+ * true position of the table; pos-fb, the encoder; vel, friction [N]. Put its function at the end of the thread. Parameters are
+ * taken over in the first period and whenever they change; the drive then stands where it was. Not for a thread with a deadline
+ * while they change: it allocates.
+ */
+#include <stribeck/plant.h>
+
+#include "hal_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define COMPONENT "stribeck_plant"
+MODULE_DESCRIPTION("virtual feed drive");
+MODULE_LICENSE("GPL"); /* of the module that is loaded: rtapi_app.h is GPL; the sources here are MIT */
+
+static char* names[MAX_INSTANCES] = {0};
+RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the drives");
+
+struct instance {
+  hal_float_t *force, *voltage, *cutting;
+  hal_float_t *pos, *pos_fb, *vel, *friction;
+  hal_bit_t* ok;
+  hal_float_t position_unit, highest_speed, start;
+  hal_s32_t substeps, seed;
+  double period;
+  int tried;
+  stribeck_plant* plant;
+  struct values* values; /* outside HAL memory */
+};
+
+static int component = -1;
+static struct parameters parameters;
+static struct instance* instances[MAX_INSTANCES];
+static int count;
+
+static int configure(struct instance* s, double period, double position) {
+  stribeck_plant_destroy(s->plant);
+  s->plant = NULL;
+  s->period = period;
+  s->tried = 1;
+  values_taken(&parameters, s->values);
+  if (stribeck_plant_create(&s->plant) != STRIBECK_OK) return 0;
+  for (uint32_t i = 0; i < parameters.count; ++i) {
+    const double v = s->values->used[i];
+    if (same(v, parameters.initial[i])) continue;
+    if (stribeck_plant_set(s->plant, parameters.name[i], v) != STRIBECK_OK) goto refused;
+  }
+  if (stribeck_plant_configure(s->plant, period, s->highest_speed * s->position_unit) != STRIBECK_OK)
+    goto refused;
+  if (stribeck_plant_start(s->plant, position, (uint64_t)(uint32_t)s->seed, s->substeps) == STRIBECK_OK)
+    return 1;
+refused:
+  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_plant_problem(s->plant));
+  stribeck_plant_destroy(s->plant);
+  s->plant = NULL;
+  return 0;
+}
+
+static void update(void* arg, long period_ns) {
+  struct instance* s = arg;
+  const double period = 1e-9 * (double)period_ns;
+  const double unit = s->position_unit;
+  if (!s->tried || !same(period, s->period) || values_changed(&parameters, s->values)) {
+    const double position =
+        s->plant != NULL ? stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION) : s->start * unit;
+    *s->ok = configure(s, period, position) != 0;
+  }
+  if (s->plant == NULL) return;
+  const double voltage =
+      *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
+  stribeck_plant_step(s->plant, voltage, *s->cutting);
+  *s->pos = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION) / unit;
+  *s->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
+  *s->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;
+  *s->friction = stribeck_plant_get(s->plant, STRIBECK_PLANT_FRICTION);
+}
+
+static int make(const char* name) {
+  struct instance* s = hal_malloc(sizeof *s);
+  if (s == NULL) return -ENOMEM;
+  memset(s, 0, sizeof *s);
+  s->values = calloc(1, sizeof *s->values);
+  if (s->values == NULL) return -ENOMEM;
+  instances[count++] = s;
+  int r = 0;
+  const struct {
+    const char* name;
+    hal_float_t** pin;
+    hal_pin_dir_t direction;
+  } pins[] = {{"force", &s->force, HAL_IN},       {"voltage", &s->voltage, HAL_IN},
+              {"cutting", &s->cutting, HAL_IN},   {"pos", &s->pos, HAL_OUT},
+              {"pos-fb", &s->pos_fb, HAL_OUT},    {"vel", &s->vel, HAL_OUT},
+              {"friction", &s->friction, HAL_OUT}};
+  for (size_t i = 0; i < sizeof pins / sizeof pins[0]; ++i) {
+    if ((r = hal_pin_float_newf(pins[i].direction, pins[i].pin, component, "%s.%s", name, pins[i].name)) < 0)
+      return r;
+  }
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->ok, component, "%s.ok", name)) < 0) return r;
+  const struct {
+    const char* name;
+    hal_float_t* value;
+    double initial;
+  } own[] = {{"position-unit", &s->position_unit, 1e-3},
+             {"highest-speed", &s->highest_speed, 250.0},
+             {"start", &s->start, 0.0}};
+  for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
+    *own[i].value = own[i].initial;
+    if ((r = hal_param_float_newf(HAL_RW, own[i].value, component, "%s.%s", name, own[i].name)) < 0) return r;
+  }
+  s->substeps = 8;
+  s->seed = 1;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->substeps, component, "%s.substeps", name)) < 0) return r;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->seed, component, "%s.seed", name)) < 0) return r;
+  if ((r = export_parameters(&parameters, s->values, component, name)) < 0) return r;
+  return hal_export_funct(name, update, s, 1, 0, component);
+}
+
+static void release(void) {
+  hal_exit(component);
+  while (count > 0) {
+    --count;
+    stribeck_plant_destroy(instances[count]->plant);
+    free(instances[count]->values);
+  }
+}
+
+int rtapi_app_main(void) {
+  if (stribeck_abi() != STRIBECK_ABI) return -EINVAL;
+  component = hal_init(COMPONENT);
+  if (component < 0) return component;
+  find_parameters(&parameters, stribeck_plant_parameter);
+  for (int i = 0; i < MAX_INSTANCES && names[i] != NULL && names[i][0] != '\0'; ++i) {
+    const int r = make(names[i]);
+    if (r < 0) {
+      rtapi_print_msg(RTAPI_MSG_ERR,
+                      COMPONENT ": \"%s\" could not be made (%d); names have at most 6 letters\n", names[i],
+                      r);
+      release();
+      return r;
+    }
+  }
+  hal_ready(component);
+  return 0;
+}
+
+void rtapi_app_exit(void) { release(); }

@@ -1,0 +1,399 @@
+// The C interface against the C++ that it fronts.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stribeck/plant.h>
+#include <stribeck/stribeck.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <set>
+#include <stribeck/control/pd.hpp>
+#include <stribeck/path/curve.hpp>
+#include <stribeck/plant/axis.hpp>
+#include <string>
+#include <vector>
+
+extern "C" double stribeck_test_force_from_c(double position, double measured);
+
+namespace stribeck {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPeriod = 1e-3;
+
+/// A handle in memory with room before and behind that must stay as it is.
+class Handle {
+ public:
+  explicit Handle(std::uint32_t axes)
+      : size_(stribeck_controller_size(axes)),
+        memory_(static_cast<unsigned char*>(
+            ::operator new(size_ + 2 * kRoom, std::align_val_t(stribeck_alignment())))) {
+    std::memset(memory_, 0xa5, size_ + 2 * kRoom);
+    c = stribeck_controller_init(memory_ + kRoom, size_, axes);
+  }
+  ~Handle() {
+    for (std::size_t i = 0; i < kRoom; ++i) {
+      EXPECT_EQ(memory_[i], 0xa5);
+      EXPECT_EQ(memory_[kRoom + size_ + i], 0xa5);
+    }
+    ::operator delete(memory_, std::align_val_t(stribeck_alignment()));
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
+  Handle& set(const char* name, double x, std::uint32_t axis = 0) {
+    EXPECT_EQ(stribeck_controller_set(c, axis, name, x), STRIBECK_OK)
+        << name << ": " << stribeck_controller_problem(c);
+    return *this;
+  }
+  Handle& choose(const char* name, const char* word, std::uint32_t axis = 0) {
+    EXPECT_EQ(stribeck_controller_choose(c, axis, name, word), STRIBECK_OK)
+        << name << ": " << stribeck_controller_problem(c);
+    return *this;
+  }
+  void configure() {
+    ASSERT_EQ(stribeck_controller_configure(c, kPeriod), STRIBECK_OK) << stribeck_controller_problem(c);
+  }
+
+  stribeck_controller* c = nullptr;
+
+ private:
+  static constexpr std::size_t kRoom = 256;
+  std::size_t size_;
+  unsigned char* memory_;
+};
+
+TEST(CInterface, TellsWhatItIs) {
+  EXPECT_EQ(stribeck_abi(), STRIBECK_ABI);
+  EXPECT_TRUE(stribeck_capabilities() & STRIBECK_HAS_KALMAN_OBSERVER);
+  EXPECT_EQ(std::string(stribeck_version()).find_first_not_of("0123456789."), std::string::npos);
+  EXPECT_EQ(stribeck_controller_size(0), 0u);
+  EXPECT_EQ(stribeck_controller_size(4), 0u);
+  // A servo component keeps it in shared memory of one megabyte for all of the host.
+  EXPECT_LT(stribeck_controller_size(3), 64u * 1024u);
+  for (stribeck_result r = STRIBECK_OK; r >= STRIBECK_NO_MEMORY; --r)
+    EXPECT_STRNE(stribeck_describe(r), "unknown result") << r;
+}
+
+TEST(CInterface, IsPlainC) {
+  // PD by hand: m·ω²·(r − x).
+  EXPECT_DOUBLE_EQ(stribeck_test_force_from_c(1e-3, 0.0), 2.0 * 100.0 * 1e-3);
+}
+
+TEST(CInterface, RefusesHandlesThatAreNone) {
+  std::vector<unsigned char> memory(stribeck_controller_size(1) + 64);
+  const auto odd = reinterpret_cast<std::uintptr_t>(memory.data()) % 2 == 0 ? 1 : 0;
+  EXPECT_EQ(stribeck_controller_init(nullptr, 1 << 20, 1), nullptr);
+  EXPECT_EQ(stribeck_controller_init(memory.data() + odd, stribeck_controller_size(1), 1), nullptr);
+  EXPECT_EQ(stribeck_controller_init(memory.data(), 8, 1), nullptr);
+  auto* blank = reinterpret_cast<stribeck_controller*>(memory.data());
+  double force = 7.0;
+  const stribeck_axis_input in{};
+  EXPECT_EQ(stribeck_controller_step(blank, &in, &force), STRIBECK_BAD_HANDLE);
+  EXPECT_EQ(stribeck_controller_step(nullptr, &in, &force), STRIBECK_BAD_HANDLE);
+  EXPECT_EQ(stribeck_controller_set(nullptr, 0, "mass", 1.0), STRIBECK_BAD_HANDLE);
+  EXPECT_EQ(force, 7.0);
+  Handle h(1);
+  EXPECT_EQ(stribeck_controller_step(h.c, &in, &force), STRIBECK_NOT_CONFIGURED);
+  EXPECT_EQ(stribeck_controller_set(h.c, 1, "mass", 1.0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(stribeck_controller_step(h.c, nullptr, &force), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(stribeck_plant_step(nullptr, 0.0, 0.0), STRIBECK_BAD_HANDLE);
+  stribeck_plant_destroy(nullptr);
+}
+
+/// What both lists of parameters must keep.
+template <class At, class Set, class Word>
+void check_list(At at, Set set, Word word) {
+  std::set<std::string> names;
+  stribeck_parameter p{};
+  std::uint32_t n = 0;
+  for (; at(n, &p) == STRIBECK_OK; ++n) {
+    EXPECT_TRUE(names.insert(p.name).second) << p.name << " twice";
+    // HAL names have 47 characters; "ax.x." goes before.
+    EXPECT_LE(std::strlen(p.name), 42u) << p.name;
+    EXPECT_NE(std::strlen(p.about), 0u) << p.name;
+    // What is listed can be set, or belongs to a kind that is not chosen.
+    const double value = std::isnan(p.value) ? (p.min > 0.0 ? 2.0 * p.min + 0.5 : 0.5) : p.value;
+    EXPECT_NE(set(p.name, value), STRIBECK_UNKNOWN_NAME) << p.name;
+    EXPECT_EQ(word(p.name, p.words), nullptr) << p.name;
+    for (std::uint32_t i = 0; i < p.words; ++i) EXPECT_NE(word(p.name, i), nullptr) << p.name;
+  }
+  EXPECT_GT(n, 50u);
+  EXPECT_EQ(at(n + 5, &p), STRIBECK_BAD_ARGUMENT);
+}
+
+TEST(CInterface, ListsTheParametersThatItTakes) {
+  Handle h(1);
+  check_list(
+      stribeck_controller_parameter,
+      [&](const char* name, double x) { return stribeck_controller_set(h.c, 0, name, x); },
+      stribeck_controller_parameter_word);
+  stribeck_plant* plant = nullptr;
+  ASSERT_EQ(stribeck_plant_create(&plant), STRIBECK_OK);
+  check_list(
+      stribeck_plant_parameter,
+      [&](const char* name, double x) { return stribeck_plant_set(plant, name, x); },
+      stribeck_plant_parameter_word);
+  stribeck_plant_destroy(plant);
+}
+
+TEST(CInterface, SaysWhatIsWrongWithAParameter) {
+  Handle h(2);
+  const auto problem = [&] { return std::string(stribeck_controller_problem(h.c)); };
+  EXPECT_EQ(stribeck_controller_set(h.c, 1, "mas", 1.0), STRIBECK_UNKNOWN_NAME);
+  EXPECT_EQ(problem(), "axis 1: mas: no parameter has this name");
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "mass", -1.0), STRIBECK_OUT_OF_RANGE);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "mass", kNan), STRIBECK_OUT_OF_RANGE);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "mass.0", 1.0), STRIBECK_UNKNOWN_NAME);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "", 1.0), STRIBECK_UNKNOWN_NAME);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "friction", 1.0), STRIBECK_UNKNOWN_NAME);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "friction.gaussian.positive.eta0", 1.0), STRIBECK_NOT_SELECTED);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "friction.steady", 2.0), STRIBECK_OUT_OF_RANGE);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "friction.steady", 0.5), STRIBECK_OUT_OF_RANGE);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "friction.eccentric.4.amplitude", 1.0), STRIBECK_UNKNOWN_NAME);
+  EXPECT_EQ(stribeck_controller_choose(h.c, 0, "observer", "kalmann"), STRIBECK_OUT_OF_RANGE);
+  EXPECT_EQ(problem(), "axis 0: observer: has no word \"kalmann\"");
+  EXPECT_EQ(stribeck_controller_choose(h.c, 0, "mass", "heavy"), STRIBECK_UNKNOWN_NAME);
+
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  EXPECT_EQ(problem(), "axis 0: mass: not set, or out of range");
+  h.set("mass", 1.0).set("mass", 1.0, 1).set("friction.conventional.alpha0", 1.0);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  EXPECT_EQ(problem(), "axis 1: friction.conventional.alpha0: not set, or out of range");
+  h.set("friction.conventional.alpha0", 1.0, 1);
+  h.configure();
+  EXPECT_EQ(stribeck_controller_configure(h.c, 0.0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kNan), STRIBECK_BAD_ARGUMENT);
+  // Rules of the model itself: proportional terms below the level.
+  h.choose("friction.eccentric.0.form", "proportional").set("friction.eccentric.0.amplitude", 3.0);
+  h.set("friction.eccentric.0.period", 2e-3);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  EXPECT_THAT(problem(), testing::HasSubstr("axis 0: friction.eccentric: proportional terms"));
+  h.set("friction.eccentric.0.amplitude", 0.5).choose("error_rate", "observed");
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  h.choose("error_rate", "late").set("delay", 0.0085);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+}
+
+/// A reference that turns, and an encoder that follows it roughly.
+stribeck_axis_input motion(int k) {
+  const double w = 3.0;
+  const double t = k * kPeriod;
+  return {8e-3 * std::sin(w * t), 8e-3 * w * std::cos(w * t), -8e-3 * w * w * std::sin(w * t),
+          8e-3 * std::sin(w * t - 1e-3) + 1e-7 * (k % 7)};
+}
+
+TEST(CInterface, OneAxisIsTheCppController) {
+  Handle h(1);
+  h.set("mass", 900.0).set("load", 10.0).set("omega", 60.0).set("force_limit", 300.0);
+  h.choose("friction.steady", "gaussian")
+      .set("friction.gaussian.velocity_range.0", -0.03)
+      .set("friction.gaussian.velocity_range.1", 0.03)
+      .set("friction.gaussian.positive.eta0", 20.0)
+      .set("friction.gaussian.positive.eta1", 4000.0)
+      .set("friction.gaussian.positive.gaussians.1.a", 3.0)
+      .set("friction.gaussian.positive.gaussians.1.c", 2e-3)
+      .set("friction.gaussian.negative.eta0", -22.0)
+      .set("friction.gaussian.negative.eta1", 4100.0);
+  h.choose("friction.dynamics", "lugre")
+      .set("friction.lugre.sigma0", 7.2e6)
+      .set("friction.lugre.sigma1", 8e4);
+  h.set("friction.lugre.damping_velocity", 5e-5);
+  h.set("friction.eccentric.0.amplitude", 4.0).set("friction.eccentric.0.period", 2e-3);
+  h.choose("feedforward", "dynamic").choose("observer", "kalman").set("observer_pole", 35.0);
+  h.choose("error_rate", "observed").set("guarded", 1.0).set("delay", 4e-4).set("adaptation.enabled", 1.0);
+  h.configure();
+
+  control::Pd::Params params;
+  params.gains = control::Gains::critical(60.0);
+  params.force_limit = 300.0;
+  params.error_rate = control::ErrorRate::kObserved;
+  auto& c = params.compensation;
+  c.model.mass = 900.0;
+  c.model.load = 10.0;
+  friction::Gaussian<double> map;
+  map.velocity_range = {-0.03, 0.03};
+  map.positive = {20.0, 4000.0, {}};
+  map.positive.gaussians.push_back({});
+  map.positive.gaussians.push_back({3.0, 0.0, 2e-3});
+  map.negative = {-22.0, 4100.0, {}};
+  c.model.friction.steady = map;
+  c.model.friction.eccentric.push_back({4.0, 2e-3, 0.0, friction::EccentricForm::kAdditive});
+  friction::LuGre<double> lugre;
+  lugre.sigma0 = 7.2e6;
+  lugre.sigma1 = 8e4;
+  lugre.damping_velocity = 5e-5;
+  c.model.friction.dynamics = lugre;
+  c.feedforward = control::Feedforward::kDynamic;
+  c.observer = control::Observer::kKalman;
+  c.observer_pole = 35.0;
+  c.guarded = true;
+  c.delay = 4e-4;
+  c.adaptation.enabled = true;
+  const control::Pd law(params, kPeriod);
+  control::Pd::State state;
+
+  stribeck_axis_signals s{};
+  for (int k = 0; k < 3000; ++k) {
+    const stribeck_axis_input in = motion(k);
+    double force = 0.0;
+    ASSERT_EQ(stribeck_controller_step(h.c, &in, &force), STRIBECK_OK);
+    const double expected = law.step(state, {in.position, in.velocity, in.acceleration, in.measured});
+    // One axis of the contouring law adds its terms in another order: 1 nN of 300 N.
+    ASSERT_NEAR(force, expected, 1e-9) << k;
+    ASSERT_EQ(stribeck_controller_signals(h.c, 0, &s, sizeof s), STRIBECK_OK);
+    ASSERT_NEAR(s.friction, state.compensation.friction, 1e-9);
+    ASSERT_EQ(s.force, force);
+  }
+  EXPECT_TRUE(std::isfinite(s.level));
+  EXPECT_NE(s.disturbance, 0.0);
+  // A caller that was compiled with a shorter struct gets its part and no more.
+  double part[2] = {0.0, 7.0};
+  ASSERT_EQ(stribeck_controller_signals(h.c, 0, reinterpret_cast<stribeck_axis_signals*>(part), 8),
+            STRIBECK_OK);
+  EXPECT_EQ(part[0], s.force);
+  EXPECT_EQ(part[1], 7.0);
+}
+
+TEST(CInterface, HoldsTheForceWhenAnInputIsNotFinite) {
+  Handle h(2);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    h.set("mass", 900.0, i).set("friction.conventional.alpha0", 20.0, i).set("force_limit", 250.0, i);
+    h.choose("feedforward", "steady", i);
+  }
+  h.set("omega", 60.0, 0).set("omega", 30.0, 1);
+  h.configure();
+  stribeck_axis_input in[2];
+  double force[2]{};
+  for (int k = 0; k < 50; ++k) {
+    in[0] = motion(k);
+    in[1] = motion(k + 700);
+    ASSERT_EQ(stribeck_controller_step(h.c, in, force), STRIBECK_OK);
+  }
+  const double before[2] = {force[0], force[1]};
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
+    for (double stribeck_axis_input::*member :
+         {&stribeck_axis_input::position, &stribeck_axis_input::velocity, &stribeck_axis_input::acceleration,
+          &stribeck_axis_input::measured}) {
+      stribeck_axis_input broken[2] = {in[0], in[1]};
+      broken[1].*member = bad;
+      ASSERT_EQ(stribeck_controller_step(h.c, broken, force), STRIBECK_NOT_FINITE);
+      EXPECT_EQ(force[0], before[0]);
+      EXPECT_EQ(force[1], before[1]);
+    }
+  }
+  // It goes on as if nothing had been.
+  in[0] = motion(50);
+  in[1] = motion(750);
+  ASSERT_EQ(stribeck_controller_step(h.c, in, force), STRIBECK_OK);
+  EXPECT_NEAR(force[0], before[0], 60.0);
+  // A jump is answered within the limit.
+  in[0].measured = 1.0;
+  ASSERT_EQ(stribeck_controller_step(h.c, in, force), STRIBECK_OK);
+  EXPECT_LE(std::abs(force[0]), 250.0);
+  stribeck_axis_signals s{};
+  stribeck_controller_signals(h.c, 0, &s, sizeof s);
+  EXPECT_EQ(s.limited, 1);
+  // Reset is a first step again: no rate, so position gain and friction alone.
+  ASSERT_EQ(stribeck_controller_reset(h.c), STRIBECK_OK);
+  const stribeck_axis_input still[2] = {{0.0, 0.0, 0.0, 1e-6}, {0.0, 0.0, 0.0, 0.0}};
+  ASSERT_EQ(stribeck_controller_step(h.c, still, force), STRIBECK_OK);
+  EXPECT_NEAR(force[0], -900.0 * 3600.0 * 1e-6, 1e-12);
+}
+
+TEST(CInterface, ContouringOverEqualGainsIsPdInEveryDirection) {
+  // K = kI: what a turning frame adds is then of second order in the errors' turning, and the forces agree with PD of every
+  // axis within 2·|ṫ|·k_v·|e| and its like. Invariance: order of axes does not matter.
+  for (const std::uint32_t n : {2u, 3u}) {
+    Handle all(n);
+    Handle swapped(n);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      for (Handle* h : {&all, &swapped})
+        h->set("mass", 500.0, i).set("friction.conventional.alpha0", 20.0, i).set("omega", 50.0, i);
+    }
+    all.configure();
+    swapped.configure();
+    double worst = 0.0;
+    for (int k = 0; k < 2000; ++k) {
+      stribeck_axis_input in[3] = {motion(k), motion(k + 523), motion(2 * k / 3)};
+      in[2].velocity *= 2.0 / 3.0;
+      in[2].acceleration *= 4.0 / 9.0;
+      const stribeck_axis_input other[3] = {in[1], in[0], in[2]};
+      double f[3];
+      double g[3];
+      ASSERT_EQ(stribeck_controller_step(all.c, in, f), STRIBECK_OK);
+      ASSERT_EQ(stribeck_controller_step(swapped.c, other, g), STRIBECK_OK);
+      if (n == 2) {
+        ASSERT_NEAR(f[0], g[1], 1e-6);
+        ASSERT_NEAR(f[1], g[0], 1e-6);
+      }
+      stribeck_axis_signals s{};
+      for (std::uint32_t i = 0; i < n; ++i) {
+        stribeck_controller_signals(all.c, i, &s, sizeof s);
+        const double pd = 500.0 * (in[i].acceleration - 100.0 * s.error_rate - 2500.0 * s.error);
+        worst = std::max(worst, std::abs(f[i] - pd));
+      }
+    }
+    // Errors of 8 µm, |ṫ| ≤ 12.5 rad/s: 500 kg · 12.5/s · (100/s + 12.5/s)·√2·8 µm + rates.
+    EXPECT_LT(worst, 12.0);
+    EXPECT_GT(worst, 0.0);
+  }
+}
+
+TEST(CPlant, IsTheCppPlant) {
+  stribeck_plant* p = nullptr;
+  ASSERT_EQ(stribeck_plant_create(&p), STRIBECK_OK);
+  EXPECT_EQ(stribeck_plant_start(p, 0.0, 1, 8), STRIBECK_NOT_CONFIGURED);
+  EXPECT_TRUE(std::isnan(stribeck_plant_get(p, STRIBECK_PLANT_POSITION)));
+  EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_REFUSED);
+  EXPECT_STREQ(stribeck_plant_problem(p), "mass: not set, or out of range");
+  const auto set = [&](const char* name, double x) {
+    EXPECT_EQ(stribeck_plant_set(p, name, x), STRIBECK_OK) << name;
+  };
+  plant::AxisParams params;
+  set("mass", params.mass = 1000.0);
+  plant::CurrentDrive drive;
+  set("current.gain", drive.gain = 25.0);
+  params.drive = drive;
+  set("encoder.resolution", params.encoder.resolution = 1e-7);
+  friction::Conventional<double> map{18.0, 4500.0, friction::Stribeck<double>{33.0, 6e-4, 2.0}};
+  set("friction.conventional.alpha0", 18.0);
+  set("friction.conventional.alpha2", 4500.0);
+  set("friction.conventional.stribeck.alpha1", 33.0);
+  set("friction.conventional.stribeck.v0", 6e-4);
+  params.friction.steady = map;
+  EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_REFUSED);
+  EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("needs lugre or gms"));
+  ASSERT_EQ(stribeck_plant_choose(p, "friction.dynamics", "lugre"), STRIBECK_OK);
+  friction::LuGre<double> lugre;
+  set("friction.lugre.sigma0", lugre.sigma0 = 7.2e6);
+  set("friction.lugre.sigma1", lugre.sigma1 = 8.485e4);
+  params.friction.dynamics = lugre;
+  plant::ForceNoise noise;
+  set("noise.rms", noise.rms = 0.5);
+  set("noise.correlation_time", noise.correlation_time = 9.5e-3);
+  params.noise = noise;
+  ASSERT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_OK) << stribeck_plant_problem(p);
+  ASSERT_EQ(stribeck_plant_start(p, 1e-3, 5, 12), STRIBECK_OK);
+  plant::Axis axis(params, kPeriod, 0.02);
+  plant::Fidelity fidelity;
+  fidelity.substeps = 12;
+  axis.start(1e-3, fidelity, {5, 0, 0});
+  for (int k = 0; k < 500; ++k) {
+    const double u = 2.5 * std::sin(0.02 * k);
+    axis.step(u);
+    ASSERT_EQ(stribeck_plant_step(p, u, 0.0), STRIBECK_OK);
+    ASSERT_EQ(stribeck_plant_get(p, STRIBECK_PLANT_ENCODER), axis.encoder());
+    ASSERT_EQ(stribeck_plant_get(p, STRIBECK_PLANT_POSITION), axis.position());
+  }
+  EXPECT_NE(axis.encoder(), 1e-3);
+  EXPECT_EQ(stribeck_plant_step(p, kNan, 0.0), STRIBECK_NOT_FINITE);
+  EXPECT_TRUE(std::isfinite(stribeck_plant_get(p, STRIBECK_PLANT_POSITION)));
+  EXPECT_DOUBLE_EQ(stribeck_plant_get(p, STRIBECK_PLANT_FORCE_LIMIT), 250.0);
+  stribeck_plant_destroy(p);
+}
+
+}  // namespace
+}  // namespace stribeck

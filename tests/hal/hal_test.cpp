@@ -1,0 +1,412 @@
+// The HAL components as LinuxCNC's loader takes them, with a HAL of this test in place of its own: loading, a closed loop of
+// stribeck_axis and stribeck_plant, and every fault. hal/run does the same under LinuxCNC itself.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+/// What the components have asked for.
+struct Hal {
+  std::vector<std::unique_ptr<char[]>> memory;
+  std::map<std::string, volatile double*> floats;
+  std::map<std::string, volatile int*> integers;
+  std::map<std::string, volatile bool*> bits;
+  std::map<std::string, std::pair<void (*)(void*, long), void*>> functions;
+  std::string messages;
+  int components = 0;
+
+  void* allocate(long size) {
+    memory.emplace_back(new char[static_cast<std::size_t>(size) + 16]());
+    return memory.back().get();
+  }
+};
+Hal* hal = nullptr;
+
+std::string printed(const char* format, va_list arguments) {
+  char text[200];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  return text;
+}
+
+}  // namespace
+
+// NOLINTBEGIN: names and arguments of LinuxCNC's hal.h and rtapi.h
+extern "C" {
+int hal_init(const char*) { return ++hal->components; }
+int hal_exit(int) { return --hal->components, 0; }
+int hal_ready(int) { return 0; }
+void* hal_malloc(long size) { return hal->allocate(size); }
+#define STRIBECK_NAME                                  \
+  va_list arguments;                                   \
+  va_start(arguments, format);                         \
+  const std::string name = printed(format, arguments); \
+  va_end(arguments);                                   \
+  if (name.size() > 47) return -22
+int hal_pin_float_newf(int, volatile double** pin, int, const char* format, ...) {
+  STRIBECK_NAME;
+  *pin = static_cast<double*>(hal->allocate(sizeof(double)));
+  return hal->floats.emplace(name, *pin).second ? 0 : -22;
+}
+int hal_pin_s32_newf(int, volatile int** pin, int, const char* format, ...) {
+  STRIBECK_NAME;
+  *pin = static_cast<int*>(hal->allocate(sizeof(int)));
+  return hal->integers.emplace(name, *pin).second ? 0 : -22;
+}
+int hal_pin_bit_newf(int, volatile bool** pin, int, const char* format, ...) {
+  STRIBECK_NAME;
+  *pin = static_cast<bool*>(hal->allocate(sizeof(bool)));
+  return hal->bits.emplace(name, *pin).second ? 0 : -22;
+}
+int hal_param_float_newf(int, volatile double* value, int, const char* format, ...) {
+  STRIBECK_NAME;
+  return hal->floats.emplace(name, value).second ? 0 : -22;
+}
+int hal_param_s32_newf(int, volatile int* value, int, const char* format, ...) {
+  STRIBECK_NAME;
+  return hal->integers.emplace(name, value).second ? 0 : -22;
+}
+int hal_export_funct(const char* name, void (*f)(void*, long), void* argument, int, int, int) {
+  return hal->functions.emplace(name, std::pair(f, argument)).second ? 0 : -22;
+}
+void rtapi_print_msg(int, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  hal->messages += printed(format, arguments);
+  va_end(arguments);
+}
+int rtapi_snprintf(char* text, unsigned long size, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const int n = std::vsnprintf(text, size, format, arguments);
+  va_end(arguments);
+  return n;
+}
+}
+// NOLINTEND
+
+namespace {
+
+constexpr long kPeriodNs = 1'000'000;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A component between loadrt and unloadrt.
+class Module {
+ public:
+  Module(const std::string& file, const char* name) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
+    if (handle_ == nullptr) throw std::runtime_error(dlerror());
+    (*static_cast<char***>(dlsym(handle_, "rtapi_info_address_names")))[0] = const_cast<char*>(name);
+    result = reinterpret_cast<int (*)()>(dlsym(handle_, "rtapi_app_main"))();
+  }
+  ~Module() {
+    if (result == 0) reinterpret_cast<void (*)()>(dlsym(handle_, "rtapi_app_exit"))();
+    dlclose(handle_);
+  }
+  Module(const Module&) = delete;
+  Module& operator=(const Module&) = delete;
+
+  int result = -1;
+
+ private:
+  void* handle_;
+};
+
+class Components : public testing::Test {
+ protected:
+  void SetUp() override { hal = &hal_; }
+  void TearDown() override { EXPECT_EQ(hal_.components, 0); }
+
+  volatile double& value(const std::string& name) {
+    const auto at = hal_.floats.find(name);
+    if (at == hal_.floats.end()) throw std::runtime_error("no pin or parameter " + name);
+    return *at->second;
+  }
+  int fault(const std::string& axis) { return *hal_.integers.at(axis + ".fault"); }
+  void call(const std::string& function) {
+    const auto& [f, argument] = hal_.functions.at(function);
+    f(argument, kPeriodNs);
+  }
+
+  Hal hal_;
+};
+
+/// stribeck_axis on stribeck_plant: a mass of 1000 kg with friction that the controller knows roughly.
+class Loop : public Components {
+ protected:
+  void SetUp() override {
+    Components::SetUp();
+    axis_ = std::make_unique<Module>(STRIBECK_HAL_AXIS, "ax.x");
+    plant_ = std::make_unique<Module>(STRIBECK_HAL_PLANT, "pl.x");
+    ASSERT_EQ(axis_->result, 0);
+    ASSERT_EQ(plant_->result, 0);
+    for (const char* who : {"ax.x", "pl.x"}) {
+      const std::string at = std::string(who) + ".";
+      value(at + "mass") = 1000.0;
+      value(at + "friction.conventional.alpha0") = 18.0;
+      value(at + "friction.conventional.alpha2") = 4500.0;
+      value(at + "friction.dynamics") = 1.0;
+      value(at + "friction.lugre.sigma0") = 7.2e6;
+    }
+    value("pl.x.current.gain") = 25.0;
+    value("pl.x.encoder.resolution") = 1e-7;
+    value("ax.x.omega") = 60.0;
+    value("ax.x.feedforward") = 2.0;
+    value("ax.x.force-limit") = 250.0;
+  }
+  void TearDown() override {
+    axis_.reset();
+    plant_.reset();
+    Components::TearDown();
+  }
+
+  /// One servo period: 10 mm · sin(t) when moving, and what the test does to the encoder.
+  void period(bool moving = true) {
+    if (moving) t_ += 1e-3;
+    value("ax.x.pos-cmd") = 10.0 * std::sin(t_);
+    value("ax.x.vel-cmd") = moving ? 10.0 * std::cos(t_) : 0.0;
+    value("ax.x.acc-cmd") = moving ? -10.0 * std::sin(t_) : 0.0;
+    const double encoder = value("pl.x.pos-fb");
+    if (!frozen_) feedback_ = encoder;
+    value("ax.x.pos-fb") = feedback_ + added_;
+    call("ax.x");
+    const double force = value("ax.x.force");
+    ASSERT_TRUE(std::isfinite(force));
+    ASSERT_LE(std::abs(force), 250.0);
+    for (const char* pin : {"ax.x.voltage", "ax.x.friction-ff", "ax.x.disturbance", "ax.x.pos-error"})
+      ASSERT_TRUE(std::isfinite(value(pin))) << pin;
+    value("pl.x.force") = force;
+    call("pl.x");
+  }
+  void run(int periods, bool moving = true) {
+    for (int k = 0; k < periods && !HasFatalFailure(); ++k) period(moving);
+  }
+  void enable(bool on) { *hal_.bits.at("ax.x.enable") = on; }
+  /// From a fault on: the force goes to zero within the ramp's 20 ms, stays there, and the fault stays.
+  void expect_ramp_and_latch(int code) {
+    double last = std::abs(value("ax.x.force"));
+    for (int k = 0; k < 25; ++k) {
+      period();
+      const double now = std::abs(value("ax.x.force"));
+      EXPECT_LE(now, last + 1e-12) << k;
+      last = now;
+    }
+    EXPECT_EQ(last, 0.0);
+    EXPECT_EQ(fault("ax.x"), code);
+    EXPECT_TRUE(*hal_.bits.at("ax.x.faulted"));
+    added_ = 0.0;
+    frozen_ = false;
+    enable(false);
+    run(5);
+    EXPECT_EQ(fault("ax.x"), code) << "latched";
+    // Enabled again where it stands, it goes on.
+    t_ = std::asin(std::clamp<double>(value("pl.x.pos-fb") / 10.0, -1.0, 1.0));
+    enable(true);
+    run(200, false);
+    EXPECT_EQ(fault("ax.x"), 0);
+    EXPECT_FALSE(*hal_.bits.at("ax.x.faulted"));
+    // A loop without integrator: friction of 18 N holds it 18 N/(1000 kg·60²/s²) = 5 um away, and the encoder's step.
+    EXPECT_LT(std::abs(value("ax.x.pos-error")), 6e-3);
+  }
+
+  std::unique_ptr<Module> axis_;
+  std::unique_ptr<Module> plant_;
+  double t_ = 0.0;
+  double feedback_ = 0.0;
+  double added_ = 0.0;
+  bool frozen_ = false;
+};
+
+TEST_F(Components, LoadAndUnloadAHundredTimes) {
+  const auto resident = [] {
+    std::ifstream file("/proc/self/statm");
+    long pages = 0;
+    file >> pages >> pages;
+    return pages;
+  };
+  long before = 0;
+  for (int k = 0; k < 110; ++k) {
+    if (k == 10) before = resident();
+    {
+      const Module axis(STRIBECK_HAL_AXIS, "ax.x");
+      const Module contour(STRIBECK_HAL_CONTOUR, "ct");
+      const Module plant(STRIBECK_HAL_PLANT, "pl.x");
+      ASSERT_EQ(axis.result, 0);
+      ASSERT_EQ(contour.result, 0);
+      ASSERT_EQ(plant.result, 0);
+      value("pl.x.mass") = 1.0;
+      value("pl.x.current.gain") = 1.0;
+      value("pl.x.encoder.resolution") = 1e-6;
+      value("pl.x.friction.conventional.alpha0") = 1.0;
+      value("pl.x.friction.dynamics") = 1.0;
+      value("pl.x.friction.lugre.sigma0") = 1e5;
+      call("ax.x");
+      call("ct");
+      call("pl.x");
+      ASSERT_TRUE(*hal_.bits.at("pl.x.ok")) << hal_.messages;
+    }
+    hal_ = {};
+  }
+  // Ten pages for what the allocator keeps.
+  EXPECT_LE(resident(), before + 10);
+}
+
+TEST_F(Components, RefuseNamesThatHalHasNoRoomFor) {
+  const Module axis(STRIBECK_HAL_AXIS, "a-long-name");
+  EXPECT_LT(axis.result, 0);
+  EXPECT_NE(hal_.messages.find("at most 6 letters"), std::string::npos) << hal_.messages;
+}
+
+TEST_F(Loop, FollowsASineWithinAMicrometre) {
+  run(10, false);
+  EXPECT_EQ(value("ax.x.force"), 0.0) << "not enabled";
+  enable(true);
+  double worst = 0.0;
+  for (int k = 0; k < 7000; ++k) {
+    period();
+    if (k > 500) worst = std::max<double>(worst, std::abs(value("ax.x.pos-error")));
+  }
+  // The model is the plant's own; what is left are the hold and the encoder.
+  EXPECT_LT(worst, 1e-3);
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_GT(std::abs(value("ax.x.friction-ff")), 18.0);
+}
+
+TEST_F(Loop, NanOnTheEncoder) {
+  enable(true);
+  run(700);
+  added_ = kNan;
+  period();
+  EXPECT_EQ(fault("ax.x"), 1);
+  expect_ramp_and_latch(1);
+}
+
+TEST_F(Loop, NanOnTheCommand) {
+  enable(true);
+  run(700);
+  t_ = kNan;
+  period();
+  EXPECT_EQ(fault("ax.x"), 2);
+  expect_ramp_and_latch(2);
+}
+
+TEST_F(Loop, JumpOfAMillimetre) {
+  enable(true);
+  run(700);
+  added_ = 1.0;
+  period();
+  expect_ramp_and_latch(3);
+}
+
+TEST_F(Loop, FrozenEncoder) {
+  enable(true);
+  run(700);
+  frozen_ = true;
+  // 7.6 mm/s: 0.2 mm are 26 periods.
+  run(20);
+  EXPECT_EQ(fault("ax.x"), 0);
+  run(10);
+  EXPECT_EQ(fault("ax.x"), 4);
+  expect_ramp_and_latch(4);
+}
+
+TEST_F(Loop, FollowingError) {
+  value("ax.x.ferror-limit") = 0.05;
+  enable(true);
+  run(700);
+  // A slip of the coupling, slower than a jump.
+  for (int k = 0; k < 100 && fault("ax.x") == 0; ++k) {
+    added_ += 0.01;
+    period();
+  }
+  expect_ramp_and_latch(5);
+}
+
+TEST_F(Loop, RefusedParameters) {
+  value("ax.x.mass") = -1.0;
+  enable(true);
+  period(false);
+  EXPECT_EQ(value("ax.x.force"), 0.0);
+  EXPECT_EQ(fault("ax.x"), 6);
+  EXPECT_NE(hal_.messages.find("mass: the value is out of range"), std::string::npos) << hal_.messages;
+  value("ax.x.mass") = 1000.0;
+  run(5, false);
+  EXPECT_EQ(fault("ax.x"), 6) << "latched";
+  enable(false);
+  period(false);
+  enable(true);
+  run(5, false);
+  EXPECT_EQ(fault("ax.x"), 0);
+}
+
+TEST_F(Loop, EnableToggledAtSpeed) {
+  enable(true);
+  run(700);
+  for (int k = 0; k < 5; ++k) {
+    enable(false);
+    double last = std::abs(value("ax.x.force"));
+    for (int i = 0; i < 25; ++i) {
+      period();
+      EXPECT_LE(std::abs(value("ax.x.force")), last + 1e-12);
+      last = std::abs(value("ax.x.force"));
+    }
+    EXPECT_EQ(last, 0.0);
+    // LinuxCNC's command follows the axis while it is off.
+    t_ = std::asin(value("pl.x.pos-fb") / 10.0);
+    enable(true);
+    period();
+    // Bumpless: friction and acceleration of the motion that is asked for, no more.
+    EXPECT_LT(std::abs(value("ax.x.force")), 120.0);
+    run(200);
+    EXPECT_EQ(fault("ax.x"), 0);
+  }
+}
+
+TEST_F(Loop, EnabledFarFromTheCommandItGoesThereGently) {
+  for (int k = 0; k < 5; ++k) period(false);
+  t_ = 0.01;  // 0.1 mm, which would be 360 N at once
+  enable(true);
+  period(false);
+  EXPECT_LT(std::abs(value("ax.x.force")), 20.0);
+  run(1000, false);
+  EXPECT_LT(std::abs(value("ax.x.pos-error")), 5e-3);
+}
+
+TEST_F(Loop, SaturatedOutput) {
+  value("ax.x.force-limit") = 40.0;
+  value("ax.x.observer") = 1.0;
+  enable(true);
+  int saturated = 0;
+  for (int k = 0; k < 2000; ++k) {
+    period();
+    ASSERT_LE(std::abs(value("ax.x.force")), 40.0);
+    if (*hal_.bits.at("ax.x.saturated")) ++saturated;
+  }
+  EXPECT_GT(saturated, 100);
+  EXPECT_TRUE(fault("ax.x") == 0 || fault("ax.x") == 5);
+}
+
+TEST_F(Loop, ParametersWaitForTheNextEnable) {
+  enable(true);
+  run(100);
+  EXPECT_FALSE(*hal_.bits.at("ax.x.pending"));
+  value("ax.x.omega") = 30.0;
+  run(2);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.pending"));
+  enable(false);
+  run(30, false);
+  enable(true);
+  run(2, false);
+  EXPECT_FALSE(*hal_.bits.at("ax.x.pending"));
+}
+
+}  // namespace
