@@ -10,6 +10,7 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
 
@@ -179,6 +180,10 @@ int run_path(const Options& o, const sim::Machine& machine) {
   write_json(o.common.json, json);
   say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,
                             controller.label, travel.name, pace, figures, o.output, log.rows));
+  for (const std::string& warning : report::status_warnings(one))
+    say(o.common, "Warning: " + warning + ".\n");
+  for (const std::string& words : report::drift_words(one))
+    say(o.common, "Change since identification: " + words + ".\n");
   return 0;
 }
 

@@ -89,6 +89,44 @@ TEST(Quadrant, WhatAdaptationFoundIsSaid) {
   EXPECT_FALSE(rows.at({9.5, "g"}).contains("drift"));
 }
 
+TEST(Quadrant, AModelHalfAgainTooHighIsTakenDownShownAndDrivesNoLimitCycle) {
+  const sim::Machine machine = cli::built_in_machine("biaxial-table");
+  const sim::RobustnessSpec drawn = sim::robust_biaxial();
+  sim::CompareSpec spec;
+  spec.travels = drawn.travels;
+  spec.trials = 3;
+  spec.seed = 1000;
+  for (const sim::ControllerSpec& c : drawn.controllers) {
+    if (c.id == "g" || c.id == "h") spec.controllers.push_back(c);
+  }
+  std::vector<sim::AxisKnowledge> knowledge;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    knowledge.push_back(cli::learn_axis(machine, i, cli::Needs::of(spec.controllers), 1000).knowledge);
+  for (sim::AxisKnowledge& k : knowledge) {
+    auto& map = std::get<friction::Gaussian<double>>(k.whole->friction.steady);
+    for (auto* branch : {&map.positive, &map.negative}) {
+      branch->eta0 *= 1.5;
+      branch->eta1 *= 1.5;
+      for (auto& term : branch->gaussians) term.a *= 1.5;
+    }
+  }
+  const sim::CompareResult result = sim::compare(machine, knowledge, spec);
+  for (std::size_t i = 0; i + 1 < result.rows.size(); i += 2) {
+    const sim::CompareRow& fixed = result.rows[i];
+    const sim::CompareRow& adapting = result.rows[i + 1];
+    // Nothing oscillates, the input stays as calm as with the fixed model, and the third lap is as if nothing had been wrong.
+    EXPECT_EQ(adapting.status.count(Status::kOscillation), 0U);
+    EXPECT_LE(adapting.mean.input_variation, 1.1 * fixed.mean.input_variation);
+    EXPECT_GE(fixed.mean.max_contour_error, 3e-6);
+    EXPECT_LE(adapting.mean.max_contour_error, 0.8e-6);
+    ASSERT_EQ(adapting.drift.size(), 2U);
+    for (const control::Drift& d : adapting.drift) {
+      EXPECT_NEAR(d.level, -1.0 / 3.0, 0.04);
+      EXPECT_EQ(d.verdict, control::DriftVerdict::kMuchLess);
+    }
+  }
+}
+
 TEST(Robustness, TheDefaultStaysFarBelowTheThesisOnMachinesThatAreNotTheOneIdentified) {
   const sim::Machine machine = cli::built_in_machine("biaxial-table");
   sim::RobustnessSpec spec = sim::robust_biaxial();

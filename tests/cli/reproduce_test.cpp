@@ -104,6 +104,22 @@ TEST(Compare, RunsTheBuiltInControllersThatNeedBristles) {
   EXPECT_LT(max.at("reversal"), 0.5 * max.at("f"));
 }
 
+TEST(Compare, RefusesWhatWouldHaveNoEffect) {
+  Folder f;
+  const std::string text = text_of(kSource + "/controllers/dynamic.toml");
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& key) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    const Said said = command({"compare", kMachine, "--controller", f.write("mine.toml", changed)});
+    EXPECT_EQ(said.code, 2) << to;
+    EXPECT_NE(said.err.find(key), std::string::npos) << said.err;
+  };
+  refused("feedforward = \"dynamic\"", "feedforward = \"steady\"", "adaptation");
+  refused("friction = \"whole\"", "friction = \"none\"", "feedforward");
+  refused("kv = [\"80 1/s\"]", "kv = [\"80 1/s\"]\nerror_rate = \"observed\"", "error_rate");
+  refused("\"20 1/s\"", "\"1e60 1/s\"", "observer_pole");
+}
+
 TEST(Compare, BristlesAreNotPrinted) {
   const Said said = command({"compare", kMachine, "--parameters", "thesis", "--controller", "dynamic"});
   EXPECT_EQ(said.code, 2);

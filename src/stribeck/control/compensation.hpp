@@ -12,8 +12,11 @@
 /// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
 /// by the delay. With adaptation the model is corrected on line (friction_adaptation.hpp). A
 /// guarded loop that oscillates loses the observer's estimate and its velocity by halves.
-/// Real time: safe; the constructor configure only.
+/// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. Not modelled: a delay longer than
+/// kMostDelay periods, which counts as that; adaptation corrects dynamic and reversal feed-forward only.
+/// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
 
+#include <array>
 #include <limits>
 #include <stribeck/control/adaptive_friction.hpp>
 #include <stribeck/control/disturbance_observer.hpp>
@@ -195,7 +198,9 @@ class Compensation {
     double* d = params_.observer == Observer::kDisturbance ? &s.disturbance.disturbance
                 : params_.observer == Observer::kKalman    ? &s.kalman.estimate[2]
                                                            : nullptr;
-    if (d == nullptr || !s.started || params_.feedforward != Feedforward::kDynamic) return;
+    // A loop that has oscillated gets nothing that it could go round by another way.
+    if (d == nullptr || !s.started || s.guard.trust < 1.0 || params_.feedforward != Feedforward::kDynamic)
+      return;
     const double share = period_ / (period_ + kHandOver);
     const double moved = feedforward_.shift(s.feedforward.bristle, share * s.estimate, reference,
                                             adaptation_.scales(s.adaptation));

@@ -10,6 +10,7 @@
 /// Not modelled: why. Lubrication, preload, covers and temperature look alike in a force.
 /// Real time: safe.
 
+#include <limits>
 #include <stribeck/control/friction_adaptation.hpp>
 
 namespace stribeck::control {
@@ -47,7 +48,12 @@ struct Drift {
   double break_away = 0.0;  ///< distance
   double mass = 0.0;
   double delay = 0.0;  ///< beyond the assumed one [s]
-  double trend = 0.0;  ///< of the level [1/s]
+  double viscous_deviation = 0.0;
+  double break_away_deviation = 0.0;
+  double mass_deviation = 0.0;
+  double delay_deviation = 0.0;  ///< [s]
+  double trend =
+      std::numeric_limits<double>::quiet_NaN();  ///< of the level [1/s]; NaN: too little motion yet
   DriftVerdict verdict = DriftVerdict::kNotYet;
 };
 
@@ -82,6 +88,11 @@ class DriftMonitor {
     d.break_away = (1.0 + d.level) / (1.0 + a.theta[A::kStiffness]) - 1.0;
     d.mass = a.theta[A::kMass];
     d.delay = a.theta[A::kDelay] * period;
+    d.viscous_deviation = a.deviation[A::kViscous];
+    d.break_away_deviation = a.deviation[A::kStiffness] * (1.0 + d.level) /
+                             ((1.0 + a.theta[A::kStiffness]) * (1.0 + a.theta[A::kStiffness]));
+    d.mass_deviation = a.deviation[A::kMass];
+    d.delay_deviation = a.deviation[A::kDelay] * period;
     if (s.moved > kSlow) d.trend = (s.fast - s.slow) / (kSlow - kFast);
     if (!a.informed || d.level_deviation > kUnsure) return d;
     d.verdict = d.trend * kSlow < -kWarming ? DriftVerdict::kWarmingUp

@@ -12,7 +12,8 @@
 /// fully deflected in motion. A static model switches within a hold and gets its mean.
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
-/// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
+/// Not modelled: a step of acceleration, which the hold before it cannot know (its travel is off by up to Δa·T²/6 in that period);
+/// what the tracking error does to the bristle; relaxation during a long dwell.
 /// Real time: safe; two evaluations of the map and five exponentials for each step; the constructor configure only.
 
 #include <stribeck/control/motion_ahead.hpp>

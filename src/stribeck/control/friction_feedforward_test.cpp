@@ -260,6 +260,20 @@ TEST(DynamicCompensation, AtRestTheObserverHandsOverToTheBristle) {
   EXPECT_NEAR(s.friction, 1000.0, 1e-6);
 }
 
+TEST(DynamicCompensation, WhatTheGuardTookDoesNotComeBackThroughTheBristle) {
+  const Compensation c(whole(1000.0, 3e8), kPeriod);
+  Compensation::State s;
+  StatusCounter status;
+  c.applied(s, c.step(s, 0.0, 0.0, 0.0, status), false, status);
+  s.guard.trust = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    s.estimate = s.disturbance.disturbance = 600.0;
+    const double force = c.step(s, 0.0, 0.0, 0.0, status);
+    ASSERT_EQ(force, 0.0);
+    c.applied(s, force, false, status);
+  }
+}
+
 CompensationParams adapting(double level, double sigma0) {
   CompensationParams p = whole(level, sigma0);
   p.adaptation.enabled = true;

@@ -47,7 +47,7 @@ class OscillationGuard {
     const double force = 0.25 * (s.last[0] + s.last[1] + s.last[2] + s.last[3]);
     if (sign(velocity) * s.reference < 0.0) s.run = 0;
     if (velocity != 0.0) s.reference = sign(velocity);
-    ++s.ticks;
+    if (s.ticks <= longest_) ++s.ticks;
     if (s.direction == 0.0) {
       s.direction = 1.0;
       s.extreme = force;

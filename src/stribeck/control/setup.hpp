@@ -90,6 +90,11 @@ class Common {
       const double added =
           compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i], r.acceleration[i], s.status);
       const double wanted = compensation_[i].mass() * acceleration[i] + added;
+      if (!isfinite(wanted)) {
+        // Parameters beyond what numbers hold: the last force stays, as with an input that is not finite.
+        s.status.raise(Status::kNotFinite);
+        continue;
+      }
       s.force[i] = clamp_to(wanted, -setup_.force_limit[i], setup_.force_limit[i]);
       if (s.force[i] != wanted) s.status.raise(Status::kOutputLimited);
       compensation_[i].applied(s.compensation[i], s.force[i], s.force[i] != wanted, s.status);

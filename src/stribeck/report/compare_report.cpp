@@ -265,18 +265,23 @@ Table drift_table(const sim::CompareResult& result) {
   for (const sim::CompareRow& r : result.rows) {
     for (std::size_t i = 0; i < r.drift.size(); ++i) {
       const control::Drift& d = r.drift[i];
-      const auto percent = [](double share) { return Cell{fmt::format("{:+.0f}", 100.0 * share)}; };
-      Cell friction = percent(d.level);
-      friction.spread = fmt::format("± {:.0f}", 100.0 * d.level_deviation);
+      const auto percent = [](double share, double deviation) {
+        Cell cell{fmt::format("{:+.0f}", 100.0 * share)};
+        if (std::isfinite(deviation)) cell.spread = fmt::format("± {:.0f}", 100.0 * deviation);
+        return cell;
+      };
+      constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
+      Cell delay{fmt::format("{:+.1f}", 1e3 * d.delay)};
+      delay.spread = fmt::format("± {:.1f}", 1e3 * d.delay_deviation);
       t.rows.push_back({{name_of(r), "", result.spec.travels[r.travel].pace_in_words()},
                         {result.axes[i]},
-                        friction,
-                        percent(d.positive),
-                        percent(d.negative),
-                        percent(d.viscous),
-                        percent(d.break_away),
-                        percent(d.mass),
-                        {fmt::format("{:+.2f}", 1e3 * d.delay)},
+                        percent(d.level, d.level_deviation),
+                        percent(d.positive, kUnsaid),
+                        percent(d.negative, kUnsaid),
+                        percent(d.viscous, d.viscous_deviation),
+                        percent(d.break_away, d.break_away_deviation),
+                        percent(d.mass, d.mass_deviation),
+                        delay,
                         {std::string(describe(d.verdict))}});
     }
   }

@@ -127,16 +127,21 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
       Json drift = Json::object();
       for (std::size_t i = 0; i < r.drift.size(); ++i) {
         const control::Drift& d = r.drift[i];
-        drift[result.axes[i]] = {{"level_percent", number_or_null(100.0 * d.level)},
-                                 {"level_deviation_percent", number_or_null(100.0 * d.level_deviation)},
-                                 {"forwards_percent", number_or_null(100.0 * d.positive)},
-                                 {"backwards_percent", number_or_null(100.0 * d.negative)},
-                                 {"viscous_percent", number_or_null(100.0 * d.viscous)},
-                                 {"break_away_distance_percent", number_or_null(100.0 * d.break_away)},
-                                 {"mass_percent", number_or_null(100.0 * d.mass)},
-                                 {"delay_ms", number_or_null(1e3 * d.delay)},
-                                 {"trend_percent_per_hour", number_or_null(100.0 * 3600.0 * d.trend)},
-                                 {"verdict", std::string(describe(d.verdict))}};
+        drift[result.axes[i]] = {
+            {"level_percent", number_or_null(100.0 * d.level)},
+            {"level_deviation_percent", number_or_null(100.0 * d.level_deviation)},
+            {"forwards_percent", number_or_null(100.0 * d.positive)},
+            {"backwards_percent", number_or_null(100.0 * d.negative)},
+            {"viscous_percent", number_or_null(100.0 * d.viscous)},
+            {"viscous_deviation_percent", number_or_null(100.0 * d.viscous_deviation)},
+            {"break_away_distance_percent", number_or_null(100.0 * d.break_away)},
+            {"break_away_distance_deviation_percent", number_or_null(100.0 * d.break_away_deviation)},
+            {"mass_percent", number_or_null(100.0 * d.mass)},
+            {"mass_deviation_percent", number_or_null(100.0 * d.mass_deviation)},
+            {"delay_ms", number_or_null(1e3 * d.delay)},
+            {"delay_deviation_ms", number_or_null(1e3 * d.delay_deviation)},
+            {"trend_percent_per_hour", number_or_null(100.0 * 3600.0 * d.trend)},
+            {"verdict", std::string(describe(d.verdict))}};
       }
       row["drift"] = std::move(drift);
     }

@@ -357,8 +357,30 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
   return s;
 }
 
+/// Whether there is anything to compare with.
+static bool has_print(const ReproducedSection& s) {
+  return std::any_of(s.figures.begin(), s.figures.end(),
+                     [](const ReproducedFigure& f) { return std::isfinite(f.printed); });
+}
+
+/// A table as text: what stands in its cells, spread behind, without notes.
+static std::string as_text(const Table& table) {
+  std::vector<TextColumn> columns;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const Column& c = table.columns[i];
+    TextColumn column{c.head, c.unit, {}, c.number};
+    for (const auto& row : table.rows) {
+      const Cell& cell = row[i];
+      column.entries.push_back(clean_text(cell.spread.empty() ? cell.text : cell.text + ' ' + cell.spread));
+    }
+    columns.push_back(std::move(column));
+  }
+  return lay_out(columns);
+}
+
 std::string reproduction_html(const ReproductionInput& input) {
-  Page page("The thesis reproduced",
+  const bool any = std::any_of(input.sections.begin(), input.sections.end(), has_print);
+  Page page(any ? "The thesis reproduced" : "Beyond the thesis",
             fmt::format("{} trials · seed {}{}", input.trials, input.seed,
                         input.version.empty() ? "" : " · stribeck " + input.version));
   page.lead(kIntroduction);
@@ -372,6 +394,7 @@ std::string reproduction_html(const ReproductionInput& input) {
              {"unit", "", false}},
             {}};
   for (const ReproducedSection& s : input.sections) {
+    if (!has_print(s)) continue;
     for (const ReproducedFigure& f : s.figures) {
       Cell ours{shown(f.ours, f)};
       if (std::isfinite(f.low) && std::isfinite(f.high))
@@ -385,12 +408,12 @@ std::string reproduction_html(const ReproductionInput& input) {
                           {f.unit}});
     }
   }
-  page.details("All printed figures in one table", [&] { page.table(all); });
+  if (any) page.details("All printed figures in one table", [&] { page.table(all); });
   for (const ReproducedSection& s : input.sections) {
     page.section(heading(s));
     page.remark(fmt::format("Thesis {}. Machine: {}.{}", s.source, s.machine,
                             s.parameters.empty() ? "" : " Compensators: " + s.parameters + "."));
-    if (!s.figures.empty()) page.table(figure_table(s));
+    if (has_print(s)) page.table(figure_table(s));
     if (!s.table.columns.empty()) page.table(s.table);
     page.list("", s.remarks);
     for (const auto& [plots, caption] : s.plots) page.figures(plots, plots.size() > 1 ? 2 : 1, caption);
@@ -415,7 +438,7 @@ std::string reproduction_markdown(const ReproductionInput& input) {
   for (const ReproducedSection& s : input.sections) {
     out += fmt::format("\n## {}\n\nThesis {}. Machine: {}.{}\n", heading(s), s.source, s.machine,
                        s.parameters.empty() ? "" : " Compensators: " + s.parameters + ".");
-    if (!s.figures.empty()) {
+    if (has_print(s)) {
       out += "\n| figure | of | print | ours | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
       for (const ReproducedFigure& f : s.figures) {
         out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what), cell_text(name_of(f)),
@@ -495,8 +518,8 @@ std::string reproduction_text(const ReproductionInput& input) {
   for (const ReproducedSection& s : input.sections) {
     if (!out.empty()) out += '\n';
     out += clean_text(heading(s)) + '\n';
-    if (s.figures.empty()) {
-      out += "  nothing printed to compare with\n";
+    if (!has_print(s)) {
+      out += s.table.columns.empty() ? "  nothing printed to compare with\n" : as_text(s.table);
       continue;
     }
     TextColumn what{"", "", {}, false};

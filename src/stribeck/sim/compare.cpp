@@ -301,7 +301,14 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
         which.feedforward != control::Feedforward::kSteady || which.adaptation != control::Adaptation::kOff;
     c.adaptation.enabled = which.adaptation == control::Adaptation::kOn;
     c.reversal = which.reversal;
-    c.delay = std::min(c.model.delay, static_cast<double>(control::kMostDelay) * machine.sample_time);
+    if (!(c.model.delay <= static_cast<double>(control::kMostDelay) * machine.sample_time)) {
+      char text[128];
+      std::snprintf(text, sizeof text, ": a delay of %.4g ms, expected at most %zu control periods (%.4g ms)",
+                    c.model.delay * 1e3, control::kMostDelay,
+                    static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3);
+      throw Refused("axis " + name + text);
+    }
+    c.delay = c.model.delay;
     c.encoder_resolution = axis.plant.encoder.resolution;
     setup.force_limit[i] = axis.force_limit();
   }

@@ -68,7 +68,7 @@ struct ControllerSpec {
               "how friction is fed forward: none, steady (as in the thesis), dynamic or reversal")
             .or_default(),
         field("observer", &S::observer, "none, disturbance, kalman or adaptive").or_default(),
-        field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive(),
+        field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive().at_most(1e5),
               "both poles of the disturbance observer, or the bandwidth of the Kalman observer")
             .or_default(),
         field("disturbance_density", &S::disturbance_density, quantity("N2/s", "N2/s").positive(),
@@ -89,6 +89,26 @@ struct ControllerSpec {
     if (id.empty() || id.size() > 16 || id.find_first_not_of(kPermitted) != std::string::npos)
       report("id", "expected 1 to 16 letters, digits and hyphens, e.g. pid");
     if (label.empty() || label.size() > 60) report("label", "expected 1 to 60 characters");
+    const bool ahead =
+        feedforward == control::Feedforward::kDynamic || feedforward == control::Feedforward::kReversal;
+    const bool frictionless = friction == FrictionUse::kNone || friction == FrictionUse::kViscous;
+    if (ahead && frictionless)
+      report("feedforward",
+             "dynamic and reversal need a friction model with a level: friction = \"whole\" or \"gaussian\"");
+    if (adaptation != control::Adaptation::kOff && !ahead)
+      report("adaptation", "corrects what is fed forward: needs feedforward = \"dynamic\" or \"reversal\"");
+    const bool observed = std::visit(
+        [](const auto& params) {
+          if constexpr (requires { params.error_rate; }) {
+            return params.error_rate == control::ErrorRate::kObserved;
+          } else {
+            return false;
+          }
+        },
+        law);
+    if (observed && observer != control::Observer::kKalman)
+      report("law.error_rate",
+             "observed is the velocity of the Kalman observer: needs observer = \"kalman\"");
   }
 };
 
