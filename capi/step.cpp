@@ -1,6 +1,9 @@
 // What runs in the servo thread, apart from what configures: built with a limit on stack frames (CMakeLists.txt).
 #include "controller.hpp"
 
+#include <memory>
+#include <type_traits>
+
 using namespace stribeck;
 using capi::Controller;
 using capi::good;
@@ -8,10 +11,17 @@ using capi::with;
 
 namespace {
 
+/// Makes a state anew where it lies: assigning a new one would put a copy on the stack, beyond the limit of a servo thread.
+template <class State>
+void renew(State& s) {
+  static_assert(std::is_trivially_destructible_v<State>);
+  std::construct_at(&s);
+}
+
 template <std::size_t N>
 void forget(Controller<N>& c) {
-  c.state = {};
-  if constexpr (N > 1) c.frame.state = {};
+  renew(c.state);
+  if constexpr (N > 1) renew(c.frame.state);
 }
 
 template <std::size_t N>
