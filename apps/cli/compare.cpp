@@ -18,8 +18,6 @@
 namespace stribeck::cli {
 namespace {
 
-constexpr const char* kVaried = "bi-table";
-
 struct Options {
   Common common;
   std::string machine;
@@ -33,53 +31,10 @@ struct Options {
   PathOptions path;
 };
 
-/// The experiment that a machine is for when none is asked for.
-std::string default_experiment(const sim::Machine& machine) {
-  switch (machine.axes.size()) {
-    case 1:
-      return "uni-sim";
-    case 2:
-      return "bi-table";
-    case 5:
-      return "five-axis";
-    default:
-      return "tri-circle";
-  }
-}
-
 sim::CompareSpec spec_of(const Options& o, const std::string& experiment) {
-  sim::CompareSpec s;
-  // The circle of the biaxial table is also the one that the options of a path vary.
-  if (experiment == kVaried) {
-    std::vector<double> speeds;
-    for (const std::string& speed : o.speeds) {
-      speeds.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
-    }
-    if (speeds.empty()) speeds = {3e-3, 9.5e-3};
-    for (const double speed : speeds) s.travels.push_back(make_travel(o.path, speed));
-    s.controllers = make_controllers(o.path);
-    s.accuracy = make_accuracy(o.path);
-  } else {
-    const auto all = sim::experiments();
-    s = sim::find_experiment(all, experiment)->settings.front().spec;
-    if (!(o.path == PathOptions{}) || !o.speeds.empty()) {
-      refuse_option("--experiment",
-                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
-                                experiment, kVaried));
-    }
-  }
+  sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds);
   add_beyond(s.controllers, experiment, o.parameters);
-  for (const std::string& c : o.controllers) {
-    sim::ControllerSpec more = read_controller(c);
-    for (const sim::ControllerSpec& other : s.controllers) {
-      if (other.id == more.id) {
-        refuse_option("--controller",
-                      fmt::format("{}: there is a controller with the id {} already (choose another id)",
-                                  io::in_quotes(c), io::in_quotes(more.id)));
-      }
-    }
-    s.controllers.push_back(std::move(more));
-  }
+  for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
   s.trials = o.trials;
   s.seed = o.seed;
   s.threads = o.threads;
@@ -172,12 +127,10 @@ void add_compare(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("compare", "The main job: controllers side by side on a virtual machine");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  std::vector<std::string> ids;
-  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option(
           "--experiment", o->experiment,
           "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis by the machine's number of axes")
-      ->check(CLI::IsMember(ids));
+      ->check(CLI::IsMember(experiment_ids()));
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);

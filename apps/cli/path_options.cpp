@@ -75,6 +75,57 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
       option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
 }
 
+std::string default_experiment(const sim::Machine& machine) {
+  switch (machine.axes.size()) {
+    case 1:
+      return "uni-sim";
+    case 2:
+      return kVaried;
+    case 5:
+      return "five-axis";
+    default:
+      return "tri-circle";
+  }
+}
+
+std::vector<std::string> experiment_ids() {
+  std::vector<std::string> ids;
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  return ids;
+}
+
+sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
+                                 const std::vector<std::string>& speeds) {
+  if (experiment != kVaried) {
+    if (!(path == PathOptions{}) || !speeds.empty()) {
+      refuse_option("--experiment",
+                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
+                                experiment, kVaried));
+    }
+    const auto all = sim::experiments();
+    return sim::find_experiment(all, experiment)->settings.front().spec;
+  }
+  sim::CompareSpec s;
+  for (const std::string& speed : speeds)
+    s.travels.push_back(make_travel(path, option_si("--speed", speed, quantity("m/s", "mm/s").positive())));
+  if (s.travels.empty()) s.travels = {make_travel(path, 3e-3), make_travel(path, 9.5e-3)};
+  s.controllers = make_controllers(path);
+  s.accuracy = make_accuracy(path);
+  return s;
+}
+
+void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,
+                    const std::string& name) {
+  for (const sim::ControllerSpec& other : controllers) {
+    if (other.id == more.id) {
+      refuse_option("--controller",
+                    fmt::format("{}: there is a controller with the id {} already (choose another id)",
+                                io::in_quotes(name), io::in_quotes(more.id)));
+    }
+  }
+  controllers.push_back(std::move(more));
+}
+
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
                 const ParameterOptions& parameters) {
   const auto all = sim::experiments();

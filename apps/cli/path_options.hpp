@@ -32,6 +32,23 @@ sim::Travel make_travel(const PathOptions& options, double speed);
 /// Controllers (a) to (f) with the options' gains and observer.
 std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
 
+/// The experiment whose circle the options of a path vary.
+inline constexpr const char* kVaried = "bi-table";
+
+/// The experiment that a machine is for when none is asked for.
+std::string default_experiment(const sim::Machine& machine);
+
+/// Names of all experiments.
+std::vector<std::string> experiment_ids();
+
+/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds go with kVaried only.
+sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
+                                 const std::vector<std::string>& speeds);
+
+/// Appends a controller that was given as `name`; refuses an id that there is already.
+void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,
+                    const std::string& name);
+
 /// Appends controllers that go beyond the thesis to those of an experiment that has some; empty: the circle of the biaxial table.
 /// Not with printed parameters, which know no bristles.
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,

@@ -208,7 +208,7 @@ int reproduce(const Options& o) {
 
   report::ReproductionInput page;
   page.seed = o.seed;
-  page.trials = o.trials;
+  page.trials = chosen.empty() && identification.empty() ? 0 : o.trials;
   page.version = STRIBECK_VERSION;
   page.command = "stribeck reproduce " + report::joined(o.ids, " ");
   if (o.trials != 10) page.command += fmt::format(" --trials {}", o.trials);

@@ -128,9 +128,9 @@ report::ReproducedSection robustness_section(const sim::RobustnessResult& result
               {"90 %", "µm"},
               {"99 %", "µm"},
               {"worst", "µm"},
-              {"of reference, median", "%"},
-              {"of reference, 99 %", "%"},
-              {"mean |Δu|, median", "mV"},
+              {"median", "% of ref."},
+              {"99 %", "% of ref."},
+              {"mean |Δu|", "mV"},
               {"lost"}},
              {}};
   const std::size_t count = result.spec.controllers.size();

@@ -18,8 +18,6 @@
 namespace stribeck::cli {
 namespace {
 
-constexpr const char* kVaried = "bi-table";
-
 struct Options {
   Common common;
   std::string machine;
@@ -40,47 +38,6 @@ struct Options {
   std::string out;
 };
 
-/// As compare has it.
-std::string experiment_for(const sim::Machine& machine) {
-  switch (machine.axes.size()) {
-    case 1:
-      return "uni-sim";
-    case 2:
-      return kVaried;
-    case 5:
-      return "five-axis";
-    default:
-      return "tri-circle";
-  }
-}
-
-/// Travels, and the controllers that the machine's experiment has; `printed` of them are the thesis's.
-sim::CompareSpec experiment_of(const Options& o, std::size_t& printed) {
-  sim::CompareSpec s;
-  if (o.experiment == kVaried) {
-    for (const std::string& speed : o.speeds)
-      s.travels.push_back(
-          make_travel(o.path, option_si("--speed", speed, quantity("m/s", "mm/s").positive())));
-    if (s.travels.empty()) s.travels = {make_travel(o.path, 3e-3), make_travel(o.path, 9.5e-3)};
-    s.controllers = make_controllers(o.path);
-    s.accuracy = make_accuracy(o.path);
-  } else {
-    const auto all = sim::experiments();
-    s = sim::find_experiment(all, o.experiment)->settings.front().spec;
-    if (!(o.path == PathOptions{}) || !o.speeds.empty()) {
-      refuse_option("--experiment",
-                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
-                                o.experiment, kVaried));
-    }
-  }
-  printed = s.controllers.size();
-  add_beyond(s.controllers, o.experiment, o.parameters);
-  s.trials = o.trials;
-  s.seed = o.seed;
-  s.threads = o.threads;
-  return s;
-}
-
 /// One of the experiment's by its id, one that is built in, or a file.
 sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
   for (const sim::ControllerSpec& c : known) {
@@ -91,23 +48,17 @@ sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const 
 
 sim::TuneSpec spec_of(const Options& o) {
   sim::TuneSpec s;
-  std::size_t printed = 0;
-  s.compare = experiment_of(o, printed);
-  s.reference = s.compare.controllers[printed - 1];
+  s.compare = experiment_spec(o.experiment, o.path, o.speeds);
+  s.reference = s.compare.controllers.back();  // of the thesis's own
+  add_beyond(s.compare.controllers, o.experiment, o.parameters);
+  s.compare.trials = o.trials;
+  s.compare.seed = o.seed;
+  s.compare.threads = o.threads;
   if (!o.controllers.empty()) {
     const std::vector<sim::ControllerSpec> known = std::move(s.compare.controllers);
     s.compare.controllers.clear();
-    for (const std::string& name : o.controllers) {
-      sim::ControllerSpec more = chosen(known, name);
-      for (const sim::ControllerSpec& other : s.compare.controllers) {
-        if (other.id == more.id) {
-          refuse_option("--controller",
-                        fmt::format("{}: there is a controller with the id {} already (choose another id)",
-                                    io::in_quotes(name), io::in_quotes(more.id)));
-        }
-      }
-      s.compare.controllers.push_back(std::move(more));
-    }
+    for (const std::string& name : o.controllers)
+      add_controller(s.compare.controllers, chosen(known, name), name);
   }
   if (!std::isfinite(o.phase_margin) || !std::isfinite(o.gain_margin) || !std::isfinite(o.delay_margin))
     refuse_option("--phase-margin, --gain-margin, --delay-margin", "expected finite numbers");
@@ -136,7 +87,7 @@ std::string file_of(const Options& o, const std::string& id) {
 
 int tune(Options o) {
   const sim::Machine machine = load_machine(o.machine);
-  if (o.experiment.empty()) o.experiment = experiment_for(machine);
+  if (o.experiment.empty()) o.experiment = default_experiment(machine);
   const sim::TuneSpec spec = spec_of(o);
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
@@ -193,11 +144,9 @@ void add_tune(CLI::App& app, Action& action) {
       app.add_subcommand("tune", "Gains by optimisation under limits, the same search for every controller");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  std::vector<std::string> ids;
-  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->experiment,
                    "Experiment whose path and controllers are taken; left out: as compare chooses")
-      ->check(CLI::IsMember(ids));
+      ->check(CLI::IsMember(experiment_ids()));
   verb->add_option(
           "--controller", o->controllers,
           fmt::format(

@@ -107,6 +107,7 @@ class Compensation {
     const double periods = clamp_to(params.delay / period, 0.0, static_cast<double>(kMostDelay));
     whole_ = static_cast<std::size_t>(periods);
     rest_ = periods - static_cast<double>(whole_);
+    past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
   }
 
   /// What the encoder says now [m], and its differenced velocity [m/s]. To be called once per period, before step().
@@ -169,7 +170,7 @@ class Compensation {
       status.raise(Status::kOscillation);
       adaptation_.halve(s.adaptation);
     }
-    for (std::size_t i = kMostDelay + 2; i > 0; --i) {
+    for (std::size_t i = past_; i > 0; --i) {
       s.force[i] = s.force[i - 1];
       s.fed[i] = s.fed[i - 1];
     }
@@ -236,6 +237,7 @@ class Compensation {
   OscillationGuard guard_;
   std::size_t whole_ = 0;  ///< of the delay, in periods
   double rest_ = 0.0;
+  std::size_t past_ = 0;  ///< commands that somebody still asks for, beside the newest
 };
 
 }  // namespace stribeck::control

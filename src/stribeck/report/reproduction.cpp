@@ -357,33 +357,44 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
   return s;
 }
 
+namespace {
+
 /// Whether there is anything to compare with.
-static bool has_print(const ReproducedSection& s) {
+bool has_print(const ReproducedSection& s) {
   return std::any_of(s.figures.begin(), s.figures.end(),
                      [](const ReproducedFigure& f) { return std::isfinite(f.printed); });
 }
 
-/// A table as text: what stands in its cells, spread behind, without notes.
-static std::string as_text(const Table& table) {
+/// A table as text, spread behind the figures where there is room for it.
+std::string as_text(const Table& table, bool spread = true) {
+  constexpr std::size_t kGap = 2;
   std::vector<TextColumn> columns;
+  std::size_t width = 0;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     const Column& c = table.columns[i];
     TextColumn column{c.head, c.unit, {}, c.number};
+    std::size_t widest = std::max(text_width(c.head), text_width(c.unit));
     for (const auto& row : table.rows) {
       const Cell& cell = row[i];
-      column.entries.push_back(clean_text(cell.spread.empty() ? cell.text : cell.text + ' ' + cell.spread));
+      column.entries.push_back(
+          clean_text(cell.spread.empty() || !spread ? cell.text : cell.text + ' ' + cell.spread));
+      widest = std::max(widest, text_width(column.entries.back()));
     }
+    width += widest + kGap;
     columns.push_back(std::move(column));
   }
-  return lay_out(columns);
+  if (spread && width > kTableWidth + kGap) return as_text(table, false);
+  return lay_out(std::move(columns));
 }
+
+}  // namespace
 
 std::string reproduction_html(const ReproductionInput& input) {
   const bool any = std::any_of(input.sections.begin(), input.sections.end(), has_print);
   Page page(any ? "The thesis reproduced" : "Beyond the thesis",
-            fmt::format("{} trials · seed {}{}", input.trials, input.seed,
-                        input.version.empty() ? "" : " · stribeck " + input.version));
-  page.lead(kIntroduction);
+            fmt::format("{}seed {}{}", input.trials > 0 ? fmt::format("{} trials · ", input.trials) : "",
+                        input.seed, input.version.empty() ? "" : " · stribeck " + input.version));
+  if (any) page.lead(kIntroduction);
   Table all{"All printed figures",
             {{"experiment", "", false},
              {"figure", "", false},

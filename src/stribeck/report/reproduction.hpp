@@ -55,7 +55,7 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
 struct ReproductionInput {
   std::vector<ReproducedSection> sections;
   std::uint64_t seed = 1;
-  std::uint32_t trials = 10;
+  std::uint32_t trials = 10;  ///< 0: none of the sections has trials
   std::string command;
   std::string version;
 };

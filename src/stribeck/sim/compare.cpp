@@ -86,9 +86,6 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   return straight;
 }
 
-/// A loop that ended farther from the path than this share of its extent has lost it.
-constexpr double kLost = 0.1;
-
 /// Refuses gains that cannot work, before anything runs: unstable when sampled, or without the switching gain that was asked for.
 template <std::size_t N>
 void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {

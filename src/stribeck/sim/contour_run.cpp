@@ -8,8 +8,6 @@ namespace {
 
 /// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step.
 constexpr double kStableRate = 1.7;
-/// An axis that is farther than this share of the path's size from it does not follow.
-constexpr double kLost = 0.1;
 constexpr int kLoopIsLost = 32;
 
 /// Contour error and, where there is a tool axis, its error.

@@ -37,6 +37,9 @@ struct ContourSample {
   bool scored = false;
 };
 
+/// A loop that is farther from its path than this share of the path's extent has lost it.
+inline constexpr double kLost = 0.1;
+
 /// No run is simulated with more sub-steps per control period.
 inline constexpr int kMostSubsteps = 512;
 

@@ -9,8 +9,6 @@
 namespace stribeck::sim {
 namespace {
 
-/// A loop that is farther from the path than this share of its extent has lost it.
-constexpr double kLost = 0.1;
 /// A loop that is at the limit of its drives for longer than this share of the ticks, and still shakes by more than that share of
 /// their range while it is scored, is held together by the limit. Stable loops of V2 shake by 1 % with the coarsest encoder.
 constexpr double kMostLimited = 1e-3;

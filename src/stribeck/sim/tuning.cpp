@@ -165,8 +165,6 @@ class Task {
   }
 
  private:
-  static constexpr double kLost = 0.1;
-
   static double cut(double e) {
     return std::isnan(e) ? kMostExcess : std::clamp(e, -kMostExcess, kMostExcess);
   }
