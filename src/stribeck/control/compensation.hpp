@@ -96,7 +96,7 @@ class Compensation {
                                  params.model.mass, period)
                 : KalmanObserver()),
         feedforward_(params.model.friction, period),
-        adaptation_(params.adaptation, params.model, params.encoder_resolution, period) {
+        adaptation_(params.adaptation, params.model, params.encoder_resolution, params.delay, period) {
     if (params.feedforward == Feedforward::kReversal)
       reversal_ = ReversalFeedforward(params.reversal, params.model.friction, period);
     if (params.guarded)
@@ -142,16 +142,17 @@ class Compensation {
       const auto p = params_.model.friction.parts(velocity, reference);
       s.friction += p.level * sign(velocity) + p.viscous + p.additive;
     } else if (params_.feedforward != Feedforward::kNone) {
-      const double jerk = s.started ? (acceleration - s.last_acceleration) / period_ : 0.0;
+      const double jerk = s.started ? jerk_of(s, velocity, acceleration) : 0.0;
       s.last_jerk = jerk;
-      const MotionAhead coming = MotionAhead{reference, velocity, acceleration, jerk}.later(
-          params_.delay + adaptation_.delay(s.adaptation));
+      const MotionAhead now{reference, velocity, acceleration, jerk};
+      const double delay = params_.delay + adaptation_.delay(s.adaptation);
+      const MotionAhead coming = now.later(delay);
       if (velocity == 0.0 && acceleration == 0.0) hand_over(s, reference);
       const double middle = 0.5 * period_;
       const double accelerates = coming.acceleration + middle * jerk;
       const FrictionScales scales = adaptation_.scales(s.adaptation);
       s.friction += params_.feedforward == Feedforward::kDynamic
-                        ? feedforward_.step(s.feedforward, coming, velocity, scales).sum()
+                        ? feedforward_.step(s.feedforward, now, delay, scales).sum()
                         : reversal_.step(s.reversal, coming, velocity, scales).sum();
       if (adaptation_.enabled())
         s.friction += adaptation_.extra(s.adaptation, coming.position_at(middle), accelerates);
@@ -211,7 +212,15 @@ class Compensation {
     for (double& fed : s.fed) fed += moved;
   }
 
-  /// Time constant of that [s].
+  /// Jerk of the reference that will go on. A step of acceleration, as trapezoidal planners make it, is none: the velocity of the
+  /// period before it knows nothing of it.
+  [[nodiscard]] double jerk_of(const State& s, double velocity, double acceleration) const noexcept {
+    const double change = (acceleration - s.last_acceleration) / period_;
+    const double felt = 2.0 * ((velocity - s.last_velocity) / period_ - s.last_acceleration) / period_;
+    return clamp_to(felt, min_of(change, 0.0), max_of(change, 0.0));
+  }
+
+  /// Time constant of the hand-over [s].
   static constexpr double kHandOver = 0.1;
   /// A swing of the force, as a share of the level of friction at rest.
   static constexpr double kSwing = 0.6;

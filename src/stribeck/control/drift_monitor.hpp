@@ -3,11 +3,12 @@
 ///
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
-///   verdict  by λ against 10 and 25 %, once its standard deviation is below 10 %
+///   verdict  by λ against 10 and 25 %, once its standard deviation is below 10 %; where λ says nothing, viscous friction beyond 25 %
+///            and a mass beyond 15 %, each by more than three standard deviations
 ///
 /// Time counts while the axis moves. A trend that takes the level down by 2 % within 100 s counts as warming up.
 /// Source: none; the limits are Stribeck's own.
-/// Not modelled: why. Lubrication, preload, covers and temperature look alike in a force.
+/// Not modelled: why; the break-away distance, which a loop that trembles misleads, has no part in the verdict. Lubrication, preload, covers and temperature look alike in a force.
 /// Real time: safe.
 
 #include <limits>
@@ -15,7 +16,18 @@
 
 namespace stribeck::control {
 
-enum class DriftVerdict { kNotYet, kAsCommissioned, kWarmingUp, kMore, kMuchMore, kLess, kMuchLess };
+enum class DriftVerdict {
+  kNotYet,
+  kAsCommissioned,
+  kWarmingUp,
+  kMore,
+  kMuchMore,
+  kLess,
+  kMuchLess,
+  kMoreViscous,
+  kLessViscous,
+  kAnotherMass
+};
 
 constexpr std::string_view describe(DriftVerdict v) noexcept {
   switch (v) {
@@ -34,6 +46,12 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
       return "less friction than at commissioning: warm, or preload is going";
     case DriftVerdict::kMuchLess:
       return "much less friction than at commissioning: check preload, or identify anew";
+    case DriftVerdict::kMoreViscous:
+      return "friction rises more with speed than at commissioning: colder, or another lubricant";
+    case DriftVerdict::kLessViscous:
+      return "friction rises less with speed than at commissioning: warm, or short of lubricant";
+    case DriftVerdict::kAnotherMass:
+      return "another mass than at commissioning: a workpiece, or a changed drive";
   }
   return "unknown";
 }
@@ -95,11 +113,16 @@ class DriftMonitor {
     d.delay_deviation = a.deviation[A::kDelay] * period;
     if (s.moved > kSlow) d.trend = (s.fast - s.slow) / (kSlow - kFast);
     if (!a.informed || d.level_deviation > kUnsure) return d;
+    const bool viscous = abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
+    const bool mass = abs(d.mass) > max_of(kMass, kSure * d.mass_deviation);
     d.verdict = d.trend * kSlow < -kWarming ? DriftVerdict::kWarmingUp
                 : d.level > kAct            ? DriftVerdict::kMuchMore
                 : d.level > kWatch          ? DriftVerdict::kMore
                 : d.level < -kAct           ? DriftVerdict::kMuchLess
                 : d.level < -kWatch         ? DriftVerdict::kLess
+                : viscous && d.viscous > 0  ? DriftVerdict::kMoreViscous
+                : viscous                   ? DriftVerdict::kLessViscous
+                : mass                      ? DriftVerdict::kAnotherMass
                                             : DriftVerdict::kAsCommissioned;
     return d;
   }
@@ -115,6 +138,9 @@ class DriftMonitor {
   static constexpr double kWatch = 0.1;     ///< change of the level
   static constexpr double kAct = 0.25;      ///< the same
   static constexpr double kWarming = 0.02;  ///< fall of the level within kSlow
+  static constexpr double kViscous = 0.25;  ///< change of viscous friction
+  static constexpr double kMass = 0.15;     ///< share of the mass
+  static constexpr double kSure = 3.0;      ///< standard deviations
 };
 
 }  // namespace stribeck::control

@@ -63,8 +63,9 @@ class FrictionAdaptation {
   };
 
   FrictionAdaptation() = default;
+  /// `delay` [s]: what is assumed of it.
   FrictionAdaptation(const AdaptationParams& params, const friction::AxisModel& model,
-                     double encoder_resolution, double period) noexcept
+                     double encoder_resolution, double delay, double period) noexcept
       : params_(params),
         model_(model.friction, period),
         mass_(model.mass),
@@ -84,6 +85,8 @@ class FrictionAdaptation {
                                encoder_resolution * encoder_resolution / 12.0, model.mass, period);
     spread_ = {{params.level_spread, params.level_spread, params.viscous_spread, params.stiffness_spread,
                 params.mass_spread, 1.0, 1.0, params.delay_spread}};
+    // No force acts before it is put out.
+    bounds_[kDelay][0] = min_of(bounds_[kDelay][0], delay / period);
     if (model.friction.eccentric.empty()) spread_[kSine] = spread_[kCosine] = 0.0;
     if (std::holds_alternative<friction::Static>(model.friction.dynamics)) spread_[kStiffness] = 0.0;
   }
@@ -136,7 +139,7 @@ class FrictionAdaptation {
     sum += dot(phi, pf);
     const double share = s.residual / sum;
     for (std::size_t i = 0; i < kCount; ++i) {
-      s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -kBounds[i][0], kBounds[i][1]);
+      s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
       for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
     }
     for (std::size_t i = 0; i < kCount; ++i) {
@@ -200,6 +203,7 @@ class FrictionAdaptation {
   FrictionFeedforward model_;
   KalmanObserver observer_;
   Vector spread_;
+  std::array<std::array<double, 2>, kCount> bounds_ = kBounds;
   double mass_ = 1.0;
   double period_ = 1e-3;
   double resolution_ = 0.0;

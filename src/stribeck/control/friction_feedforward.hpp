@@ -9,11 +9,13 @@
 ///
 /// Because the bristle follows the reference, not the encoder, the force cannot chatter, nor close a loop: it is as stable as the
 /// reference. Its state goes on through partial reversals, short moves and dwell, where it holds. It begins relaxed at rest, and
-/// fully deflected in motion. A static model switches within a hold and gets its mean.
+/// fully deflected in motion. A static model switches within a hold and gets its mean. What lies ahead is foreseen anew each period
+/// from where the reference is: a step of acceleration that nobody could know leaves no trace in the bristle.
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
-/// Not modelled: a step of acceleration, which the hold before it cannot know (its travel is off by up to Δa·T²/6 in that period);
-/// what the tracking error does to the bristle; relaxation during a long dwell.
+/// Travel that a hold did not foresee (a step of acceleration: up to Δa·T²/6; a delay that changes) is made up for in the next: the
+/// bristle is where the reference is, whatever has been.
+/// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
 /// Real time: safe; two evaluations of the map and five exponentials for each step; the constructor configure only.
 
 #include <stribeck/control/motion_ahead.hpp>
@@ -40,7 +42,9 @@ struct BristleState {
 class FrictionFeedforward {
  public:
   struct State {
-    BristleState bristle;
+    BristleState bristle;   ///< where the reference is now
+    double position = 0.0;  ///< of the reference [m]
+    double velocity = 0.0;  ///< [m/s]
     bool started = false;
   };
 
@@ -56,39 +60,39 @@ class FrictionFeedforward {
   FrictionFeedforward(const friction::Model& model, double period) noexcept
       : model_(model), period_(period) {}
 
-  /// One period; `moving` [m/s] is the reference velocity at the sample, which tells at the first step whether the axis moves.
-  Force step(State& s, const MotionAhead& r, double moving,
+  /// One period: the reference at the sample, and how much later the hold begins [s].
+  Force step(State& s, const MotionAhead& r, double delay = 0.0,
              const FrictionScales& scales = {}) const noexcept {
-    return step(&s.bristle, &scales, 1, s.started, r, moving)[0];
-  }
+    if (s.started) {
+      follow(s.bristle, {s.position, s.velocity}, {r.position, r.velocity}, period_, scales);
+    } else {
+      s.started = true;
+      start(s.bristle, model_.parts(r.velocity, r.position), r.velocity, scales);
+    }
+    s.position = r.position;
+    s.velocity = r.velocity;
 
-  /// The same for up to four sets of scales at a time; the map is evaluated once for all. Used for sensitivities.
-  std::array<Force, 4> step(BristleState* bristles, const FrictionScales* scales, std::size_t count,
-                            bool& started, const MotionAhead& r, double moving) const noexcept {
-    std::array<Force, 4> sum{};
-    if (!started) {
-      started = true;
-      const auto p = model_.parts(moving, r.position);
-      for (std::size_t i = 0; i < count; ++i) start(bristles[i], p, moving, scales[i]);
+    BristleState ahead = s.bristle;
+    for (double t = 0.0; t < delay; t += period_) {
+      const double dt = min_of(period_, delay - t);
+      follow(ahead, at(r, t), at(r, t + dt), dt, scales);
     }
     constexpr int kParts = 2;
     const double h = period_ / kParts;
+    Force mean;
     for (int part = 0; part < kParts; ++part) {
-      const double middle = (part + 0.5) * h;
+      const double middle = delay + (part + 0.5) * h;
       const double v = r.velocity_at(middle);
       auto p = model_.parts(v, r.position_at(middle));
-      const double level = p.level;
+      p.level *= scales.level(v);
       const double early = r.velocity_at(middle - 0.25 * h);
       const double late = r.velocity_at(middle + 0.25 * h);
-      for (std::size_t i = 0; i < count; ++i) {
-        p.level = level * scales[i].level(v);
-        sum[i].bristle += advance(bristles[i], p, early, v, 0.5 * h, scales[i].stiffness) / kParts;
-        advance(bristles[i], p, late, v, 0.5 * h, scales[i].stiffness);
-        sum[i].viscous += scales[i].viscous * p.viscous / kParts;
-        sum[i].additive += p.additive / kParts;
-      }
+      mean.bristle += advance(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
+      advance(ahead, p, late, v, 0.5 * h, scales.stiffness);
+      mean.viscous += scales.viscous * p.viscous / kParts;
+      mean.additive += p.additive / kParts;
     }
-    return sum;
+    return mean;
   }
 
   /// Mean force over the last hold, in which the axis moved by `travel` [m] to where it is now, for several sets of scales. Level
@@ -152,6 +156,38 @@ class FrictionFeedforward {
         b.gms.slipping[i] = 1.0;
       }
     }
+  }
+
+  struct Point {
+    double position = 0.0;
+    double velocity = 0.0;
+  };
+  static Point at(const MotionAhead& r, double t) noexcept { return {r.position_at(t), r.velocity_at(t)}; }
+
+  /// Takes a bristle from one point of the reference to another, dt later; a turn between them lies where a velocity that changes
+  /// evenly puts it.
+  void follow(BristleState& b, const Point& from, const Point& to, double dt,
+              const FrictionScales& scales) const noexcept {
+    Point begin = from;
+    if (from.velocity * to.velocity < 0.0) {
+      const double t = dt * from.velocity / (from.velocity - to.velocity);
+      const Point turn{from.position + 0.5 * t * from.velocity, 0.0};
+      if ((to.position - turn.position) * to.velocity > 0.0) {
+        along(b, begin, turn, t, scales);
+        begin = turn;
+        dt -= t;
+      }
+    }
+    along(b, begin, to, dt, scales);
+  }
+  void along(BristleState& b, const Point& from, const Point& to, double dt,
+             const FrictionScales& scales) const noexcept {
+    if (!(dt > 0.0)) return;
+    const double v = 0.5 * (from.velocity + to.velocity);
+    auto p = model_.parts(v, 0.5 * (from.position + to.position));
+    p.level *= scales.level(v);
+    const double moved = (to.position - from.position) / dt;
+    advance(b, p, moved, moved, dt, scales.stiffness);
   }
 
   /// Steady parts that are held, as a map.

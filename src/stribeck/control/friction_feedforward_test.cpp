@@ -31,7 +31,7 @@ std::vector<double> around_a_turn(const friction::Model& model, const FrictionSc
   std::vector<double> all;
   for (int k = -60; k < 40; ++k) {
     const MotionAhead r = turning(acceleration, k * kPeriod + shift);
-    all.push_back(law.step(s, r, r.velocity, scales).bristle);
+    all.push_back(law.step(s, r, 0.0, scales).bristle);
   }
   return all;
 }
@@ -75,7 +75,7 @@ TEST(FrictionFeedforward, AgreesWithTheFrictionModelInSmallSteps) {
     double mean = 0.0;
     for (int i = 0; i < 200; ++i)
       mean += lugre.step(map, exact, rate(t + (i + 0.5) * kPeriod / 200), 0.0, kPeriod / 200) / 200;
-    EXPECT_NEAR(law.step(s, r, r.velocity).sum(), mean, 15.0) << k;  // 1.2 % of the level at rest
+    EXPECT_NEAR(law.step(s, r).sum(), mean, 15.0) << k;  // 1.2 % of the level at rest
   }
 }
 
@@ -84,10 +84,10 @@ TEST(FrictionFeedforward, StaticModelGivesTheMeanOfAHoldThatReverses) {
   m.steady = friction::Conventional<double>{1000.0, 2e5, {}};
   const FrictionFeedforward law(m, kPeriod);
   FrictionFeedforward::State s;
-  EXPECT_EQ(law.step(s, {0.0, 3e-3, 0.0, 0.0}, 3e-3).sum(), 1000.0 + 2e5 * 3e-3);
+  EXPECT_EQ(law.step(s, {0.0, 3e-3, 0.0, 0.0}).sum(), 1000.0 + 2e5 * 3e-3);
   // Turns in the middle of the hold.
   const double a = 0.04;
-  const auto f = law.step(s, {0.0, -0.5 * a * kPeriod, a, 0.0}, -0.5 * a * kPeriod);
+  const auto f = law.step(s, {0.0, -0.5 * a * kPeriod, a, 0.0});
   EXPECT_EQ(f.bristle, 0.0);
   EXPECT_NEAR(f.viscous, 0.0, 1e-12);
 }
@@ -125,24 +125,86 @@ TEST(FrictionFeedforward, HoldsInDwellAndGoesOnAfterIt) {
   FrictionFeedforward::State s;
   // 1 µm forward from rest, then dwell: the bristle keeps what it has got.
   const double v = 1e-6 / (10 * kPeriod);
-  double force = 0.0;
-  for (int k = 0; k < 10; ++k) force = law.step(s, {k * v * kPeriod, v, 0.0, 0.0}, k == 0 ? 0.0 : v).sum();
+  double force = law.step(s, {}).sum();
+  for (int k = 0; k < 10; ++k) force = law.step(s, {k * v * kPeriod, v, 0.0, 0.0}).sum();
   EXPECT_NEAR(force, 1000.0 * (1.0 - std::exp(-3e8 * 0.95e-6 / 1000.0)), 1.0);
   const double end = 1000.0 * (1.0 - std::exp(-0.3));
-  for (int k = 0; k < 100; ++k) EXPECT_NEAR(law.step(s, {1e-6, 0.0, 0.0, 0.0}, 0.0).sum(), end, 1e-6);
+  for (int k = 0; k < 100; ++k) EXPECT_NEAR(law.step(s, {1e-6, 0.0, 0.0, 0.0}).sum(), end, 1e-6);
   // A partial reversal of half a micrometre: Masing's rule.
-  for (int k = 0; k < 10; ++k)
-    force = law.step(s, {1e-6 - 0.5 * k * v * kPeriod, -0.5 * v, 0.0, 0.0}, -0.5 * v).sum();
+  for (int k = 0; k < 10; ++k) force = law.step(s, {1e-6 - 0.5 * k * v * kPeriod, -0.5 * v, 0.0, 0.0}).sum();
   const double back = 3e8 * 0.475e-6 / 1000.0;
   EXPECT_NEAR(force, end * std::exp(-back) - 1000.0 * (1.0 - std::exp(-back)), 1.0);
+}
+
+TEST(FrictionFeedforward, StepsOfAccelerationLeaveNoTrace) {
+  // 2 µm in four periods at ±0.5 m/s², as a trapezoidal planner moves: no hold foresees the step that ends it. At rest the bristle
+  // is bent by exactly that distance, and after the way back along the other branch by nothing that depends on the steps.
+  constexpr double kFast = 1e-3;
+  constexpr double kAcceleration = 0.5;
+  constexpr double kLevel = 1000.0;
+  constexpr double kSigma = 3e8;
+  const FrictionFeedforward law(constant_level(kLevel, kSigma), kFast);
+  for (const double delay : {0.0, 0.4e-3, 1e-3, 2.5e-3}) {
+    SCOPED_TRACE(delay);
+    FrictionFeedforward::State s;
+    double x = 0.0;
+    double v = 0.0;
+    double last = 0.0;
+    double force = 0.0;
+    const auto move = [&](double a) {
+      force = law.step(s, {x, v, a, (a - last) / kFast}, delay).sum();
+      last = a;
+      x += kFast * (v + 0.5 * kFast * a);
+      v += kFast * a;
+    };
+    const auto there = [&](double direction) {
+      for (const double share : {0.0, 1.0, 1.0, -1.0, -1.0}) move(direction * share * kAcceleration);
+      v = 0.0;  // exactly
+      for (int k = 0; k < 4; ++k) move(0.0);
+    };
+    there(1.0);
+    const double bent = kLevel * (1.0 - std::exp(-kSigma * 2e-6 / kLevel));
+    EXPECT_NEAR(force, bent, 1e-6);
+    there(-1.0);
+    const double back = std::exp(-kSigma * 2e-6 / kLevel);
+    EXPECT_NEAR(force, bent * back - kLevel * (1.0 - back), 1e-6);
+  }
+}
+
+TEST(Compensation, AJerkGoesOnAndAStepOfAccelerationDoesNot) {
+  // The force that accelerates: over the coming period the mean of m·r̈, which is m·(a + j·T/2) for a jerk that lasts, and m·a after
+  // a step.
+  CompensationParams p;
+  p.model.mass = 250.0;
+  p.model.friction = constant_level(1000.0, 3e8);
+  p.feedforward = Feedforward::kDynamic;
+  const Compensation law(p, kPeriod);
+  StatusCounter status;
+  struct Sample {
+    double velocity, acceleration;
+  };
+  const auto of = [&](std::initializer_list<Sample> samples) {
+    Compensation::State s;
+    for (const Sample& r : samples) law.step(s, 0.0, r.velocity, r.acceleration, status);
+    return s.ahead;
+  };
+  constexpr double kStep = 2.0 * kPeriod;  // of velocity, under 2 m/s²
+  EXPECT_DOUBLE_EQ(of({{0.0, 0.0}, {0.0, 0.0}, {0.0, 2.0}}), 500.0);
+  EXPECT_NEAR(of({{0.0, 0.0}, {0.0, 2.0}, {kStep, 2.0}}), 500.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 2.0}, {kStep, -2.0}}), -500.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 0.0}, {0.5 * kStep, 2.0}}), 250.0 * 3.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 2.0}, {0.75 * kStep, 1.0}}), 250.0 * 0.5, 1e-9);
+  // Velocities that do not fit ask for nothing beyond the change of the acceleration.
+  EXPECT_NEAR(of({{0.0, 0.0}, {1.0, 2.0}}), 250.0 * 3.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 0.0}, {-1.0, 2.0}}), 500.0, 1e-9);
 }
 
 TEST(FrictionFeedforward, BeginsDeflectedInMotion) {
   const FrictionFeedforward law(constant_level(1000.0, 3e8), kPeriod);
   FrictionFeedforward::State moving;
-  EXPECT_NEAR(law.step(moving, {0.0, -4e-3, 0.0, 0.0}, -4e-3).sum(), -1000.0, 1e-9);
+  EXPECT_NEAR(law.step(moving, {0.0, -4e-3, 0.0, 0.0}).sum(), -1000.0, 1e-9);
   FrictionFeedforward::State resting;
-  EXPECT_LT(law.step(resting, {0.0, 1e-5, 4e-3, 0.0}, 0.0).sum(), 100.0);
+  EXPECT_LT(law.step(resting, {0.0, 0.0, 4e-3, 0.0}).sum(), 100.0);
 }
 
 /// A mass with LuGre friction under PD at rest or in motion, as exact as small steps make it.
@@ -315,7 +377,8 @@ TEST(FrictionAdaptation, AModelHalfAgainTooHighIsTakenDownAndNothingOscillates) 
 }
 
 TEST(FrictionAdaptation, IsFrozenAtRestAndStaysWithinBounds) {
-  const FrictionAdaptation law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, kPeriod);
+  const FrictionAdaptation law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0,
+                               kPeriod);
   FrictionAdaptation::State s;
   // Pushed at rest with more than friction would ever need: nothing is learned.
   for (int k = 0; k < 1000; ++k) law.step(s, 700.0, 0.0, 0.0, 0.0, 0.0, true);
@@ -362,6 +425,32 @@ std::uint32_t found(double amplitude, double frequency, double seconds, double r
     guard.step(s, amplitude * std::sin(2.0 * kPi * frequency * t), v);
   }
   return s.found;
+}
+
+TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
+  using A = FrictionAdaptation;
+  const auto verdict = [](std::initializer_list<std::pair<std::size_t, double>> theta, double deviation) {
+    A::State a;
+    a.informed = true;
+    for (const auto& [i, value] : theta) a.theta[i] = value;
+    for (std::size_t i = 0; i < A::kCount; ++i) {
+      a.deviation[i] = deviation;
+      a.p[i][i] = deviation * deviation;
+    }
+    return DriftMonitor::report({}, a, kPeriod).verdict;
+  };
+  EXPECT_EQ(verdict({}, 0.03), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, 0.3}}, 0.2), DriftVerdict::kNotYet);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, 0.3}}, 0.03), DriftVerdict::kMuchMore);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, -0.2}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kLess);
+  EXPECT_EQ(verdict({{A::kViscous, 0.3}}, 0.03), DriftVerdict::kMoreViscous);
+  EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.03), DriftVerdict::kLessViscous);
+  EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.11), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kMass, 0.2}}, 0.03), DriftVerdict::kAnotherMass);
+  // The level goes first: what is wrong there is in all of it.
+  EXPECT_EQ(verdict({{A::kViscous, 0.3}, {A::kPositive, 0.12}, {A::kNegative, 0.12}}, 0.03),
+            DriftVerdict::kMore);
 }
 
 TEST(OscillationGuard, CountsSwings) {

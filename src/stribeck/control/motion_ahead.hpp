@@ -4,7 +4,7 @@
 ///   r(τ) = r + ṙ·τ + r̈·τ²/2 + j·τ³/6,   0 ≤ τ ≤ T      τ [s] from the begin of the hold
 ///
 /// With a computation delay that instant lies behind the sample; the Taylor series reaches there. The jerk j is the difference of
-/// the reference's accelerations over one period.
+/// the reference's accelerations over one period, unless it was a step of acceleration (compensation.hpp).
 /// Real time: safe.
 
 namespace stribeck::control {

@@ -334,14 +334,9 @@ class Predictive {
     return f != Feedforward::kNone && f != Feedforward::kSteady;
   }
 
-  /// The reference's acceleration that such a feed-forward is told. It extends what it was told before; a slowed reference, whose
-  /// acceleration jumps, is told so that the mean comes out.
+  /// The reference's acceleration that such a feed-forward is told: of a slowed reference, whose acceleration goes in steps, the mean.
   double foretold(const State& s, Point& r, std::size_t i, bool slowed) const noexcept {
-    const auto& c = s.compensation[i];
-    if (slowed) {
-      const double extended = c.started ? 0.5 + setup_.compensation[i].delay / setup_.period : 0.0;
-      r.acceleration[i] = (mean(s, i, 0) + extended * c.last_acceleration) / (1.0 + extended);
-    }
+    if (slowed) r.acceleration[i] = mean(s, i, 0);
     return r.acceleration[i];
   }
 

@@ -29,6 +29,7 @@ void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
   out["mean_abs_um"] = number_or_null(m.mean_abs * kMicro);
   out["power_W"] = number_or_null(m.power);
   out["mean_abs_ui_W"] = number_or_null(m.mean_abs_ui);
+  out["mechanical_power_W"] = number_or_null(m.mechanical_power);
   out["input_variation_V"] = number_or_null(m.input_variation);
   Json tracking = Json::array();
   for (std::size_t i = 0; i < std::min(axes, control::kMostAxes); ++i) {

@@ -8,7 +8,7 @@
 ///              "label", "speed_mm_per_s", the metrics, "spread": {the metrics}, "cutting": {"truth", "estimate", …} under a cutting force, "solver": {"substeps",
 ///              "accuracy_nm"}}]}
 ///   metrics    max_contour_error_um, quadrant_glitch_um, rms_um, sd_um, mean_abs_um, power_W, mean_abs_ui_W,
-///              input_variation_V, mean_abs_tracking_um: [x, y], max_orientation_error_urad,
+///              mechanical_power_W, input_variation_V, mean_abs_tracking_um: [x, y], max_orientation_error_urad,
 ///              mean_orientation_error_urad (of the tool axis; null without one)
 ///   identify   {"schema": "stribeck.identify/1", "axis", "method", "model", "force_unit", "position_unit", "mass_kg",
 ///              "mass_ci95_kg", "load_N", "velocity_range_mm_per_s", "rows",

@@ -34,6 +34,7 @@ TEST(CompareJson, IsAsDescribed) {
       "mean_abs_um": 2.0,
       "power_W": null,
       "mean_abs_ui_W": 57650.123,
+      "mechanical_power_W": null,
       "input_variation_V": 0.125,
       "mean_abs_tracking_um": [
         4.0,
@@ -50,6 +51,7 @@ TEST(CompareJson, IsAsDescribed) {
         "mean_abs_um": 0.0625,
         "power_W": null,
         "mean_abs_ui_W": null,
+        "mechanical_power_W": null,
         "input_variation_V": 0.0,
         "mean_abs_tracking_um": [
           0.125,
@@ -75,6 +77,7 @@ TEST(CompareJson, IsAsDescribed) {
       "mean_abs_um": null,
       "power_W": null,
       "mean_abs_ui_W": null,
+      "mechanical_power_W": null,
       "input_variation_V": null,
       "mean_abs_tracking_um": [
         null,
@@ -91,6 +94,7 @@ TEST(CompareJson, IsAsDescribed) {
         "mean_abs_um": null,
         "power_W": null,
         "mean_abs_ui_W": null,
+        "mechanical_power_W": null,
         "input_variation_V": null,
         "mean_abs_tracking_um": [
           null,

@@ -24,6 +24,7 @@ void for_each_figure(F&& f) {
   f([](auto& m) -> auto& { return m.max_orientation_error; });
   f([](auto& m) -> auto& { return m.mean_orientation_error; });
   f([](auto& m) -> auto& { return m.quadrant_ratio; });
+  f([](auto& m) -> auto& { return m.mechanical_power; });
 }
 
 void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& spread) {

@@ -103,11 +103,12 @@ Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain
       axes[0].step(voltage[0], cutting[0]);
     }
     if (scored) {
-      typename MetricsCollector<N>::Sample s{error, tracking, {}, {}, {}, in_glitch, orientation};
+      typename MetricsCollector<N>::Sample s{error, tracking, {}, {}, {}, in_glitch, orientation, 0.0};
       for (std::size_t i = 0; i < N; ++i) {
         s.voltage[i] = axes[i].voltage();
         s.current[i] = axes[i].current();
         s.power[i] = axes[i].power();
+        s.mechanical_power += gain[i] * axes[i].voltage() * (axes[i].position() - position[i]) / period;
       }
       metrics.add(s);
     }

@@ -6,10 +6,11 @@
 ///   quadrant ratio    mean of the quadrants' max |ε| over the mean max |ε| of windows of the same length elsewhere; 1: no quadrant to be seen
 ///   input variation   mean |Δu| over the axes and samples; chattering shows here
 ///   power             mean electrical power R·i² + K_e·θ̇·i, sum over the axes; known where the motor is
+///   mechanical power  mean of the work that force does on the axes, F·Δx over the period, sum over the axes
 ///   mean |u·i|        mean of the axes' sum of |u·i|; known where the current is
 ///   orientation       max and mean angle between the tool axis and the one wanted at the nearest point of the path
 ///
-/// ε contour error [m], of the tool tip where the path gives a tool axis; u voltage [V], i current [A].
+/// ε contour error [m], of the tool tip where the path gives a tool axis; u voltage [V], i current [A], F force put out [N].
 /// Real time: no.
 
 #include <algorithm>
@@ -38,12 +39,13 @@ struct Metrics {
       std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
   double quadrant_ratio =
       std::numeric_limits<double>::quiet_NaN();  ///< NaN without a quadrant or a stretch between two
+  double mechanical_power = std::numeric_limits<double>::quiet_NaN();  ///< sum over the axes [W]
 
   /// Every figure NaN: not known.
   static Metrics unknown() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone),
-            kNone, kNone, kNone, kNone, kNone, kNone};
+            kNone, kNone, kNone, kNone, kNone, kNone, kNone};
   }
 };
 
@@ -87,6 +89,7 @@ class MetricsCollector {
     Vec<double, N> power;
     bool in_glitch = false;
     double orientation_error = std::numeric_limits<double>::quiet_NaN();
+    double mechanical_power = 0.0;
   };
 
   void add(const Sample& s) noexcept {
@@ -99,6 +102,7 @@ class MetricsCollector {
     sum_square_ += e * e;
     if (!(s.orientation_error <= max_orientation_)) max_orientation_ = s.orientation_error;
     sum_orientation_ += s.orientation_error;
+    mechanical_ += s.mechanical_power;
     for (std::size_t i = 0; i < N; ++i) {
       tracking_[i] += std::abs(s.tracking_error[i]);
       ui_ += std::abs(s.voltage[i] * s.current[i]);
@@ -121,6 +125,7 @@ class MetricsCollector {
     for (std::size_t i = 0; i < N; ++i) m.mean_abs_tracking[i] = tracking_[i] / n;
     m.power = power_ / n;
     m.mean_abs_ui = ui_ / n;
+    m.mechanical_power = mechanical_ / n;
     m.input_variation = variation_ / (static_cast<double>(N) * (n - 1.0));
     m.max_orientation_error = max_orientation_;
     m.mean_orientation_error = sum_orientation_ / n;
@@ -175,6 +180,7 @@ class MetricsCollector {
   std::array<double, N> tracking_{};
   double ui_ = 0.0;
   double power_ = 0.0;
+  double mechanical_ = 0.0;
   double variation_ = 0.0;
   Vec<double, N> last_;
   int count_ = 0;

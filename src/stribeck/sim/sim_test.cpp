@@ -173,6 +173,7 @@ TEST(Metrics, AreTheTextbookDefinitions) {
     s.in_glitch = e < 0.0;
     s.voltage = {{e * 1e6, 0.0}};
     s.current = {{2.0, 0.0}};
+    s.mechanical_power = 1e6 * e;
     c.add(s);
   }
   const Metrics m = c.result();
@@ -184,6 +185,7 @@ TEST(Metrics, AreTheTextbookDefinitions) {
   EXPECT_NEAR(m.mean_abs_tracking[0], 2e-6, 1e-18);
   EXPECT_NEAR(m.input_variation, (7 + 4 + 5) / 3.0 / 2.0, 1e-12);
   EXPECT_NEAR(m.mean_abs_ui, (6 + 8 + 0 + 10) / 4.0, 1e-12);
+  EXPECT_NEAR(m.mechanical_power, (3 - 4 + 0 + 5) / 4.0, 1e-12);
 }
 
 TEST(GlitchWindow, OpensAtAReversalForItsTravel) {
