@@ -3,8 +3,7 @@
 /// fields here.
 /// Real time: configure only.
 
-#include <stribeck/control/contouring.hpp>
-
+#include "law_settings.hpp"
 #include "parameters.hpp"
 
 namespace stribeck::capi {
@@ -15,6 +14,7 @@ struct AxisSettings {
   std::optional<double> kv;  ///< [1/s]
   std::optional<double> force_limit;
   control::ErrorRate error_rate = control::ErrorRate::kDifferenceOfError;
+  LawSettings law;
   control::CompensationParams compensation;
 
   static constexpr auto fields() {
@@ -28,6 +28,8 @@ struct AxisSettings {
         field("force_limit", &S::force_limit, quantity("N", "N").positive(), "largest force; left out: none"),
         field("error_rate", &S::error_rate,
               "rate of the error: difference-of-error, late, or observed by kalman; axis 0 decides"),
+        field("law", &S::law,
+              "control law: contouring, sliding-mode, predictive or learning; the same on all axes"),
         field("", &S::compensation, "")};
   }
 };

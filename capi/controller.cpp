@@ -14,8 +14,149 @@ namespace {
 constexpr double kSlowest = 1e-5;
 /// A frame turns at most at this share of the loop's lowest natural frequency.
 constexpr double kTurning = 0.25;
+/// Sliding mode: bound of the error of the mass that is left out, as a share of it.
+constexpr double kMassBound = 0.1;
 
 constexpr std::string_view kAxis[] = {"axis 0: ", "axis 1: ", "axis 2: "};
+
+/// What the gains of an axis are, whatever the law.
+double kp_of(const capi::AxisSettings& s) noexcept { return s.kp.value_or(s.omega * s.omega); }
+double kv_of(const capi::AxisSettings& s) noexcept { return s.kv.value_or(2.0 * s.omega); }
+
+/// One element of a law's list: what was set, or what the law has for this direction.
+void put(control::PerAxis& list, const control::PerAxis& otherwise, std::size_t i,
+         const std::optional<double>& set) {
+  list.push_back(set.value_or(otherwise[std::min(i, otherwise.size() - 1)]));
+}
+
+/// The parameters of a law from those of all axes. refuse(axis, key, what) when they mean nothing together.
+template <std::size_t N, class Refuse>
+void gather(const Controller<N>& c, double, control::ContouringParams& p, Refuse&&) {
+  p.kp.clear();
+  p.kv.clear();
+  for (const capi::AxisSettings& s : c.settings) {
+    p.kp.push_back(kp_of(s));
+    p.kv.push_back(kv_of(s));
+  }
+}
+
+/// Gains that a law does not have.
+template <std::size_t N, class Refuse>
+void refuse_gains(const Controller<N>& c, std::string_view what, Refuse&& refuse) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (c.settings[i].kp) refuse(i, "kp", what);
+    if (c.settings[i].kv) refuse(i, "kv", what);
+  }
+}
+
+template <std::size_t N, class Refuse>
+void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refuse&& refuse) {
+  refuse_gains(c, "sliding-mode has none: set omega, or lambda and a", refuse);
+  const control::SlidingModeParams initial;
+  for (control::PerAxis* list :
+       {&p.lambda, &p.a, &p.gamma, &p.mass_bound, &p.force_bound, &p.gamma_least, &p.gamma_most})
+    list->clear();
+  double coupling = 0.0;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto& law = std::get<capi::SlidingModeLaw>(c.settings[i].law);
+    const double omega = c.settings[i].omega;
+    const double mass = c.settings[i].compensation.model.mass;
+    p.lambda.push_back(law.lambda.value_or(omega));
+    p.a.push_back(law.a.value_or(omega));
+    put(p.gamma, initial.gamma, i, law.gamma);
+    put(p.force_bound, initial.force_bound, i, law.force_bound);
+    put(p.gamma_least, initial.gamma_least, i, law.gamma_least);
+    put(p.gamma_most, initial.gamma_most, i, law.gamma_most);
+    const double bound = law.mass_bound.value_or(kMassBound * mass);
+    p.mass_bound.push_back(bound);
+    if (!(bound < mass)) refuse(i, "sliding-mode.mass_bound", "expected less than the mass");
+    if (p.gamma_least[i] > p.gamma_most[i])
+      refuse(i, "sliding-mode.gamma_most", "expected at least gamma_least");
+    coupling += bound / (mass - bound);
+  }
+  // SlidingMode::sufficient_gain_exists()
+  if (p.gain == control::SwitchingGain::kSufficient && !(coupling < 1.0)) {
+    refuse(0, "sliding-mode.gain",
+           "none is sufficient: mass_bound/(mass - mass_bound), summed over the axes, must be below 1");
+  }
+}
+
+template <std::size_t N, class Refuse>
+void gather(const Controller<N>& c, double period, control::PredictiveParams& p, Refuse&& refuse) {
+  refuse_gains(c, "predictive has none: set omega", refuse);
+  p.omega = c.settings[0].omega;
+  p.speed_limit.clear();
+  for (std::size_t i = 0; i < N; ++i) {
+    if (c.settings[i].omega != p.omega) refuse(i, "omega", "predictive has the same on all axes");
+    p.speed_limit.push_back(std::get<capi::PredictiveLaw>(c.settings[i].law)
+                                .speed_limit.value_or(std::numeric_limits<double>::infinity()));
+  }
+  if (!p.stable(period)) refuse(0, "omega", "unstable at this period");
+}
+
+template <std::size_t N, class Refuse>
+void gather(const Controller<N>& c, double period, control::LearningParams& p, Refuse&& refuse) {
+  p.kp.clear();
+  p.kv.clear();
+  const auto lap = std::get<capi::LearningLaw>(c.settings[0].law).lap;
+  if (!lap) refuse(0, "learning.lap", "not set");
+  for (std::size_t i = 0; i < N; ++i) {
+    p.kp.push_back(kp_of(c.settings[i]));
+    p.kv.push_back(kv_of(c.settings[i]));
+    if (std::get<capi::LearningLaw>(c.settings[i].law).lap != lap)
+      refuse(i, "learning.lap", "not that of axis 0");
+  }
+  if (!p.stable(period))
+    refuse(0, "omega", "the loop is unstable at this period, or learning does not converge");
+}
+
+/// Checks what the axes say of a law together, then puts it to work.
+template <std::size_t I, std::size_t N>
+stribeck_result start(Controller<N>& c, double period) {
+  using Settings = std::variant_alternative_t<I, capi::LawSettings>;
+  using Law = capi::LawAt<N, I>;
+  static_assert(Law::Params::kKind == Settings::kKind);
+  bool sound = true;
+  const auto refuse = [&](std::size_t axis, std::string_view key, std::string_view what) {
+    if (!sound) return;
+    sound = false;
+    c.problem.set({kAxis[axis], key, ": ", what});
+  };
+  typename Law::Params params;
+  if constexpr (requires { Settings::shared; }) {
+    params = std::get<I>(c.settings[0].law).shared;
+    for (std::size_t i = 1; i < N; ++i) {
+      if (!capi::same_shared(params, std::get<I>(c.settings[i].law).shared))
+        refuse(i, Settings::kKind, "what is not per axis must be the same on all axes");
+    }
+  }
+  gather(c, period, params, refuse);
+  if (sound && sizeof(capi::Running<Law>) > c.room)
+    refuse(0, "law", "needs more memory: stribeck_controller_size_for()");
+  if (!sound) return STRIBECK_REFUSED;
+  params.error_rate = c.settings[0].error_rate;
+
+  c.period = period;
+  c.setup.period = period;
+  if constexpr (std::is_same_v<Settings, capi::LearningLaw>)
+    c.setup.lap = *std::get<I>(c.settings[0].law).lap;
+  double slowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < N; ++i) {
+    const capi::AxisSettings& s = c.settings[i];
+    slowest = std::min(slowest, std::sqrt(kp_of(s)));
+    if constexpr (std::is_same_v<Settings, capi::SlidingModeLaw>)
+      slowest =
+          std::min(slowest, std::min(params.lambda[i], params.a[i] > 0.0 ? params.a[i] : params.lambda[i]));
+    c.setup.compensation[i] = s.compensation;
+    c.setup.compensation[i].delay = s.compensation.model.delay;
+    c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
+  }
+  ::new (capi::place_of<Law>(c)) capi::Running<Law>{Law(params, c.setup), {}};
+  c.law = I;
+  if constexpr (N > 1) c.frame.of_motion = path::MotionFrame<N>(period, kSlowest, kTurning * slowest);
+  stribeck_controller_reset(&c);
+  return STRIBECK_OK;
+}
 
 template <std::size_t N>
 stribeck_result configure(Controller<N>& c, double period) {
@@ -36,30 +177,18 @@ stribeck_result configure(Controller<N>& c, double period) {
       c.problem.set({kAxis[i], "error_rate: \"observed\" needs observer \"kalman\""});
       return STRIBECK_REFUSED;
     }
+    if (c.settings[i].law.index() != c.settings[0].law.index()) {
+      c.problem.set({kAxis[i], "law: not that of axis 0"});
+      return STRIBECK_REFUSED;
+    }
   }
-  c.period = period;
-  c.setup.period = period;
-  c.kp.clear();
-  c.kv.clear();
-  double slowest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < N; ++i) {
-    const capi::AxisSettings& s = c.settings[i];
-    const double kp = s.kp.value_or(s.omega * s.omega);
-    slowest = std::min(slowest, std::sqrt(kp));
-    c.kp.push_back(kp);
-    c.kv.push_back(s.kv.value_or(2.0 * s.omega));
-    c.setup.compensation[i] = s.compensation;
-    c.setup.compensation[i].delay = s.compensation.model.delay;
-    c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
-  }
-  control::ContouringParams params;
-  params.kp = c.kp;
-  params.kv = c.kv;
-  params.error_rate = c.settings[0].error_rate;
-  c.law.emplace(params, c.setup);
-  if constexpr (N > 1) c.frame.of_motion = path::MotionFrame<N>(period, kSlowest, kTurning * slowest);
-  stribeck_controller_reset(&c);
-  return STRIBECK_OK;
+  stribeck_result result = STRIBECK_REFUSED;
+  const auto one = [&](auto index) {
+    if (c.settings[0].law.index() == index) result = start<index>(c, period);
+  };
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (one(std::integral_constant<std::size_t, I>{}), ...); }
+  (std::make_index_sequence<capi::kLaws>());
+  return result;
 }
 
 }  // namespace
@@ -71,7 +200,8 @@ std::uint32_t stribeck_abi(void) noexcept { return STRIBECK_ABI; }
 std::uint32_t stribeck_capabilities(void) noexcept {
   return STRIBECK_HAS_CONTOURING | STRIBECK_HAS_DYNAMIC_FEEDFORWARD | STRIBECK_HAS_REVERSAL_FEEDFORWARD |
          STRIBECK_HAS_DISTURBANCE_OBSERVER | STRIBECK_HAS_KALMAN_OBSERVER | STRIBECK_HAS_ADAPTIVE_FRICTION |
-         STRIBECK_HAS_FRICTION_ADAPTATION;
+         STRIBECK_HAS_FRICTION_ADAPTATION | STRIBECK_HAS_SLIDING_MODE | STRIBECK_HAS_PREDICTIVE |
+         STRIBECK_HAS_LEARNING;
 }
 
 const char* stribeck_version(void) noexcept { return STRIBECK_VERSION; }
@@ -106,16 +236,21 @@ const char* stribeck_describe(stribeck_result r) noexcept {
 std::size_t stribeck_alignment(void) noexcept { return alignof(Controller<3>); }
 
 std::size_t stribeck_controller_size(std::uint32_t axes) noexcept {
-  switch (axes) {
-    case 1:
-      return sizeof(Controller<1>);
-    case 2:
-      return sizeof(Controller<2>);
-    case 3:
-      return sizeof(Controller<3>);
-    default:
-      return 0;
-  }
+  return stribeck_controller_size_for(axes, capi::ContouringLaw::kKind.data());
+}
+
+std::size_t stribeck_controller_size_for(std::uint32_t axes, const char* law) noexcept {
+  if (axes < 1 || axes > STRIBECK_MAX_AXES || law == nullptr) return 0;
+  return capi::with_axes(axes, [&](auto n) {
+    std::size_t size = 0;
+    const auto one = [&](auto index) {
+      using Law = capi::LawAt<n, index>;
+      if (Law::Params::kKind == law) size = sizeof(Controller<n>) + sizeof(capi::Running<Law>);
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) { (one(std::integral_constant<std::size_t, I>{}), ...); }
+    (std::make_index_sequence<capi::kLaws>());
+    return size;
+  });
 }
 
 stribeck_controller* stribeck_controller_init(void* memory, std::size_t size, std::uint32_t axes) noexcept {
@@ -123,11 +258,12 @@ stribeck_controller* stribeck_controller_init(void* memory, std::size_t size, st
   if (memory == nullptr || needed == 0 || size < needed ||
       reinterpret_cast<std::uintptr_t>(memory) % stribeck_alignment() != 0)
     return nullptr;
-  stribeck_controller* c = axes == 1   ? static_cast<stribeck_controller*>(::new (memory) Controller<1>())
-                           : axes == 2 ? static_cast<stribeck_controller*>(::new (memory) Controller<2>())
-                                       : static_cast<stribeck_controller*>(::new (memory) Controller<3>());
-  c->axes = axes;
-  return c;
+  return capi::with_axes(axes, [&](auto n) -> stribeck_controller* {
+    auto* c = ::new (memory) Controller<n>();
+    c->axes = axes;
+    c->room = size - sizeof *c;
+    return c;
+  });
 }
 
 stribeck_result stribeck_controller_parameter(std::uint32_t index, stribeck_parameter* out) noexcept {

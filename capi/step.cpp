@@ -2,6 +2,7 @@
 #include "controller.hpp"
 
 #include <memory>
+#include <span>
 #include <type_traits>
 
 using namespace stribeck;
@@ -20,45 +21,85 @@ void renew(State& s) {
 
 template <std::size_t N>
 void forget(Controller<N>& c) {
-  renew(c.state);
+  capi::with_law(c, [](auto& running) { renew(running.state); });
+  c.phase = capi::kAbsent;
   if constexpr (N > 1) renew(c.frame.state);
 }
 
+/// One point of the reference; true when it is finite.
 template <std::size_t N>
-stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, double* force) {
-  if (!c.law) return STRIBECK_NOT_CONFIGURED;
-  path::PathPoint<N> r;
-  Vec<double, N> measured;
+bool point_from(const stribeck_axis_input* in, path::PathPoint<N>& r) {
   double sum = 0.0;
   for (std::size_t i = 0; i < N; ++i) {
     r.position[i] = in[i].position;
     r.velocity[i] = in[i].velocity;
     r.acceleration[i] = in[i].acceleration;
-    measured[i] = in[i].measured;
-    sum += in[i].position + in[i].velocity + in[i].acceleration + in[i].measured;
+    sum += in[i].position + in[i].velocity + in[i].acceleration;
   }
-  const bool finite = isfinite(sum);
+  return isfinite(sum);
+}
+
+// Functions of their own, so that the frames of the laws do not add up.
+template <class Law, std::size_t N>
+[[gnu::noinline]] Vec<double, N> step_of(capi::Running<Law>& running, const path::PathPoint<N>& r,
+                                         const Vec<double, N>& measured) {
+  return running.law.step(running.state, r, measured);
+}
+
+/// With `points` rows of the reference from `in` on; the law at work takes those that it wants.
+template <std::size_t N>
+stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint32_t points, double* force) {
+  path::PathPoint<N> r;
+  Vec<double, N> measured;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < N; ++i) {
+    measured[i] = in[i].measured;
+    sum += in[i].measured;
+  }
+  bool finite = point_from(in, r) && isfinite(sum);
+  r.phi = c.phase;
   if constexpr (N > 1) {
     if (finite) c.frame.of_motion.step(c.frame.state, r);
   }
-  const Vec<double, N> f = c.law->step(c.state, r, measured);
+  Vec<double, N> f;
+  const bool runs = capi::with_law(c, [&](auto& running) {
+    if constexpr (requires { running.ahead; }) {
+      if (points > 1) {
+        const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
+        running.ahead[0] = r;
+        for (std::size_t k = 1; k < n; ++k) finite = point_from(in + k * N, running.ahead[k]) && finite;
+        f = running.law.step(running.state, std::span(running.ahead).first(n), measured);
+        return;
+      }
+    }
+    f = step_of(running, r, measured);
+  });
+  if (!runs) return STRIBECK_NOT_CONFIGURED;
   for (std::size_t i = 0; i < N; ++i) force[i] = f[i];
   return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
 
 template <std::size_t N>
 void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) {
-  const auto& s = c.state.compensation[i];
-  out.force = c.state.force[i];
-  out.friction = s.friction;
-  out.disturbance = s.guard.trust * s.estimate;
-  out.error = c.state.error[i].e;
-  out.error_rate = c.state.error[i].rate;
-  out.level = c.settings[i].compensation.adaptation.enabled
-                  ? control::DriftMonitor::report(s.drift, s.adaptation, c.period).level
-                  : capi::kAbsent;
-  out.limited = s.limited ? 1 : 0;
-  out.backed_off = s.guard.trust < 1.0 ? 1 : 0;
+  capi::with_law(c, [&](const auto& running) {
+    const typename control::Common<N>::State& common = running.state;
+    const auto& s = common.compensation[i];
+    out.force = common.force[i];
+    out.friction = s.friction;
+    out.disturbance = s.guard.trust * s.estimate;
+    out.error = common.error[i].e;
+    out.error_rate = common.error[i].rate;
+    if (c.settings[i].compensation.adaptation.enabled)
+      out.level = control::DriftMonitor::report(s.drift, s.adaptation, c.period).level;
+    out.limited = s.limited ? 1 : 0;
+    out.backed_off = s.guard.trust < 1.0 ? 1 : 0;
+    if constexpr (requires { running.state.surface; }) {
+      out.surface = running.state.surface[i];
+      out.switching_gain = running.state.gain[i];
+    }
+    if constexpr (requires { running.state.lag; }) out.lag = running.state.lag;
+    if constexpr (requires { running.state.learned; }) out.learned = running.state.learned[i];
+  });
 }
 
 }  // namespace
@@ -67,9 +108,32 @@ extern "C" {
 
 stribeck_result stribeck_controller_step(stribeck_controller* c, const stribeck_axis_input* in,
                                          double* force) noexcept {
+  return stribeck_controller_step_ahead(c, in, 1, force);
+}
+
+stribeck_result stribeck_controller_step_ahead(stribeck_controller* c, const stribeck_axis_input* in,
+                                               std::uint32_t points, double* force) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (in == nullptr || force == nullptr) return STRIBECK_BAD_ARGUMENT;
-  return with(c, [&](auto& whole) { return step(whole, in, force); });
+  if (in == nullptr || force == nullptr || points < 1) return STRIBECK_BAD_ARGUMENT;
+  return with(c, [&](auto& whole) { return step(whole, in, points, force); });
+}
+
+std::uint32_t stribeck_controller_points(const stribeck_controller* c) noexcept {
+  if (!good(c)) return 0;
+  std::uint32_t points = 0;
+  with(c, [&](const auto& whole) {
+    capi::with_law(whole, [&](const auto& running) {
+      points = 1;
+      if constexpr (requires { running.ahead; }) points = static_cast<std::uint32_t>(running.ahead.size());
+    });
+  });
+  return points;
+}
+
+stribeck_result stribeck_controller_set_phase(stribeck_controller* c, double phase) noexcept {
+  if (!good(c)) return STRIBECK_BAD_HANDLE;
+  with(c, [&](auto& whole) { whole.phase = phase; });
+  return STRIBECK_OK;
 }
 
 stribeck_result stribeck_controller_reset(stribeck_controller* c) noexcept {
@@ -83,6 +147,8 @@ stribeck_result stribeck_controller_signals(const stribeck_controller* c, std::u
   if (!good(c)) return STRIBECK_BAD_HANDLE;
   if (axis >= c->axes || out == nullptr) return STRIBECK_BAD_ARGUMENT;
   stribeck_axis_signals now{};
+  for (double* absent : {&now.level, &now.surface, &now.switching_gain, &now.lag, &now.learned})
+    *absent = capi::kAbsent;
   with(c, [&](const auto& whole) { signals(whole, axis, now); });
   std::memcpy(out, &now, std::min(size, sizeof now));
   return STRIBECK_OK;

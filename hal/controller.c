@@ -5,7 +5,8 @@
  *   loadrt stribeck_contour names=ct axes=3          one path:      ct.0.pos-cmd, …, function ct
  *
  * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h. Of a contour controller
- * every axis is enabled together, and a fault of one axis takes all down.
+ * every axis is enabled together, and a fault of one axis takes all down. Law learning needs `phase`, the place in the lap; law
+ * predictive sees the present point alone, and tells in `lag` by how much it is behind a command that asks for too much.
  */
 #include "hal_parts.h"
 #include "supervisor.h"
@@ -15,7 +16,7 @@
 #ifdef STRIBECK_CONTOUR
 #define COMPONENT "stribeck_contour"
 #define AXES 3
-MODULE_DESCRIPTION("contouring controller with friction compensation, two or three axes");
+MODULE_DESCRIPTION("contour controller with friction compensation, two or three axes");
 static int axes = AXES;
 RTAPI_MP_INT(axes, "axes of every path, 2 or 3");
 #else
@@ -46,6 +47,7 @@ struct inner {
 
 struct instance {
   hal_bit_t *enable, *faulted, *pending;
+  hal_float_t *phase, *lag;
   hal_float_t position_unit, force_unit, ramp_time;
   double period;
   int was_enabled;
@@ -163,9 +165,11 @@ static void update(void* arg, long period_ns) {
       w->last = in[a].measured;
       w->started = 1;
     }
+    stribeck_controller_set_phase(s->controller, *s->phase);
     stribeck_controller_step(s->controller, in, wanted);
   }
   int faulted = 0;
+  double lag = 0.0;
   for (int a = 0; a < axes; ++a) {
     struct axis* x = &s->axis[a];
     stribeck_axis_signals now = {0};
@@ -179,8 +183,10 @@ static void update(void* arg, long period_ns) {
     *x->pos_error = isfinite(error) ? error / unit : 0.0;
     *x->fault = s->inner[a].watch.fault;
     *x->saturated = now.limited != 0;
+    if (isfinite(now.lag)) lag = now.lag;
     if (s->inner[a].watch.fault != FAULT_NONE) faulted = 1;
   }
+  *s->lag = lag;
   *s->faulted = faulted != 0;
   *s->pending = runs && must_configure(s, period);
 }
@@ -223,9 +229,20 @@ static int make_axis(struct axis* x, struct inner* inner, const char* prefix) {
   return export_parameters(&parameters, &inner->values, component, prefix);
 }
 
+/* Room for any law. */
+static size_t largest_size(void) {
+  size_t largest = 0;
+  const char* law = NULL;
+  for (uint32_t i = 0; (law = stribeck_controller_parameter_word("law", i)) != NULL; ++i) {
+    const size_t size = stribeck_controller_size_for((uint32_t)axes, law);
+    if (size > largest) largest = size;
+  }
+  return largest;
+}
+
 static int make(const char* name) {
   const size_t alignment = stribeck_alignment();
-  const size_t size = stribeck_controller_size((uint32_t)axes);
+  const size_t size = largest_size();
   struct instance* s = hal_malloc(sizeof *s);
   if (s == NULL || size == 0) return -ENOMEM;
   memset(s, 0, sizeof *s);
@@ -242,6 +259,8 @@ static int make(const char* name) {
   if ((r = hal_pin_bit_newf(HAL_IN, &s->enable, component, "%s.enable", name)) < 0) return r;
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->faulted, component, "%s.faulted", name)) < 0) return r;
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->pending, component, "%s.pending", name)) < 0) return r;
+  if ((r = hal_pin_float_newf(HAL_IN, &s->phase, component, "%s.phase", name)) < 0) return r;
+  if ((r = hal_pin_float_newf(HAL_OUT, &s->lag, component, "%s.lag", name)) < 0) return r;
   s->position_unit = 1e-3;
   s->force_unit = 1.0;
   s->ramp_time = 0.02;

@@ -4,13 +4,19 @@
 #include <stribeck/plant.h>
 #include <stribeck/stribeck.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <new>
 #include <set>
+#include <span>
+#include <stribeck/control/learning.hpp>
 #include <stribeck/control/pd.hpp>
+#include <stribeck/control/predictive.hpp>
+#include <stribeck/control/sliding_mode.hpp>
 #include <stribeck/path/curve.hpp>
+#include <stribeck/path/motion_frame.hpp>
 #include <stribeck/plant/axis.hpp>
 #include <string>
 #include <vector>
@@ -339,6 +345,307 @@ TEST(CInterface, ContouringOverEqualGainsIsPdInEveryDirection) {
     // Errors of 8 µm, |ṫ| ≤ 12.5 rad/s: 500 kg · 12.5/s · (100/s + 12.5/s)·√2·8 µm + rates.
     EXPECT_LT(worst, 12.0);
     EXPECT_GT(worst, 0.0);
+  }
+}
+
+// ---- laws
+
+/// A handle with room for a law, and its axes set up alike.
+struct WithLaw {
+  std::vector<std::uint64_t> memory;
+  stribeck_controller* c = nullptr;
+  std::uint32_t axes;
+
+  WithLaw(std::uint32_t n, const char* room, const char* law)
+      : memory(stribeck_controller_size_for(n, room) / 8 + 9), axes(n) {
+    auto at = reinterpret_cast<std::uintptr_t>(memory.data());
+    at += (stribeck_alignment() - at % stribeck_alignment()) % stribeck_alignment();
+    c = stribeck_controller_init(reinterpret_cast<void*>(at), stribeck_controller_size_for(n, room), n);
+    set("mass", 900.0).set("friction.conventional.alpha0", 20.0).set("friction.conventional.alpha2", 4000.0);
+    set("omega", 60.0).set("force_limit", 250.0).choose("feedforward", "steady").choose("law", law);
+  }
+  WithLaw& set(const char* name, double x) {
+    for (std::uint32_t i = 0; i < axes; ++i)
+      EXPECT_EQ(stribeck_controller_set(c, i, name, x), STRIBECK_OK) << problem();
+    return *this;
+  }
+  WithLaw& choose(const char* name, const char* word) {
+    for (std::uint32_t i = 0; i < axes; ++i)
+      EXPECT_EQ(stribeck_controller_choose(c, i, name, word), STRIBECK_OK) << problem();
+    return *this;
+  }
+  stribeck_result configure() { return stribeck_controller_configure(c, kPeriod); }
+  [[nodiscard]] std::string problem() const { return stribeck_controller_problem(c); }
+};
+
+/// The same axes for C++.
+template <std::size_t N>
+control::Setup<N> same_setup() {
+  control::Setup<N> setup;
+  setup.period = kPeriod;
+  for (auto& c : setup.compensation) {
+    c.model.mass = 900.0;
+    c.model.friction.steady = friction::Conventional<double>{20.0, 4000.0, {}};
+    c.feedforward = control::Feedforward::kSteady;
+  }
+  for (double& f : setup.force_limit.c) f = 250.0;
+  return setup;
+}
+
+/// Two or three axes on a path that turns; every axis as in motion().
+template <std::size_t N>
+std::array<stribeck_axis_input, N> turning(int k) {
+  std::array<stribeck_axis_input, N> in;
+  for (std::size_t i = 0; i < N; ++i) in[i] = motion(k + 523 * static_cast<int>(i));
+  return in;
+}
+
+template <std::size_t N>
+path::PathPoint<N> point_of(const std::array<stribeck_axis_input, N>& in) {
+  path::PathPoint<N> r;
+  for (std::size_t i = 0; i < N; ++i) {
+    r.position[i] = in[i].position;
+    r.velocity[i] = in[i].velocity;
+    r.acceleration[i] = in[i].acceleration;
+  }
+  return r;
+}
+
+/// Drives the handle and a law of C++ over the same motion; the forces must be the same to the last bit.
+template <class Law, std::size_t N, class Step>
+void expect_same(WithLaw& h, const Law&, double slowest, int ticks, Step step) {
+  ASSERT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+  const path::MotionFrame<N> frame(kPeriod, 1e-5, 0.25 * slowest);
+  typename path::MotionFrame<N>::State turned;
+  typename Law::State state;
+  for (int k = 0; k < ticks; ++k) {
+    const auto in = turning<N>(k);
+    auto r = point_of<N>(in);
+    frame.step(turned, r);
+    Vec<double, N> x;
+    for (std::size_t i = 0; i < N; ++i) x[i] = in[i].measured;
+    double force[N];
+    const Vec<double, N> expected = step(state, r, x, k, force);
+    for (std::size_t i = 0; i < N; ++i) ASSERT_EQ(force[i], expected[i]) << "tick " << k << ", axis " << i;
+  }
+}
+
+TEST(CLaws, HaveSizesOfTheirOwn) {
+  for (std::uint32_t n = 1; n <= STRIBECK_MAX_AXES; ++n) {
+    std::size_t last = 0;
+    const char* word = nullptr;
+    for (std::uint32_t i = 0; (word = stribeck_controller_parameter_word("law", i)) != nullptr; ++i) {
+      EXPECT_GT(stribeck_controller_size_for(n, word), last) << word;
+      last = stribeck_controller_size_for(n, word);
+    }
+    EXPECT_EQ(stribeck_controller_size_for(n, "contouring"), stribeck_controller_size(n));
+    // A servo component takes the largest.
+    EXPECT_LT(last, 300u * 1024u);
+  }
+  EXPECT_EQ(stribeck_controller_size_for(1, "pid"), 0u);
+  EXPECT_EQ(stribeck_controller_size_for(1, nullptr), 0u);
+  EXPECT_EQ(stribeck_controller_size_for(4, "contouring"), 0u);
+  for (const unsigned flag : {STRIBECK_HAS_SLIDING_MODE, STRIBECK_HAS_PREDICTIVE, STRIBECK_HAS_LEARNING})
+    EXPECT_TRUE(stribeck_capabilities() & flag);
+}
+
+TEST(CLaws, SlidingModeIsTheCppLaw) {
+  WithLaw h(2, "sliding-mode", "sliding-mode");
+  h.choose("sliding-mode.switching", "tanh").choose("sliding-mode.gain", "adaptive");
+  h.set("sliding-mode.boundary", 2e-3).choose("observer", "adaptive").set("adaptive_gain", 15.0);
+  stribeck_controller_set(h.c, 1, "sliding-mode.lambda", 45.0);
+  auto setup = same_setup<2>();
+  for (auto& c : setup.compensation) {
+    c.observer = control::Observer::kAdaptive;
+    c.adaptive_gain = 15.0;
+  }
+  control::SlidingModeParams p;
+  p.lambda = {60.0, 45.0};
+  p.a = {60.0, 60.0};
+  p.mass_bound = {90.0};
+  p.switching = control::Switching::kTanh;
+  p.boundary = 2e-3;
+  p.gain = control::SwitchingGain::kAdaptive;
+  const control::SlidingMode<2> law(p, setup);
+  stribeck_axis_signals s{};
+  expect_same<control::SlidingMode<2>, 2>(
+      h, law, 45.0, 2000, [&](auto& state, const auto& r, const auto& x, int k, double* force) {
+        EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(k).data(), force), STRIBECK_OK);
+        const auto f = law.step(state, r, x);
+        stribeck_controller_signals(h.c, 1, &s, sizeof s);
+        EXPECT_EQ(s.surface, state.surface[1]);
+        EXPECT_EQ(s.switching_gain, state.gain[1]);
+        return f;
+      });
+  EXPECT_NE(s.disturbance, 0.0);
+  EXPECT_TRUE(std::isnan(s.lag));
+  EXPECT_TRUE(std::isnan(s.learned));
+}
+
+TEST(CLaws, PredictiveIsTheCppLawWithAndWithoutPointsAhead) {
+  for (const bool ahead : {false, true}) {
+    WithLaw h(3, "predictive", "predictive");
+    // Force for half of the acceleration that the path asks for.
+    h.set("force_limit", 50.0).set("predictive.iterations", 20.0).set("predictive.horizon", 0.05);
+    auto setup = same_setup<3>();
+    for (double& f : setup.force_limit.c) f = 50.0;
+    control::PredictiveParams p;
+    p.omega = 60.0;
+    p.iterations = 20;
+    p.horizon = 0.05;
+    using Law = control::Predictive<3>;
+    const Law law(p, setup);
+    double most = 0.0;
+    EXPECT_EQ(stribeck_controller_points(h.c), 0u);
+    expect_same<Law, 3>(
+        h, law, 60.0, 500, [&](auto& state, const auto& r, const auto& x, int k, double* force) {
+          EXPECT_EQ(stribeck_controller_points(h.c), Law::kPreview + 1);
+          std::vector<stribeck_axis_input> rows;
+          std::vector<path::PathPoint<3>> points{r};
+          for (int j = 0; j < (ahead ? 100 : 1); ++j) {
+            const auto row = turning<3>(k + j);
+            rows.insert(rows.end(), row.begin(), row.end());
+            if (j > 0 && points.size() < Law::kPreview + 1) points.push_back(point_of<3>(row));
+          }
+          EXPECT_EQ(stribeck_controller_step_ahead(h.c, rows.data(), ahead ? 100 : 1, force), STRIBECK_OK);
+          stribeck_axis_signals s{};
+          stribeck_controller_signals(h.c, 0, &s, sizeof s);
+          const auto f =
+              ahead ? law.step(state, std::span<const path::PathPoint<3>>(points), x) : law.step(state, r, x);
+          EXPECT_EQ(s.lag, state.lag);
+          most = std::max(most, s.lag);
+          return f;
+        });
+    EXPECT_GT(most, 1e-3) << "limits in reach, or the test tells nothing";
+    stribeck_axis_input rows[6]{};
+    rows[4].velocity = kNan;
+    double force[3];
+    EXPECT_EQ(stribeck_controller_step_ahead(h.c, rows, 2, force), STRIBECK_NOT_FINITE);
+    for (const double f : force) EXPECT_TRUE(std::isfinite(f));
+    EXPECT_EQ(stribeck_controller_step_ahead(h.c, rows, 0, force), STRIBECK_BAD_ARGUMENT);
+  }
+}
+
+TEST(CLaws, LearningIsTheCppLawAndNeedsAPhase) {
+  const double lap = 2.0 * kPi;
+  const auto phase = [](int k) { return 3.0 * k * kPeriod; };
+  WithLaw h(2, "learning", "learning");
+  h.set("learning.lap", lap).set("learning.cutoff", 150.0);
+  auto setup = same_setup<2>();
+  setup.lap = lap;
+  control::LearningParams p;
+  p.kp = {3600.0};
+  p.kv = {120.0};
+  p.cutoff = 150.0;
+  const control::Learning<2> law(p, setup);
+  stribeck_axis_signals s{};
+  expect_same<control::Learning<2>, 2>(
+      h, law, 60.0, 7000, [&](auto& state, auto r, const auto& x, int k, double* force) {
+        r.phi = phase(k);
+        stribeck_controller_set_phase(h.c, phase(k));
+        EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(k).data(), force), STRIBECK_OK);
+        return law.step(state, r, x);
+      });
+  stribeck_controller_signals(h.c, 0, &s, sizeof s);
+  EXPECT_NE(s.learned, 0.0) << "three laps";
+  // Without a phase it is contouring control.
+  WithLaw plain(2, "contouring", "contouring");
+  ASSERT_EQ(plain.configure(), STRIBECK_OK);
+  ASSERT_EQ(stribeck_controller_reset(h.c), STRIBECK_OK);
+  for (int k = 0; k < 3000; ++k) {
+    double f[2];
+    double g[2];
+    stribeck_controller_step(h.c, turning<2>(k).data(), f);
+    stribeck_controller_step(plain.c, turning<2>(k).data(), g);
+    ASSERT_EQ(f[0], g[0]) << k;
+    ASSERT_EQ(f[1], g[1]) << k;
+  }
+}
+
+TEST(CLaws, RefuseWhatMeansNothing) {
+  const auto expect = [](WithLaw& h, const char* why) {
+    EXPECT_EQ(h.configure(), STRIBECK_REFUSED);
+    EXPECT_EQ(h.problem(), why);
+  };
+  {
+    WithLaw h(2, "contouring", "learning");
+    h.set("learning.lap", 1.0);
+    expect(h, "axis 0: law: needs more memory: stribeck_controller_size_for()");
+  }
+  WithLaw h(2, "learning", "contouring");
+  ASSERT_EQ(h.configure(), STRIBECK_OK);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "sliding-mode.lambda", 1.0), STRIBECK_NOT_SELECTED);
+  stribeck_controller_choose(h.c, 0, "law", "sliding-mode");
+  expect(h, "axis 1: law: not that of axis 0");
+  // Refused, it goes on as it was.
+  double force[2];
+  EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(0).data(), force), STRIBECK_OK);
+  h.choose("law", "sliding-mode").set("kp", 3600.0);
+  expect(h, "axis 0: kp: sliding-mode has none: set omega, or lambda and a");
+  h.set("kp", kNan).set("sliding-mode.mass_bound", 900.0);
+  expect(h, "axis 0: sliding-mode.mass_bound: expected less than the mass");
+  h.set("sliding-mode.mass_bound", 450.0).choose("sliding-mode.gain", "sufficient");
+  expect(h,
+         "axis 0: sliding-mode.gain: none is sufficient: mass_bound/(mass - mass_bound), summed over the "
+         "axes, must "
+         "be below 1");
+  h.set("sliding-mode.mass_bound", 90.0);
+  stribeck_controller_set(h.c, 1, "sliding-mode.boundary", 3e-3);
+  expect(h, "axis 1: sliding-mode: what is not per axis must be the same on all axes");
+  h.set("sliding-mode.boundary", 3e-3).set("sliding-mode.gamma_least", 0.2);
+  expect(h, "axis 0: sliding-mode.gamma_most: expected at least gamma_least");
+  h.set("sliding-mode.gamma_least", kNan);
+  EXPECT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+  h.choose("law", "predictive").set("omega", 1200.0);
+  expect(h, "axis 0: omega: unstable at this period");
+  h.set("omega", 60.0);
+  stribeck_controller_set(h.c, 1, "omega", 50.0);
+  expect(h, "axis 1: omega: predictive has the same on all axes");
+  h.choose("law", "learning");
+  expect(h, "axis 0: learning.lap: not set");
+  h.set("learning.lap", 1.0).set("omega", 1500.0);
+  expect(h, "axis 0: omega: the loop is unstable at this period, or learning does not converge");
+  h.set("omega", 60.0);
+  EXPECT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+}
+
+TEST(CLaws, SlidingModeStaysWithinItsMeansAtRestAtACornerAndAtAReversal) {
+  // Along x, a stop, back along x, and into y without a stop, as an exact corner is; the encoder is where it should be but for its
+  // steps. What the law may ask for: acceleration, friction, ω²·e + 2ω·ė of one step, and k = γ + h̄, twice as the surface jumps.
+  for (const char* switching : {"sign", "boundary-layer", "tanh", "super-twisting"}) {
+    for (const char* gain : {"printed", "sufficient", "adaptive"}) {
+      WithLaw h(2, "sliding-mode", "sliding-mode");
+      h.choose("sliding-mode.switching", switching).choose("sliding-mode.gain", gain).set("force_limit", 1e4);
+      h.set("sliding-mode.mass_bound", 9.0);
+      ASSERT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+      double x[2] = {0.0, 0.0};
+      double v[2] = {0.0, 0.0};
+      double last[2] = {0.0, 0.0};
+      double most = 0.0;
+      for (int k = 0; k < 1200; ++k) {
+        double a[2] = {k < 100 ? 0.1 : k >= 200 && k < 300 ? -0.1 : k >= 400 && k < 500 ? -0.1 : 0.0, 0.0};
+        if (k == 800) {
+          v[1] = v[0];  // the corner: 90° from one period to the next
+          v[0] = 0.0;
+        }
+        stribeck_axis_input in[2];
+        for (int i = 0; i < 2; ++i) {
+          v[i] += a[i] * kPeriod;
+          x[i] += v[i] * kPeriod;
+          in[i] = {x[i], v[i], a[i], std::floor(x[i] / 1e-7) * 1e-7};
+        }
+        double f[2];
+        ASSERT_EQ(stribeck_controller_step(h.c, in, f), STRIBECK_OK);
+        for (int i = 0; i < 2; ++i) {
+          ASSERT_TRUE(std::isfinite(f[i]));
+          most = std::max(most, std::abs(f[i]));
+          last[i] = f[i];
+        }
+      }
+      // 900 kg·0.1 m/s², 20 N + 4000 Ns/m·0.01 m/s, 900·(3600·0.1 µm + 120·0.1 mm/s) = 11 N, k: 900·(γ_most 0.1) at most.
+      EXPECT_LT(most, 90.0 + 60.0 + 11.0 + 90.0) << switching << ' ' << gain;
+      EXPECT_GT(std::abs(last[1]), 0.0);
+    }
   }
 }
 

@@ -1,19 +1,20 @@
 /*
  * Stribeck for hosts in C: position controller of one to three axes, with all that the real-time tier knows of friction.
  *
- *   size_t n = stribeck_controller_size(1);
+ *   size_t n = stribeck_controller_size(1);                               or stribeck_controller_size_for(1, "predictive")
  *   stribeck_controller *c = stribeck_controller_init(memory, n, 1);      memory of yours, stribeck_alignment() aligned
  *   stribeck_controller_set(c, 0, "mass", 1000.0);                        SI; names: stribeck_controller_parameter()
  *   stribeck_controller_configure(c, 1e-3);                               control period [s]; checks everything
  *   stribeck_controller_step(c, in, force);                               once per period
  *
- * Law: contouring control, which is PD for one axis; docs/theory/control.md. Force on the axis in N, positive in the positive
+ * Laws, parameter "law" of every axis: contouring control, which is PD for one axis; sliding-mode; predictive, which may be given
+ * points ahead; learning, which must be given the phase (docs/theory). Force on the axis in N, positive in the positive
  * direction; friction positive for a positive velocity. The frame of two and three axes comes from the commanded motion.
  * A number that is "left out" is NaN. Elements of lists are named by their index, from 0.
  *
- * Real time: step, reset and signals are safe: no allocation, exception, lock or input and output. They use what is in the
- * handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs up to some
- * hundred microseconds. A handle may be thrown away with its memory; there is nothing to release.
+ * Real time: step, step_ahead, set_phase, reset and signals are safe: no allocation, exception, lock or input and output. They use
+ * what is in the handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs
+ * up to some hundred microseconds, with learning some milliseconds. A handle may be thrown away with its memory; there is nothing to release.
  * Errors: a result below zero, and then nothing has changed; stribeck_controller_problem() says which parameter and why.
  */
 #ifndef STRIBECK_STRIBECK_H
@@ -56,7 +57,10 @@ enum {
   STRIBECK_HAS_DISTURBANCE_OBSERVER = 1u << 3,
   STRIBECK_HAS_KALMAN_OBSERVER = 1u << 4,
   STRIBECK_HAS_ADAPTIVE_FRICTION = 1u << 5,
-  STRIBECK_HAS_FRICTION_ADAPTATION = 1u << 6
+  STRIBECK_HAS_FRICTION_ADAPTATION = 1u << 6,
+  STRIBECK_HAS_SLIDING_MODE = 1u << 7,
+  STRIBECK_HAS_PREDICTIVE = 1u << 8,
+  STRIBECK_HAS_LEARNING = 1u << 9
 };
 
 uint32_t stribeck_abi(void) STRIBECK_NOEXCEPT;
@@ -88,11 +92,13 @@ typedef struct stribeck_parameter {
 
 typedef struct stribeck_controller stribeck_controller;
 
-/* Bytes for a controller of that many axes; 0: there is none. */
+/* Bytes for a controller of that many axes under contouring control; 0: there is none. */
 size_t stribeck_controller_size(uint32_t axes) STRIBECK_NOEXCEPT;
+/* The same for another law, by its word; 0: there is none. Memory for the largest of several laws will do for all of them. */
+size_t stribeck_controller_size_for(uint32_t axes, const char* law) STRIBECK_NOEXCEPT;
 
-/* A controller in memory of the caller, with the initial values of all parameters; null when the memory is too small or not
- * aligned. The same memory may be initialised again. */
+/* A controller in memory of the caller, with the initial values of all parameters; null when the memory is too small for
+ * contouring control or not aligned. The same memory may be initialised again. */
 stribeck_controller* stribeck_controller_init(void* memory, size_t size, uint32_t axes) STRIBECK_NOEXCEPT;
 
 /* The parameters of one axis, index 0 and up; STRIBECK_BAD_ARGUMENT after the last. omega, kp and kv are gains of the path's
@@ -123,6 +129,15 @@ typedef struct stribeck_axis_input {
 /* Forces for the coming period [N], one per axis, from one input per axis. */
 stribeck_result stribeck_controller_step(stribeck_controller*, const stribeck_axis_input*,
                                          double* force) STRIBECK_NOEXCEPT;
+/* The same with the reference of the coming periods as well: `points` rows of one input per axis, one row per period, the present
+ * one first; `measured` counts in that one alone. Laws that do not look ahead take the first row. */
+stribeck_result stribeck_controller_step_ahead(stribeck_controller*, const stribeck_axis_input*,
+                                               uint32_t points, double* force) STRIBECK_NOEXCEPT;
+/* How many rows the law that is configured can make use of; 0 before. */
+uint32_t stribeck_controller_points(const stribeck_controller*) STRIBECK_NOEXCEPT;
+/* Learning: place in the lap for the steps to come, in the unit of learning.lap, counted on over the laps or begun anew in each.
+ * NaN, and after reset: none, and nothing is learned or given. */
+stribeck_result stribeck_controller_set_phase(stribeck_controller*, double phase) STRIBECK_NOEXCEPT;
 /* Forgets all motion: the next step is a first one. */
 stribeck_result stribeck_controller_reset(stribeck_controller*) STRIBECK_NOEXCEPT;
 
@@ -136,6 +151,11 @@ typedef struct stribeck_axis_signals {
   double level;       /* by adaptation: change of the level of friction as a share; NaN without */
   int32_t limited;    /* the force was cut */
   int32_t backed_off; /* the loop oscillated, and observer and adaptation were turned down */
+  /* NaN under other laws. Sliding mode, of the direction with the axis's number: along the path, then across it. */
+  double surface;        /* distance from it [m/s] */
+  double switching_gain; /* [m/s2] */
+  double lag;            /* predictive: time by which the reference is behind the one that was given [s] */
+  double learned;        /* learning: force from earlier laps [N] */
 } stribeck_axis_signals;
 
 /* `size` is sizeof(stribeck_axis_signals), so that the struct may grow at its end. */
