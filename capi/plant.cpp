@@ -25,11 +25,13 @@ stribeck_result guarded(stribeck_plant* p, F&& f) noexcept {
   try {
     return f();
   } catch (const std::bad_alloc&) {
+    p->problem.set({stribeck_describe(STRIBECK_NO_MEMORY)});
     return STRIBECK_NO_MEMORY;
   } catch (const std::exception& e) {
     p->problem.set({e.what()});
     return STRIBECK_REFUSED;
   } catch (...) {
+    p->problem.set({"an exception of an unknown kind"});
     return STRIBECK_REFUSED;
   }
 }

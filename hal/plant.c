@@ -45,7 +45,10 @@ static int configure(struct instance* s, double period, double position) {
   s->period = period;
   s->tried = 1;
   values_taken(&parameters, s->values);
-  if (stribeck_plant_create(&s->plant) != STRIBECK_OK) return 0;
+  if (stribeck_plant_create(&s->plant) != STRIBECK_OK) {
+    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_describe(STRIBECK_NO_MEMORY));
+    return 0;
+  }
   for (uint32_t i = 0; i < parameters.count; ++i) {
     const double v = s->values->used[i];
     if (same(v, parameters.initial[i])) continue;

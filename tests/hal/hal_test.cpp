@@ -3,16 +3,38 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <vector>
+
+namespace {
+/// Allocations until there is no memory; below 0: there is always some.
+int allocations_left = -1;
+}  // namespace
+
+// NOLINTBEGIN: replacing the global operators is the point; the components call these.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (allocations_left == 0) throw std::bad_alloc();
+  if (allocations_left > 0) --allocations_left;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+// NOLINTEND
 
 namespace {
 
@@ -80,6 +102,7 @@ int hal_export_funct(const char* name, void (*f)(void*, long), void* argument, i
   return hal->functions.emplace(name, std::pair(f, argument)).second ? 0 : -22;
 }
 void rtapi_print_msg(int, const char* format, ...) {
+  allocations_left = -1;
   va_list arguments;
   va_start(arguments, format);
   hal->messages += printed(format, arguments);
@@ -100,12 +123,15 @@ namespace {
 constexpr long kPeriodNs = 1'000'000;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+using Names = std::initializer_list<const char*>;
+
 /// A component between loadrt and unloadrt.
 class Module {
  public:
-  Module(const std::string& file, const char* name) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
+  Module(const std::string& file, Names names) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
     if (handle_ == nullptr) throw std::runtime_error(dlerror());
-    (*static_cast<char***>(dlsym(handle_, "rtapi_info_address_names")))[0] = const_cast<char*>(name);
+    char** to = *static_cast<char***>(dlsym(handle_, "rtapi_info_address_names"));
+    for (const char* name : names) *to++ = const_cast<char*>(name);
     result = reinterpret_cast<int (*)()>(dlsym(handle_, "rtapi_app_main"))();
   }
   ~Module() {
@@ -145,8 +171,8 @@ class Loop : public Components {
  protected:
   void SetUp() override {
     Components::SetUp();
-    axis_ = std::make_unique<Module>(STRIBECK_HAL_AXIS, "ax.x");
-    plant_ = std::make_unique<Module>(STRIBECK_HAL_PLANT, "pl.x");
+    axis_ = std::make_unique<Module>(STRIBECK_HAL_AXIS, Names{"ax.x"});
+    plant_ = std::make_unique<Module>(STRIBECK_HAL_PLANT, Names{"pl.x"});
     ASSERT_EQ(axis_->result, 0);
     ASSERT_EQ(plant_->result, 0);
     for (const char* who : {"ax.x", "pl.x"}) {
@@ -237,9 +263,9 @@ TEST_F(Components, LoadAndUnloadAHundredTimes) {
   for (int k = 0; k < 110; ++k) {
     if (k == 10) before = resident();
     {
-      const Module axis(STRIBECK_HAL_AXIS, "ax.x");
-      const Module contour(STRIBECK_HAL_CONTOUR, "ct");
-      const Module plant(STRIBECK_HAL_PLANT, "pl.x");
+      const Module axis(STRIBECK_HAL_AXIS, {"ax.x"});
+      const Module contour(STRIBECK_HAL_CONTOUR, {"ct"});
+      const Module plant(STRIBECK_HAL_PLANT, {"pl.x"});
       ASSERT_EQ(axis.result, 0);
       ASSERT_EQ(contour.result, 0);
       ASSERT_EQ(plant.result, 0);
@@ -261,7 +287,7 @@ TEST_F(Components, LoadAndUnloadAHundredTimes) {
 }
 
 TEST_F(Components, RefuseNamesThatHalHasNoRoomFor) {
-  const Module axis(STRIBECK_HAL_AXIS, "a-long-name");
+  const Module axis(STRIBECK_HAL_AXIS, {"a-long-name"});
   EXPECT_LT(axis.result, 0);
   EXPECT_NE(hal_.messages.find("at most 6 letters"), std::string::npos) << hal_.messages;
 }
@@ -407,6 +433,248 @@ TEST_F(Loop, ParametersWaitForTheNextEnable) {
   enable(true);
   run(2, false);
   EXPECT_FALSE(*hal_.bits.at("ax.x.pending"));
+}
+
+TEST_F(Components, ADriveWithoutMemorySaysSoAndNothingEscapes) {
+  const Module plant(STRIBECK_HAL_PLANT, {"pl.x"});
+  value("pl.x.mass") = 1.0;
+  value("pl.x.current.gain") = 1.0;
+  value("pl.x.encoder.resolution") = 1e-6;
+  value("pl.x.friction.conventional.alpha0") = 1.0;
+  value("pl.x.friction.dynamics") = 1.0;
+  value("pl.x.friction.lugre.sigma0") = 1e5;
+  // The memory ends at the first allocation, at the second, and so on. Whatever is thrown must stay inside.
+  int needed = 0;
+  for (; needed < 1000; ++needed) {
+    value("pl.x.mass") = 1.0 + 1e-3 * needed;  // configured anew
+    hal_.messages.clear();
+    allocations_left = needed;
+    hal_.functions.at("pl.x").first(hal_.functions.at("pl.x").second, kPeriodNs);
+    allocations_left = -1;
+    if (*hal_.bits.at("pl.x.ok")) break;
+    EXPECT_NE(hal_.messages.find("out of memory"), std::string::npos) << needed << hal_.messages;
+    call("pl.x");
+  }
+  EXPECT_GT(needed, 1);
+  EXPECT_LT(needed, 1000);
+}
+
+/// stribeck_contour on three drives.
+class Path : public Components {
+ protected:
+  static constexpr std::array<const char*, 3> kDrives{"pl.x", "pl.y", "pl.z"};
+
+  void SetUp() override {
+    Components::SetUp();
+    contour_ = std::make_unique<Module>(STRIBECK_HAL_CONTOUR, Names{"ct"});
+    plants_ = std::make_unique<Module>(STRIBECK_HAL_PLANT, Names{"pl.x", "pl.y", "pl.z"});
+    ASSERT_EQ(contour_->result, 0);
+    ASSERT_EQ(plants_->result, 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (const std::string& at : {axis(i), std::string(kDrives[i]) + "."}) {
+        value(at + "mass") = 900.0;
+        value(at + "friction.conventional.alpha0") = 18.0;
+        value(at + "friction.conventional.alpha2") = 4500.0;
+        value(at + "friction.dynamics") = 1.0;
+        value(at + "friction.lugre.sigma0") = 7.2e6;
+      }
+      value(std::string(kDrives[i]) + ".current.gain") = 25.0;
+      value(std::string(kDrives[i]) + ".encoder.resolution") = 1e-7;
+      value(axis(i) + "omega") = 60.0;
+      value(axis(i) + "feedforward") = 2.0;
+      value(axis(i) + "force-limit") = 200.0;
+    }
+  }
+  void TearDown() override {
+    contour_.reset();
+    plants_.reset();
+    Components::TearDown();
+  }
+
+  static std::string axis(std::size_t i) { return "ct." + std::to_string(i) + "."; }
+  void set(const std::string& parameter, double x) {
+    for (std::size_t i = 0; i < 3; ++i) value(axis(i) + parameter) = x;
+  }
+  void enable(bool on) { *hal_.bits.at("ct.enable") = on; }
+  int fault_of(std::size_t i) { return *hal_.integers.at(axis(i) + "fault"); }
+
+  /// One servo period towards a point [mm] with its derivatives.
+  struct Point {
+    std::array<double, 3> position{}, velocity{}, acceleration{};
+  };
+  void period(const Point& r) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      value(axis(i) + "pos-cmd") = r.position[i];
+      value(axis(i) + "vel-cmd") = r.velocity[i];
+      value(axis(i) + "acc-cmd") = r.acceleration[i];
+      value(axis(i) + "pos-fb") = value(std::string(kDrives[i]) + ".pos-fb") + (i == 1 ? added_ : 0.0);
+    }
+    call("ct");
+    worst_ = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double force = value(axis(i) + "force");
+      ASSERT_TRUE(std::isfinite(force)) << i;
+      ASSERT_LE(std::abs(force), 200.0) << i;
+      const double error = value(axis(i) + "pos-error");
+      ASSERT_TRUE(std::isfinite(error)) << i;
+      worst_ = std::max(worst_, std::abs(error));
+      value(std::string(kDrives[i]) + ".force") = force;
+      call(kDrives[i]);
+    }
+  }
+  /// A circle of 5 mm at 10 mm/s.
+  static Point circle(double t) {
+    Point r;
+    const double w = 2.0;
+    r.position = {5.0 * std::cos(w * t) - 5.0, 5.0 * std::sin(w * t), 0.0};
+    r.velocity = {-5.0 * w * std::sin(w * t), 5.0 * w * std::cos(w * t), 0.0};
+    r.acceleration = {-5.0 * w * w * std::cos(w * t), -5.0 * w * w * std::sin(w * t), 0.0};
+    return r;
+  }
+  /// The circle from rest: the largest error from `from` on [mm].
+  double run_circle(double from, double to) {
+    double most = 0.0;
+    for (int k = 0; k * 1e-3 < to && !HasFatalFailure(); ++k) {
+      period(circle(k * 1e-3));
+      if (k * 1e-3 >= from) most = std::max(most, worst_);
+    }
+    return most;
+  }
+
+  std::unique_ptr<Module> contour_;
+  std::unique_ptr<Module> plants_;
+  double worst_ = 0.0;  ///< error of the last period, of the axis that has the largest [mm]
+  double added_ = 0.0;  ///< to the encoder of y [mm]
+};
+
+TEST_F(Path, EveryLawFollowsACircle) {
+  for (const double law : {0.0, 1.0, 2.0, 3.0}) {
+    set("law", law);
+    if (law == 3.0) set("learning.lap", 1.0);
+    enable(false);
+    for (int k = 0; k < 30; ++k) period({});
+    enable(true);
+    period({});
+    ASSERT_EQ(fault_of(0), 0) << hal_.messages;
+    // The model is the plant's own: hold, encoder, and for sliding mode the chattering of its sign.
+    EXPECT_LT(run_circle(1.0, 6.3), 2e-3) << law;
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(fault_of(i), 0) << law;
+  }
+}
+
+TEST_F(Path, SlidingModeIsQuietAtRestAndSafeAtACornerAndAtAReversal) {
+  set("law", 1.0);
+  set("sliding-mode.gain", 2.0);
+  set("sliding-mode.switching", 1.0);
+  set("observer", 3.0);
+  enable(true);
+  Point r;
+  const auto run = [&](int periods) {
+    double most = 0.0;
+    for (int k = 0; k < periods && !HasFatalFailure(); ++k) {
+      for (std::size_t i = 0; i < 3; ++i) r.position[i] += 1e-3 * r.velocity[i];
+      period(r);
+      most = std::max(most, worst_);
+    }
+    return most;
+  };
+  run(300);
+  double last = value("ct.0.force");
+  double most = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    run(1);
+    most = std::max<double>(most, std::abs(value("ct.0.force") - last));
+    last = value("ct.0.force");
+  }
+  EXPECT_LT(most, 2.0) << "trembles at rest";
+  // Ten mm/s at once is 9000 N for a millisecond; 200 N need 45 ms, in which half of 0.45 mm is lost.
+  for (const std::array<double, 3>& velocity :
+       {std::array{10.0, 0.0, 0.0}, std::array{0.0, 10.0, 0.0}, std::array{0.0, -10.0, 0.0},
+        std::array{6.0, 0.0, 8.0}, std::array{0.0, 0.0, 0.0}}) {
+    r.velocity = velocity;
+    EXPECT_LT(run(600), 1.0);
+    EXPECT_LT(run(200), 3e-3) << "at the end of a side";
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(fault_of(i), 0);
+  }
+}
+
+TEST_F(Path, AFaultOfOneAxisTakesAllToZero) {
+  enable(true);
+  run_circle(0.0, 1.3);
+  std::array<double, 3> last;
+  for (std::size_t i = 0; i < 3; ++i) last[i] = std::abs(value(axis(i) + "force"));
+  ASSERT_GT(last[0] + last[1], 20.0);
+  added_ = kNan;
+  for (int k = 0; k < 25; ++k) {
+    period(circle(1.3 + 1e-3 * k));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LE(std::abs(value(axis(i) + "force")), last[i] + 1e-12);
+      last[i] = std::abs(value(axis(i) + "force"));
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(last[i], 0.0);
+    EXPECT_EQ(fault_of(i), i == 1 ? 1 : 0);
+  }
+  EXPECT_TRUE(*hal_.bits.at("ct.faulted"));
+}
+
+TEST_F(Path, LearningFindsWhatTheModelLacksFromThePhase) {
+  // Friction of the model half as high as it is: contouring leaves that over the stiffness of the loop.
+  set("friction.conventional.alpha0", 9.0);
+  set("law", 3.0);
+  set("learning.lap", 2.0 * 3.14159265358979323846);
+  enable(true);
+  std::array<double, 4> most{};
+  for (int k = 0; k < 4 * 3142 && !HasFatalFailure(); ++k) {
+    value("ct.phase") = 2e-3 * k;
+    period(circle(1e-3 * k));
+    if (k % 3142 > 600)
+      most[static_cast<std::size_t>(k / 3142)] = std::max(most[static_cast<std::size_t>(k / 3142)], worst_);
+  }
+  EXPECT_GT(most[0], 1.5e-3);
+  EXPECT_LT(most[3], 0.4 * most[0]);
+}
+
+TEST_F(Path, PredictiveFallsBehindWhereContouringLeavesTheCircle) {
+  // 20 mm/s² of 900 kg are 18 N, friction 18 N and 45 N at 10 mm/s: 66.5 N where they meet, and pre-sliding after a reversal.
+  const auto largest_radial_error = [&](double law, double& lag) {
+    set("law", law);
+    if (law == 2.0) set("predictive.reserve", 0.02);
+    set("force-limit", 66.0);
+    set("ferror-limit", 5.0);
+    enable(true);
+    double most = 0.0;
+    for (int k = 0; k < 8000 && !HasFatalFailure(); ++k) {
+      // The circle, from rest over a second.
+      const double t = 1e-3 * k;
+      const double rate = std::min(t, 1.0);
+      Point r = circle(t < 1.0 ? 0.5 * t * t : t - 0.5);
+      for (std::size_t i = 0; i < 3; ++i) {
+        r.acceleration[i] = r.acceleration[i] * rate * rate + (t < 1.0 ? r.velocity[i] : 0.0);
+        r.velocity[i] *= rate;
+      }
+      period(r);
+      lag = std::max(lag, double{value("ct.lag")});
+      most = std::max(most, std::abs(std::hypot(value("pl.x.pos") + 5.0, double{value("pl.y.pos")}) - 5.0));
+    }
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(fault_of(i), 0) << law;
+    return most;
+  };
+  double lag = 0.0;
+  const double predictive = largest_radial_error(2.0, lag);
+  // 25 ms; its memory of the path ends at 126.
+  EXPECT_GT(lag, 5e-3);
+  EXPECT_LT(lag, 0.1);
+  EXPECT_LT(predictive, 4e-3);
+  // From the beginning.
+  TearDown();
+  hal_ = {};
+  SetUp();
+  double none = 0.0;
+  const double contouring = largest_radial_error(0.0, none);
+  EXPECT_EQ(none, 0.0);
+  EXPECT_GT(contouring, 3.0 * predictive);
 }
 
 }  // namespace
