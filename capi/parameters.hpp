@@ -220,6 +220,10 @@ void values_of(Name& name, const T& value, std::string_view about, F&& f) {
                   },
                   member);
             } else {
+              if constexpr (std::is_arithmetic_v<Member>) {
+                // A file may leave it out, and has.
+                if (!each.required && !each.quantity.permits(static_cast<double>(member))) return;
+              }
               const auto mark = name.with(each.name);
               values_of(name, member, each.doc, f);
             }
@@ -382,6 +386,9 @@ bool check(Name& name, const T& value, const T& initial, const Quantity& quantit
                   },
                   member);
             } else {
+              if constexpr (std::is_arithmetic_v<Member>) {
+                if (!each.required && member == initial.*each.member) return;  // left out
+              }
               const auto mark = name.with(each.name);
               good = check(name, member, initial.*each.member, each.quantity, report);
             }

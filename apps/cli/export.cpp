@@ -1,18 +1,26 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/export.hpp>
+#include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
-#include <capi/parameters.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/parallel.hpp>
 
 namespace stribeck::cli {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct Options {
   Common common;
@@ -20,35 +28,15 @@ struct Options {
   std::string to;
   std::string output;
   std::vector<std::string> names;
-  std::string omega = "40 rad/s";
+  std::string omega;  ///< empty: 40 rad/s, or that of the machine file
   std::string feedforward;
+  bool lincurve = false;
+  std::string speed;                    ///< of the table; empty: the model's own range
+  std::string parameters;               ///< empty: identified
+  std::vector<std::string> axis_files;  ///< AXIS=FILE
 };
 
-/// HAL's spelling of a parameter's name.
-std::string hal_name(std::string_view name) {
-  std::string out(name);
-  std::replace(out.begin(), out.end(), '_', '-');
-  return out;
-}
-
-std::string setp(const std::string& component, std::string_view parameter, double value,
-                 std::string_view word = {}) {
-  std::string line = fmt::format("setp {}.{} {}", component, hal_name(parameter), value);
-  if (!word.empty()) line += fmt::format("  # {}", word);
-  return line + '\n';
-}
-
-/// Every parameter that a struct holds.
-template <class T>
-std::string setp_all(const std::string& component, const T& value) {
-  std::string out;
-  capi::Name name;
-  capi::values_of(name, value, "",
-                  [&](std::string_view key, double x, std::string_view, std::string_view word) {
-                    out += setp(component, key, x, word);
-                  });
-  return out;
-}
+constexpr const char* kOmega = "40 rad/s";
 
 /// HAL names have 47 characters, of which the longest parameter takes 40 and a dot.
 constexpr std::size_t kLongestName = 6;
@@ -76,35 +64,74 @@ std::vector<std::string> names_for(const Options& o, const std::string& prefix,
   return names;
 }
 
-std::string controllers(const Options& o) {
-  const double omega = option_si("--omega", o.omega, quantity("rad/s", "rad/s").positive());
+double omega_of(const Options& o) {
+  return option_si("--omega", o.omega.empty() ? kOmega : o.omega, quantity("rad/s", "rad/s").positive());
+}
+
+std::vector<std::string> letters_for(const Options& o) {
   constexpr const char* kAxes = "xyzabcuvw";
   if (o.files.size() > 9) refuse_option("AXIS.toml", "got more than nine axes");
   std::vector<std::string> axes;
   for (std::size_t i = 0; i < o.files.size(); ++i) axes.emplace_back(1, kAxes[i]);
-  const std::vector<std::string> names = names_for(o, "ax.", axes);
+  return axes;
+}
+
+std::string controllers(const Options& o) {
+  const double omega = omega_of(o);
+  const std::vector<std::string> names = names_for(o, "ax.", letters_for(o));
   std::string out =
       fmt::format("# Written by: {}\n# SI units; angular frequencies in rad/s.\n", typed_command());
   out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
-    const bool bristles = !std::holds_alternative<friction::Static>(model.friction.dynamics);
-    const std::string feedforward = !o.feedforward.empty() ? o.feedforward
-                                    : bristles             ? "dynamic"
-                                                           : "reversal";
     out += fmt::format("\n# {} from {}\n", names[i], o.files[i]);
-    out += setp(names[i], "omega", omega);
-    constexpr std::array<std::string_view, 4> kWords{"none", "steady", "dynamic", "reversal"};
-    const auto which = std::find(kWords.begin(), kWords.end(), feedforward) - kWords.begin();
-    out += setp(names[i], "feedforward", static_cast<double>(which), feedforward);
-    out += setp(names[i], "guarded", 1.0);
-    out += setp_all(names[i], model);
+    out += controller_lines(names[i], model, omega, o.feedforward);
   }
   return out;
 }
 
-std::string plants(const Options& o) {
-  const sim::Machine machine = load_machine(o.files.front());
+/// Largest speed of the table [m/s].
+double table_speed(const Options& o, const std::string& file, const friction::AxisModel& model) {
+  if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+  const auto* g = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
+  if (g == nullptr)
+    refuse_option("--speed",
+                  fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", file));
+  return std::min(-g->velocity_range[0], g->velocity_range[1]);
+}
+
+std::string tables(const Options& o, Json& json, std::string& words) {
+  const std::vector<std::string> names = names_for(o, "ff.", letters_for(o));
+  std::string out = fmt::format(
+      "# Written by: {}\n# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, "
+      "and ff.x.out added to the force.\n"
+      "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n",
+      typed_command());
+  std::string points;
+  for (std::size_t i = 0; i < names.size(); ++i) points += i == 0 ? "16" : ",16";
+  out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
+  json = Json::array();
+  for (std::size_t i = 0; i < o.files.size(); ++i) {
+    const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
+    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
+    const std::string worth = lincurve_words(table, model);
+    out += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
+    if (model.load != 0.0)
+      out += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
+    out += lincurve_lines(names[i], table);
+    words += fmt::format("{}: {}.\n", names[i], worth);
+    Json point = Json::array();
+    for (const ident::Corner& c : table.table.corners) point.push_back({c.x, c.y});
+    json.push_back({{"name", names[i]},
+                    {"file", o.files[i]},
+                    {"max_error_N", table.max_error},
+                    {"rms_error_N", table.rms_error},
+                    {"points_mm_per_s_N", point}});
+  }
+  return out;
+}
+
+std::string plants(const Options& o, const sim::Machine& machine) {
   std::vector<std::string> axes;
   for (const auto& [axis, unused] : machine.axes) axes.push_back(axis);
   const std::vector<std::string> names = names_for(o, "pl.", axes);
@@ -115,26 +142,163 @@ std::string plants(const Options& o) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     out +=
         fmt::format("\n# axis {}, largest force {:.6g} N\n", axes[i], machine.axes[i].second.force_limit());
-    out += setp_all(names[i], machine.axes[i].second.plant);
+    out += plant_lines(names[i], machine.axes[i].second);
   }
   return out;
 }
 
-int export_to(const Options& o) {
+/// What the controllers of each axis know.
+std::vector<friction::AxisModel> models_of(const Options& o, const sim::Machine& machine) {
+  const std::string& file = o.files.front();
+  std::map<std::size_t, friction::AxisModel> given;
+  for (const std::string& text : o.axis_files) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+      refuse_option("--axis-file",
+                    fmt::format("got {}, expected AXIS=FILE, e.g. x=x.toml", io::in_quotes(text)));
+    }
+    const std::size_t i = axis_index(machine, file, text.substr(0, equals));
+    if (!given.emplace(i, io::read_toml<friction::AxisModel>(text.substr(equals + 1))).second)
+      refuse_option("--axis-file", fmt::format("axis {} is given twice", machine.axes[i].first));
+  }
+  std::vector<friction::AxisModel> models(machine.axes.size());
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const sim::Commissioning& known = machine.axes[i].second.commissioning;
+    if (const auto found = given.find(i); found != given.end()) {
+      models[i] = found->second;
+    } else if (o.parameters == "commissioning") {
+      models[i].mass = known.mass;
+      models[i].friction.steady = friction::Conventional<double>{known.friction, 0.0, {}};
+    } else {
+      open.push_back(i);
+    }
+  }
+  Needs needs;
+  needs.whole = true;
+  sim::parallel_for(
+      open.size(), 0, [] { return 0; },
+      [&](int&, std::size_t k) {
+        models[open[k]] = learn_axis(machine, open[k], needs, 1).knowledge.whole.value();
+      });
+  return models;
+}
+
+std::string base_name(const std::string& file) { return std::filesystem::path(file).filename().string(); }
+
+Configuration configuration(const Options& o, const sim::Machine& machine) {
+  const std::vector<std::string> letters = linuxcnc_letters(machine, o.files.front());
+  Configuration c;
+  c.name = machine.name;
+  c.sample_time = machine.sample_time;
+  c.feedforward = o.feedforward;
+  // One for all axes, so that no direction has other gains than another.
+  c.omega = machine.axes.front().second.commissioning.omega;
+  for (const auto& [axis, a] : machine.axes) c.omega = std::min(c.omega, a.commissioning.omega);
+  if (!o.omega.empty()) c.omega = omega_of(o);
+  std::string command = fmt::format("stribeck export {} --to linuxcnc", base_name(o.files.front()));
+  if (!o.omega.empty()) command += fmt::format(" --omega \"{}\"", o.omega);
+  if (!o.feedforward.empty()) command += " --feedforward " + o.feedforward;
+  if (!o.parameters.empty()) command += " --parameters " + o.parameters;
+  for (const std::string& file : o.axis_files) {
+    const auto equals = file.find('=');
+    command += fmt::format(" --axis-file {}={}", file.substr(0, equals),
+                           equals == std::string::npos ? "" : base_name(file.substr(equals + 1)));
+  }
+  c.comment = fmt::format("# Written by: {} -o FOLDER\n", command);
+  const std::vector<friction::AxisModel> models = models_of(o, machine);
+  for (std::size_t i = 0; i < letters.size(); ++i)
+    c.axes.push_back({letters[i], &machine.axes[i].second, models[i]});
+  return c;
+}
+
+/// All texts are there before the first is written.
+int export_configuration(const Options& o, const sim::Machine& machine) {
+  namespace fs = std::filesystem;
+  if (!o.names.empty())
+    refuse_option("--name",
+                  "does not apply to a whole configuration, which has names of its own (or -o NAME.hal)");
+  std::error_code ignored;
+  if (fs::exists(o.output, ignored) && !fs::is_directory(o.output, ignored)) {
+    throw io::InputError(
+        {o.output,
+         0,
+         {},
+         "is a file, expected a folder for the configuration (or -o NAME.hal for the drives alone)"});
+  }
+  const auto files = configuration_files(configuration(o, machine));
+  io::make_directory(o.output);
+  for (const auto& [name, text] : files) check_writable((fs::path(o.output) / name).string());
+  std::vector<std::string> written;
+  for (const auto& [name, text] : files) {
+    const fs::path path = fs::path(o.output) / name;
+    io::write_atomically(path.string(), text);
+    if (name == "play.py")
+      fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                      fs::perm_options::add, ignored);
+    written.push_back(name);
+  }
+  write_json(o.common.json,
+             {{"schema", "stribeck.export/1"}, {"to", o.to}, {"folder", o.output}, {"files", written}});
+  say(o.common, fmt::format("{} files in {}.\n  linuxcnc {}       with the AXIS screen\n"
+                            "  linuxcnc -r {}   without a screen\n",
+                            files.size(), o.output, (fs::path(o.output) / "machine.ini").string(),
+                            (fs::path(o.output) / "headless.ini").string()));
+  return 0;
+}
+
+/// Refuses what would change nothing.
+void check_options(const Options& o, bool machine, bool folder) {
+  const auto refuse = [](const char* option, const char* why) {
+    refuse_option(option, std::string("does not apply to ") + why);
+  };
   if (!o.common.report.empty()) refuse_option("--report", "export writes no page");
-  check_distinct(o.files, {o.output, o.common.json});
-  check_outputs(o.common);
-  check_writable(o.output);
-  const bool machine = io::load_toml(o.files.front()).find("axes") != nullptr;
   if (machine && o.files.size() > 1)
     refuse_option("MACHINE.toml", "expected one machine file, or axis files alone");
-  if (machine && !o.feedforward.empty())
-    refuse_option("--feedforward", "does not apply to a machine file, only to axis files");
-  const std::string text = machine ? plants(o) : controllers(o);
+  if (!folder) {
+    const char* why = machine ? "the drives alone, only to a whole configuration (-o FOLDER)"
+                              : "axis files, only to a machine file";
+    if (!o.parameters.empty()) refuse("--parameters", why);
+    if (!o.axis_files.empty()) refuse("--axis-file", why);
+  }
+  if (machine && o.lincurve)
+    refuse(
+        "--lincurve",
+        "a machine file, only to axis files; a whole configuration has its tables in control-lincurve.hal");
+  if (machine && !folder) {
+    constexpr const char* kWhy = "the drives alone, only to controllers: axis files, or -o FOLDER";
+    if (!o.feedforward.empty()) refuse("--feedforward", kWhy);
+    if (!o.omega.empty()) refuse("--omega", kWhy);
+  }
+  if (o.lincurve && !o.omega.empty())
+    refuse("--omega", "a table, only to controllers (leave out --lincurve)");
+  if (o.lincurve && !o.feedforward.empty())
+    refuse("--feedforward", "a table, only to controllers (leave out --lincurve)");
+  if (!o.lincurve && !o.speed.empty()) refuse("--speed", "anything but --lincurve");
+}
+
+int export_to(const Options& o) {
+  const bool machine = io::load_toml(o.files.front()).find("axes") != nullptr;
+  const bool folder = machine && !o.output.ends_with(".hal");
+  check_options(o, machine, folder);
+  std::vector<std::string> inputs = o.files;
+  for (const std::string& file : o.axis_files) {
+    const auto equals = file.find('=');
+    if (equals != std::string::npos) inputs.push_back(file.substr(equals + 1));
+  }
+  check_distinct(inputs, {o.output, o.common.json});
+  check_outputs(o.common);
+  if (folder) return export_configuration(o, load_machine(o.files.front()));
+  check_writable(o.output);
+  Json json = {{"schema", "stribeck.export/1"}, {"to", o.to}, {"file", o.output}};
+  std::string words;
+  const std::string text = machine      ? plants(o, load_machine(o.files.front()))
+                           : o.lincurve ? tables(o, json["lincurve"], words)
+                                        : controllers(o);
   io::write_atomically(o.output, text);
-  write_json(o.common.json, {{"schema", "stribeck.export/1"}, {"to", o.to}, {"file", o.output}});
+  write_json(o.common.json, json);
   say(o.common,
-      fmt::format("{} lines of HAL in {}.\n", std::count(text.begin(), text.end(), '\n'), o.output));
+      fmt::format("{}{} lines of HAL in {}.\n", words, std::count(text.begin(), text.end(), '\n'), o.output));
   return 0;
 }
 
@@ -143,26 +307,50 @@ int export_to(const Options& o) {
 void add_export(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("export", "Parameters as another program takes them");
   auto o = std::make_shared<Options>();
-  verb->add_option("files", o->files,
-                   "Axis files that identify wrote: the controllers; or one machine file: its virtual drives")
+  verb->add_option(
+          "files", o->files,
+          "Axis files that identify wrote: the controllers; or one machine file: a configuration that runs, "
+          "or its virtual drives")
       ->required()
       ->type_name("FILE.toml");
-  verb->add_option("--to", o->to, "linuxcnc: setp lines of stribeck_axis, or stribeck_plant, for a HAL file")
+  verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(CLI::IsMember({"linuxcnc"}));
+  verb->add_option("-o,--output", o->output,
+                   "File to write (NAME.hal), or for a machine file a folder: INI and HAL that run at once")
       ->required()
-      ->check(CLI::IsMember({"linuxcnc"}));
-  verb->add_option("-o,--output", o->output, "File to write")->required()->type_name("AXIS.hal");
-  verb->add_option("--name", o->names, "HAL name of each axis; left out: ax.x, ax.y, …, or pl.x, pl.y, …")
+      ->type_name("NAME.hal|FOLDER");
+  verb->add_option("--name", o->names,
+                   "HAL name of each axis; left out: ax.x, ax.y, …, or pl.x, … of drives, ff.x, … of tables")
       ->type_name("NAME");
-  verb->add_option("--omega", o->omega, "Double pole of the position loops")
-      ->type_name("FREQUENCY")
-      ->capture_default_str();
+  verb->add_option("--omega", o->omega,
+                   std::string("Double pole of the position loops; left out: ") + kOmega +
+                       ", or what the machine file has for commissioning")
+      ->type_name("FREQUENCY");
   verb->add_option(
           "--feedforward", o->feedforward,
           "none, steady, dynamic or reversal; left out: dynamic where the file has bristles, else reversal")
       ->check(CLI::IsMember({"none", "steady", "dynamic", "reversal"}));
+  verb->add_flag(
+      "--lincurve", o->lincurve,
+      "Of axis files: the steady friction in the 16 points of LinuxCNC's own lincurve, for machines "
+      "without these components, and the error that it makes");
+  verb->add_option("--speed", o->speed,
+                   "Of a table: the largest speed; left out: that of the identified range")
+      ->type_name("SPEED");
+  verb->add_option(
+          "--parameters", o->parameters,
+          "Of a configuration, what its controllers know: identified (from logs recorded here, the default) "
+          "or commissioning (the machine file's rough values)")
+      ->check(CLI::IsMember({"identified", "commissioning"}));
+  verb->add_option(
+          "--axis-file", o->axis_files,
+          "Of a configuration: axis file that identify wrote, in place of that; repeat for more axes")
+      ->type_name("AXIS=FILE");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
-  verb->footer("Example:\n  stribeck export x.toml y.toml --to linuxcnc --omega \"60 rad/s\" -o axes.hal");
+  verb->footer(
+      "Examples:\n  stribeck export machines/triaxial-tool.toml --to linuxcnc -o triaxial\n"
+      "  stribeck export x.toml y.toml --to linuxcnc --omega \"60 rad/s\" -o axes.hal\n"
+      "  stribeck export x.toml --to linuxcnc --lincurve --speed \"100 mm/s\" -o lincurve.hal");
   verb->callback([o, &action] { action = [o] { return export_to(*o); }; });
 }
 

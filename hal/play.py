@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""DISPLAY program of a headless LinuxCNC: switches on, homes, plays PROGRAM.ngc and records it with halsampler.
+"""DISPLAY program of a headless LinuxCNC: switches on, homes, plays a G-code program and records it with halsampler.
 
-STRIBECK_PROGRAM and STRIBECK_LOG name the files; LinuxCNC ends when this does. Not "env python3": the module linuxcnc
-is that of Debian's own Python.
+STRIBECK_PROGRAM and STRIBECK_LOG name the files, demo.ngc and run.log if they are not set; LinuxCNC ends when this does.
+Not "env python3": the module linuxcnc is that of Debian's own Python.
 """
 
 import os
@@ -11,6 +11,9 @@ import sys
 import time
 
 import linuxcnc
+
+PROGRAM = os.path.abspath(os.environ.get("STRIBECK_PROGRAM", "demo.ngc"))
+LOG = os.environ.get("STRIBECK_LOG", "run.log")
 
 command, status, errors = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
 
@@ -32,7 +35,7 @@ def sampling(on):
     subprocess.check_call(["halcmd", "setp", "sampler.0.enable", str(int(on))])
 
 
-wait(lambda: status.joints == 3 and status.task_state == linuxcnc.STATE_ESTOP, 30, "start")
+wait(lambda: status.axis_mask != 0 and status.task_state == linuxcnc.STATE_ESTOP, 30, "start")
 command.state(linuxcnc.STATE_ESTOP_RESET)
 command.wait_complete()
 command.state(linuxcnc.STATE_ON)
@@ -41,12 +44,12 @@ wait(lambda: status.task_state == linuxcnc.STATE_ON, 10, "machine on")
 command.mode(linuxcnc.MODE_MANUAL)
 command.wait_complete()
 command.home(-1)
-wait(lambda: all(status.homed[:3]), 10, "homing")
+wait(lambda: all(status.homed[: status.joints]), 10, "homing")
 command.mode(linuxcnc.MODE_AUTO)
 command.wait_complete()
-command.program_open(os.path.abspath(os.environ["STRIBECK_PROGRAM"]))
+command.program_open(PROGRAM)
 command.wait_complete()
-recorder = subprocess.Popen(["halsampler", "-t", os.environ["STRIBECK_LOG"]])
+recorder = subprocess.Popen(["halsampler", "-t", LOG])
 sampling(True)
 command.auto(linuxcnc.AUTO_RUN, 0)
 wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 10, "the program to begin")
@@ -62,6 +65,6 @@ time.sleep(0.3)
 recorder.terminate()
 recorder.wait()
 # Median time of every function, in clocks of the processor.
-with open(os.environ["STRIBECK_LOG"] + ".clocks", "w", encoding="utf-8") as file:
+with open(LOG + ".clocks", "w", encoding="utf-8") as file:
     for name, values in sorted(clocks.items()):
         file.write(f"{name} {sorted(values)[len(values) // 2]}\n")

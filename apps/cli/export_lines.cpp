@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+#include <apps/cli/export.hpp>
+#include <capi/parameters.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+/// HAL's spelling of a parameter's name.
+std::string hal_name(std::string_view name) {
+  std::string out(name);
+  std::replace(out.begin(), out.end(), '_', '-');
+  return out;
+}
+
+/// Every parameter that a struct holds.
+template <class T>
+std::string setp_all(const std::string& component, const T& value) {
+  std::string out;
+  capi::Name name;
+  capi::values_of(name, value, "",
+                  [&](std::string_view key, double x, std::string_view, std::string_view word) {
+                    out += setp(component, key, x, word);
+                  });
+  return out;
+}
+
+// ---- lincurve -------------------------------------------------------------------------------------------
+
+constexpr std::size_t kPoints = 16;
+/// Half the width of the jump at zero [machine units/s]: far below any velocity that is meant.
+constexpr double kZero = 1e-6;
+/// Samples of the curve on each side; closer together towards zero, where it bends.
+constexpr int kSamples = 1500;
+
+double steady_level(const friction::AxisModel& model, double v) {
+  return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },
+                    model.friction.steady);
+}
+
+/// The curve on one side (+1, −1), by ascending velocity.
+struct Side {
+  std::vector<double> v;  ///< [machine units/s]
+  std::vector<double> force;
+};
+
+Side side_of(const friction::AxisModel& model, double fastest, double unit, double sign) {
+  Side s;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double share = static_cast<double>(sign > 0.0 ? i : kSamples - i) / kSamples;
+    const double v = kZero + (fastest / unit - kZero) * share * share;
+    s.v.push_back(sign * v);
+    s.force.push_back(steady_level(model, sign * v * unit));
+  }
+  return s;
+}
+
+double square_error(const Side& s, const ident::Polyline& table) {
+  double sum = 0.0;
+  const auto error = [&](std::size_t i) { return table.at(s.v[i]) - s.force[i]; };
+  for (std::size_t i = 1; i < s.v.size(); ++i) {
+    const double a = error(i - 1);
+    const double b = error(i);
+    sum += (s.v[i] - s.v[i - 1]) * (a * a + a * b + b * b) / 3.0;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::string setp(const std::string& component, std::string_view parameter, double value,
+                 std::string_view word) {
+  std::string line = fmt::format("setp {}.{} {}", component, hal_name(parameter), value);
+  if (!word.empty()) line += fmt::format("  # {}", word);
+  return line + '\n';
+}
+
+std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
+                             const std::string& feedforward) {
+  const bool bristles = !std::holds_alternative<friction::Static>(model.friction.dynamics);
+  const std::string word = !feedforward.empty() ? feedforward : bristles ? "dynamic" : "reversal";
+  const auto which = std::find(kFeedforward.begin(), kFeedforward.end(), word) - kFeedforward.begin();
+  return setp(name, "omega", omega) + setp(name, "feedforward", static_cast<double>(which), word) +
+         setp(name, "guarded", 1.0) + setp_all(name, model);
+}
+
+std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
+  return setp_all(name, axis.plant);
+}
+
+Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double unit) {
+  const Side negative = side_of(model, fastest, unit, -1.0);
+  const Side positive = side_of(model, fastest, unit, 1.0);
+  constexpr std::size_t kPieces = kPoints - 2;
+  const auto fewest = [](const Side& s, double tolerance) {
+    const auto p = ident::polyline_within(s.v, s.force, tolerance, kPieces);
+    return p ? p->corners.size() - 1 : kPoints;
+  };
+  // How many pieces each side needs for the same largest error.
+  double low = 0.0;
+  double high = 0.0;
+  for (const Side* s : {&negative, &positive}) {
+    const auto [least, most] = std::minmax_element(s->force.begin(), s->force.end());
+    high = std::max(high, *most - *least);
+  }
+  const double all = high;
+  std::size_t left = 1;
+  while (high - low > 1e-7 * all) {
+    const double tolerance = 0.5 * (low + high);
+    const std::size_t a = fewest(negative, tolerance);
+    if (a + fewest(positive, tolerance) <= kPieces) {
+      high = tolerance;
+      left = a;
+    } else {
+      low = tolerance;
+    }
+  }
+  const ident::Polyline below = ident::nearest_polyline(negative.v, negative.force, left);
+  const ident::Polyline above = ident::nearest_polyline(positive.v, positive.force, kPieces - left);
+  Lincurve out;
+  out.table.corners = below.corners;
+  out.table.corners.insert(out.table.corners.end(), above.corners.begin(), above.corners.end());
+  // As HAL will read them.
+  for (ident::Corner& c : out.table.corners) {
+    c.x = std::stod(fmt::format("{:.9g}", c.x));
+    c.y = std::stod(fmt::format("{:.9g}", c.y));
+  }
+  for (const Side* s : {&negative, &positive}) {
+    for (std::size_t i = 0; i < s->v.size(); ++i)
+      out.max_error = std::max(out.max_error, std::abs(out.table.at(s->v[i]) - s->force[i]));
+  }
+  out.table.largest_error = out.max_error;
+  out.rms_error = std::sqrt((square_error(negative, out.table) + square_error(positive, out.table)) /
+                            (2.0 * (fastest / unit - kZero)));
+  return out;
+}
+
+std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model) {
+  double periodic = 0.0;
+  for (const auto& term : model.friction.eccentric) periodic += term.amplitude;
+  std::string out =
+      fmt::format("{} points from {:.6g} to {:.6g} /s: {} N at most beside the steady curve, RMS {} N",
+                  table.table.corners.size(), table.table.corners.front().x, table.table.corners.back().x,
+                  report::significant(table.max_error, 3), report::significant(table.rms_error, 3));
+  std::vector<std::string> missing;
+  if (periodic > 0.0)
+    missing.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
+  if (!std::holds_alternative<friction::Static>(model.friction.dynamics))
+    missing.emplace_back("pre-sliding: the force jumps at a reversal");
+  if (!missing.empty()) out += "; not in it: " + report::joined(missing, ", ");
+  return out;
+}
+
+std::string lincurve_lines(const std::string& name, const Lincurve& table) {
+  std::string out;
+  for (std::size_t i = 0; i < table.table.corners.size(); ++i) {
+    const ident::Corner& c = table.table.corners[i];
+    out += fmt::format("setp {0}.x-val-{1:02} {2:.9g}\nsetp {0}.y-val-{1:02} {3:.9g}\n", name, i, c.x, c.y);
+  }
+  return out;
+}
+
+}  // namespace stribeck::cli
