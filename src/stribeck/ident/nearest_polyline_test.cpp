@@ -29,7 +29,7 @@ double slope_of_friction(double v) { return 20.0 + 15.0 * std::exp(-v * v / 0.36
 // one width are best.
 TEST(NearestPolyline, ParabolaInClosedForm) {
   const Samples s = sampled(
-      0.0, 3.0, [](double x) { return x * x; }, 700);
+      0.0, 3.0, [](double x) { return x * x; }, 2800);
   for (const std::size_t pieces : {1u, 2u, 5u, 14u}) {
     const Polyline p = nearest_polyline(s.x, s.y, pieces);
     const double h = 3.0 / static_cast<double>(pieces);
