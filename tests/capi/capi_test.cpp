@@ -450,36 +450,51 @@ TEST(CLaws, HaveSizesOfTheirOwn) {
 }
 
 TEST(CLaws, SlidingModeIsTheCppLaw) {
-  WithLaw h(2, "sliding-mode", "sliding-mode");
-  h.choose("sliding-mode.switching", "tanh").choose("sliding-mode.gain", "adaptive");
-  h.set("sliding-mode.boundary", 2e-3).choose("observer", "adaptive").set("adaptive_gain", 15.0);
-  stribeck_controller_set(h.c, 1, "sliding-mode.lambda", 45.0);
-  auto setup = same_setup<2>();
-  for (auto& c : setup.compensation) {
-    c.observer = control::Observer::kAdaptive;
-    c.adaptive_gain = 15.0;
+  // As it is when nothing more is set; and with all that may be set, adaptive gain and adaptive friction.
+  for (const bool everything : {false, true}) {
+    WithLaw h(2, "sliding-mode", "sliding-mode");
+    auto setup = same_setup<2>();
+    control::SlidingModeParams p;
+    p.lambda = {60.0, 60.0};
+    p.a = {60.0, 60.0};
+    p.mass_bound = {90.0};  // a tenth of the mass
+    if (everything) {
+      h.choose("sliding-mode.switching", "tanh").choose("sliding-mode.gain", "adaptive");
+      h.set("sliding-mode.boundary", 2e-3).choose("observer", "adaptive").set("adaptive_gain", 15.0);
+      h.set("sliding-mode.gamma", 15e-3)
+          .set("sliding-mode.gamma_least", 2e-3)
+          .set("sliding-mode.gamma_most", 0.05);
+      stribeck_controller_set(h.c, 1, "sliding-mode.lambda", 45.0);
+      stribeck_controller_set(h.c, 1, "sliding-mode.a", 50.0);
+      for (auto& c : setup.compensation) {
+        c.observer = control::Observer::kAdaptive;
+        c.adaptive_gain = 15.0;
+      }
+      p.lambda = {60.0, 45.0};
+      p.a = {60.0, 50.0};
+      p.gamma = {15e-3};
+      p.gamma_least = {2e-3};
+      p.gamma_most = {0.05};
+      p.switching = control::Switching::kTanh;
+      p.boundary = 2e-3;
+      p.gain = control::SwitchingGain::kAdaptive;
+    }
+    const control::SlidingMode<2> law(p, setup);
+    stribeck_axis_signals s{};
+    expect_same<control::SlidingMode<2>, 2>(
+        h, law, everything ? 45.0 : 60.0, 2000,
+        [&](auto& state, const auto& r, const auto& x, int k, double* force) {
+          EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(k).data(), force), STRIBECK_OK);
+          const auto f = law.step(state, r, x);
+          stribeck_controller_signals(h.c, 1, &s, sizeof s);
+          EXPECT_EQ(s.surface, state.surface[1]);
+          EXPECT_EQ(s.switching_gain, state.gain[1]);
+          return f;
+        });
+    EXPECT_EQ(s.disturbance != 0.0, everything);
+    EXPECT_TRUE(std::isnan(s.lag));
+    EXPECT_TRUE(std::isnan(s.learned));
   }
-  control::SlidingModeParams p;
-  p.lambda = {60.0, 45.0};
-  p.a = {60.0, 60.0};
-  p.mass_bound = {90.0};
-  p.switching = control::Switching::kTanh;
-  p.boundary = 2e-3;
-  p.gain = control::SwitchingGain::kAdaptive;
-  const control::SlidingMode<2> law(p, setup);
-  stribeck_axis_signals s{};
-  expect_same<control::SlidingMode<2>, 2>(
-      h, law, 45.0, 2000, [&](auto& state, const auto& r, const auto& x, int k, double* force) {
-        EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(k).data(), force), STRIBECK_OK);
-        const auto f = law.step(state, r, x);
-        stribeck_controller_signals(h.c, 1, &s, sizeof s);
-        EXPECT_EQ(s.surface, state.surface[1]);
-        EXPECT_EQ(s.switching_gain, state.gain[1]);
-        return f;
-      });
-  EXPECT_NE(s.disturbance, 0.0);
-  EXPECT_TRUE(std::isnan(s.lag));
-  EXPECT_TRUE(std::isnan(s.learned));
 }
 
 TEST(CLaws, PredictiveIsTheCppLawWithAndWithoutPointsAhead) {
