@@ -70,12 +70,13 @@ c && again {
   if (fault && running[c]) miss(c, "fault " fault " after it was switched on again")
   if (enable) running[c]++
   if (!running[c] && fault != got[c]) miss(c, "the fault did not stay")
-  if (enable && running[c] > 500 && (abs(cmd - fb) > 0.02 || abs($12 - $13) > 0.02)) miss(c, "off its command after it was switched on again")
+  if (enable && running[c] > 500 && (abs(cmd - fb) > 0.02 || abs($12 - $13) > 0.02))
+    miss(c, "off its command after it was switched on again")
 }
 { cmd00 = cmd0; cmd0 = cmd; force0 = force; yforce0 = yforce; enable0 = enable; fb0 = fb }
 END {
   if (gaps) { print "faults.awk: " gaps " gaps in the log" > "/dev/stderr"; exit 2 }
-  printf "%-16s %-24s %9s %9s %11s  %s\n", "case", "declared", "seen [ms]", "zero [ms]", "most |f| [N]", "result"
+  printf "%-16s %-24s %9s %9s %13s  %s\n", "case", "declared", "seen [ms]", "zero [ms]", "most |f| [N]", "result"
   for (c = 1; c <= 6; ++c) {
     if (!played[c]) miss(c, "LinuxCNC did not get this far")
     if (rows[c] < 100 || running[c] < 1000) miss(c, "not recorded")
@@ -83,8 +84,8 @@ END {
     if (c == 4 && (toggles < 5 || !settled)) miss(c, "not toggled")
     if (end_x[c] != 0 || end_y[c] != 0) miss(c, "a force is left")
     if (why[c] != "") missed++
-    printf "%-16s %-24s %9s %9d %11.1f  %s\n", name[c], declared[c] " " word[c], c == 4 ? "" : late[c], zero[c], most[c], \
-      why[c] == "" ? "as declared" : "MISS: " why[c]
+    result = why[c] == "" ? "as declared" : "MISS: " why[c]
+    printf "%-16s %-24s %9s %9d %13.1f  %s\n", name[c], declared[c] " " word[c], c == 4 ? "" : late[c], zero[c], most[c], result
   }
   if (why[0] != "") { print "between the cases: MISS: " why[0]; missed++ }
   exit missed ? 1 : 0

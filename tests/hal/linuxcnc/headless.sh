@@ -1,8 +1,9 @@
+# shellcheck shell=bash
 # Sourced by hal/faults, hal/cycle and hal/own-plant: LinuxCNC without a screen, in a folder of its own.
-# Expects $root; sets $files, $build. shellcheck shell=bash
+# Expects $root and $speed; sets $files and $build.
 
 me=hal/$(basename "$0")
-files=$root/tests/hal/linuxcnc
+files=${root:?}/tests/hal/linuxcnc
 
 refuse() {
   echo "$me: $1" >&2
@@ -38,7 +39,7 @@ isolated() {
   shift
   # LinuxCNC's own threads run under the user it stands for.
   chmod -R a+rwX "$work"
-  (cd "$work" && STRIBECK_SPEED=$speed STRIBECK_CLOCK=$work/stribeck_clock.so timeout 300 "$root/hal/isolated" modules "$@")
+  (cd "$work" && STRIBECK_SPEED=${speed:?} STRIBECK_CLOCK=$work/stribeck_clock.so timeout 300 "$root/hal/isolated" modules "$@")
 }
 
 # play FOLDER: LinuxCNC with what was put there; its log is run.log, what it says linuxcnc.out.
