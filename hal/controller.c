@@ -124,7 +124,7 @@ static void update(void* arg, long period_ns) {
     for (int a = 0; a < axes; ++a) {
       s->inner[a].watch.fault = FAULT_NONE;
       if (finite) {
-        supervisor_begin(&s->inner[a].watch, in[a].position, in[a].measured);
+        supervisor_begin(&s->inner[a].watch, in[a].position, in[a].velocity, in[a].measured);
       } else {
         const enum fault f = supervisor_judge(&s->inner[a].watch, &limits[a], in[a].position, in[a].velocity,
                                               in[a].acceleration, in[a].measured, period);
@@ -158,13 +158,7 @@ static void update(void* arg, long period_ns) {
 
   double wanted[AXES] = {0};
   if (runs) {
-    for (int a = 0; a < axes; ++a) {
-      struct supervisor* w = &s->inner[a].watch;
-      in[a].position += w->offset;
-      w->offset *= exp(-period / STRIBECK_BUMPLESS_TIME);
-      w->last = in[a].measured;
-      w->started = 1;
-    }
+    for (int a = 0; a < axes; ++a) in[a].position += s->inner[a].watch.offset;
     stribeck_controller_set_phase(s->controller, *s->phase);
     stribeck_controller_step(s->controller, in, wanted);
   }
@@ -175,6 +169,7 @@ static void update(void* arg, long period_ns) {
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
     const double force = supervisor_force(&s->inner[a].watch, &limits[a], wanted[a]);
+    supervisor_advance(&s->inner[a].watch, &limits[a], in[a].measured, period);
     *x->force = positive(s->force_unit) ? force / s->force_unit : force;
     *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
     *x->friction_ff = now.friction;

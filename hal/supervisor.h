@@ -2,8 +2,9 @@
  * What watches over one axis in a servo thread: when it may begin, and when its inputs are not to be trusted any more.
  *
  *   off      force 0
- *   running  the controller's force; the reference begins where the axis stands and goes over to the command within some tens of
- *            milliseconds, so that enabling is bumpless
+ *   running  the controller's force; the reference begins where the axis is, with the speed it has, and goes over to the command
+ *            within some tenths of a second, so that enabling is bumpless:
+ *              reference = command + o,   τ²ö + 2τȯ + o = 0,   o, ȯ at first: encoder less command, and their speeds
  *   ramping  from the last force to 0 in `ramp_time`, after a fault, or when enable falls
  *
  * Faults stay (latched) until enable rises again. Lengths in m, times in s.
@@ -38,15 +39,19 @@ struct supervisor {
   enum mode mode;
   enum fault fault;
   int was_enabled;
-  int started;   /* `last` is valid */
+  int started;   /* it has run for a period */
+  int seen;      /* `last` is valid */
   double last;   /* feedback of the last period */
+  double speed;  /* of the encoder */
   double way;    /* of the command since the feedback last changed */
-  double offset; /* of the reference from the command */
+  double offset; /* o, of the reference from the command */
+  double rate;   /* ȯ */
   double force;  /* last output [N] */
   double ramp;   /* force by which a period takes it down [N] */
 };
 
-#define STRIBECK_BUMPLESS_TIME 0.05
+#define STRIBECK_BUMPLESS_TIME 0.05 /* τ */
+#define STRIBECK_SPEED_TIME 0.004   /* low-pass of the speed, so that a step of the encoder is not one */
 
 static inline void supervisor_fail(struct supervisor* s, enum fault f, double period, double ramp_time) {
   if (f != FAULT_NONE && s->fault == FAULT_NONE) s->fault = f;
@@ -72,12 +77,32 @@ static inline enum fault supervisor_judge(struct supervisor* s, const struct lim
 }
 
 /* Enable has risen with inputs that are finite. */
-static inline void supervisor_begin(struct supervisor* s, double command, double feedback) {
+static inline void supervisor_begin(struct supervisor* s, double command, double velocity, double feedback) {
   s->mode = MODE_RUNNING;
   s->fault = FAULT_NONE;
   s->started = 0;
   s->way = 0.0;
   s->offset = feedback - command;
+  s->rate = s->seen ? s->speed - velocity : 0.0;
+}
+
+/* Once per period, in every mode: what the encoder says; when running, the offset of the next period. */
+static inline void supervisor_advance(struct supervisor* s, const struct limits* l, double feedback,
+                                      double period) {
+  const int finite = isfinite(feedback);
+  const double moved = finite && s->seen ? feedback - s->last : 0.0;
+  /* An encoder that jumps is at another place, and has not moved there. */
+  if (fabs(moved - s->speed * period) <= l->jump)
+    s->speed += (moved / period - s->speed) * period / (period + STRIBECK_SPEED_TIME);
+  if (!finite) s->speed = 0.0;
+  s->seen = finite;
+  s->last = feedback;
+  if (s->mode != MODE_RUNNING) return;
+  s->started = 1;
+  const double pull = (s->rate + s->offset / STRIBECK_BUMPLESS_TIME) * period;
+  const double fade = exp(-period / STRIBECK_BUMPLESS_TIME);
+  s->offset = (s->offset + pull) * fade;
+  s->rate = (s->rate - pull / STRIBECK_BUMPLESS_TIME) * fade;
 }
 
 /* The force to put out, for what the controller wants [N]; call it in every mode. */

@@ -5,7 +5,8 @@
 ///
 ///   Slower than `slowest` [m/s]: the last frame holds, and Ṙ = R̈ = 0. They fade in up to twice that speed.
 ///   Turning faster than `fastest` [rad/s], as in a corner: R still follows, Ṙ and R̈ stay within fastest and fastest².
-///   Turned by more than 60° from one sample to the next: the normals nearest to the last ones.
+///   Turned by more than 60° from one sample to the next: the least rotation; by more than 120°, as where the motion turns
+///   back: the normals nearest to the last ones.
 ///
 /// With Ṙ = R̈ = 0 a contouring law is PD along and across the path, which is stable: what fades out is only what a turning frame
 /// adds. A planner with unlimited jerk makes ẗ a row of pulses; the limit cuts them.
@@ -49,6 +50,7 @@ class MotionFrame {
 
  private:
   static constexpr double kCorner = 0.5;  ///< cosine
+  static constexpr double kBack = -0.5;
 
   void turn(State& s, const PathPoint<N>& r, const Vec<double, N>& t) const noexcept {
     if (!s.moved) {
@@ -56,9 +58,20 @@ class MotionFrame {
       s.moved = true;
     } else if (dot(t, s.rt[0]) > kCorner) {
       s.rt = transport(s.rt, s.position, r.position, t);
+    } else if (dot(t, s.rt[0]) > kBack) {
+      s.rt = rotated(s.rt, t);
     } else {
       s.rt = nearest(s.rt, t);
     }
+  }
+
+  /// The least rotation that takes the tangent to t; at 90° the old tangent becomes a normal.
+  static Mat<double, N> rotated(const Mat<double, N>& rt, const Vec<double, N>& t) noexcept {
+    Mat<double, N> m = rt;
+    m[0] = t;
+    const Vec<double, N> both = (1.0 / (1.0 + dot(t, rt[0]))) * (t + rt[0]);
+    for (std::size_t i = 1; i < N; ++i) m[i] = rt[i] - dot(t, rt[i]) * both;
+    return nearest(m, t);  // what rounding left
   }
 
   /// The normals' parts across t, made orthonormal; where one vanishes, a new frame.

@@ -107,6 +107,53 @@ TEST(MotionFrame, HoldsAtRestAndNeverLeavesItsLimits) {
   }
 }
 
+/// Straight on at 10 mm/s from where the state is, for a second.
+template <std::size_t N>
+PathPoint<N> straight(const MotionFrame<N>& frame, typename MotionFrame<N>::State& s,
+                      const Vec<double, N>& way) {
+  PathPoint<N> r;
+  Vec<double, N> x = s.position;
+  for (int k = 0; k < 1000; ++k) {
+    r = {};
+    r.velocity = 10e-3 * way;
+    x = x + kPeriod * r.velocity;
+    r.position = x;
+    frame.step(s, r);
+    expect_rotation(r);
+    EXPECT_NEAR(dot(r.frame[0], way), 1.0, 1e-12);
+    // A line has no curvature, and a corner in no time has none that could be given.
+    EXPECT_EQ(norm(r.frame_rate[0]), 0.0);
+    EXPECT_EQ(norm(r.frame_acceleration[0]), 0.0);
+  }
+  return r;
+}
+
+TEST(MotionFrame, AnExactCornerAtSpeedTurnsTheTangentAtOnceAndKeepsTheNormalAcrossTheCorner) {
+  // Within the x-y plane; z has nothing to do with the corner, and neither has its normal, whatever the angle.
+  for (const double degrees : {30.0, 59.0, 61.0, 90.0, 135.0, 179.0}) {
+    const MotionFrame<3> frame(kPeriod, 1e-5, 15.0);
+    typename MotionFrame<3>::State s;
+    const auto before = straight<3>(frame, s, {{1.0, 0.0, 0.0}});
+    const double a = degrees * kPi / 180.0;
+    const auto after = straight<3>(frame, s, {{std::cos(a), std::sin(a), 0.0}});
+    // The part of each normal along z stays what it was; that across z turns with the corner.
+    for (std::size_t i = 1; i < 3; ++i) EXPECT_NEAR(after.frame[i][2], before.frame[i][2], 1e-9) << degrees;
+  }
+}
+
+TEST(MotionFrame, AReversalOnALineAtSpeedLeavesTheNormals) {
+  const MotionFrame<3> space(kPeriod, 1e-5, 15.0);
+  typename MotionFrame<3>::State s;
+  const auto there = straight<3>(space, s, {{0.6, 0.8, 0.0}});
+  const auto back = straight<3>(space, s, {{-0.6, -0.8, 0.0}});
+  for (std::size_t i = 1; i < 3; ++i) EXPECT_LT(norm(back.frame[i] - there.frame[i]), 1e-12);
+  const MotionFrame<2> plane(kPeriod, 1e-5, 15.0);
+  typename MotionFrame<2>::State p;
+  const auto right = straight<2>(plane, p, {{1.0, 0.0}});
+  const auto left = straight<2>(plane, p, {{-1.0, 0.0}});
+  EXPECT_LT(norm(left.frame[1] - right.frame[1]), 1e-12);
+}
+
 TEST(MotionFrame, AFasterMotionAlongTheSameWayHasTheSameFrame) {
   const MotionFrame<3> frame(kPeriod, 1e-6, 100.0);
   MotionFrame<3>::State slow;
