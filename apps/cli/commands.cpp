@@ -56,6 +56,7 @@ int parse_and_run(int argc, const char* const* argv) {
   add_reproduce(app, action);
   add_verify(app, action);
   add_export(app, action);
+  add_evaluate(app, action);
   add_tune(app, action);
   try {
     app.parse(argc, argv);
@@ -63,8 +64,8 @@ int parse_and_run(int argc, const char* const* argv) {
     return app.exit(e);  // --help and --version print to stdout
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      constexpr std::array<std::string_view, 8> kVerbs{"compare", "identify",  "excite", "simulate",
-                                                       "verify",  "reproduce", "tune",   "export"};
+      constexpr std::array<std::string_view, 9> kVerbs{
+          "compare", "identify", "excite", "simulate", "verify", "reproduce", "tune", "export", "evaluate"};
       const std::string_view near = io::nearest(argv[1], {kVerbs.begin(), kVerbs.end()});
       complain(fmt::format("unknown verb {}{} (stribeck --help lists the verbs)", io::in_quotes(argv[1]),
                            near.empty() ? "" : fmt::format(", did you mean {}", near)));

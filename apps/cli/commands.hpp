@@ -28,6 +28,7 @@ void add_simulate(CLI::App& app, Action& action);
 void add_tune(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
+void add_evaluate(CLI::App& app, Action& action);
 
 /// The command as it was typed, for pages that say how to make them again.
 const std::string& typed_command();

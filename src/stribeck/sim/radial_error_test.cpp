@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/sim/circle_test.hpp>
+#include <stribeck/sim/radial_error.hpp>
 
 namespace stribeck::sim {
 namespace {
@@ -41,7 +41,9 @@ TEST(CircleTest, OvalInClosedForm) {
 
 // A bump counts as a quadrant's only behind it, in the direction of travel.
 TEST(CircleTest, GlitchBehindTheQuadrant) {
-  const auto bump = [](double phi) { return std::abs(std::remainder(phi - 1.62, 2.0 * kPi)) < 0.02 ? 5e-6 : 0.0; };
+  const auto bump = [](double phi) {
+    return std::abs(std::remainder(phi - 1.62, 2.0 * kPi)) < 0.02 ? 5e-6 : 0.0;
+  };
   EXPECT_NEAR(Circle(bump).judged().quadrant_glitch, 5e-6, 1e-12);
   const CircleTest back = Circle(bump, -1.0).judged();
   EXPECT_FALSE(back.counter_clockwise);

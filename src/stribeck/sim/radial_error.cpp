@@ -2,8 +2,8 @@
 #include <cmath>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/sim/circle_test.hpp>
 #include <stribeck/sim/metrics.hpp>
+#include <stribeck/sim/radial_error.hpp>
 
 namespace stribeck::sim {
 namespace {
