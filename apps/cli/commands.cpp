@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include <apps/cli/commands.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -26,19 +28,12 @@ void complain(std::string_view message) {
   fmt::print(stderr, "stribeck: {}\n", line);
 }
 
-std::string shell_quoted(std::string_view word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
-  std::string out = "'";
-  for (const char c : word) {
-    if (c == '\'') {
-      out += "'\\''";
-    } else {
-      out += c;
-    }
-  }
-  return out + '\'';
+/// The library tells the type that is missing; the help has it.
+std::string in_words(const CLI::ParseError& e) {
+  const std::string text = e.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&e) != nullptr && text.ends_with(" missing"))
+    return text.substr(0, text.find(": ")) + ": got nothing, expected a value";
+  return text;
 }
 
 int parse_and_run(int argc, const char* const* argv) {
@@ -71,14 +66,31 @@ int parse_and_run(int argc, const char* const* argv) {
                            near.empty() ? "" : fmt::format(", did you mean {}", near)));
       return kBadInput;
     }
-    complain(
-        fmt::format("{} (stribeck --help lists the verbs, stribeck VERB --help their options)", e.what()));
+    const auto verbs = app.get_subcommands();
+    complain(fmt::format(
+        "{} (stribeck {})", in_words(e),
+        verbs.empty() ? "--help lists the verbs" : verbs.front()->get_name() + " --help lists the options"));
     return kBadInput;
   }
   return action();
 }
 
 }  // namespace
+
+std::string shell_quoted(std::string_view word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=:,+%@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
+  std::string out = "'";
+  for (const char c : word) {
+    if (c == '\'') {
+      out += "'\\''";
+    } else {
+      out += c;
+    }
+  }
+  return out + '\'';
+}
 
 const std::string& typed_command() { return command_line; }
 

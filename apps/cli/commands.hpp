@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 
 namespace CLI {
 class App;
@@ -29,6 +30,9 @@ void add_tune(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
+
+/// A word as a shell takes it.
+std::string shell_quoted(std::string_view word);
 
 /// The command as it was typed, for pages that say how to make them again.
 const std::string& typed_command();

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
@@ -130,7 +131,7 @@ void add_compare(CLI::App& app, Action& action) {
   verb->add_option(
           "--experiment", o->experiment,
           "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis by the machine's number of axes")
-      ->check(CLI::IsMember(experiment_ids()));
+      ->check(one_of(experiment_ids()));
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
@@ -185,7 +186,7 @@ void add_excite(CLI::App& app, Action& action) {
                    "position-sine "
                    "(terms of the screw), constant-acceleration (mass)")
       ->required()
-      ->check(CLI::IsMember({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
+      ->check(one_of({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
   verb->add_option("-o,--output", o->output,
                    "CSV to write: t, r or t, u, f; a name that ends in .ngc, .nc or .gcode: G-code instead")
@@ -194,10 +195,10 @@ void add_excite(CLI::App& app, Action& action) {
   verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
   verb->add_option("--periods", o->periods,
                    fmt::format("Periods of sine (left out: {}) or position-sine (4)", kSinePeriods))
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_from(1, 1000));
   verb->add_option("--repeats", o->repeats,
                    "Of each direction: ramp (left out: 4), constant-acceleration (5)")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_from(1, 1000));
   verb->add_option(
           "--speeds", o->speeds,
           "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit")

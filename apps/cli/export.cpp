@@ -8,6 +8,7 @@
 #include <set>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/export.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
@@ -313,7 +314,7 @@ void add_export(CLI::App& app, Action& action) {
           "or its virtual drives")
       ->required()
       ->type_name("FILE.toml");
-  verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(CLI::IsMember({"linuxcnc"}));
+  verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(one_of({"linuxcnc"}));
   verb->add_option("-o,--output", o->output,
                    "File to write (NAME.hal), or for a machine file a folder: INI and HAL that run at once")
       ->required()
@@ -328,7 +329,7 @@ void add_export(CLI::App& app, Action& action) {
   verb->add_option(
           "--feedforward", o->feedforward,
           "none, steady, dynamic or reversal; left out: dynamic where the file has bristles, else reversal")
-      ->check(CLI::IsMember({"none", "steady", "dynamic", "reversal"}));
+      ->check(one_of({"none", "steady", "dynamic", "reversal"}));
   verb->add_flag(
       "--lincurve", o->lincurve,
       "Of axis files: the steady friction in the 16 points of LinuxCNC's own lincurve, for machines "
@@ -340,7 +341,7 @@ void add_export(CLI::App& app, Action& action) {
           "--parameters", o->parameters,
           "Of a configuration, what its controllers know: identified (from logs recorded here, the default) "
           "or commissioning (the machine file's rough values)")
-      ->check(CLI::IsMember({"identified", "commissioning"}));
+      ->check(one_of({"identified", "commissioning"}));
   verb->add_option(
           "--axis-file", o->axis_files,
           "Of a configuration: axis file that identify wrote, in place of that; repeat for more axes")

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/inspect.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/log_record.hpp>
@@ -487,7 +488,7 @@ void add_identify(CLI::App& app, Action& action) {
                  "Print what the logs hold and what could be identified; identify nothing");
   verb->add_option("--model", o->model,
                    "auto, conventional, gaussian, or asymmetric (idim-ls, friction by direction)")
-      ->check(CLI::IsMember({"auto", "gaussian", "conventional", "asymmetric"}))
+      ->check(one_of({"auto", "gaussian", "conventional", "asymmetric"}))
       ->capture_default_str();
   verb->add_option(
           "--method", o->method,
@@ -495,11 +496,11 @@ void add_identify(CLI::App& app, Action& action) {
           "standstill), jog (Model B, constant speeds), least-squares (Model A, pulses, and jogs for the "
           "viscous correction), break-away (slow ramps), gravity (both directions at equal speed), "
           "constant-acceleration (mass), idim-ls (published protocol)")
-      ->check(CLI::IsMember({"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away",
-                             "gravity", "constant-acceleration", "idim-ls"}))
+      ->check(one_of({"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away", "gravity",
+                      "constant-acceleration", "idim-ls"}))
       ->capture_default_str();
   verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")
-      ->check(CLI::Range(0, 6));
+      ->check(whole_from(0, 6));
   verb->add_option("--mass", o->mass, "Known equivalent mass, e.g. \"57.65 N s2/mm\"; left out: identified")
       ->type_name("MASS");
   verb->add_option("--cut-off", o->cut_off,
@@ -509,7 +510,7 @@ void add_identify(CLI::App& app, Action& action) {
                    "Known travel of one turn, whose whole parts are searched (position-map)")
       ->type_name("TURN");
   verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as papers use it)")
-      ->check(CLI::IsMember({"derivatives", "simplex"}))
+      ->check(one_of({"derivatives", "simplex"}))
       ->capture_default_str();
   add_log_options(*verb, o->log);
   verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <apps/cli/expected.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/toml.hpp>
@@ -13,7 +14,7 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
   verb.add_option(
           "--parameters", options.source,
           "Parameters of the compensators: identified (from logs recorded here) or thesis (as printed)")
-      ->check(CLI::IsMember({"identified", "thesis"}))
+      ->check(one_of({"identified", "thesis"}))
       ->capture_default_str();
   verb.add_option(
           "--axis-file", options.axis_files,

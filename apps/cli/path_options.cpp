@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <apps/cli/expected.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <cmath>
@@ -19,10 +20,10 @@ E value_of_name(const std::string& wanted) {
 }
 
 template <NamedEnum E>
-CLI::IsMember names_of() {
+CLI::Validator names_of() {
   std::vector<std::string> names;
   for (const auto& [value, name] : EnumNames<E>::names) names.emplace_back(name);
-  return CLI::IsMember(names);
+  return one_of(std::move(names));
 }
 
 }  // namespace
@@ -35,7 +36,7 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->type_name("LENGTH")
       ->capture_default_str();
   verb.add_option("--laps", o.laps, "Laps at constant speed, which are scored")
-      ->check(CLI::Range(0.25, 1000.0))
+      ->check(number_from(0.25, 1000.0))
       ->capture_default_str();
   verb.add_option("--omega-t", o.omega_t, "Double pole of the loop along the path")
       ->type_name("RATE")
@@ -47,7 +48,7 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->type_name("RATE")
       ->capture_default_str();
   verb.add_option("--observer", o.observer, "Observer of the controllers (d) to (f): disturbance or kalman")
-      ->check(CLI::IsMember({"disturbance", "kalman"}))
+      ->check(one_of({"disturbance", "kalman"}))
       ->capture_default_str();
   verb.add_option("--error-rate", o.error_rate,
                   "Rate of the tracking error: difference-of-error, or late for comparison")
@@ -60,7 +61,6 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
 }
 
 sim::Travel make_travel(const PathOptions& o, double speed) {
-  if (!std::isfinite(o.laps)) refuse_option("--laps", "expected a finite number");
   return sim::along(value_of_name<path::Shape>(o.path),
                     option_si("--size", o.size, quantity("m", "mm").positive()), speed, o.laps);
 }

@@ -5,7 +5,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
+#include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
@@ -22,26 +24,17 @@ void add_common(CLI::App& verb, Common& common) {
 
 void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads) {
   verb.add_option("--trials", trials, "Trials, each with noise of its own")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_from(1, 100000))
       ->capture_default_str();
   verb.add_option("--threads", threads, "Threads; 0: all cores. The result does not depend on it")
-      ->check(CLI::Range(0, 4096))
+      ->check(whole_from(0, 4096))
       ->capture_default_str();
 }
 
 void add_seed(CLI::App& verb, std::uint64_t& seed) {
-  // The library would wrap a negative number around and clamp one that is too large.
-  const CLI::Validator not_negative(
-      [](std::string& text) {
-        constexpr std::string_view kMost = "18446744073709551615";
-        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-        const bool fits = text.size() < kMost.size() || (text.size() == kMost.size() && text <= kMost);
-        return digits && fits
-                   ? std::string()
-                   : fmt::format("got {}, expected a whole number from 0 to {}", io::in_quotes(text), kMost);
-      },
-      "");
-  verb.add_option("--seed", seed, "Seed of the noise")->check(not_negative)->capture_default_str();
+  verb.add_option("--seed", seed, "Seed of the noise")
+      ->check(whole_from(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
 }
 
 Progress::Progress(std::string what, bool quiet)

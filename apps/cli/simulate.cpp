@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
@@ -215,10 +217,11 @@ void add_simulate(CLI::App& app, Action& action) {
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->experiment, "Path, gains and controllers of an experiment of compare")
-      ->check(CLI::IsMember(ids));
+      ->check(one_of(ids));
   verb->add_option("--speed", o->speed, "Speed along the path; left out: 9.5 mm/s")->type_name("SPEED");
   add_path_options(*verb, o->path);
   verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")
+      ->check(whole_from(0, std::numeric_limits<std::uint32_t>::max() - 1))
       ->capture_default_str();
   add_parameter_options(*verb, o->parameters);
   verb->add_option("--reference", o->reference,

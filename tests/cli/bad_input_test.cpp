@@ -315,5 +315,35 @@ TEST(BadOutput, IsSaidBeforeTheWork) {
   EXPECT_EQ(text_of(file), "x");
 }
 
+/// Every option that is a number or a word says what it got, what it expects and where help is.
+TEST(BadOption, SaysGotExpectedAndWhereHelpIs) {
+  const struct {
+    std::vector<std::string> words;
+    std::string part;
+  } cases[] = {
+      {{"compare", "m.toml", "--laps", "0.1"}, "--laps: got \"0.1\", expected a number from 0.25 to 1000"},
+      {{"compare", "m.toml", "--laps", "nan"}, "--laps: got \"nan\", expected a number"},
+      {{"compare", "m.toml", "--laps", "2 laps"}, "--laps: got \"2 laps\", expected a number"},
+      {{"compare", "m.toml", "--trials", "2.5"},
+       "--trials: got \"2.5\", expected a whole number from 1 to 100000"},
+      {{"compare", "m.toml", "--threads", "-1"},
+       "--threads: got \"-1\", expected a whole number from 0 to 4096"},
+      {{"compare", "m.toml", "--observer", "kalmann"},
+       "--observer: got \"kalmann\", expected one of disturbance and kalman, did you mean kalman"},
+      {{"compare", "m.toml", "--path"}, "--path: got nothing, expected a value"},
+      {{"compare", "m.toml", "--experiment", "x"}, "--experiment: got \"x\", expected one of uni-sim"},
+      {{"simulate", "m.toml", "-o", "t.csv", "--trial", "-1"},
+       "--trial: got \"-1\", expected a whole number from 0"},
+      {{"excite", "m.toml", "--method", "sine", "--axis", "x", "-o", "r.csv", "--periods", "0"},
+       "--periods: got \"0\", expected a whole number from 1 to 1000"},
+      {{"identify", "l.csv", "--terms", "7"}, "--terms: got \"7\", expected a whole number from 0 to 6"},
+      {{"export", "x.toml", "-o", "x.hal", "--to", "linux"}, "--to: got \"linux\", expected "},
+      {{"tune", "m.toml", "--evaluations", "1e9"},
+       "--evaluations: got \"1e9\", expected a whole number from 10 to 100000"},
+  };
+  for (const auto& c : cases)
+    expect_refused(command(c.words), {c.part, "(stribeck " + c.words.front() + " --help lists the options)"});
+}
+
 }  // namespace
 }  // namespace stribeck::test

@@ -1,0 +1,22 @@
+#pragma once
+/// What an option may be, told as every other problem is: what was got, what was expected.
+///
+///   number_from(1, 90)   a finite number within both bounds, these included
+///   whole_from(1, 100)   a whole number in digits; the library alone would take "-1" of an unsigned option for 4294967295
+///   one_of({"a", "b"})   a word, with the nearest one there is
+///
+/// Real time: no.
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace stribeck::cli {
+
+CLI::Validator number_from(double low, double high);
+CLI::Validator whole_from(std::uint64_t low, std::uint64_t high);
+CLI::Validator one_of(std::vector<std::string> words);
+
+}  // namespace stribeck::cli
