@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
 #include <apps/cli/path_options.hpp>
@@ -60,8 +61,6 @@ sim::TuneSpec spec_of(const Options& o) {
     for (const std::string& name : o.controllers)
       add_controller(s.compare.controllers, chosen(known, name), name);
   }
-  if (!std::isfinite(o.phase_margin) || !std::isfinite(o.gain_margin) || !std::isfinite(o.delay_margin))
-    refuse_option("--phase-margin, --gain-margin, --delay-margin", "expected finite numbers");
   s.limits.phase_margin = o.phase_margin * kPi / 180.0;
   s.limits.gain_margin = std::pow(10.0, o.gain_margin / 20.0);
   s.limits.delay_margin = o.delay_margin;
@@ -83,6 +82,34 @@ bool is_file(const std::string& out) { return out.size() > 5 && out.ends_with(".
 /// Where each tuned controller goes.
 std::string file_of(const Options& o, const std::string& id) {
   return is_file(o.out) ? o.out : o.out + "/" + id + ".toml";
+}
+
+/// The tuned controller under a name of its own, so that it stands beside the one that it began as.
+sim::ControllerSpec renamed(sim::ControllerSpec c) {
+  constexpr std::string_view kId = "-tuned";
+  constexpr std::string_view kLabel = ", tuned";
+  if (!c.id.ends_with(kId)) c.id = c.id.substr(0, 16 - kId.size()).append(kId);
+  if (!c.label.ends_with(kLabel) && c.label.size() + kLabel.size() <= 60) c.label += kLabel;
+  return c;
+}
+
+/// The option that says what no gains met.
+std::string way_out(const sim::TunedController& c) {
+  if (!c.miss) return {};
+  switch (c.miss->limit) {
+    case sim::Limit::kPhaseMargin:
+      return " (lower --phase-margin)";
+    case sim::Limit::kGainMargin:
+      return " (lower --gain-margin)";
+    case sim::Limit::kDelayMargin:
+      return " (lower --delay-margin)";
+    case sim::Limit::kInputVariation:
+      return " (raise --input-variation)";
+    case sim::Limit::kStability:
+    case sim::Limit::kPath:
+      break;
+  }
+  return " (start from slower gains: a file for --controller)";
 }
 
 int tune(Options o) {
@@ -121,18 +148,20 @@ int tune(Options o) {
                               {result, spec, parameters.words, typed_command(), STRIBECK_VERSION});
   bool all = true;
   for (const sim::TunedController& c : result.controllers) {
-    all = all && c.missed.empty();
-    if (o.out.empty() || !c.missed.empty()) continue;
-    io::write_atomically(file_of(o, c.start.id),
-                         io::write_toml(c.tuned, "Tuned by stribeck " STRIBECK_VERSION " on the machine \"" +
-                                                     machine.name + "\": docs/theory/tuning.md."));
+    all = all && c.found();
+    if (o.out.empty() || !c.found()) continue;
+    io::write_atomically(
+        file_of(o, c.start.id),
+        io::write_toml(renamed(c.tuned), "Tuned by stribeck " STRIBECK_VERSION " on the machine \"" +
+                                             machine.name + "\": docs/theory/tuning.md."));
   }
   say(o.common, report::text_table(result, spec));
   say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
   if (all) return 0;
   std::vector<std::string> missed;
   for (const sim::TunedController& c : result.controllers) {
-    if (!c.missed.empty()) missed.push_back("controller (" + c.start.id + "): " + c.missed);
+    if (!c.found())
+      missed.push_back(fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c), way_out(c)));
   }
   throw sim::Refused(report::joined(missed, "; "));
 }
@@ -146,7 +175,7 @@ void add_tune(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--experiment", o->experiment,
                    "Experiment whose path and controllers are taken; left out: as compare chooses")
-      ->check(CLI::IsMember(experiment_ids()));
+      ->check(one_of(experiment_ids()));
   verb->add_option(
           "--controller", o->controllers,
           fmt::format(
@@ -154,14 +183,14 @@ void add_tune(CLI::App& app, Action& action) {
               report::listed(built_in_controllers())))
       ->type_name("ID|NAME|FILE.toml");
   verb->add_option("--phase-margin", o->phase_margin, "Least phase margin of the loop, in degrees")
-      ->check(CLI::Range(1.0, 90.0))
+      ->check(number_from(1.0, 90.0))
       ->capture_default_str();
   verb->add_option("--gain-margin", o->gain_margin, "Least gain margin, up and down, in dB")
-      ->check(CLI::Range(0.1, 40.0))
+      ->check(number_from(0.1, 40.0))
       ->capture_default_str();
   verb->add_option("--delay-margin", o->delay_margin,
                    "Least delay that the loop bears in addition, in control periods")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_from(0.0, 100.0))
       ->capture_default_str();
   verb->add_option("--input-variation", o->input_variation,
                    "Largest mean |Δu| on every travel; left out: that of the thesis's last controller of the "
@@ -172,10 +201,12 @@ void add_tune(CLI::App& app, Action& action) {
                    "Frequency of a first axial mode of every axis that the loop must bear; left out: rigid")
       ->type_name("FREQUENCY");
   verb->add_option("--evaluations", o->evaluations, "Gains tried for each controller")
-      ->check(CLI::Range(10, 100000))
+      ->check(whole_from(10, 100000))
       ->capture_default_str();
   verb->add_option("-o,--output", o->out,
-                   "Controller files: a folder for ID.toml of each, or FILE.toml for a single controller")
+                   "Controller files: a folder for ID.toml of each, or FILE.toml for a single controller, "
+                   "which is called "
+                   "ID-tuned there")
       ->type_name("DIR|FILE.toml");
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);

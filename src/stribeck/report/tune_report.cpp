@@ -24,8 +24,6 @@ double decibels(double factor) { return 20.0 * std::log10(factor); }
 
 std::string arrow(const std::string& a, const std::string& b) { return a + " → " + b; }
 
-std::string arrow(double a, double b, int digits) { return arrow(decimals(a, digits), decimals(b, digits)); }
-
 /// A figure of a travel before and after; what could not be run is "–".
 std::string figure(const sim::TunedController& c, std::size_t travel, double sim::Metrics::*which,
                    double scale) {
@@ -33,6 +31,39 @@ std::string figure(const sim::TunedController& c, std::size_t travel, double sim
     return travel < scores.size() ? decimals(scores[travel].mean.*which * scale, 2) : std::string("–");
   };
   return arrow(one(c.before), one(c.after));
+}
+
+std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
+
+/// What the nearest gains have and what is asked, of the limit that they miss most.
+std::string in_words(const sim::Miss& m) {
+  const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
+    return fmt::format("{} {}, asked are {}", what, nearest, asked);
+  };
+  switch (m.limit) {
+    case sim::Limit::kPhaseMargin:
+      return pair("a phase margin of", degrees(m.nearest), degrees(m.asked));
+    case sim::Limit::kGainMargin:
+      return pair("a gain margin of", decimals(decibels(m.nearest), 2) + " dB",
+                  decimals(decibels(m.asked), 2) + " dB");
+    case sim::Limit::kDelayMargin:
+      return pair("a delay margin of", decimals(m.nearest, 2), short_number(m.asked) + " control periods");
+    case sim::Limit::kInputVariation:
+      return fmt::format(
+          "a mean |Δu| of {} mV on travel {}, asked are at most {} mV less {} % for other noise",
+          significant(m.nearest * 1e3, 4), m.travel + 1, significant(m.asked * 1e3, 4),
+          short_number(100.0 * sim::kKeptBack));
+    case sim::Limit::kPath:
+      return "all limits kept, but the path is lost";
+    case sim::Limit::kStability:
+      break;
+  }
+  return "an unstable loop";
+}
+
+/// An arrow to what was found; "–" where nothing was.
+std::string margin(const sim::TunedController& c, double start, double tuned, int digits) {
+  return arrow(decimals(start, digits), c.found() ? decimals(tuned, digits) : "–");
 }
 
 std::string limits_in_words(const sim::TuneResult& r, const sim::TuneSpec& spec) {
@@ -58,6 +89,13 @@ std::string method_in_words(const sim::TuneSpec& spec) {
 
 }  // namespace
 
+std::string why_none(const sim::TunedController& c) {
+  if (!c.refused.empty()) return clean_text(c.refused);
+  if (!c.miss) return {};
+  return fmt::format("none found in {} tries{}; the nearest gains have {}", c.tries,
+                     c.miss->other_noise ? ", other noise breaks a limit" : "", in_words(*c.miss));
+}
+
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec) {
   std::string out =
       "Limits: " + limits_in_words(result, spec) + ".\nSearch: " + method_in_words(spec) + ".\n";
@@ -72,9 +110,9 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
       const auto& b = c.tuned_margins;
       id.entries.push_back(clean_text(c.start.id));
       label.entries.push_back(clean_text(c.start.label));
-      phase.entries.push_back(arrow(a.phase * kDegrees, b.phase * kDegrees, 1));
-      gain.entries.push_back(arrow(decibels(a.gain), decibels(b.gain), 1));
-      delay.entries.push_back(arrow(a.delay / result.period, b.delay / result.period, 2));
+      phase.entries.push_back(margin(c, a.phase * kDegrees, b.phase * kDegrees, 1));
+      gain.entries.push_back(margin(c, decibels(a.gain), decibels(b.gain), 1));
+      delay.entries.push_back(margin(c, a.delay / result.period, b.delay / result.period, 2));
     }
     out += "\nMargins of the loop\n" + lay_out({id, label, phase, gain, delay});
   }
@@ -112,7 +150,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
   for (const sim::TunedController& c : result.controllers) {
     if (!c.before_refused.empty())
       out += fmt::format("({}) at its own gains: {}\n", clean_text(c.start.id), clean_text(c.before_refused));
-    if (!c.missed.empty()) out += fmt::format("({}): {}\n", clean_text(c.start.id), clean_text(c.missed));
+    if (!c.found()) out += fmt::format("({}): {}\n", clean_text(c.start.id), why_none(c));
   }
   return out;
 }
@@ -151,7 +189,8 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     Json one;
     one["controller"] = c.start.id;
     one["label"] = c.start.label;
-    one["missed"] = c.missed.empty() ? Json(nullptr) : Json(c.missed);
+    one["missed"] = c.found() ? Json(nullptr) : Json(why_none(c));
+    one["tries"] = c.tries;
     one["gains"] = Json::array();
     for (const sim::TunedGain& g : c.gains) {
       const double factor = io::unit_factor(g.quantity.unit, g.quantity.shown);
@@ -161,7 +200,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
                               {"tuned", number_or_null(g.tuned * factor)}});
     }
     one["margins"] = {{"start", margins(c.start_margins)},
-                      {"tuned", c.missed.empty() ? margins(c.tuned_margins) : Json(nullptr)}};
+                      {"tuned", c.found() ? margins(c.tuned_margins) : Json(nullptr)}};
     one["rows"] = Json::array();
     for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
       one["rows"].push_back({{"travel", spec.compare.travels[t].pace_in_words()},
@@ -209,9 +248,9 @@ std::string tune_report(const TuneReportInput& input) {
     const auto& b = c.tuned_margins;
     margins.rows.push_back({{c.start.id},
                             {c.start.label},
-                            {arrow(a.phase * kDegrees, b.phase * kDegrees, 1)},
-                            {arrow(decibels(a.gain), decibels(b.gain), 1)},
-                            {arrow(a.delay / r.period, b.delay / r.period, 2)}});
+                            {margin(c, a.phase * kDegrees, b.phase * kDegrees, 1)},
+                            {margin(c, decibels(a.gain), decibels(b.gain), 1)},
+                            {margin(c, a.delay / r.period, b.delay / r.period, 2)}});
   }
   page.table(margins);
   page.remark("Below zero: unstable, and how far from the border.");
@@ -230,7 +269,7 @@ std::string tune_report(const TuneReportInput& input) {
     }
     if (!c.before_refused.empty())
       warnings.push_back("(" + c.start.id + ") at its own gains: " + c.before_refused);
-    if (!c.missed.empty()) warnings.push_back("(" + c.start.id + "): " + c.missed);
+    if (!c.found()) warnings.push_back("(" + c.start.id + "): " + why_none(c));
   }
   page.table(gains);
   page.warnings(warnings);

@@ -3,7 +3,7 @@
 ///
 ///   json   {"schema": "stribeck.tune/1", "machine", "seed", "trials", "evaluations", "limits": {"phase_margin_deg",
 ///           "gain_margin_dB", "delay_margin_periods", "input_variation_V": [per travel], "reference"},
-///           "controllers": [{"controller", "label", "missed": null or why, "gains": [{"name", "unit", "start", "tuned"}],
+///           "controllers": [{"controller", "label", "missed": null or why, "tries", "gains": [{"name", "unit", "start", "tuned"}],
 ///           "margins": {"start": {"stable", "phase_deg", "gain_dB", "delay_periods", "modulus", "crossover_rad_per_s"},
 ///           "tuned": the same or null}, "rows": [{"travel", "start": {"max_contour_error_um", "quadrant_glitch_um", "rms_um",
 ///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}]}
@@ -15,6 +15,9 @@
 #include <string>
 
 namespace stribeck::report {
+
+/// Why there are no tuned gains, and how near the nearest came; empty where there are some.
+std::string why_none(const sim::TunedController& controller);
 
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec);
 

@@ -36,6 +36,8 @@ struct LoopMargins {
   double modulus = std::numeric_limits<double>::infinity();
   double crossover = 0.0;  ///< highest frequency where |L| = 1 [rad/s]
   std::size_t axis = 0;    ///< with the least phase margin
+
+  friend bool operator==(const LoopMargins&, const LoopMargins&) = default;
 };
 
 /// What is known of the drives beside the setup's masses and delays: a first axial mode.

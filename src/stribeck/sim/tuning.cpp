@@ -48,8 +48,9 @@ void collect(Owner& owner, const std::string& place, std::size_t axes, std::vect
   });
 }
 
-/// Smallest and largest logarithm of the factor for a gain.
-constexpr double kRange = 2.995732273553991;  // ln 20
+/// Smallest and largest factor for a gain, and its logarithm.
+constexpr double kFactor = 20.0;
+constexpr double kRange = 2.995732273553991;
 
 double permitted(const Quantity& q, double value) {
   if (q.permits(value)) return value;
@@ -66,6 +67,8 @@ struct Point {
   LoopMargins margins;
   std::vector<double> variation;  ///< per travel [V]; empty: not simulated
   std::vector<double> excess;
+  double far = 0.0;          ///< the largest excess, not cut off
+  std::size_t farthest = 0;  ///< of which limit
 
   [[nodiscard]] double worst() const {
     double w = -std::numeric_limits<double>::infinity();
@@ -76,9 +79,6 @@ struct Point {
 
 /// Excesses are cut off here, so that a linear model of them is not led by what is far from the limit.
 constexpr double kMostExcess = 2.0;
-/// The report has other noise than the search; what that may add to the variation is kept back. Over ten trials on V2 the mean of
-/// a controller moves by 0.2 %, and that of the reference with it.
-constexpr double kKeptBack = 0.005;
 /// Noise of the confirmation.
 constexpr std::uint32_t kCheckTrial = 2 * kSearchTrial;
 constexpr std::uint32_t kCheckTrials = 10;
@@ -133,9 +133,7 @@ class Task {
     Point p = only_margins(margins(c));
     if (p.stable) run(c, trials, p);
     for (std::size_t t = 0; t < routes_.size(); ++t) {
-      p.excess.push_back(p.stable
-                             ? cut(p.variation[t] / ((1.0 - kKeptBack) * trials.variation_limit[t]) - 1.0)
-                             : kMostExcess);
+      add(p, p.stable ? p.variation[t] / ((1.0 - kKeptBack) * trials.variation_limit[t]) - 1.0 : kMostExcess);
     }
     return p;
   }
@@ -145,34 +143,40 @@ class Task {
     Point p;
     p.margins = m;
     p.stable = m.stable;
-    p.excess = margin_excess(m);
+    const TuneLimits& l = spec_.limits;
+    add(p, 1.0 - m.phase / l.phase_margin);
+    add(p, std::log2(l.gain_margin / m.gain));
+    add(p, l.delay_margin - m.delay / machine_.sample_time);
     return p;
   }
-  [[nodiscard]] bool keeps_margins(const LoopMargins& m) const {
-    const auto excess = margin_excess(m);
-    return m.stable && std::all_of(excess.begin(), excess.end(), [](double e) { return e <= 0.0; });
+  /// Of a point that may have been run as well.
+  [[nodiscard]] static bool keeps_margins(const Point& p) {
+    return p.stable && std::all_of(p.excess.begin(), p.excess.begin() + 3, [](double e) { return e <= 0.0; });
   }
+  [[nodiscard]] bool keeps_margins(const LoopMargins& m) const { return keeps_margins(only_margins(m)); }
 
-  /// Words for the limit that is broken most.
-  [[nodiscard]] std::string broken(const Point& p) const {
-    const std::size_t i =
-        static_cast<std::size_t>(std::max_element(p.excess.begin(), p.excess.end()) - p.excess.begin());
-    if (!p.stable) return "the loop is unstable";
-    if (i == 0) return "phase margin";
-    if (i == 1) return "gain margin";
-    if (i == 2) return "delay margin";
-    return "input variation on travel " + std::to_string(i - 2);
+  /// The limit that is broken most.
+  [[nodiscard]] Miss broken(const Point& p, const Trials& trials) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const TuneLimits& l = spec_.limits;
+    if (!p.stable) return {Limit::kStability, kNone, kNone};
+    const std::size_t i = p.farthest;
+    if (p.worst() <= 0.0) return {Limit::kPath, kNone, kNone};
+    if (i == 0) return {Limit::kPhaseMargin, p.margins.phase, l.phase_margin};
+    if (i == 1) return {Limit::kGainMargin, p.margins.gain, l.gain_margin};
+    if (i == 2) return {Limit::kDelayMargin, p.margins.delay / machine_.sample_time, l.delay_margin};
+    return {Limit::kInputVariation, p.variation[i - 3], trials.variation_limit[i - 3], i - 3};
   }
 
  private:
-  static double cut(double e) {
-    return std::isnan(e) ? kMostExcess : std::clamp(e, -kMostExcess, kMostExcess);
-  }
-
-  [[nodiscard]] std::vector<double> margin_excess(const LoopMargins& m) const {
-    const TuneLimits& l = spec_.limits;
-    return {cut(1.0 - m.phase / l.phase_margin), cut(std::log2(l.gain_margin / m.gain)),
-            cut(l.delay_margin - m.delay / machine_.sample_time)};
+  /// One more limit of a point.
+  static void add(Point& p, double e) {
+    if (std::isnan(e)) e = std::numeric_limits<double>::infinity();
+    if (p.excess.empty() || e > p.far) {
+      p.far = e;
+      p.farthest = p.excess.size();
+    }
+    p.excess.push_back(std::clamp(e, -kMostExcess, kMostExcess));
   }
 
   [[nodiscard]] control::Setup<N> setup(const ControllerSpec& c, const Route<N>& route) const {
@@ -200,13 +204,34 @@ class Search {
          int evaluations, const std::function<void()>& counted)
       : task_(task), start_(start), search_(search), check_(check), left_(evaluations), counted_(counted) {}
 
-  /// Fills gains, tuned, missed, margins and evaluations of `out`.
+  /// Fills gains, tuned, miss, margins, evaluations and tries of `out`.
   void run(TunedController& out) {
     const int all = left_;
+    search(out);
+    out.evaluations = all - left_;
+    out.tries = tries_;
+  }
+
+ private:
+  /// COBYLA ends within its region of a limit, on either side: it is told of a limit a little closer.
+  static constexpr double kInside = 0.003;
+  static constexpr double kShare = 0.35;                 ///< of the evaluations, for the shapes
+  static constexpr double kSpread = 0.6931471805599453;  ///< of the shapes: half to double
+  static constexpr double kSlack = 0.6;  ///< or up to this share of that speed, for the other limits
+  static constexpr double kFaster =
+      1.3862943611198906;  ///< a shape is made up to four times faster or slower
+  static constexpr double kSlower = 0.94;
+  static constexpr int kSlowest = 50;                       // 0.94^50 is 1/22
+  static constexpr double kSlowShape = 1.4978661367769954;  ///< ln √20: proportional gains by 20
+  static constexpr unsigned kShapes = 128;                  ///< looked at for their margins alone
+  static constexpr std::size_t kFewShapes = 6;              ///< of them simulated
+  static constexpr double kWide = 1.3862943611198906;       ///< of these shapes: a quarter to four times
+  static constexpr double kNear = 0.4054651081081644;  ///< of those about the nearest miss: 2/3 to 1.5 times
+
+  void search(TunedController& out) {
     best_spec_ = start_;
     if (!find_begin()) {
-      out.missed = "no gains meet the limits: " + task_.broken(best_);
-      out.tuned_margins = best_.margins;
+      out.miss = task_.broken(nearest_, search_);
       return;
     }
     find_live();
@@ -221,14 +246,13 @@ class Search {
       if (!(best_.objective < 0.999 * before)) region *= 0.5;
     }
     if (best_.worst() > 0.0) {
-      out.missed = "no gains meet the limits: " + task_.broken(best_);
-      out.tuned_margins = best_.margins;
-      out.evaluations = all - left_;
+      out.miss = task_.broken(nearest_, search_);
       return;
     }
     confirm();
-    if (best_.worst() > 0.0) {
-      out.missed = "no gains meet the limits under other noise: " + task_.broken(best_);
+    if (best_.worst() > 0.0 || !std::isfinite(best_.objective)) {
+      out.miss = task_.broken(best_, check_);
+      out.miss->other_noise = true;
       return;
     }
     auto old = gains_of(start_, N);
@@ -237,45 +261,125 @@ class Search {
       out.gains.push_back({old[i].name, old[i].quantity, *old[i].value, *found[i].value});
     out.tuned = best_spec_;
     out.tuned_margins = best_.margins;
-    out.evaluations = all - left_;
   }
 
- private:
-  /// COBYLA ends within its region of a limit, on either side: it is told of a limit a little closer.
-  static constexpr double kInside = 0.003;
-  static constexpr double kShare = 0.35;                 ///< of the evaluations, for the shapes
-  static constexpr double kSpread = 0.6931471805599453;  ///< of the shapes: half to double
-  static constexpr double kSlack = 0.6;  ///< or up to this share of that speed, for the other limits
-  static constexpr double kFaster =
-      1.3862943611198906;  ///< a shape is made up to four times faster or slower
-  static constexpr double kSlower = 0.94;
-  static constexpr int kSlowest = 50;  // 0.94^50 is 1/22
-
-  /// The start, slowed until it keeps the limits; failing that, as slow as the margins ask.
+  /// The start, slowed until it keeps the limits; failing that, as slow as the margins ask; failing that, another shape.
   bool find_begin() {
-    bool settled = false;
-    bool found = false;
     for (int k = 0; k <= kSlowest; ++k) {
       const ControllerSpec c = slowed(start_, N, std::pow(kSlower, k));
-      const LoopMargins m = task_.margins(c);
-      if (!task_.keeps_margins(m)) {
-        if (!found) best_ = task_.only_margins(m);
-        continue;
-      }
-      if (!settled) {
-        task_.choose_substeps(c);
-        settled = true;
-      }
-      const Point p = task_.evaluate(c, search_);
-      if (p.worst() <= 0.0 && std::isfinite(p.objective)) kept_.emplace_back(p.objective, c);
-      if (!found || p.worst() < best_.worst()) {
-        found = true;
-        best_ = p;
-        best_spec_ = c;
-      }
-      if (p.worst() <= 0.0 && std::isfinite(p.objective)) break;
+      const Point looked = look_at_margins(c);
+      if (!task_.keeps_margins(looked)) continue;
+      if (begin_at(c)) break;
     }
-    return found && std::isfinite(best_.objective);
+    if (!found_) {
+      // No speed has the margins: what is asked of the gains is another ratio to each other.
+      for (const ControllerSpec& c : shapes_with_margins()) {
+        begin_at(c);
+        --left_;
+        counted_();
+      }
+    }
+    return found_ && std::isfinite(best_.objective);
+  }
+
+  /// Simulates a point that has the margins and keeps the one nearest to the limits, of several that keep them the best. Whether
+  /// this one keeps them.
+  bool begin_at(const ControllerSpec& c) {
+    if (!found_) task_.choose_substeps(c);
+    const Point p = task_.evaluate(c, search_);
+    ++tries_;
+    const bool keeps = p.worst() <= 0.0 && std::isfinite(p.objective);
+    if (keeps) kept_.emplace_back(p.objective, c);
+    const bool kept = found_ && best_.worst() <= 0.0 && std::isfinite(best_.objective);
+    if (!found_ || (kept ? keeps && p.objective < best_.objective : p.worst() < best_.worst())) {
+      best_ = p;
+      best_spec_ = c;
+    }
+    if (!found_ || p.far < nearest_.far) nearest_ = p;
+    found_ = true;
+    return keeps;
+  }
+
+  /// Margins alone; the nearest miss is kept.
+  Point look_at_margins(const ControllerSpec& c) {
+    ++tries_;
+    Point p = task_.only_margins(task_.margins(c));
+    if (!found_ && (tries_ == 1 || (p.far < nearest_.far && (p.stable || !nearest_.stable)))) {
+      nearest_ = p;
+      nearest_spec_ = c;
+    }
+    return p;
+  }
+
+  /// Shapes that have the margins at some speed, at their fastest: spread evenly and wide about the start, a quarter of them about
+  /// the nearest miss.
+  std::vector<ControllerSpec> shapes_with_margins() {
+    std::vector<ControllerSpec> all;
+    const std::vector<std::size_t> gains = gains_of_margins();
+    for (unsigned k = 1; k <= kShapes && all.size() < kFewShapes; ++k) {
+      const bool near = k > kShapes - kShapes / 4;
+      const ControllerSpec shape =
+          near ? spread(nearest_spec_, gains, k, kNear) : spread(start_, gains, k, kWide);
+      double low = -kSlowShape;
+      bool keeps = false;
+      for (int look = 0; look < 2 && !keeps; ++look) {
+        if (look > 0) low *= 0.5;
+        keeps = task_.keeps_margins(look_at_margins(ranged(slowed(shape, N, std::exp(low)))));
+      }
+      if (!keeps) continue;
+      double high = kFaster;
+      for (int b = 0; b < 8; ++b) {
+        const double middle = 0.5 * (low + high);
+        (task_.keeps_margins(look_at_margins(ranged(slowed(shape, N, std::exp(middle))))) ? low : high) =
+            middle;
+      }
+      all.push_back(ranged(slowed(shape, N, std::exp(low))));
+    }
+    return all;
+  }
+
+  /// No gain further from the start than the search goes; a loop without gain has every margin.
+  [[nodiscard]] ControllerSpec ranged(const ControllerSpec& controller) const {
+    ControllerSpec c = controller;
+    ControllerSpec origin = start_;
+    const auto gains = gains_of(c, N);
+    const auto own = gains_of(origin, N);
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+      *gains[i].value = permitted(
+          gains[i].quantity, std::clamp(*gains[i].value, *own[i].value / kFactor, *own[i].value * kFactor));
+    }
+    return c;
+  }
+
+  /// Gains whose change by a tenth moves the margins.
+  std::vector<std::size_t> gains_of_margins() {
+    std::vector<std::size_t> all;
+    const LoopMargins own = task_.margins(start_);
+    const auto count = gains_of(start_, N).size();
+    for (std::size_t i = 0; i < count; ++i) {
+      bool moves = false;
+      for (const double factor : {0.9, 1.1}) {
+        ControllerSpec c = start_;
+        Gain g = gains_of(c, N)[i];
+        *g.value = permitted(g.quantity, factor * *g.value);
+        moves = moves || !(task_.margins(c) == own);
+      }
+      if (moves) all.push_back(i);
+    }
+    return all;
+  }
+
+  /// Shape k of those spread evenly about `origin`, each of these gains within a factor of exp(width).
+  static ControllerSpec spread(const ControllerSpec& origin, const std::vector<std::size_t>& which,
+                               unsigned k, double width) {
+    ControllerSpec shape = origin;
+    auto gains = gains_of(shape, N);
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      Gain& g = gains[which[i]];
+      const double even = k == 0 ? 0.0 : 2.0 * halton(k, i) - 1.0;
+      *g.value = permitted(g.quantity, *g.value * std::exp(width * even));
+    }
+    return shape;
   }
 
   /// The best of the first few points that keep the limits under other noise as well.
@@ -284,10 +388,13 @@ class Search {
     std::stable_sort(kept_.begin(), kept_.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     int confirmed = 0;
+    bool first = true;
     for (const auto& [objective, c] : kept_) {
       const Point p = task_.evaluate(c, check_);
       const bool keeps = p.worst() <= 0.0 && std::isfinite(p.objective);
-      if (confirmed == 0 || (keeps && p.objective < best_.objective)) {
+      const bool nearer = first || p.far < best_.far;
+      first = false;
+      if (keeps ? confirmed == 0 || p.objective < best_.objective : confirmed == 0 && nearer) {
         best_ = p;
         best_spec_ = c;
       }
@@ -315,16 +422,11 @@ class Search {
     const ControllerSpec origin = best_spec_;
     const int end = left_ - static_cast<int>(kShare * left_);
     for (unsigned k = 0; left_ > end; ++k) {
-      ControllerSpec shape = origin;
-      auto gains = gains_of(shape, N);
-      for (std::size_t i = 0; i < live_.size(); ++i) {
-        Gain& g = gains[live_[i]];
-        const double even = k == 0 ? 0.0 : 2.0 * halton(k, i) - 1.0;
-        *g.value = permitted(g.quantity, *g.value * std::exp(kSpread * even));
-      }
+      const ControllerSpec shape = spread(origin, live_, k, kSpread);
       double low = -kFaster;
       double high = kFaster;
       if (!task_.keeps_margins(task_.margins(slowed(shape, N, std::exp(low))))) {
+        ++tries_;
         // Hopeless at any speed: costs an evaluation all the same, so that the number of shapes is bounded.
         --left_;
         counted_();
@@ -355,11 +457,13 @@ class Search {
   /// Simulates a point, which counts, and keeps it if it is the best.
   Point judge(const ControllerSpec& c) {
     const Point p = task_.evaluate(c, search_);
+    ++tries_;
     --left_;
     counted_();
     const bool keeps = p.worst() <= 0.0;
     const bool kept = best_.worst() <= 0.0;
     if (std::isfinite(p.objective) && keeps) kept_.emplace_back(p.objective, c);
+    if (task_.keeps_margins(p) && p.far < nearest_.far) nearest_ = p;
     if (std::isfinite(p.objective) && ((keeps && (!kept || p.objective < best_.objective)) ||
                                        (!keeps && !kept && p.worst() < best_.worst()))) {
       best_ = p;
@@ -375,7 +479,9 @@ class Search {
     for (std::size_t k = 0; k < live_.size(); ++k) {
       Gain& g = gains[live_[k]];
       const double first = *origin[live_[k]].value;
-      *g.value = permitted(g.quantity, std::clamp(*g.value * std::exp(x[k]), first / 20.0, first * 20.0));
+      *g.value =
+          permitted(g.quantity, std::clamp(*g.value * std::exp(x[k]), std::min(first / kFactor, *g.value),
+                                           std::max(first * kFactor, *g.value)));
     }
     return c;
   }
@@ -435,6 +541,10 @@ class Search {
   ControllerSpec centre_;
   ControllerSpec best_spec_;
   Point best_;
+  Point nearest_;                ///< to the limits: of those with the margins, else of all
+  ControllerSpec nearest_spec_;  ///< to the margins
+  int tries_ = 0;                ///< gains looked at
+  bool found_ = false;           ///< gains with the margins
   std::vector<std::pair<double, ControllerSpec>> kept_;  ///< J of the points that keep all limits
   std::vector<double> last_x_;
   Point last_;
@@ -497,7 +607,7 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
       out.start_margins = task.margins(controllers[i]);
       Search<N>(task, controllers[i], search, check, spec.evaluations, counted).run(out);
     } catch (const Refused& e) {
-      out.missed = e.what();
+      out.refused = e.what();
       out.tuned = controllers[i];
       out.gains.clear();
     }
@@ -549,12 +659,12 @@ TuneResult tune(const Machine& machine, const std::vector<AxisKnowledge>& knowle
     } catch (const Refused& e) {
       c.before_refused = e.what();
     }
-    if (!c.missed.empty()) continue;
+    if (!c.found()) continue;
     one.controllers = {c.tuned};
     try {
       c.after = scores(compare(machine, knowledge, one), 0, 1);
     } catch (const Refused& e) {
-      c.missed = e.what();
+      c.refused = e.what();
     }
   }
   return result;
