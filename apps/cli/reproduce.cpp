@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/machines.hpp>
+#include <apps/cli/path_options.hpp>
 #include <apps/cli/reproduce_ident.hpp>
 #include <apps/cli/reproduce_robustness.hpp>
 #include <apps/cli/shared.hpp>
@@ -30,6 +32,7 @@ struct Options {
   std::uint32_t trials = 10;
   std::uint32_t machines = kRobustMachines;
   std::string vary = "all";
+  std::vector<std::string> controllers;
   std::uint64_t seed = 1;
   unsigned threads = 0;
 };
@@ -185,7 +188,22 @@ std::string first_difference(const std::string& expected, const std::string& got
 }
 
 int reproduce(const Options& o) {
-  check_distinct({o.check}, {page_of(o.common), o.common.json, o.markdown});
+  // Nothing of it is the thesis's, so "all" does not mean it.
+  const bool robust = std::find(o.ids.begin(), o.ids.end(), kRobustness) != o.ids.end();
+  if (!robust && !o.controllers.empty())
+    refuse_option("--controller", "goes with robustness only, which is not among the experiments (name it)");
+  sim::RobustnessSpec varied = sim::robust_biaxial();
+  varied.machines = o.machines;
+  if (o.vary != "all") varied.variation = sim::vary_only(o.vary);
+  varied.seed = o.seed;
+  varied.threads = o.threads;
+  if (!o.controllers.empty()) varied.controllers.resize(1);  // what the others are measured against
+  for (const std::string& name : o.controllers)
+    add_controller(varied.controllers, read_controller(name), name);
+  const sim::Experiment robustness = robustness_experiment(varied);
+  std::vector<std::string> inputs = o.controllers;
+  inputs.push_back(o.check);
+  check_distinct(inputs, {page_of(o.common), o.common.json, o.markdown});
   const std::string expected = o.check.empty() ? std::string() : io::read_text(o.check);
   check_outputs(o.common);
   check_writable(o.markdown);
@@ -202,9 +220,6 @@ int reproduce(const Options& o) {
   for (const sim::Experiment& e : all) {
     if (wanted(e.id)) chosen.push_back(&e);
   }
-  // Nothing of it is the thesis's, so "all" does not mean it.
-  const bool robust = std::find(o.ids.begin(), o.ids.end(), kRobustness) != o.ids.end();
-  const sim::Experiment robustness = robustness_experiment();
 
   report::ReproductionInput page;
   page.seed = o.seed;
@@ -215,6 +230,7 @@ int reproduce(const Options& o) {
   if (o.seed != 1) page.command += fmt::format(" --seed {}", o.seed);
   if (o.machines != kRobustMachines) page.command += fmt::format(" --machines {}", o.machines);
   if (o.vary != "all") page.command += " --vary " + o.vary;
+  for (const std::string& name : o.controllers) page.command += " --controller " + shell_quoted(name);
   if (!identification.empty()) {
     page.sections = reproduce_identification(identification, built_in_machine("biaxial-table"),
                                              built_in_machine("triaxial-tool"), o.seed, o.threads);
@@ -248,9 +264,9 @@ int reproduce(const Options& o) {
   if (robust) {
     Progress progress("robustness", o.common.quiet);
     const Known& k = known.at(robustness.settings.front().machine);
-    page.sections.push_back(reproduce_robustness(
-        k.machine, k.identified, o.machines, o.vary == "all" ? sim::Variation{} : sim::vary_only(o.vary),
-        o.seed, o.threads, [&](std::size_t done, std::size_t count) { progress(done, count); }));
+    page.sections.push_back(robustness_section(
+        sim::robustness(k.machine, k.identified, varied,
+                        [&](std::size_t done, std::size_t count) { progress(done, count); })));
   }
 
   write_json(o.common.json, report::reproduction_json(page));
@@ -280,19 +296,25 @@ void add_reproduce(CLI::App& app, Action& action) {
   ids.emplace_back(kRobustness);
   verb->add_option("ids", o->ids, "Experiments, or all of the thesis; robustness has to be asked for")
       ->required()
-      ->check(CLI::IsMember(ids))
+      ->check(one_of(ids))
       ->type_name("ID");
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
   verb->add_option("--machines", o->machines, "Machines of robustness, each with deviations of its own")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_from(1, 100000))
       ->capture_default_str();
   std::vector<std::string> factors = sim::variation_factors();
   factors.insert(factors.begin(), "all");
   verb->add_option("--vary", o->vary, "What the machines of robustness differ in")
-      ->check(CLI::IsMember(factors))
+      ->check(one_of(factors))
       ->type_name("FACTOR")
       ->capture_default_str();
+  verb->add_option(
+          "--controller", o->controllers,
+          fmt::format("In place of (g) and on of robustness, repeatable: {}, or a file like those of "
+                      "controllers/ or of tune -o",
+                      report::listed(built_in_controllers())))
+      ->type_name("NAME|FILE.toml");
   verb->add_option("--markdown", o->markdown, "Table for a document")->type_name("FILE.md");
   verb->add_option("--check", o->check,
                    "Compares with a table that --markdown wrote; exit code 1 when they differ")
@@ -301,7 +323,8 @@ void add_reproduce(CLI::App& app, Action& action) {
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck reproduce all --report build/reproduction\n  stribeck reproduce smc-circle "
-      "smc-free\n  stribeck reproduce robustness --machines 1000");
+      "smc-free\n  stribeck reproduce robustness --machines 1000\n"
+      "  stribeck reproduce robustness --controller tuned/f.toml --controller tuned/h.toml");
   verb->callback([o, &action] { action = [o] { return reproduce(*o); }; });
 }
 

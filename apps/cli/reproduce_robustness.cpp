@@ -97,12 +97,11 @@ report::ReproducedFigure figure(std::string what, const sim::RobustRow& row, dou
 
 }  // namespace
 
-sim::Experiment robustness_experiment() {
+sim::Experiment robustness_experiment(const sim::RobustnessSpec& spec) {
   sim::Experiment e;
   e.id = kRobustness;
   e.title = "Machines that are not the one identified";
   e.source = "§5.2, future work: nothing printed";
-  const sim::RobustnessSpec spec = sim::robust_biaxial();
   sim::Setting s;
   s.machine = "biaxial-table";
   s.spec.travels = spec.travels;
@@ -112,7 +111,7 @@ sim::Experiment robustness_experiment() {
 }
 
 report::ReproducedSection robustness_section(const sim::RobustnessResult& result) {
-  const sim::Experiment experiment = robustness_experiment();
+  const sim::Experiment experiment = robustness_experiment(result.spec);
   report::ReproducedSection s;
   s.id = experiment.id;
   s.title = experiment.title;
@@ -186,18 +185,6 @@ report::ReproducedSection robustness_section(const sim::RobustnessResult& result
                   "infinite.",
                   result.spec.controllers.front().id)};
   return s;
-}
-
-report::ReproducedSection reproduce_robustness(
-    const sim::Machine& machine, const std::vector<sim::AxisKnowledge>& knowledge, std::uint32_t machines,
-    const sim::Variation& variation, std::uint64_t seed, unsigned threads,
-    const std::function<void(std::size_t, std::size_t)>& progress) {
-  sim::RobustnessSpec spec = sim::robust_biaxial();
-  spec.machines = machines;
-  spec.variation = variation;
-  spec.seed = seed;
-  spec.threads = threads;
-  return robustness_section(sim::robustness(machine, knowledge, spec, progress));
 }
 
 }  // namespace stribeck::cli
