@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/log.hpp>
 #include <stribeck/io/units.hpp>
@@ -181,9 +182,7 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->add_option("logs", o->logs, "Logs of the same program under one control each")
       ->required()
       ->type_name("LOG...");
-  verb->add_option("--path", o->path, "What was travelled")
-      ->check(CLI::IsMember({"circle"}))
-      ->capture_default_str();
+  verb->add_option("--path", o->path, "What was travelled")->check(one_of({"circle"}))->capture_default_str();
   verb->add_option("--size", o->size, "Radius that was meant")->type_name("LENGTH")->capture_default_str();
   verb->add_option("--map", o->maps,
                    "Which column is what: x, y (positions), rx, ry (commands, whose middle is the centre; "
