@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -619,6 +620,38 @@ TEST_F(Path, SlidingModeIsQuietAtRestAndSafeAtACornerAndAtAReversal) {
     EXPECT_LT(run(200), 3e-3) << "at the end of a side";
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(fault_of(i), 0);
   }
+}
+
+TEST_F(Path, WhateverComesInTheForceIsFiniteAndWithinItsLimit) {
+  std::mt19937 random(20);
+  const auto one_in = [&](unsigned n) { return random() % n == 0; };
+  const std::array<double, 6> bad{kNan, std::numeric_limits<double>::infinity(), 1e300, -1e300, 1.0, 1e-3};
+  int ran = 0;
+  for (const double law : {0.0, 1.0, 2.0, 3.0}) {
+    set("law", law);
+    set("learning.lap", law == 3.0 ? 0.7 : kNan);
+    set("observer", 1.0 + static_cast<double>(random() % 3));
+    set("adaptation.enabled", static_cast<double>(random() % 2));
+    bool on = false;
+    for (int k = 0; k < 8000 && !HasFatalFailure(); ++k) {
+      SCOPED_TRACE(testing::Message() << "law " << law << ", period " << k);
+      if (one_in(on ? 400 : 20)) enable(on = !on);
+      if (*hal_.bits.at("ct.faulted") && one_in(10)) enable(on = false);
+      if (one_in(1000)) value("ct.ramp-time") = bad[random() % bad.size()];
+      value("ct.phase") = one_in(300) ? bad[random() % bad.size()] : 1e-3 * k;
+      Point r = circle(1e-3 * k);
+      if (one_in(200)) r.position[random() % 3] += bad[random() % bad.size()];
+      if (one_in(200)) r.velocity[random() % 3] += bad[random() % bad.size()];
+      if (one_in(200)) r.acceleration[random() % 3] += bad[random() % bad.size()];
+      added_ = one_in(200) ? bad[random() % bad.size()] : 0.0;
+      period(r);
+      if (std::abs(value("ct.0.force")) > 0.0) ++ran;
+    }
+    enable(false);
+    added_ = 0.0;
+    for (int k = 0; k < 30; ++k) period({});
+  }
+  EXPECT_GT(ran, 8000) << "too often off to tell anything";
 }
 
 TEST_F(Path, AFaultOfOneAxisTakesAllToZero) {
