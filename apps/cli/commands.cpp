@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <apps/cli/commands.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -28,11 +30,35 @@ void complain(std::string_view message) {
   fmt::print(stderr, "stribeck: {}\n", line);
 }
 
-/// The library tells the type that is missing; the help has it.
-std::string in_words(const CLI::ParseError& e) {
+/// An argument that the verb does not have: the option that is near, or that it is one too many.
+std::string unknown(const CLI::App& verb) {
+  const std::vector<std::string> rest = verb.remaining();
+  const auto option =
+      std::find_if(rest.begin(), rest.end(), [](const auto& r) { return r.starts_with('-'); });
+  if (option == rest.end())
+    return fmt::format("got {}, expected no further argument",
+                       io::in_quotes(rest.empty() ? std::string() : rest.front()));
+  std::vector<std::string> names;
+  for (const CLI::Option* o : verb.get_options()) {
+    for (const std::string& name : o->get_lnames()) names.push_back("--" + name);
+  }
+  const std::string name = option->substr(0, option->find('='));
+  const std::string_view near = io::nearest(name, {names.begin(), names.end()});
+  return fmt::format("unknown option {}{}", io::in_quotes(name),
+                     near.empty() ? std::string() : fmt::format(", did you mean {}", near));
+}
+
+/// What the library says of types and counts, in our words.
+std::string in_words(const CLI::ParseError& e, const CLI::App* verb) {
   const std::string text = e.what();
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&e) != nullptr && text.ends_with(" missing"))
-    return text.substr(0, text.find(": ")) + ": got nothing, expected a value";
+  const std::string option = text.substr(0, text.find(": "));
+  const auto holds = [&](std::string_view with) { return text.find(with) != std::string::npos; };
+  if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && verb != nullptr)
+    return unknown(*verb);
+  if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch)) {
+    if (holds(" missing")) return option + ": got nothing, expected a value";
+    if (holds(": At Most 1 required")) return option + ": given more than once, expected one value";
+  }
   return text;
 }
 
@@ -67,9 +93,10 @@ int parse_and_run(int argc, const char* const* argv) {
       return kBadInput;
     }
     const auto verbs = app.get_subcommands();
+    const CLI::App* const verb = verbs.empty() ? nullptr : verbs.front();
     complain(fmt::format(
-        "{} (stribeck {})", in_words(e),
-        verbs.empty() ? "--help lists the verbs" : verbs.front()->get_name() + " --help lists the options"));
+        "{} (stribeck {})", in_words(e, verb),
+        verb == nullptr ? "--help lists the verbs" : verb->get_name() + " --help lists the options"));
     return kBadInput;
   }
   return action();

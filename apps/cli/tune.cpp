@@ -69,8 +69,8 @@ sim::TuneSpec spec_of(const Options& o) {
         option_si("--input-variation", o.input_variation, quantity("V", "V").positive());
   if (!o.axial_mode.empty()) {
     // Light damping and a table of half the mass, where nothing was measured.
-    const plant::AxialMode mode{option_si("--axial-mode", o.axial_mode, quantity("Hz", "Hz").positive()),
-                                0.02, 0.5};
+    const plant::AxialMode mode{
+        option_si("--axial-mode", o.axial_mode, quantity("Hz", "Hz").positive().at_most(1e4)), 0.02, 0.5};
     s.limits.axial_mode.assign(control::kMostAxes, mode);
   }
   s.evaluations = o.evaluations;
