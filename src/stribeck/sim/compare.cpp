@@ -131,8 +131,7 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
   for (const Travel& travel : spec.travels) {
     routes.push_back(sample<N>(travel, machine.sample_time));
     for (const auto& p : routes.back().points) fastest = std::max(fastest, norm(p.velocity));
-    const double speed =
-        travel.pace == path::Pace::kSpeed ? travel.speed : std::numeric_limits<double>::quiet_NaN();
+    const double speed = travel.constant_speed();
     for (const ControllerSpec& c : spec.controllers) {
       auto setup = make_setup<N>(machine, knowledge, axes, c);
       setup.lap = routes.back().lap;
@@ -349,7 +348,7 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
     Drives drives(machine, axes, 1.05 * fastest);
     CompareRow row;
     row.controller = spec.controllers.front();
-    row.speed = travel.pace == path::Pace::kSpeed ? travel.speed : std::numeric_limits<double>::quiet_NaN();
+    row.speed = travel.constant_speed();
     auto setup = make_setup<kAxes>(machine, knowledge, axes, row.controller);
     setup.lap = route.lap;
     check_law<kAxes>(row.controller, setup);

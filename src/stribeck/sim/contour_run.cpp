@@ -20,6 +20,8 @@ std::array<double, 2> errors(const Curve& curve, const Vec<double, N>& position,
   } else if constexpr (path::ToolPath<Curve>) {
     const path::TipDeviation d = path::tip_deviation(curve, position, phi);
     return {d.contour, d.orientation};
+  } else if constexpr (requires { curve.part; }) {
+    return {curve.part->path.contour_error(position, phi), kNone};
   } else {
     return {path::contour_error(curve, position, phi), kNone};
   }

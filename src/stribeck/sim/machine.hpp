@@ -19,6 +19,12 @@ struct AxisLimits {
   double travel_max = 0.0;
   double speed = 0.0;
   double acceleration = 0.0;
+  std::optional<double> jerk{};  ///< left out: the acceleration within kJerkTime
+
+  /// [m/s³]
+  [[nodiscard]] double jerk_or_default() const { return jerk ? *jerk : acceleration / kJerkTime; }
+
+  static constexpr double kJerkTime = 0.1;  ///< [s]
 
   static constexpr auto fields() {
     return std::tuple{field("travel_min", &AxisLimits::travel_min, quantity("m", "mm"), "lowest position"),
@@ -26,7 +32,10 @@ struct AxisLimits {
                       field("speed", &AxisLimits::speed, quantity("m/s", "mm/s").positive(),
                             "largest speed, both directions"),
                       field("acceleration", &AxisLimits::acceleration, quantity("m/s2", "mm/s2").positive(),
-                            "largest acceleration")};
+                            "largest acceleration"),
+                      field("jerk", &AxisLimits::jerk, quantity("m/s3", "mm/s3").positive(),
+                            "largest jerk on a part program; left out: the acceleration in 0.1 s")
+                          .or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {

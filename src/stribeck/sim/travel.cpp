@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <stribeck/sim/travel.hpp>
@@ -40,7 +41,26 @@ std::array<Vec<double, N>, 2> cutting_directions(const C& curve, const path::Pat
 
 }  // namespace
 
+const PartSummary* Travel::part() const {
+  return std::visit(
+      [](const auto& p) -> const PartSummary* {
+        if constexpr (requires { p.part; }) {
+          return &p.part->summary;
+        } else {
+          return nullptr;
+        }
+      },
+      path);
+}
+
+double Travel::duration() const { return part() != nullptr ? part()->duration : law().duration(); }
+
+double Travel::constant_speed() const {
+  return pace == path::Pace::kSpeed && part() == nullptr ? speed : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string Travel::pace_in_words() const {
+  if (part() != nullptr) return "its programmed feed";
   char text[64];
   if (pace == path::Pace::kRate) {
     std::snprintf(text, sizeof text, "one lap in %.4g s", lap() / speed);
@@ -50,10 +70,34 @@ std::string Travel::pace_in_words() const {
   return text;
 }
 
+namespace {
+
+/// A part from its first move to the end of its last.
+template <std::size_t N>
+void sample_part(const Part<N>& part, double period, Route<N>& route) {
+  // Sub-steps are chosen on this much of a long program.
+  constexpr double kLongEnough = 60.0;
+  route.scored_to = part.summary.duration;
+  route.first_lap = std::min(part.summary.duration, kLongEnough);
+  route.lap = std::numeric_limits<double>::quiet_NaN();
+  const auto ticks = static_cast<std::size_t>(std::ceil(part.summary.duration / period)) + 1;
+  route.points.reserve(ticks);
+  PartMotion<N> motion(part);
+  for (std::size_t k = 0; k < ticks; ++k) route.points.push_back(motion.at(static_cast<double>(k) * period));
+}
+
+}  // namespace
+
 template <std::size_t N>
 Route<N> sample(const Travel& travel, double period) {
   Route<N> route;
   route.path = travel.path;
+  if (travel.part() != nullptr) {
+    if constexpr (N == 2 || N == 3) sample_part(*std::get<PartPath<N>>(travel.path).part, period, route);
+    for (const auto& p : route.points)
+      route.size = std::max(route.size, norm(p.position - route.points.front().position));
+    return route;
+  }
   const path::SpeedLaw law = travel.law();
   route.scored_from = travel.run_in + travel.settle_laps * travel.lap() / travel.speed;
   route.scored_to = travel.run_in + law.cruise_time();
