@@ -6,6 +6,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
+#include <apps/cli/part_program.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
@@ -32,8 +33,8 @@ struct Options {
   PathOptions path;
 };
 
-sim::CompareSpec spec_of(const Options& o, const std::string& experiment) {
-  sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds);
+sim::CompareSpec spec_of(const Options& o, const std::string& experiment, const sim::Machine& machine) {
+  sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
   add_beyond(s.controllers, experiment, o.parameters);
   for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
   s.trials = o.trials;
@@ -70,12 +71,13 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
 int compare(const Options& o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
+  if (is_part(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
   check_distinct(inputs, {page_of(o.common), o.common.json});
   check_outputs(o.common);
   const sim::Machine machine = load_machine(o.machine);
-  const std::string experiment = o.experiment.empty() ? default_experiment(machine) : o.experiment;
-  const sim::CompareSpec spec = spec_of(o, experiment);
+  const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
+  const sim::CompareSpec spec = spec_of(o, experiment, machine);
   check_travel(machine, o.machine, spec);
   const Parameters parameters = get_parameters(machine, o.machine, o.parameters, spec);
   sim::CompareResult result;
@@ -111,7 +113,7 @@ int compare(const Options& o) {
     report::write_compare_report(o.common.report, input);
     write_evidence(o.common.report, machine, parameters);
   }
-  say(o.common, report::text_table(result, printed));
+  say(o.common, part_words(spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");
   const auto drift = report::drift_words(result);
@@ -145,8 +147,9 @@ void add_compare(CLI::App& app, Action& action) {
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(
-      "Example:\n  stribeck compare machines/biaxial-table.toml --experiment bi-table --json out.json "
-      "--report report");
+      "Examples:\n  stribeck compare machines/biaxial-table.toml --experiment bi-table --json out.json "
+      "--report report\n"
+      "  stribeck compare machines/triaxial-tool.toml --path examples/part.ngc");
   verb->callback([o, &action] { action = [o] { return compare(*o); }; });
 }
 

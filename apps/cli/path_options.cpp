@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <apps/cli/expected.hpp>
+#include <apps/cli/part_program.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <cmath>
@@ -29,8 +30,14 @@ CLI::Validator names_of() {
 }  // namespace
 
 void add_path_options(CLI::App& verb, PathOptions& o) {
-  verb.add_option("--path", o.path, "circle, eight or trifolium")
-      ->check(names_of<path::Shape>())
+  const auto path_or_program = [](std::string& text) {
+    if (text.find('.') != std::string::npos || text.find('/') != std::string::npos) return std::string();
+    const std::string refused = names_of<path::Shape>()(text);
+    return refused.empty() ? refused : refused + ", nor a G-code file like part.ngc";
+  };
+  verb.add_option("--path", o.path,
+                  "circle, eight, trifolium, or a G-code file (read by LinuxCNC's interpreter)")
+      ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc"))
       ->capture_default_str();
   verb.add_option("--size", o.size, "Radius of the circle, half width of the others")
       ->type_name("LENGTH")
@@ -54,6 +61,17 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
                   "Rate of the tracking error: difference-of-error, or late for comparison")
       ->check(names_of<control::ErrorRate>())
       ->capture_default_str();
+  verb.add_option("--acceleration", o.acceleration,
+                  "Part program: acceleration of every axis; left out: the limit of the machine, the most")
+      ->type_name("ACCELERATION");
+  verb.add_option("--jerk", o.jerk,
+                  "Part program: jerk of every axis; left out: the limit of the machine, or its acceleration "
+                  "in 0.1 s")
+      ->type_name("JERK");
+  verb.add_option("--corner-tolerance", o.corner_tolerance,
+                  "Part program: how far corners may be rounded where G64 P does not say")
+      ->type_name("LENGTH")
+      ->capture_default_str();
   verb.add_option("--accuracy", o.accuracy,
                   "Accuracy of the simulated contour error, which decides the sub-steps")
       ->type_name("LENGTH")
@@ -75,7 +93,18 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
       option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
 }
 
-std::string default_experiment(const sim::Machine& machine) {
+void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
+              const sim::Machine& machine, const std::string& machine_file) {
+  if (is_part(path)) return use_part(spec, path, machine, machine_file);
+  const PathOptions standard;
+  if (!path.acceleration.empty() || !path.jerk.empty() || path.corner_tolerance != standard.corner_tolerance)
+    refuse_option("--acceleration, --jerk, --corner-tolerance", "go with a G-code file as --path only");
+  spec.travels.clear();
+  for (const double speed : speeds) spec.travels.push_back(make_travel(path, speed));
+}
+
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path) {
+  if (is_part(path)) return kVaried;
   switch (machine.axes.size()) {
     case 1:
       return "uni-sim";
@@ -95,7 +124,8 @@ std::vector<std::string> experiment_ids() {
 }
 
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
-                                 const std::vector<std::string>& speeds) {
+                                 const std::vector<std::string>& speeds, const sim::Machine& machine,
+                                 const std::string& machine_file) {
   if (experiment != kVaried) {
     if (!(path == PathOptions{}) || !speeds.empty()) {
       refuse_option("--experiment",
@@ -106,9 +136,12 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
     return sim::find_experiment(all, experiment)->settings.front().spec;
   }
   sim::CompareSpec s;
+  std::vector<double> in_si;
   for (const std::string& speed : speeds)
-    s.travels.push_back(make_travel(path, option_si("--speed", speed, quantity("m/s", "mm/s").positive())));
-  if (s.travels.empty()) s.travels = {make_travel(path, 3e-3), make_travel(path, 9.5e-3)};
+    in_si.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
+  if (is_part(path) && !speeds.empty())
+    refuse_option("--speed", "a part program has its own feed (leave it out)");
+  use_path(s, path, in_si.empty() ? std::vector<double>{3e-3, 9.5e-3} : in_si, machine, machine_file);
   s.controllers = make_controllers(path);
   s.accuracy = make_accuracy(path);
   return s;
@@ -150,7 +183,7 @@ double make_accuracy(const PathOptions& o) {
 void check_travel(const sim::Machine& machine, const std::string& machine_file,
                   const sim::CompareSpec& spec) {
   const std::size_t needed = spec.travels.front().axes();
-  if (machine.axes.size() < needed) {
+  if (spec.axes.empty() && machine.axes.size() < needed) {
     throw io::InputError({machine_file, 0, "axes",
                           fmt::format("the path needs {} axes, the machine has {} (choose another path, or "
                                       "an --experiment for this machine)",
@@ -161,7 +194,15 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
   constexpr double kMostTicks = 2e6;
   for (const sim::Travel& travel : spec.travels) {
     const std::string pace = travel.pace_in_words();
-    const double ticks = travel.law().duration() / machine.sample_time;
+    const double ticks = travel.duration() / machine.sample_time;
+    if (travel.part() != nullptr) {
+      // Planned within the limits of the machine.
+      if (ticks <= kMostTicks) continue;
+      refuse_option("--path",
+                    fmt::format("the program would take {:.3g} control periods, at most {:.3g} are simulated "
+                                "(run it in parts)",
+                                ticks, kMostTicks));
+    }
     if (!(ticks <= kMostTicks)) {
       refuse_option(
           "--speed",

@@ -21,6 +21,10 @@ struct PathOptions {
   std::string accuracy = "1 nm";
   std::string observer = "disturbance";
   std::string error_rate = "difference-of-error";
+  // of a part program
+  std::string acceleration;  ///< empty: of the machine file
+  std::string jerk;          ///< empty: of the machine file
+  std::string corner_tolerance = "10 um";
 
   friend bool operator==(const PathOptions&, const PathOptions&) = default;
 };
@@ -36,14 +40,19 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
 inline constexpr const char* kVaried = "bi-table";
 
 /// The experiment that a machine is for when none is asked for.
-std::string default_experiment(const sim::Machine& machine);
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path);
 
 /// Names of all experiments.
 std::vector<std::string> experiment_ids();
 
 /// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds go with kVaried only.
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
-                                 const std::vector<std::string>& speeds);
+                                 const std::vector<std::string>& speeds, const sim::Machine& machine,
+                                 const std::string& machine_file);
+
+/// The travels of a spec from the options of a path, at speeds [m/s].
+void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
+              const sim::Machine& machine, const std::string& machine_file);
 
 /// Appends a controller that was given as `name`; refuses an id that there is already.
 void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,

@@ -8,6 +8,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
+#include <apps/cli/part_program.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/toml.hpp>
@@ -117,11 +118,15 @@ io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::Cont
 }
 
 /// One controller of an experiment or of the biaxial table on one travel.
-sim::CompareSpec spec_of(const Options& o) {
+sim::CompareSpec spec_of(const Options& o, const sim::Machine& machine) {
   sim::CompareSpec spec;
   if (o.experiment.empty()) {
-    spec.travels = {make_travel(o.path, option_si("--speed", o.speed.empty() ? "9.5 mm/s" : o.speed,
-                                                  quantity("m/s", "mm/s").positive()))};
+    if (is_part(o.path) && !o.speed.empty())
+      refuse_option("--speed", "a part program has its own feed (leave it out)");
+    use_path(
+        spec, o.path,
+        {option_si("--speed", o.speed.empty() ? "9.5 mm/s" : o.speed, quantity("m/s", "mm/s").positive())},
+        machine, o.machine);
     spec.controllers = make_controllers(o.path);
     spec.accuracy = make_accuracy(o.path);
   } else {
@@ -157,7 +162,7 @@ sim::CompareSpec spec_of(const Options& o) {
 }
 
 int run_path(const Options& o, const sim::Machine& machine) {
-  sim::CompareSpec spec = spec_of(o);
+  sim::CompareSpec spec = spec_of(o, machine);
   check_travel(machine, o.machine, spec);
   const sim::ControllerSpec& controller = spec.controllers.front();
   const sim::Travel& travel = spec.travels.front();
@@ -180,6 +185,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
   auto json = report::to_json(one, o.experiment);
   json["schema"] = "stribeck.simulate/1";
   write_json(o.common.json, json);
+  say(o.common, part_words(spec));
   say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,
                             controller.label, travel.name, pace, figures, o.output, log.rows));
   for (const std::string& warning : report::status_warnings(one))
@@ -191,6 +197,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
 
 int simulate(const Options& o) {
   std::vector<std::string> inputs{o.machine, o.reference};
+  if (o.reference.empty() && is_part(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
   check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.experiment.empty())
@@ -235,7 +242,8 @@ void add_simulate(CLI::App& app, Action& action) {
       "Examples:\n  stribeck simulate machines/biaxial-table.toml --reference x-sine.csv --axis x -o "
       "x-sine-log.csv\n"
       "  stribeck simulate machines/biaxial-table.toml --controller f --path eight --parameters thesis -o "
-      "trace.csv");
+      "trace.csv\n"
+      "  stribeck simulate machines/triaxial-tool.toml --path examples/part.ngc -o trace.csv");
   verb->callback([o, &action] { action = [o] { return simulate(*o); }; });
 }
 

@@ -8,6 +8,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/machines.hpp>
 #include <apps/cli/parameters.hpp>
+#include <apps/cli/part_program.hpp>
 #include <apps/cli/path_options.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
@@ -47,9 +48,9 @@ sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const 
   return read_controller(name);
 }
 
-sim::TuneSpec spec_of(const Options& o) {
+sim::TuneSpec spec_of(const Options& o, const sim::Machine& machine) {
   sim::TuneSpec s;
-  s.compare = experiment_spec(o.experiment, o.path, o.speeds);
+  s.compare = experiment_spec(o.experiment, o.path, o.speeds, machine, o.machine);
   s.reference = s.compare.controllers.back();  // of the thesis's own
   add_beyond(s.compare.controllers, o.experiment, o.parameters);
   s.compare.trials = o.trials;
@@ -114,10 +115,11 @@ std::string way_out(const sim::TunedController& c) {
 
 int tune(Options o) {
   const sim::Machine machine = load_machine(o.machine);
-  if (o.experiment.empty()) o.experiment = default_experiment(machine);
-  const sim::TuneSpec spec = spec_of(o);
+  if (o.experiment.empty()) o.experiment = default_experiment(machine, o.path);
+  const sim::TuneSpec spec = spec_of(o, machine);
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
+  if (is_part(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
   std::vector<std::string> outputs{page_of(o.common), o.common.json};
   if (!o.out.empty()) {
@@ -155,7 +157,7 @@ int tune(Options o) {
         io::write_toml(renamed(c.tuned), "Tuned by stribeck " STRIBECK_VERSION " on the machine \"" +
                                              machine.name + "\": docs/theory/tuning.md."));
   }
-  say(o.common, report::text_table(result, spec));
+  say(o.common, part_words(spec.compare) + report::text_table(result, spec));
   say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
   if (all) return 0;
   std::vector<std::string> missed;

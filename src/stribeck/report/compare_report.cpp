@@ -302,12 +302,17 @@ struct Lap {
 double lap_of(const sim::Travel& travel) {
   return std::visit([](const auto& path) { return path.period(); }, travel.path);
 }
-double first_angle(const sim::Travel& travel) { return -lap_of(travel) / 12.0; }
+double first_angle(const sim::Travel& travel) {
+  return travel.part() != nullptr ? 0.0 : -lap_of(travel) / 12.0;
+}
+/// From the parameter to what the axis of a plot shows: degrees, or millimetres along a part.
+double shown_scale(const sim::Travel& travel) { return travel.part() != nullptr ? kMilli : kDegrees; }
 
 /// The plane curve of a travel, or null.
 const path::Curve* plane_curve(const sim::Travel& travel) { return std::get_if<path::Curve>(&travel.path); }
 
 std::string angle_label(const sim::Travel& travel) {
+  if (travel.part() != nullptr) return "place φ on the path [mm]";
   const path::Curve* curve = plane_curve(travel);
   return curve != nullptr && curve->shape == path::Shape::kCircle ? "angle φ of the reference [°]"
                                                                   : "parameter φ of the path [°]";
@@ -324,11 +329,12 @@ Lap last_lap(const Trace& trace, const sim::Travel& travel) {
   for (const sim::ContourSample& s : trace) {
     if (!s.scored || s.phi <= from || s.phi > last->phi) continue;
     const double turns = (s.phi - first_angle(travel)) / period;
-    all.emplace_back((turns - std::floor(turns)) * period + first_angle(travel), &s);
+    const double whole = travel.part() != nullptr ? 0.0 : std::floor(turns);
+    all.emplace_back((turns - whole) * period + first_angle(travel), &s);
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [angle, sample] : all) {
-    lap.angle.push_back(angle * kDegrees);
+    lap.angle.push_back(angle * shown_scale(travel));
     lap.samples.push_back(sample);
   }
   return lap;
@@ -404,9 +410,9 @@ std::vector<Plot> angle_plots(const Block& block, const sim::CompareResult& resu
     p.title = fmt::format("Contour error at {}: {}", block.text, range_name(group));
     p.x_label = angle_label(travel);
     p.y_label = "contour error [µm]";
-    const double from = first_angle(travel) * kDegrees;
-    p.x_range = Range{from, from + lap_of(travel) * kDegrees};
-    p.x_step = lap_of(travel) * kDegrees / 12.0;
+    const double from = first_angle(travel) * shown_scale(travel);
+    p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
+    if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / 12.0;
     p.y_range = Range{result.axes.size() > 2 ? 0.0 : -limit, limit};
     p.height = 310;
     for (const sim::CompareRow* r : group) {
@@ -644,9 +650,9 @@ std::vector<Plot> force_plots(const Block& block, const CompareReportInput& inpu
     p.title = fmt::format("Axis {}, {} at {}", result.axes[axis], full_name(*row), block.text);
     p.x_label = angle_label(travel);
     p.y_label = "force [N]";
-    const double from = first_angle(travel) * kDegrees;
-    p.x_range = Range{from, from + lap_of(travel) * kDegrees};
-    p.x_step = lap_of(travel) * kDegrees / 12.0;
+    const double from = first_angle(travel) * shown_scale(travel);
+    p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
+    if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / 12.0;
     p.height = 300;
     Series force = line_of(block, row);
     force.label = mass > 0.0 ? "force of the controller, less mass times acceleration of the reference"
@@ -797,8 +803,12 @@ void settings(Page& page, const CompareReportInput& input) {
   for (const sim::Travel& travel : spec.travels) paces.push_back(travel.pace_in_words());
   if (!spec.travels.empty()) {
     const sim::Travel& first = spec.travels.front();
-    add("path", fmt::format("{}, {} laps after a run-in of {} s", first.name, short_number(first.laps),
-                            short_number(first.run_in)));
+    if (const sim::PartSummary* part = first.part()) {
+      add("path", fmt::format("{}: {}", first.name, in_words(*part)));
+    } else {
+      add("path", fmt::format("{}, {} laps after a run-in of {} s", first.name, short_number(first.laps),
+                              short_number(first.run_in)));
+    }
     if (first.axes() > 2) add("frame", std::string(name_of_enum(first.frame)));
   }
   add("speeds", listed(paces));

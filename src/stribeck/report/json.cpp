@@ -112,6 +112,17 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
   out["experiment"] = experiment.empty() ? Json(nullptr) : Json(std::string(experiment));
   out["seed"] = result.spec.seed;
   out["trials"] = result.spec.trials;
+  if (const sim::PartSummary* part =
+          result.spec.travels.empty() ? nullptr : result.spec.travels.front().part()) {
+    out["part"] = {{"name", result.spec.travels.front().name},
+                   {"moves", part->moves},
+                   {"length_mm", number_or_null(part->length * kMilli)},
+                   {"duration_s", number_or_null(part->duration)},
+                   {"stops", part->stops},
+                   {"rounded_corners", part->corners},
+                   {"slower_moves", part->limited},
+                   {"rounding_um", number_or_null(part->deviation * 1e6)}};
+  }
   Json rows = Json::array();
   for (const sim::CompareRow& r : result.rows) {
     Json row;

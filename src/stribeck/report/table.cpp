@@ -52,6 +52,21 @@ std::vector<std::string> drift_words(const sim::CompareResult& result) {
   return all;
 }
 
+std::string in_words(const sim::PartSummary& part) {
+  const auto counted = [](std::size_t n, std::string_view what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  std::string words =
+      fmt::format("{}, {} mm in {} s, {} on the way", counted(part.moves, "move"),
+                  decimals(part.length * 1e3, 3), decimals(part.duration, 3), counted(part.stops, "stop"));
+  if (part.corners > 0)
+    words += fmt::format(", {} rounded by at most {} um", counted(part.corners, "corner"),
+                         decimals(part.deviation * 1e6, 3));
+  if (part.limited > 0)
+    words += fmt::format(", {} slower than programmed: limits of the axes", counted(part.limited, "move"));
+  return words;
+}
+
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed) {
   std::string out;
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {

@@ -21,6 +21,9 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result);
 /// What on-line adaptation found changed since identification, one sentence for each row and axis.
 std::vector<std::string> drift_words(const sim::CompareResult& result);
 
+/// "23 moves, 314.2 mm in 45.1 s, 3 stops on the way, 12 corners rounded by at most 9.8 um".
+std::string in_words(const sim::PartSummary& part);
+
 std::string text_table(const sim::CompareResult& result, std::span<const PrintedTable> printed = {});
 
 /// Mass, parameters with intervals, models that were tried, warnings.

@@ -1,0 +1,163 @@
+// G-code as a path: the verbs with the interpreter in a script's place, and with LinuxCNC's own where it is installed.
+
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace stribeck::test {
+namespace {
+
+const std::string kHead = "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.020000)\nSET_FEED_RATE(300.0000)\n";
+
+class PartProgram : public testing::Test {
+ protected:
+  PartProgram() : path_(getenv("PATH")) { setenv("PATH", ((f / "bin") + ":/usr/bin:/bin").c_str(), 1); }
+  ~PartProgram() override { setenv("PATH", path_.c_str(), 1); }
+
+  /// An rs274 that prints these calls, and a program for it.
+  std::string program(const std::string& calls, const std::string& text = "M2\n") {
+    std::filesystem::create_directory(f / "bin");
+    std::string canonical;
+    std::istringstream in(calls + "PROGRAM_END()\n");
+    for (std::string call; std::getline(in, call);) canonical += "    1 N..... " + call + "\n";
+    f.write("bin/calls", canonical);
+    f.write("bin/rs274", "#!/bin/sh\ncat \"" + (f / "bin/calls") + "\"\n");
+    chmod((f / "bin/rs274").c_str(), 0700);
+    return f.write("part.ngc", text);
+  }
+  static std::string to(const std::string& x, const std::string& y, const std::string& z = "0.0000",
+                        const std::string& how = "FEED") {
+    return "STRAIGHT_" + how + "(" + x + ", " + y + ", " + z + ", 0.0000, 0.0000, 0.0000)\n";
+  }
+  Said simulate(const std::string& part, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"simulate", kMachine,       "--path", part, "--controller",
+                                   "f",        "--parameters", "thesis", "-o", f / "trace.csv",
+                                   "--json",   f / "run.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return command(words);
+  }
+  void expect_refused(const Said& said, const std::vector<std::string>& parts) {
+    EXPECT_EQ(said.code, 2) << said.out << said.err;
+    EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+    for (const auto& part : parts)
+      EXPECT_NE(said.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << said.err;
+    EXPECT_FALSE(std::filesystem::exists(f / "trace.csv"));
+    EXPECT_FALSE(std::filesystem::exists(f / "run.json"));
+  }
+  Folder f;
+  std::string path_;
+};
+
+TEST_F(PartProgram, IsSimulatedAndSaysHowFarItsCornersAreRounded) {
+  const std::string part = program(kHead + to("5.0000", "0.0000") + to("5.0000", "5.0000"));
+  const Said said = simulate(part);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("Part part.ngc: 2 moves"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("1 corner rounded by at most 20.000 um"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("distance from the rounded path"), std::string::npos) << said.out;
+  const auto json = nlohmann::json::parse(text_of(f / "run.json"));
+  EXPECT_EQ(json["schema"], "stribeck.simulate/1");
+  EXPECT_EQ(json["part"]["moves"], 2);
+  EXPECT_EQ(json["part"]["stops"], 0);
+  EXPECT_NEAR(json["part"]["rounding_um"].get<double>(), 20.0, 1e-6);
+  EXPECT_GT(json["part"]["duration_s"].get<double>(), 2.0);
+  EXPECT_TRUE(json["rows"][0]["speed_mm_per_s"].is_null());
+  // The rounding of 20 µm is no error of the loop.
+  EXPECT_LT(json["rows"][0]["max_contour_error_um"].get<double>(), 15.0);
+  const std::string trace = text_of(f / "trace.csv");
+  EXPECT_NE(trace.find("contour_error"), std::string::npos);
+  // Byte by byte the same again.
+  ASSERT_EQ(simulate(part).code, 0);
+  EXPECT_EQ(text_of(f / "trace.csv"), trace);
+}
+
+TEST_F(PartProgram, ComparesControllers) {
+  const std::string part = program(kHead + to("3.0000", "0.0000") +
+                                   "ARC_FEED(3.0000, 4.0000, 3.0000, 2.0000, 1, 0.0000, 0.0000, "
+                                   "0.0000, 0.0000)\nDWELL(0.1000)\n" +
+                                   to("0.0000", "4.0000"));
+  const Said said = command({"compare", kMachine, "--path", part, "--parameters", "thesis", "--trials", "1",
+                             "--json", f / "all.json", "--report", f / "report"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("its programmed feed"), std::string::npos) << said.out;
+  const auto json = nlohmann::json::parse(text_of(f / "all.json"));
+  EXPECT_EQ(json["rows"].size(), 6U);
+  EXPECT_EQ(json["part"]["stops"], 1);
+  EXPECT_GT(json["rows"][0]["rms_um"].get<double>(), json["rows"][5]["rms_um"].get<double>());
+  EXPECT_NE(text_of(f / "report/index.html").find("place φ on the path"), std::string::npos);
+}
+
+TEST_F(PartProgram, WithoutTheInterpreterTellsHowToGetIt) {
+  const std::string part = f.write("part.ngc", "G1 X1 F60\nM2\n");
+  setenv("PATH", (f / "nothing").c_str(), 1);
+  expect_refused(simulate(part),
+                 {"part.ngc", "rs274", "tools/install-dependencies --linuxcnc", "linuxcnc-uspace"});
+}
+
+TEST_F(PartProgram, BadInputGetsOneLine) {
+  expect_refused(simulate(f / "no.ngc"), {"no.ngc"});
+  expect_refused(simulate("squircle"), {"--path", "squircle", "circle"});
+  expect_refused(simulate(program("")), {"part.ngc", "no motion"});
+  expect_refused(simulate(program(to("0.0000", "0.0000", "0.0000", "TRAVERSE"))), {"part.ngc", "no motion"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000") + to("5.0000", "80.0000"))),
+                 {"part.ngc", "axis y", "-75 to 75 mm", "75", "G92"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000", "-1.0000"))),
+                 {"part.ngc", "move 1", "no axis z"});
+  expect_refused(simulate(program(kHead + "NURBS_FEED(3, ...)\n")), {"part.ngc", "NURBS_FEED"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000")), {"--laps", "3"}), {"--path", "--laps"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000")), {"--speed", "3 mm/s"}),
+                 {"--speed", "feed"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000")), {"--jerk", "0 mm/s3"}), {"--jerk"});
+  expect_refused(simulate(program(kHead + to("5.0000", "0.0000")), {"--corner-tolerance", "10"}),
+                 {"--corner-tolerance"});
+  expect_refused(simulate("circle", {"--jerk", "1000 mm/s3"}), {"--jerk", "G-code"});
+  const std::string part = program(kHead + to("5.0000", "0.0000"));
+  expect_refused(command({"simulate", kMachine, "--path", part, "-o", part}), {"part.ngc"});
+  const std::string slow = program("SET_FEED_RATE(0.0010)\n" + to("50.0000", "0.0000"));
+  expect_refused(simulate(slow), {"--path", "control periods"});
+}
+
+TEST_F(PartProgram, SaysWhatItCannotKnow) {
+  const Said said =
+      simulate(program("USE_LENGTH_UNITS(CANON_UNITS_INCHES)\nCHANGE_TOOL(1)\nSET_FEED_RATE(40.0000)\n" +
+                       to("0.2000", "0.1000")));
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("2.54 um"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("length and radius 0"), std::string::npos) << said.out;
+  // 40 inches in a minute are 16.9 mm/s, the axes do 10.
+  EXPECT_NE(said.out.find("1 move slower than programmed"), std::string::npos) << said.out;
+}
+
+TEST_F(PartProgram, LimitsOfTheOptionsCount) {
+  const std::string part = program("SET_FEED_RATE(300.0000)\nDWELL(1.0000)\n" + to("1.0000", "0.0000"));
+  const auto seconds = [&](std::vector<std::string> more) {
+    const Said said = simulate(part, more);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return nlohmann::json::parse(text_of(f / "run.json"))["part"]["duration_s"].get<double>();
+  };
+  // 1 mm at 5 mm/s: T = s/v + v/a + a/j, or s/v + 2·√(v/j) where v < a²/j.
+  EXPECT_NEAR(seconds({}), 0.2 + 2.0 * std::sqrt(0.005 / 2.0), 1e-9);
+  EXPECT_NEAR(seconds({"--acceleration", "50 mm/s2"}), 0.2 + 0.1 + 0.1, 1e-9);
+  EXPECT_NEAR(seconds({"--acceleration", "50 mm/s2", "--jerk", "5000 mm/s3"}), 0.2 + 0.1 + 0.01, 1e-9);
+}
+
+TEST_F(PartProgram, ExampleThroughLinuxCnc) {
+  setenv("PATH", path_.c_str(), 1);
+  if (std::system("command -v rs274 >/dev/null") != 0) GTEST_SKIP() << "LinuxCNC's rs274 is not installed";
+  const std::string part = std::string(STRIBECK_SOURCE_DIR) + "/examples/part.ngc";
+  const Said said = simulate(part);
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(f / "run.json"));
+  EXPECT_EQ(json["part"]["moves"], 12);
+  EXPECT_LE(json["part"]["rounding_um"].get<double>(), 50.0001);
+  EXPECT_LT(json["rows"][0]["max_contour_error_um"].get<double>(), 15.0);
+  const Said bad = simulate(f.write("bad.ngc", "G21\nG1 X1 F100\nG1 X1Q\nM2\n"));
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_NE(bad.err.find("bad.ngc:3: "), std::string::npos) << bad.err;
+}
+
+}  // namespace
+}  // namespace stribeck::test
