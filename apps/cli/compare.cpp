@@ -74,7 +74,7 @@ int compare(const Options& o) {
   if (is_part(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
   check_distinct(inputs, {page_of(o.common), o.common.json});
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   const sim::Machine machine = load_machine(o.machine);
   const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
   const sim::CompareSpec spec = spec_of(o, experiment, machine);

@@ -135,7 +135,7 @@ std::string option_of(const std::string& parameter) {
 int excite(const Options& o) {
   check_options(o);
   check_distinct({o.machine, o.known}, {o.output, o.gcode, o.common.json});
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   check_writable(o.output);
   check_writable(o.gcode);
   const sim::Machine machine = load_machine(o.machine);

@@ -288,7 +288,7 @@ int export_to(const Options& o) {
     if (equals != std::string::npos) inputs.push_back(file.substr(equals + 1));
   }
   check_distinct(inputs, {o.output, o.common.json});
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   if (folder) return export_configuration(o, load_machine(o.files.front()));
   check_writable(o.output);
   Json json = {{"schema", "stribeck.export/1"}, {"to", o.to}, {"file", o.output}};

@@ -407,7 +407,7 @@ int identify(const Options& o) {
     }
   }
   check_distinct(o.logs, {o.output, page_of(o.common), o.common.json});
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   check_writable(o.output);
   if (o.inspect) return inspect_logs(o);
   const Input in = read_logs(o);

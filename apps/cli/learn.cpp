@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <array>
 #include <cmath>
 
 #include <apps/cli/commands.hpp>
@@ -9,6 +10,7 @@
 #include <stribeck/ident/least_squares_a.hpp>
 #include <stribeck/ident/velocity_map.hpp>
 #include <stribeck/report/trace_report.hpp>
+#include <utility>
 
 namespace stribeck::cli {
 
@@ -100,6 +102,26 @@ void refuse_nonsense(const ident::Result& result, const std::string& source) {
   }
 }
 
+namespace {
+
+/// What the columns of our own logs are, by the first part of their names.
+std::string quantity_of(const std::string& column) {
+  static constexpr std::array kNames{std::pair{"contour_error", "contour error"},
+                                     std::pair{"e", "tracking error"},
+                                     std::pair{"r", "position"},
+                                     std::pair{"x", "position"},
+                                     std::pair{"table", "position"},
+                                     std::pair{"u", "control input"},
+                                     std::pair{"f", "force"},
+                                     std::pair{"friction", "force"}};
+  for (const auto& [name, quantity] : kNames) {
+    if (column == name || column.rfind(std::string(name) + "_", 0) == 0) return quantity;
+  }
+  return {};
+}
+
+}  // namespace
+
 void report_log(const std::string& directory, const io::Log& log, const std::string& title,
                 const std::string& summary) {
   if (directory.empty()) return;
@@ -107,7 +129,7 @@ void report_log(const std::string& directory, const io::Log& log, const std::str
       title, summary, typed_command(), STRIBECK_VERSION, log.columns.front().values, {}};
   for (std::size_t i = 1; i < log.columns.size(); ++i) {
     const io::Column& c = log.columns[i];
-    input.columns.push_back({c.name, c.unit_text, c.values});
+    input.columns.push_back({c.name, c.unit_text, c.values, quantity_of(c.name)});
   }
   report::write_trace_report(directory, input);
 }

@@ -205,7 +205,7 @@ int reproduce(const Options& o) {
   inputs.push_back(o.check);
   check_distinct(inputs, {page_of(o.common), o.common.json, o.markdown});
   const std::string expected = o.check.empty() ? std::string() : io::read_text(o.check);
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   check_writable(o.markdown);
   const auto all = sim::experiments();
   std::vector<const sim::Experiment*> chosen;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
@@ -144,10 +145,38 @@ std::string page_of(const Common& common) {
   return common.report.empty() ? "" : common.report + "/index.html";
 }
 
-void check_outputs(const Common& common) {
+OutputFolder::OutputFolder(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::path missing = fs::absolute(path, error);
+  if (!missing.has_filename()) missing = missing.parent_path();  // "report/"
+  for (; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
+    made_.push_back(missing.string());
+  try {
+    io::make_directory(path);
+  } catch (...) {
+    remove_empty();
+    throw;
+  }
+}
+
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept : made_(std::exchange(other.made_, {})) {}
+
+OutputFolder::~OutputFolder() { remove_empty(); }
+
+void OutputFolder::remove_empty() noexcept {
+  std::error_code error;
+  for (const std::string& folder : made_) {
+    // Only an empty one can be removed.
+    if (!std::filesystem::is_directory(folder, error) || !std::filesystem::remove(folder, error)) return;
+  }
+}
+
+OutputFolder check_outputs(const Common& common) {
   // The report's folder may be the one the JSON goes to; make it first.
-  if (!common.report.empty()) io::make_directory(common.report);
+  OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);
   check_writable(common.json);
+  return page;
 }
 
 void write_json(const std::string& path, const nlohmann::ordered_json& json) {

@@ -72,7 +72,27 @@ std::string page_of(const Common& common);
 /// Fails early when a result could not be written at the end: checks the folder of every path that is not
 /// empty.
 void check_writable(const std::string& path);
-void check_outputs(const Common& common);
+
+/// A folder for results, made with those above it before the work begins. Those that it made and that nothing was written to go
+/// away with it, so that a command that fails leaves none behind.
+class OutputFolder {
+ public:
+  OutputFolder() = default;
+  explicit OutputFolder(const std::string& path);
+  ~OutputFolder();
+  OutputFolder(OutputFolder&& other) noexcept;
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  OutputFolder& operator=(OutputFolder&&) = delete;
+
+ private:
+  void remove_empty() noexcept;
+
+  std::vector<std::string> made_;  ///< the deepest first
+};
+
+/// Checks what every verb may write, and makes the folder of its page.
+[[nodiscard]] OutputFolder check_outputs(const Common& common);
 
 void write_json(const std::string& path, const nlohmann::ordered_json& json);
 

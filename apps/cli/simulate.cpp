@@ -117,6 +117,25 @@ io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::Cont
   return log;
 }
 
+/// For the page, errors first: on a drawing of positions they cannot be seen.
+io::Log errors_first(const io::Log& log, const std::vector<std::string>& axes) {
+  io::Log shown = log;
+  const io::Column contour = std::move(shown.columns.back());
+  shown.columns.pop_back();
+  std::vector<io::Column> errors{contour};
+  for (const std::string& axis : axes) {
+    io::Column e{"e_" + axis, "um", {}};
+    const io::Column& r = log.at("r_" + axis);
+    const io::Column& table = log.at("table_" + axis);
+    for (std::size_t k = 0; k < log.rows; ++k) e.values.push_back(1e3 * (table.values[k] - r.values[k]));
+    errors.push_back(std::move(e));
+  }
+  // The error of one axis is its tracking error.
+  if (axes.size() == 1) errors.erase(errors.begin());
+  shown.columns.insert(shown.columns.begin() + 1, errors.begin(), errors.end());
+  return shown;
+}
+
 /// One controller of an experiment or of the biaxial table on one travel.
 sim::CompareSpec spec_of(const Options& o, const sim::Machine& machine) {
   sim::CompareSpec spec;
@@ -178,9 +197,10 @@ int run_path(const Options& o, const sim::Machine& machine) {
                   {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
   const std::string figures =
-      fmt::format("{} error max {:.2f} um, RMS {:.3f} um", one.axes.size() == 1 ? "tracking" : "contour",
+      fmt::format("{} error max {:.2f} µm, RMS {:.3f} µm", one.axes.size() == 1 ? "tracking" : "contour",
                   m.max_contour_error * 1e6, m.rms * 1e6);
-  report_log(o.common.report, log, fmt::format("Controller ({}) on {}", controller.id, travel.name),
+  report_log(o.common.report, errors_first(log, one.axes),
+             fmt::format("Controller ({}) on {}", controller.id, travel.name),
              fmt::format("{}, {}: {}", controller.label, pace, figures));
   auto json = report::to_json(one, o.experiment);
   json["schema"] = "stribeck.simulate/1";
@@ -202,7 +222,7 @@ int simulate(const Options& o) {
   check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.experiment.empty())
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);
   return o.reference.empty() ? run_path(o, machine) : play_reference(o, machine);

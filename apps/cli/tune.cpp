@@ -128,11 +128,11 @@ int tune(Options o) {
                     fmt::format("got a file for {} controllers, expected a folder (or a single --controller)",
                                 spec.compare.controllers.size()));
     }
-    if (!is_file(o.out)) io::make_directory(o.out);
     for (const sim::ControllerSpec& c : spec.compare.controllers) outputs.push_back(file_of(o, c.id));
   }
+  const OutputFolder tuned_folder = o.out.empty() || is_file(o.out) ? OutputFolder() : OutputFolder(o.out);
   check_distinct(inputs, outputs);
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   if (is_file(o.out)) check_writable(o.out);
   check_travel(machine, o.machine, spec.compare);
   sim::CompareSpec needed = spec.compare;

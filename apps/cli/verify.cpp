@@ -52,7 +52,7 @@ int verify(const Options& o) {
   std::vector<std::string> inputs = o.files;
   inputs.push_back(o.controller);
   check_distinct(inputs, {o.common.json});
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   std::vector<std::pair<std::string, friction::AxisModel>> models;
   for (std::size_t i = 0; i + 1 < o.files.size(); ++i) {
     models.emplace_back(

@@ -194,6 +194,24 @@ TEST_F(BadLog, UnitOfAnotherQuantity) {
   expect_refused(with([](Lines&) {}, {"--map", "force=x N", "--map", "x=f mm"}), {"--map", "x [mm]", "no N"});
 }
 
+TEST(Report, AFailedCommandLeavesNoFolderBehind) {
+  namespace fs = std::filesystem;
+  Folder folder;
+  expect_refused(command({"compare", folder / "nothing.toml", "--report", folder / "deep/er"}),
+                 {"nothing.toml"});
+  EXPECT_FALSE(fs::exists(folder / "deep"));
+  expect_refused(command({"tune", kMachine, "--controller", "f", "--axis-file", "x=" + (folder / "no.toml"),
+                          "-o", folder / "tuned", "--report", folder / "page"}),
+                 {"no.toml"});
+  EXPECT_FALSE(fs::exists(folder / "tuned"));
+  EXPECT_FALSE(fs::exists(folder / "page"));
+  // What was there before stays.
+  fs::create_directory(folder / "mine");
+  expect_refused(command({"compare", folder / "nothing.toml", "--report", folder / "mine"}),
+                 {"nothing.toml"});
+  EXPECT_TRUE(fs::exists(folder / "mine"));
+}
+
 // One direction only: what can be told is told, and what cannot is not written.
 TEST(OneDirection, IsIdentifiedAsFarAsItGoes) {
   Folder folder;

@@ -6,11 +6,13 @@
 #include <limits>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/compare_report.hpp>
+#include <stribeck/report/contour_plots.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/laws.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/report/verdict.hpp>
 #include <utility>
 
 namespace stribeck::report {
@@ -20,8 +22,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMicro = 1e6;
 constexpr double kMilli = 1e3;
 constexpr double kDegrees = 180.0 / kPi;
+/// Of text inside a drawing: the colours of some controllers are too light to read.
+constexpr const char* kInk = "#202124";
 
-using Rows = std::vector<const sim::CompareRow*>;
 using Trace = std::vector<sim::ContourSample>;
 
 /// What happened on one travel.
@@ -48,95 +51,9 @@ std::vector<Block> blocks_of(const CompareReportInput& input) {
 }
 
 std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }
-std::string name_of(const sim::CompareRow& r) { return "(" + r.controller.id + ")"; }
-std::string full_name(const sim::CompareRow& r) { return name_of(r) + " " + r.controller.label; }
 
 // ---- in words
 // -----------------------------------------------------------------------------------------------------
-
-bool is_plain(const sim::CompareRow& r) {
-  return r.controller.friction == sim::FrictionUse::kNone &&
-         r.controller.observer == control::Observer::kNone;
-}
-
-const sim::CompareRow* least(const Rows& rows, double sim::Metrics::*figure) {
-  const sim::CompareRow* best = nullptr;
-  for (const sim::CompareRow* r : rows) {
-    if (std::isfinite(r->mean.*figure) && (best == nullptr || r->mean.*figure < best->mean.*figure)) best = r;
-  }
-  return best;
-}
-
-/// Whether a difference of means is no more than chance: below two standard errors.
-bool alike(const sim::CompareRow& a, const sim::CompareRow& b, double sim::Metrics::*figure, double trials) {
-  const double sa = a.spread.*figure;
-  const double sb = b.spread.*figure;
-  if (!std::isfinite(sa) || !std::isfinite(sb)) return false;
-  return std::abs(a.mean.*figure - b.mean.*figure) < 2.0 * std::sqrt((sa * sa + sb * sb) / trials);
-}
-
-std::string change(double value, double against) {
-  const double percent = 100.0 * (value / against - 1.0);
-  if (!std::isfinite(percent)) return "not comparable with";
-  if (std::abs(percent) < 0.5) return "the same as";
-  return fmt::format("{:.0f}\u00A0% {} than", std::abs(percent), percent < 0.0 ? "less" : "more");
-}
-
-std::string summary(const Block& block, double trials) {
-  using sim::Metrics;
-  const sim::CompareRow* best = least(block.rows, &Metrics::rms);
-  if (best == nullptr) return "At " + block.text + " no controller gave a finite result.";
-  std::string text = fmt::format("At {} {} leaves the smallest RMS contour error, {}\u00A0µm", block.text,
-                                 full_name(*best), micrometres(best->mean.rms));
-  std::vector<std::string> as_good;
-  for (const sim::CompareRow* r : block.rows) {
-    if (r != best && alike(*r, *best, &Metrics::rms, trials)) as_good.push_back(name_of(*r));
-  }
-  if (!as_good.empty()) text += " (" + listed(as_good) + " no further apart than chance)";
-
-  const sim::CompareRow* plain = nullptr;
-  const sim::CompareRow* conventional = nullptr;
-  for (const sim::CompareRow* r : block.rows) {
-    if (r == best) continue;
-    if (is_plain(*r) && plain == nullptr) plain = r;
-    if (r->controller.friction == sim::FrictionUse::kConventional) {
-      if (conventional == nullptr || r->controller.observer == best->controller.observer) conventional = r;
-    }
-  }
-  std::vector<const sim::CompareRow*> rivals;
-  for (const sim::CompareRow* r : {plain, conventional}) {
-    if (r != nullptr) rivals.push_back(r);
-  }
-  const auto compared = [&](double Metrics::*figure) {
-    std::vector<std::string> parts;
-    for (const sim::CompareRow* r : rivals) {
-      parts.push_back(fmt::format("{} {} ({}\u00A0µm)", change(best->mean.*figure, r->mean.*figure),
-                                  full_name(*r), micrometres(r->mean.*figure)));
-    }
-    return listed(parts);
-  };
-  if (!rivals.empty()) text += ": " + compared(&Metrics::rms);
-  text += fmt::format(". Its largest error is {}\u00A0µm", micrometres(best->mean.max_contour_error));
-  if (!rivals.empty()) text += ", " + compared(&Metrics::max_contour_error);
-  text += ".";
-  const sim::CompareRow* flattest = least(block.rows, &Metrics::max_contour_error);
-  if (flattest != nullptr && flattest != best) {
-    const bool chance = alike(*flattest, *best, &Metrics::max_contour_error, trials);
-    text += fmt::format(" The smallest maximum has {}: {}\u00A0µm{}.", full_name(*flattest),
-                        micrometres(flattest->mean.max_contour_error),
-                        chance ? ", no more apart than chance" : "");
-  }
-  const double glitch = best->mean.quadrant_glitch;
-  if (std::isfinite(glitch)) {
-    const bool at_quadrant = glitch > 0.98 * best->mean.max_contour_error;
-    text += fmt::format(
-        " What remains at the quadrants is {}\u00A0µm within the first 0.15\u00A0mm after an axis "
-        "reverses{}.",
-        micrometres(glitch),
-        at_quadrant ? ", and that is the largest error of all" : "; the largest error lies elsewhere");
-  }
-  return text;
-}
 
 /// How the block stands against print, in one sentence; empty without print.
 std::string against_print(const Block& block) {
@@ -175,14 +92,16 @@ struct Figure {
   bool smaller_is_better = true;
 };
 
-std::vector<Figure> table_figures(const sim::CompareResult& result) {
+/// What decides.
+std::vector<Figure> main_figures(const sim::CompareResult& result) {
   using sim::Metrics;
+  const std::string mean = result.axes.size() == 1 ? "mean |e|" : "mean |ε|";
   std::vector<Figure> all{{"max", "µm", kMicro, [](const Metrics& m) { return m.max_contour_error; },
                            &PrintedRow::max_contour_error_um},
                           {"glitch", "µm", kMicro, [](const Metrics& m) { return m.quadrant_glitch; },
                            &PrintedRow::quadrant_glitch_um},
                           {"RMS", "µm", kMicro, [](const Metrics& m) { return m.rms; }, &PrintedRow::rms_um},
-                          {"mean |ε|", "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
+                          {mean, "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
   if (std::any_of(result.rows.begin(), result.rows.end(),
                   [](const sim::CompareRow& r) { return std::isfinite(r.mean.quadrant_ratio); })) {
     all.push_back({"quadrant ratio", "", 1.0, [](const Metrics& m) { return m.quadrant_ratio; }, nullptr});
@@ -191,8 +110,8 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
   if (std::any_of(result.rows.begin(), result.rows.end(), tool_axis)) {
     all.push_back(
         {"tool axis max", "µrad", kMicro, [](const Metrics& m) { return m.max_orientation_error; }, nullptr});
-    all.push_back(
-        {"mean", "µrad", kMicro, [](const Metrics& m) { return m.mean_orientation_error; }, nullptr});
+    all.push_back({"tool axis mean", "µrad", kMicro,
+                   [](const Metrics& m) { return m.mean_orientation_error; }, nullptr});
   }
   all.push_back(
       {"mean |Δu|", "mV", kMilli, [](const Metrics& m) { return m.input_variation; }, nullptr, false});
@@ -201,8 +120,13 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
                   [](const sim::CompareRow& r) { return std::isfinite(r.mean.mean_abs_ui); });
   if (current_known)
     all.push_back({"mean |u·i|", "W", 1.0, [](const Metrics& m) { return m.mean_abs_ui; }, nullptr, false});
-  // What is looked at least stands last, where a narrow page cuts it off.
-  all.push_back({"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um});
+  return all;
+}
+
+/// What is looked at least: all in one table would be wider than a page.
+std::vector<Figure> further_figures(const sim::CompareResult& result) {
+  using sim::Metrics;
+  std::vector<Figure> all{{"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um}};
   using Get = double (*)(const Metrics&);
   constexpr std::array<Get, control::kMostAxes> kTracking{
       [](const Metrics& m) { return m.mean_abs_tracking[0]; },
@@ -211,23 +135,24 @@ std::vector<Figure> table_figures(const sim::CompareResult& result) {
       [](const Metrics& m) { return m.mean_abs_tracking[3]; },
       [](const Metrics& m) { return m.mean_abs_tracking[4]; },
       [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
+  // The tracking error of one axis alone is in the main table.
+  if (result.axes.size() < 2) return all;
   for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
     all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
   return all;
 }
 
-Table controllers_table(const Block& block, const sim::CompareResult& result) {
-  const std::vector<Figure> figures = table_figures(result);
+Table controllers_table(const Block& block, const std::vector<Figure>& figures) {
   Table t{"At " + block.text, {{"controller", "", false}}, {}};
   for (const Figure& f : figures) t.columns.push_back({f.head, f.unit});
   std::vector<double> best(figures.size(), std::numeric_limits<double>::infinity());
   for (const sim::CompareRow* r : block.rows) {
     for (std::size_t i = 0; i < figures.size(); ++i) best[i] = std::fmin(best[i], figures[i].of(r->mean));
   }
-  for (std::size_t k = 0; k < block.rows.size(); ++k) {
-    const sim::CompareRow& r = *block.rows[k];
+  for (const sim::CompareRow* one : block.rows) {
+    const sim::CompareRow& r = *one;
     const PrintedRow* printed = block.printed != nullptr ? block.printed->find(r.controller.id) : nullptr;
-    std::vector<Cell> row{{name_of(r), "", r.controller.label, false, controller_color(r.controller.id, k)}};
+    std::vector<Cell> row{{name_of(r), "", r.controller.label, false, color_of(r, block.rows)}};
     for (std::size_t i = 0; i < figures.size(); ++i) {
       const Figure& f = figures[i];
       const double value = f.of(r.mean);
@@ -288,173 +213,15 @@ Table drift_table(const sim::CompareResult& result) {
   return t;
 }
 
-// ---- one lap
-// ------------------------------------------------------------------------------------------------------
-
-/// The last scored lap, by angle: the parameter of the path, from a twelfth before zero, so that no reversal
-/// of a circle lies at the border.
-struct Lap {
-  std::vector<const sim::ContourSample*> samples;
-  std::vector<double> angle;  ///< [°], ascending
-};
-
-/// Parameter of one lap [rad].
-double lap_of(const sim::Travel& travel) {
-  return std::visit([](const auto& path) { return path.period(); }, travel.path);
-}
-double first_angle(const sim::Travel& travel) {
-  return travel.part() != nullptr ? 0.0 : -lap_of(travel) / 12.0;
-}
-/// From the parameter to what the axis of a plot shows: degrees, or millimetres along a part.
-double shown_scale(const sim::Travel& travel) { return travel.part() != nullptr ? kMilli : kDegrees; }
-
 /// The plane curve of a travel, or null.
 const path::Curve* plane_curve(const sim::Travel& travel) { return std::get_if<path::Curve>(&travel.path); }
-
-std::string angle_label(const sim::Travel& travel) {
-  if (travel.part() != nullptr) return "place φ on the path [mm]";
-  const path::Curve* curve = plane_curve(travel);
-  return curve != nullptr && curve->shape == path::Shape::kCircle ? "angle φ of the reference [°]"
-                                                                  : "parameter φ of the path [°]";
-}
-
-Lap last_lap(const Trace& trace, const sim::Travel& travel) {
-  Lap lap;
-  const auto last =
-      std::find_if(trace.rbegin(), trace.rend(), [](const sim::ContourSample& s) { return s.scored; });
-  if (last == trace.rend()) return lap;
-  const double period = lap_of(travel);
-  const double from = last->phi - period;
-  std::vector<std::pair<double, const sim::ContourSample*>> all;
-  for (const sim::ContourSample& s : trace) {
-    if (!s.scored || s.phi <= from || s.phi > last->phi) continue;
-    const double turns = (s.phi - first_angle(travel)) / period;
-    const double whole = travel.part() != nullptr ? 0.0 : std::floor(turns);
-    all.emplace_back((turns - whole) * period + first_angle(travel), &s);
-  }
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [angle, sample] : all) {
-    lap.angle.push_back(angle * shown_scale(travel));
-    lap.samples.push_back(sample);
-  }
-  return lap;
-}
-
-std::vector<Marker> reversals(const Lap& lap, const std::vector<std::string>& axes) {
-  std::vector<Marker> markers;
-  for (std::size_t k = 1; k < lap.samples.size(); ++k) {
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const double before = lap.samples[k - 1]->velocity[i];
-      const double after = lap.samples[k]->velocity[i];
-      if ((before < 0.0) == (after < 0.0)) continue;
-      if (!markers.empty() && markers.back().x == lap.angle[k]) {
-        // Two axes that turn together get one line.
-        std::string& label = markers.back().label;
-        label = label.substr(0, label.rfind(' ')) + ", " + axes[i] + " reverse";
-      } else {
-        markers.push_back({lap.angle[k], axes[i] + " reverses"});
-      }
-    }
-  }
-  // Many of them: the axis alone must do.
-  if (markers.size() > 6) {
-    for (Marker& m : markers) m.label = m.label.substr(0, m.label.rfind(' '));
-  }
-  return markers;
-}
-
-/// Largest |ε| drawn at this speed, so that its plots share one scale [µm].
-double largest(const Rows& rows, bool whole_run) {
-  double m = 0.0;
-  for (const sim::CompareRow* r : rows) {
-    for (const sim::ContourSample& s : r->trace) {
-      if (whole_run || s.scored) m = std::fmax(m, std::abs(s.contour_error) * kMicro);
-    }
-  }
-  return m > 0.0 ? m : 1.0;
-}
-
-/// Controllers in drawings of three: (a) to (c), (d) to (f).
-std::vector<Rows> groups(const Rows& rows) {
-  std::vector<Rows> all;
-  for (std::size_t i = 0; i < rows.size(); i += 3) {
-    all.emplace_back(rows.begin() + static_cast<std::ptrdiff_t>(i),
-                     rows.begin() + static_cast<std::ptrdiff_t>(std::min(rows.size(), i + 3)));
-  }
-  return all;
-}
-
-std::size_t position(const Block& block, const sim::CompareRow* row) {
-  return static_cast<std::size_t>(std::find(block.rows.begin(), block.rows.end(), row) - block.rows.begin());
-}
 
 Series line_of(const Block& block, const sim::CompareRow* r) {
   Series s;
   s.label = full_name(*r);
-  s.color = controller_color(r->controller.id, position(block, r));
+  s.color = color_of(*r, block.rows);
   s.width = 1.3;
   return s;
-}
-
-std::string range_name(const Rows& rows) {
-  return rows.size() == 1 ? full_name(*rows.front())
-                          : name_of(*rows.front()) + " to " + name_of(*rows.back());
-}
-
-std::vector<Plot> angle_plots(const Block& block, const sim::CompareResult& result) {
-  const sim::Travel& travel = *block.travel;
-  const double limit = 1.08 * largest(block.rows, false);
-  std::vector<Plot> plots;
-  for (const Rows& group : groups(block.rows)) {
-    Plot p;
-    p.title = fmt::format("Contour error at {}: {}", block.text, range_name(group));
-    p.x_label = angle_label(travel);
-    p.y_label = "contour error [µm]";
-    const double from = first_angle(travel) * shown_scale(travel);
-    p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
-    if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / 12.0;
-    p.y_range = Range{result.axes.size() > 2 ? 0.0 : -limit, limit};
-    p.height = 310;
-    for (const sim::CompareRow* r : group) {
-      const Lap lap = last_lap(r->trace, travel);
-      if (p.markers.empty()) p.markers = reversals(lap, result.axes);
-      Series s = line_of(block, r);
-      s.x = lap.angle;
-      for (const auto* sample : lap.samples) s.y.push_back(sample->contour_error * kMicro);
-      p.series.push_back(std::move(s));
-    }
-    plots.push_back(std::move(p));
-  }
-  return plots;
-}
-
-std::vector<Plot> time_plots(const Block& block) {
-  const double limit = 1.08 * largest(block.rows, true);
-  std::vector<Plot> plots;
-  for (const Rows& group : groups(block.rows)) {
-    Plot p;
-    p.title = fmt::format("Contour error at {} over time: {}", block.text, range_name(group));
-    p.x_label = "time [s]";
-    p.y_label = "contour error [µm]";
-    p.y_range = Range{block.travel->axes() > 2 ? 0.0 : -limit, limit};
-    p.height = 260;
-    for (const sim::CompareRow* r : group) {
-      Series s = line_of(block, r);
-      s.width = 1.1;
-      for (const sim::ContourSample& sample : r->trace) {
-        s.x.push_back(sample.time);
-        s.y.push_back(sample.contour_error * kMicro);
-      }
-      const auto scored = [](const sim::ContourSample& x) { return x.scored; };
-      const auto first = std::find_if(r->trace.begin(), r->trace.end(), scored);
-      const auto last = std::find_if(r->trace.rbegin(), r->trace.rend(), scored);
-      if (p.markers.empty() && first != r->trace.end())
-        p.markers = {{first->time, "scored from"}, {last->time, "to"}};
-      p.series.push_back(std::move(s));
-    }
-    plots.push_back(std::move(p));
-  }
-  return plots;
 }
 
 // ---- contour with its error magnified
@@ -474,10 +241,11 @@ struct Magnified {
   std::string caption;
 };
 
-Magnified contour_plots(const Block& block, const path::Curve& curve) {
+/// Controllers of one scale, on the path with their errors magnified.
+Magnified contour_plots(const Block& block, const ScaleGroup& group, const path::Curve& curve) {
   constexpr double kRoom = 0.6;  // of the path's size, for the largest error
   constexpr double kMostMagnification = 1e5;
-  const double worst = largest(block.rows, false) / kMicro;
+  const double worst = group.largest > 0.0 ? group.largest : 1e-6;
   const double magnification = round_down(std::min(kRoom * curve.size / worst, kMostMagnification));
   const double ring = round_down(0.4 * worst);
 
@@ -485,7 +253,6 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
   std::array<Series, 2> rings{Series{.color = "#b6bbc0", .width = 0.8, .dashed = true},
                               Series{.color = "#b6bbc0", .width = 0.8, .dashed = true}};
   constexpr int kPoints = 240;
-  double half = 0.0;
   Vec2 low{{1e9, 1e9}};
   Vec2 high{{-1e9, -1e9}};
   for (int i = 0; i <= kPoints; ++i) {
@@ -504,16 +271,16 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
       high[k] = std::max(high[k], (q[0][k] + magnification * worst) * kMilli);
     }
   }
-  half = 0.0;
+  double half = 0.0;
   for (std::size_t k = 0; k < 2; ++k) half = std::max(half, 0.5 * (high[k] - low[k]));
   const Vec2 middle = 0.5 * (low + high);
 
   Magnified m;
-  for (const sim::CompareRow* r : block.rows) {
+  for (const sim::CompareRow* r : group.rows) {
     const Lap lap = last_lap(r->trace, *block.travel);
     std::vector<double> angle = lap.angle;
     std::vector<double> error;
-    for (const auto* s : lap.samples) error.push_back(s->contour_error);
+    for (const auto* s : lap.samples) error.push_back(s == nullptr ? kNaN : s->contour_error);
     thin(angle, error, 500);
     Series s = line_of(block, r);
     s.label.clear();
@@ -539,19 +306,19 @@ Magnified contour_plots(const Block& block, const path::Curve& curve) {
     p.width = 350;
     p.height = 365;
     p.x_range = Range{middle[0] - half, middle[0] + half};
-    p.y_range = Range{middle[1] - half, middle[1] + half};
+    p.y_range = Range{middle[1] - 1.12 * half, middle[1] + half};
+    p.notes = {{middle[0], middle[1] - 1.06 * half, fmt::format("error × {:.0f}", magnification), kInk}};
     if (curve.shape == path::Shape::kCircle) {
-      p.notes = {{0.0, 0.09 * half, "max " + micrometres(r->mean.max_contour_error) + " µm", s.color},
-                 {0.0, -0.09 * half, "RMS " + micrometres(r->mean.rms) + " µm", s.color}};
+      p.notes.push_back({0.0, 0.09 * half, "max " + micrometres(r->mean.max_contour_error) + " µm", kInk});
+      p.notes.push_back({0.0, -0.09 * half, "RMS " + micrometres(r->mean.rms) + " µm", kInk});
     }
     p.series = {rings[0], rings[1], line, std::move(s)};
     m.plots.push_back(std::move(p));
   }
   m.caption = fmt::format(
-      "The path (grey) and the table's way on the last scored lap, its error magnified {:.0f} times. Dashed: "
-      "{} µm to both "
-      "sides of the path.",
-      magnification, short_number(ring * kMicro));
+      "{}: the path (grey) and the table's way on the last scored lap, its error magnified {:.0f} times. "
+      "Dashed: {} µm to both sides of the path.",
+      names_of(group.rows, block.rows), magnification, short_number(ring * kMicro));
   return m;
 }
 
@@ -565,60 +332,96 @@ double speed_of(const sim::Travel& travel) {
                     travel.path);
 }
 
-std::vector<Plot> reversal_plots(const Block& block, const sim::CompareResult& result) {
+/// The last reversal of an axis with all of its two millimetres inside the scored part; 0: none.
+std::size_t reversal_of(const Trace& t, std::size_t axis, std::size_t reach) {
+  std::size_t at = 0;
+  for (std::size_t k = 1; k + reach < t.size(); ++k) {
+    const bool turns = (t[k - 1].velocity[axis] < 0.0) != (t[k].velocity[axis] < 0.0);
+    if (turns && t[k].scored && t[k + reach].scored) at = k;
+  }
+  return at;
+}
+
+/// The controllers of each scale where an axis, or several together, reverse.
+ScaledPlots reversal_plots(const Block& block, const sim::CompareResult& result) {
   constexpr double kBefore = 0.4e-3;
   constexpr double kAfter = 2e-3;
-  std::vector<Plot> plots;
-  for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
-    Plot p;
-    p.title = fmt::format("Where {} reverses, at {}", result.axes[axis], block.text);
-    p.x_label = "way along the path after the reversal [mm]";
-    p.y_label = "contour error [µm]";
-    p.width = 560;
-    p.height = 360;
-    p.x_range = Range{-kBefore * kMilli, kAfter * kMilli};
-    for (const sim::CompareRow* r : block.rows) {
-      const Trace& t = r->trace;
-      // The last reversal with all of its two millimetres inside the scored part.
-      std::size_t at = 0;
-      const auto reach =
-          static_cast<std::size_t>(std::ceil(kAfter / speed_of(*block.travel) / result.period)) + 1;
-      for (std::size_t k = 1; k + reach < t.size(); ++k) {
-        const bool turns = (t[k - 1].velocity[axis] < 0.0) != (t[k].velocity[axis] < 0.0);
-        if (turns && t[k].scored && t[k + reach].scored) at = k;
+  const auto reach =
+      static_cast<std::size_t>(std::ceil(kAfter / speed_of(*block.travel) / result.period)) + 1;
+  const std::vector<ScaleGroup> groups = scale_groups(block.rows);
+  ScaledPlots all;
+  std::vector<double> limits;
+  for (const ScaleGroup& group : groups) {
+    std::vector<Plot> plots;
+    double limit = 0.0;
+    std::vector<std::size_t> seen;  // reversals that have a drawing
+    for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
+      Plot p;
+      p.x_label = "way along the path after the reversal [mm]";
+      p.y_label = error_name(result) + " [µm]";
+      p.width = 560;
+      p.height = 360;
+      p.x_range = Range{-kBefore * kMilli, kAfter * kMilli};
+      std::string who = result.axes[axis];
+      bool drawn = false;
+      for (const sim::CompareRow* r : group.rows) {
+        const Trace& t = r->trace;
+        const std::size_t at = reversal_of(t, axis, reach);
+        if (at == 0) continue;
+        if (p.series.empty()) {
+          drawn = std::find(seen.begin(), seen.end(), at) != seen.end();
+          if (drawn) break;
+          seen.push_back(at);
+          std::vector<std::string> together{who};
+          for (std::size_t i = axis + 1; i < result.axes.size(); ++i) {
+            if (reversal_of(t, i, reach) == at) together.push_back(result.axes[i]);
+          }
+          who = listed(together) + (together.size() > 1 ? " reverse" : " reverses");
+        }
+        Series s = line_of(block, r);
+        s.label = name_of(*r);
+        s.width = 1.6;
+        const auto step = [&](std::size_t k) { return norm(t[k].reference - t[k - 1].reference); };
+        std::vector<double> way(t.size(), kNaN);
+        way[at] = 0.0;
+        std::size_t from = at;
+        while (from > 1 && way[from] > -kBefore) {
+          way[from - 1] = way[from] - step(from);
+          --from;
+        }
+        double window = kNaN;
+        std::size_t k = at;
+        for (; k + 1 < t.size() && way[k] < kAfter; ++k) {
+          const double travel = std::abs(t[k].reference[axis] - t[at].reference[axis]);
+          if (std::isnan(window) && travel > sim::kGlitchTravel) window = way[k];
+          way[k + 1] = way[k] + step(k + 1);
+        }
+        for (std::size_t i = from; i <= k; ++i) {
+          s.x.push_back(way[i] * kMilli);
+          s.y.push_back(t[i].contour_error * kMicro);
+          if (way[i] <= kAfter) limit = std::fmax(limit, std::abs(s.y.back()));
+        }
+        if (p.markers.empty()) {
+          p.markers.push_back({0.0, who});
+          if (std::isfinite(window))
+            p.markers.push_back({window * kMilli, "0.15 mm of " + result.axes[axis]});
+        }
+        p.series.push_back(std::move(s));
       }
-      if (at == 0) continue;
-      Series s = line_of(block, r);
-      s.label = name_of(*r);
-      s.width = 1.6;
-      const auto step = [&](std::size_t k) { return norm(t[k].reference - t[k - 1].reference); };
-      std::vector<double> way(t.size(), kNaN);
-      way[at] = 0.0;
-      std::size_t from = at;
-      while (from > 1 && way[from] > -kBefore) {
-        way[from - 1] = way[from] - step(from);
-        --from;
-      }
-      double window = kNaN;
-      std::size_t k = at;
-      for (; k + 1 < t.size() && way[k] < kAfter; ++k) {
-        const double travel = std::abs(t[k].reference[axis] - t[at].reference[axis]);
-        if (std::isnan(window) && travel > sim::kGlitchTravel) window = way[k];
-        way[k + 1] = way[k] + step(k + 1);
-      }
-      for (std::size_t i = from; i <= k; ++i) {
-        s.x.push_back(way[i] * kMilli);
-        s.y.push_back(t[i].contour_error * kMicro);
-      }
-      if (p.markers.empty()) {
-        p.markers.push_back({0.0, result.axes[axis] + " reverses"});
-        if (std::isfinite(window)) p.markers.push_back({window * kMilli, "0.15 mm of " + result.axes[axis]});
-      }
-      p.series.push_back(std::move(s));
+      if (drawn || p.series.empty()) continue;
+      p.title = fmt::format("Where {}, at {}", who, block.text);
+      plots.push_back(std::move(p));
     }
-    if (!p.series.empty()) plots.push_back(std::move(p));
+    limits.push_back(1.08 * (limit > 0.0 ? limit : 1.0));
+    for (Plot& p : plots) {
+      p.y_range = Range{result.axes.size() > 2 ? 0.0 : -limits.back(), limits.back()};
+      if (groups.size() > 1)
+        p.title += ": " + names_of(group.rows, block.rows) + finer(limits, limits.size() - 1);
+      all.plots.push_back(std::move(p));
+    }
   }
-  return plots;
+  all.scales = scales_in_words(groups, block.rows, limits, result.axes.size() <= 2, all.plots.size());
+  return all;
 }
 
 // ---- forces
@@ -634,43 +437,66 @@ const sim::CompareRow* richest(const Block& block) {
   return block.rows.back();
 }
 
+/// Whose forces are shown: the two that the summary compares, or the richest.
+Rows force_rows(const Block& block) {
+  if (const auto rivals = rivals_of(block.rows)) return {rivals->against, rivals->ours};
+  return {richest(block)};
+}
+
 std::vector<Plot> force_plots(const Block& block, const CompareReportInput& input) {
   const sim::CompareResult& result = input.result;
-  const sim::CompareRow* row = richest(block);
   const sim::Travel& travel = *block.travel;
-  const Lap lap = last_lap(row->trace, travel);
+  const Rows rows = force_rows(block);
   std::vector<Plot> plots;
   for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
     const AxisEvidence* evidence = axis < input.axes.size() ? &input.axes[axis] : nullptr;
-    const double mass = evidence != nullptr && evidence->knowledge
-                            ? evidence->knowledge->model(row->controller.friction, result.axes[axis]).mass
-                            : 0.0;
     const bool truth = evidence != nullptr && evidence->truth.has_value();
-    Plot p;
-    p.title = fmt::format("Axis {}, {} at {}", result.axes[axis], full_name(*row), block.text);
-    p.x_label = angle_label(travel);
-    p.y_label = "force [N]";
-    const double from = first_angle(travel) * shown_scale(travel);
-    p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
-    if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / 12.0;
-    p.height = 300;
-    Series force = line_of(block, row);
-    force.label = mass > 0.0 ? "force of the controller, less mass times acceleration of the reference"
-                             : "force of the controller";
-    force.x = lap.angle;
-    for (const auto* s : lap.samples) force.y.push_back(s->force[axis] - mass * s->acceleration[axis]);
-    p.series.push_back(std::move(force));
-    if (truth) {
-      Series friction{
-          .label = "true friction", .x = lap.angle, .color = "#000000", .width = 1.2, .dashed = true};
-      for (const auto* s : lap.samples) friction.y.push_back(s->friction[axis]);
-      Series difference{.label = "difference", .x = lap.angle, .color = "#cc79a7", .width = 0.9};
-      for (std::size_t k = 0; k < lap.samples.size(); ++k)
-        difference.y.push_back(p.series[0].y[k] - friction.y[k]);
-      p.series.push_back(std::move(friction));
-      p.series.push_back(std::move(difference));
+    double largest = 0.0;
+    for (const sim::CompareRow* row : rows) {
+      const Lap lap = last_lap(row->trace, travel);
+      double mass = 0.0;
+      double load = 0.0;
+      if (evidence != nullptr && evidence->knowledge) {
+        const auto model = evidence->knowledge->model(row->controller.friction, result.axes[axis]);
+        mass = model.mass;
+        load = model.load;
+      }
+      Plot p;
+      p.title = fmt::format("Axis {}, {} at {}", result.axes[axis],
+                            rows.size() > 1 ? name_of(*row) : full_name(*row), block.text);
+      p.x_label = angle_label(travel);
+      p.y_label = "force [N]";
+      const double from = first_angle(travel) * shown_scale(travel);
+      p.x_range = Range{from, from + lap_of(travel) * shown_scale(travel)};
+      if (travel.part() == nullptr) p.x_step = lap_of(travel) * kDegrees / (rows.size() > 1 ? 6.0 : 12.0);
+      p.width = rows.size() > 1 ? 560 : 920;
+      p.height = 300;
+      Series force = line_of(block, row);
+      force.color = "#0072b2";  // a controller's own may be the black of the true friction
+      force.label = mass > 0.0 ? "force of the controller, less m·r̈ and load" : "force of the controller";
+      force.x = lap.angle;
+      for (const auto* s : lap.samples)
+        force.y.push_back(s == nullptr ? kNaN : s->force[axis] - mass * s->acceleration[axis] - load);
+      p.series.push_back(std::move(force));
+      if (truth) {
+        Series friction{
+            .label = "true friction", .x = lap.angle, .color = "#000000", .width = 1.2, .dashed = true};
+        for (const auto* s : lap.samples) friction.y.push_back(s == nullptr ? kNaN : s->friction[axis]);
+        Series difference{.label = "difference", .x = lap.angle, .color = "#cc79a7", .width = 0.9};
+        for (std::size_t k = 0; k < lap.samples.size(); ++k)
+          difference.y.push_back(p.series[0].y[k] - friction.y[k]);
+        p.series.push_back(std::move(friction));
+        p.series.push_back(std::move(difference));
+      }
+      for (const Series& s : p.series) {
+        for (const double y : s.y) largest = std::fmax(largest, std::abs(y));
+      }
+      plots.push_back(std::move(p));
     }
-    plots.push_back(std::move(p));
+    // What stands side by side has one scale.
+    if (rows.size() < 2 || !(largest > 0.0)) continue;
+    for (std::size_t k = plots.size() - rows.size(); k < plots.size(); ++k)
+      plots[k].y_range = Range{-1.06 * largest, 1.06 * largest};
   }
   return plots;
 }
@@ -678,25 +504,24 @@ std::vector<Plot> force_plots(const Block& block, const CompareReportInput& inpu
 // ---- bars
 // ---------------------------------------------------------------------------------------------------------
 
-Plot bar_plot(const Block& block, std::string_view head, double sim::Metrics::*figure,
-              double PrintedRow::*printed) {
+/// Bars of these rows of a block, which are all or those of the finer scales.
+Plot bar_plot(const Block& block, const Rows& rows, const std::string& error, std::string_view head,
+              double sim::Metrics::*figure, double PrintedRow::*printed) {
   Plot p;
-  p.title = fmt::format("{} of the contour error at {}", head, block.text);
-  p.y_label = "contour error [µm]";
+  p.title = fmt::format("{} of the {} at {}", head, error, block.text);
+  if (rows.size() < block.rows.size()) p.title += ": " + names_of(rows, block.rows) + " alone";
+  p.y_label = error + " [µm]";
   p.width = 560;
   p.height = 300;
   Series print{.label = "printed in the thesis", .style = Style::kPoints, .color = "#000000", .width = 3.2};
   double top = 0.0;
-  for (std::size_t k = 0; k < block.rows.size(); ++k) {
-    const sim::CompareRow& r = *block.rows[k];
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const sim::CompareRow& r = *rows[k];
     const double at = static_cast<double>(k) + 1.0;
     const double value = r.mean.*figure * kMicro;
     const double spread = std::isfinite(r.spread.*figure) ? r.spread.*figure * kMicro : 0.0;
-    Series bar{.x = {at},
-               .y = {value},
-               .style = Style::kBars,
-               .color = controller_color(r.controller.id, k),
-               .width = 0.62};
+    Series bar{
+        .x = {at}, .y = {value}, .style = Style::kBars, .color = color_of(r, block.rows), .width = 0.62};
     if (spread > 0.0) {
       bar.y_low = {value - spread};
       bar.y_high = {value + spread};
@@ -711,9 +536,11 @@ Plot bar_plot(const Block& block, std::string_view head, double sim::Metrics::*f
       top = std::fmax(top, row->*printed);
     }
   }
+  // A few bars need not be as wide as the drawing.
+  p.x_range = Range{0.5, 0.5 + std::max(4.0, static_cast<double>(rows.size()))};
   p.y_range = Range{0.0, 1.14 * std::max(top, 1e-9)};
-  for (std::size_t k = 0; k < block.rows.size(); ++k) {
-    const sim::CompareRow& r = *block.rows[k];
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const sim::CompareRow& r = *rows[k];
     const double spread = std::isfinite(r.spread.*figure) ? r.spread.*figure * kMicro : 0.0;
     p.notes.push_back({static_cast<double>(k) + 1.0, r.mean.*figure * kMicro + spread + 0.05 * top,
                        micrometres(r.mean.*figure)});
@@ -727,12 +554,24 @@ Plot bar_plot(const Block& block, std::string_view head, double sim::Metrics::*f
 
 std::vector<std::string> all_warnings(const CompareReportInput& input) {
   std::vector<std::string> all = input.warnings;
+  // What several axes share is said once.
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;
   for (std::size_t i = 0; i < input.axes.size(); ++i) {
     const std::string axis = i < input.result.axes.size() ? input.result.axes[i] : std::to_string(i + 1);
     for (const auto& [kind, r] : input.axes[i].models) {
-      for (const std::string& w : r.warnings)
-        all.push_back(fmt::format("axis {}, {} model: {}", axis, r.model, w));
+      for (const std::string& w : r.warnings) {
+        const auto at = std::find_if(said.begin(), said.end(), [&](const auto& s) { return s.first == w; });
+        const std::string of = fmt::format("axis {}, {} model", axis, r.model);
+        if (at == said.end()) {
+          said.push_back({w, {of}});
+        } else {
+          at->second.push_back(of);
+        }
+      }
     }
+  }
+  for (const auto& [w, of] : said) {
+    all.push_back(of.size() == 1 ? of.front() + ": " + w : fmt::format("{} ({})", w, joined(of, "; ")));
   }
   for (std::string& w : status_warnings(input.result)) all.push_back(std::move(w));
   return all;
@@ -744,6 +583,7 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
   map.speed = speed;
   map.fit = e.find("gaussian");
   if (map.fit == nullptr) map.fit = e.find("eccentric");
+  if (map.fit == nullptr) map.fit = e.find("whole");
   if (e.knowledge) {
     if (const auto& best = e.knowledge->gaussian ? e.knowledge->gaussian : e.knowledge->eccentric) {
       map.model = best->friction.steady;
@@ -766,28 +606,6 @@ std::string_view name_of_enum(E wanted) {
     if (value == wanted) return name;
   }
   return "";
-}
-
-/// The control laws with their parameters, and which controllers have them.
-std::vector<std::pair<std::string, std::string>> laws_in_words(const sim::CompareSpec& spec) {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (const sim::ControllerSpec& c : spec.controllers) {
-    std::string words = law_in_words(c.law);
-    if (c.observer == control::Observer::kDisturbance)
-      words += fmt::format("; observer poles {} 1/s", short_number(c.observer_pole));
-    if (c.observer == control::Observer::kAdaptive) {
-      std::vector<std::string> gains;
-      for (const double k : c.adaptive_gain) gains.push_back(short_number(k));
-      words += fmt::format("; adaptive friction {} 1/s", joined(gains, ", "));
-    }
-    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& a) { return a.first == words; });
-    if (same == all.end()) {
-      all.emplace_back(words, "(" + c.id + ")");
-    } else {
-      same->second += " (" + c.id + ")";
-    }
-  }
-  return all;
 }
 
 void settings(Page& page, const CompareReportInput& input) {
@@ -813,7 +631,6 @@ void settings(Page& page, const CompareReportInput& input) {
   }
   add("speeds", listed(paces));
   add("control period", short_number(input.result.period * kMilli) + " ms");
-  for (const auto& [words, ids] : laws_in_words(spec)) add("law of " + ids, words);
   add("compensators' parameters", input.parameters);
   add("trials, seed", fmt::format("{}, {}", spec.trials, spec.seed));
   int least_steps = std::numeric_limits<int>::max();
@@ -830,10 +647,23 @@ void settings(Page& page, const CompareReportInput& input) {
   }
   add("program", input.version.empty() ? "" : "stribeck " + input.version);
   page.table(t);
+  page.table(controllers_in_words(spec.controllers));
+  Table laws{"Their laws", {{"", "", false}, {"", "", false}}, {}};
+  for (const auto& [words, ids] : laws_in_words(spec.controllers)) laws.rows.push_back({{ids}, {words}});
+  if (!laws.rows.empty()) page.table(laws);
+  page.remark(
+      "Names as in a controller file (compare --controller). Where two or more numbers stand in brackets, "
+      "they "
+      "are those along the path, across it and so on, or those of the axes in order. What has no effect, or "
+      "was left out, is not named.");
   if (!input.command.empty()) {
     page.paragraph("This page is made again by:");
     page.code(input.command);
   }
+}
+
+std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
+  return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
 }
 
 void identification(Page& page, const CompareReportInput& input) {
@@ -866,44 +696,67 @@ std::string compare_report(const CompareReportInput& input) {
   if (!input.version.empty()) about.push_back("stribeck " + input.version);
   Page page("Controllers compared: " + result.machine, joined(about, " · "));
 
-  for (const Block& b : blocks) page.lead(summary(b, result.spec.trials));
+  for (const Block& b : blocks) page.lead(verdict(b.rows, b.text, result));
   page.warnings(all_warnings(input));
 
+  const bool one_axis = result.axes.size() == 1;
+  const std::string error = error_name(result);
+  const std::string letter = one_axis ? "e" : "ε";
   page.section("Figures");
+  const std::vector<Figure> figures = main_figures(result);
   bool printed = false;
   for (const Block& b : blocks) {
-    page.table(controllers_table(b, result));
+    page.table(controllers_table(b, figures));
     if (const std::string text = against_print(b); !text.empty()) page.paragraph(text);
     printed = printed || b.printed != nullptr;
   }
-  page.remark(
-      "Mean over the trials ± standard deviation between them; bold: the smallest. max: largest |ε|. glitch: "
-      "largest |ε| within "
-      "the first 0.15 mm that an axis travels after it reversed. ε: contour error; e: tracking error of an "
-      "axis; mean |Δu|: "
-      "variation of the control input from period to period, which shows chattering; quadrant ratio: mean of "
-      "the quadrants' "
-      "largest |ε| over that of windows as long elsewhere; at 1 there is no quadrant to be seen.");
+  page.remark(fmt::format(
+      "Mean over the trials ± standard deviation between them; bold: the smallest. max: largest |{0}|. "
+      "glitch: "
+      "largest |{0}| within the first 0.15 mm that an axis travels after it reversed. {0}: {1}. mean "
+      "|⁠Δu|: "
+      "variation of the control input from period to period, which shows chattering. quadrant ratio: mean of "
+      "the quadrants' largest |{0}| over that of windows as long elsewhere; at 1 there is no quadrant to be "
+      "seen.",
+      letter, error));
   if (printed) {
     page.remark(
         "print: averages of 10 trials on the hardware of the thesis, with the ratio result to print. The "
-        "printed SD is above the "
-        "printed RMS in 11 of 12 rows, which one signal cannot have; it is shown, not compared.");
+        "printed SD is above the printed RMS in 11 of 12 rows, which one signal cannot have; it is shown, "
+        "not "
+        "compared.");
+  }
+  if (!blocks.empty()) {
+    const std::vector<Figure> further = further_figures(result);
+    page.details(one_axis ? "Standard deviations" : "Standard deviations and tracking errors of the axes",
+                 [&] {
+                   for (const Block& b : blocks) page.table(controllers_table(b, further));
+                   page.remark(one_axis ? "SD: standard deviation of e."
+                                        : "SD: standard deviation of ε. e: tracking error of an axis.");
+                 });
   }
   for (const Block& b : blocks) {
-    page.figures({bar_plot(b, "Maximum", &sim::Metrics::max_contour_error, &PrintedRow::max_contour_error_um),
-                  bar_plot(b, "RMS", &sim::Metrics::rms, &PrintedRow::rms_um)},
-                 2, "");
+    const auto bars = [&](const Rows& rows) {
+      return std::vector<Plot>{bar_plot(b, rows, error, "Maximum", &sim::Metrics::max_contour_error,
+                                        &PrintedRow::max_contour_error_um),
+                               bar_plot(b, rows, error, "RMS", &sim::Metrics::rms, &PrintedRow::rms_um)};
+    };
+    page.figures(bars(b.rows), 2, "");
+    for (const Rows& fine : finer_rows(b.rows))
+      page.figures(bars(fine), 2, "The same figures on a scale of their own.");
   }
 
   bool plane = false;
   for (const Block& b : blocks) {
-    if (plane_curve(*b.travel) == nullptr) continue;
+    const path::Curve* curve = plane_curve(*b.travel);
+    if (curve == nullptr) continue;
     if (!plane) page.section("Contour, error magnified");
     plane = true;
     page.subsection(b.text);
-    const Magnified m = contour_plots(b, *plane_curve(*b.travel));
-    page.figures(m.plots, 3, m.caption);
+    for (const ScaleGroup& group : scale_groups(b.rows)) {
+      const Magnified m = contour_plots(b, group, *curve);
+      page.figures(m.plots, 3, m.caption);
+    }
   }
 
   if (const Table drift = drift_table(result); !drift.rows.empty()) {
@@ -911,28 +764,36 @@ std::string compare_report(const CompareReportInput& input) {
     page.table(drift);
     page.remark(
         "What on-line adaptation believes at the end of the first trial, as shares of the identified model, "
-        "± standard "
-        "deviation. Delay: by how much more than assumed the force acts late.");
+        "± standard deviation. Delay: by how much more than assumed the force acts late.");
   }
-  page.section("Contour error along the path");
+  const std::string capital_error = one_axis ? "Tracking error" : "Contour error";
+  page.section(capital_error + " along the path");
   for (const Block& b : blocks) {
+    const ScaledPlots drawn = path_plots(result, b.index, {});
     page.figures(
-        angle_plots(b, result), 1,
-        "Last scored lap of the first trial" +
-            std::string(result.axes.size() == 2   ? "; positive to the left of the direction of travel"
-                        : result.axes.size() == 1 ? "; the tracking error, as there is one axis"
-                                                  : "; a distance, without a sign") +
-            ". All drawings have the same scale. Vertical lines: an axis reverses, a quadrant begins.");
+        drawn.plots, 1,
+        with_scales(
+            "Last scored lap of the first trial" +
+                std::string(result.axes.size() == 2 ? "; positive to the left of the direction of travel"
+                            : one_axis              ? ""
+                                                    : "; a distance, without a sign") +
+                ". Vertical lines: an axis reverses" + (one_axis ? "." : ", a quadrant begins."),
+            drawn));
   }
-  page.section("Contour error over time");
-  for (const Block& b : blocks)
-    page.figures(time_plots(b), 1, "The whole run of the first trial, from rest to rest.");
-
-  page.section("One quadrant, close up");
+  page.section(capital_error + " over time");
   for (const Block& b : blocks) {
-    page.figures(reversal_plots(b, result), 2,
-                 "The last reversal of each axis in the first trial. The second vertical line ends the "
-                 "window of the quadrant glitch.");
+    const ScaledPlots drawn = time_plots(result, b.index, {.height = 260, .scored_only = false});
+    page.figures(drawn.plots, 1, with_scales("The whole run of the first trial, from rest to rest.", drawn));
+  }
+
+  page.section(one_axis ? "One reversal, close up" : "One quadrant, close up");
+  for (const Block& b : blocks) {
+    const ScaledPlots drawn = reversal_plots(b, result);
+    page.figures(
+        drawn.plots, 2,
+        with_scales("The last reversal of each axis in the first trial. The second vertical line ends the "
+                    "window of the quadrant glitch.",
+                    drawn));
   }
 
   double speed = 0.0;
@@ -955,10 +816,10 @@ std::string compare_report(const CompareReportInput& input) {
     const bool truth = std::any_of(input.axes.begin(), input.axes.end(),
                                    [](const AxisEvidence& e) { return e.truth.has_value(); });
     for (const Block& b : blocks) {
-      page.figures(force_plots(b, input), 1,
-                   truth ? "Last scored lap of the first trial. Where controller and true friction part, the "
-                           "contour shows it."
-                         : "Last scored lap of the first trial.");
+      page.figures(
+          force_plots(b, input), static_cast<int>(force_rows(b).size()),
+          std::string("Last scored lap of the first trial. m·r̈: mass times acceleration of the reference.") +
+              (truth ? " Where controller and true friction part, the contour shows it." : ""));
     }
   }
 

@@ -25,7 +25,9 @@ p{margin:.5rem 0;max-width:78ch}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}
 caption{text-align:left;padding:.2rem 0 .4rem;font-weight:600;color:var(--ink)}
-th,td{padding:.26rem .5rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top;white-space:nowrap}
+th,td{padding:.26rem .5rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
+td.n,th.n .unit,td small{white-space:nowrap}
+td.n .note{white-space:normal;margin-left:auto;max-width:11em}
 th{font-weight:600;vertical-align:bottom;border-bottom:2px solid var(--line)}
 th small,td small{color:var(--soft);font-weight:400;font-size:.8rem}
 td span.note,th span.unit{display:block;color:var(--soft);font-weight:400;font-size:.78rem}
@@ -40,6 +42,7 @@ figcaption{margin-top:.35rem;max-width:100ch}
 .across-3{grid-template-columns:repeat(3,1fr)}
 .across-4{grid-template-columns:repeat(4,1fr)}
 svg{display:block;width:100%;height:auto}
+@media (max-width:900px){td small{display:block}td.n .note{max-width:6.6em}th,td{padding:.26rem .35rem}}
 @media (max-width:700px){.across-2{grid-template-columns:1fr}.across-3,.across-4{grid-template-columns:repeat(2,1fr)}}
 .list{background:var(--card);border-left:4px solid var(--line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
 .list ul{margin:.3rem 0;padding-left:1.2rem}
@@ -89,6 +92,16 @@ bool is_color(std::string_view c) {
          c.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
 }
 
+/// A head may be broken between words, not after the bar of an absolute value: "mean |ε|".
+std::string head_markup(std::string_view head) {
+  std::string out;
+  for (const char c : escape_html(head)) {
+    out += c;
+    if (c == '|') out += "\u2060";
+  }
+  return out;
+}
+
 std::string cell_markup(const Cell& cell, bool number) {
   std::string out = number ? "<td class=\"n\">" : "<td>";
   if (is_color(cell.color))
@@ -121,7 +134,7 @@ void Page::table(const Table& table) {
     add("<thead><tr>");
     for (const Column& c : table.columns) {
       add(c.number ? "<th scope=\"col\" class=\"n\">" : "<th scope=\"col\">");
-      add(escape_html(c.head));
+      add(head_markup(c.head));
       if (!c.unit.empty()) add("<span class=\"unit\">" + escape_html(c.unit) + "</span>");
       add("</th>");
     }

@@ -52,6 +52,12 @@ TEST(Html, TablesAlignNumbersAndMarkTheBest) {
                               "<span class=\"note\">print 2.00 · ×0.50</span></td>"));
 }
 
+TEST(Html, HeadsAreNotBrokenInsideAnAbsoluteValue) {
+  Page page("t");
+  page.table({"", {{"mean |e| x", "µm"}}, {{{"1.00"}}}});
+  EXPECT_THAT(page.html(), HasSubstr("mean |\u2060e|\u2060 x"));
+}
+
 TEST(Html, StandsAlone) {
   Page page("t");
   page.warnings({});

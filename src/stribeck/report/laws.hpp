@@ -1,13 +1,24 @@
 #pragma once
-/// Control laws in words: every declared parameter with its value and unit.
+/// Controllers in words: every declared parameter that has an effect, with its value and unit. Made from fields(), so that a new
+/// parameter is there by itself.
 /// Real time: no.
 
+#include <stribeck/report/html.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace stribeck::report {
 
-/// "contouring control: kp 1600 1/s2, kv 80 1/s".
+/// "contouring control: kp 1600 1/s², kv 80 1/s". What is left out is not named.
 std::string law_in_words(const control::LawParams& law);
+
+/// Each law once, with the controllers that have it: "(a), (b)".
+std::vector<std::pair<std::string, std::string>> laws_in_words(
+    const std::vector<sim::ControllerSpec>& controllers);
+
+/// One row for each controller, one column for each parameter beside the law that any of them uses.
+Table controllers_in_words(const std::vector<sim::ControllerSpec>& controllers);
 
 }  // namespace stribeck::report

@@ -38,6 +38,7 @@ constexpr double kBottom = 48;
 constexpr double kTop = 12;
 constexpr double kLine = 21;  ///< height of a line of text
 constexpr double kLegendLine = 18;
+constexpr double kMarkerLine = 14;
 constexpr std::size_t kLongestText = 200;
 constexpr double kBandOpacity = 0.22;
 
@@ -137,6 +138,29 @@ std::vector<LegendEntry> legend_entries(const Plot& p, double width) {
   return entries;
 }
 
+/// The line that each marker's label stands on, 0 the lowest; −1 without a label. A label that would cover the one before it goes
+/// one up. Knows the frame's x and its left and right margins.
+std::vector<int> marker_rows(const Plot& p, const Frame& f) {
+  constexpr double kLetter = 5.8;  // mean width of a letter of the 11 px sans-serif
+  constexpr double kBetween = 6;
+  std::vector<int> rows;
+  std::vector<double> ends;  // of the last label on each line [px]
+  for (const Marker& m : p.markers) {
+    if (m.label.empty() || !std::isfinite(m.x)) {
+      rows.push_back(-1);
+      continue;
+    }
+    const double at = (m.x - f.x.low) / (f.x.high - f.x.low) * f.width(p);
+    const double half = 0.5 * kLetter * static_cast<double>(text_width(m.label));
+    std::size_t row = 0;
+    while (row < ends.size() && at - half < ends[row] + kBetween) ++row;
+    if (row == ends.size()) ends.push_back(0.0);
+    ends[row] = at + half;
+    rows.push_back(static_cast<int>(row));
+  }
+  return rows;
+}
+
 Frame frame_of(const Plot& p) {
   Frame f{};
   f.left = p.axes ? (p.y_label.empty() ? kLeft - kLine : kLeft) : 4;
@@ -146,9 +170,6 @@ Frame frame_of(const Plot& p) {
   if (!p.title.empty()) f.top += kLine;
   const std::vector<LegendEntry> entries = legend_entries(p, f.width(p));
   if (!entries.empty()) f.top += kLegendLine * (entries.back().row + 1);
-  if (std::any_of(p.markers.begin(), p.markers.end(), [](const Marker& m) { return !m.label.empty(); }))
-    f.top += 14;
-
   Extent x;
   Extent y;
   bool bars = false;
@@ -174,6 +195,8 @@ Frame frame_of(const Plot& p) {
   f.x = good(p.x_range, p.log_x) ? *p.x_range : x.range(bars ? 0.04 : 0.0, p.log_x);
   f.y = good(p.y_range, p.log_y) ? *p.y_range : y.range(0.06, p.log_y);
   if (bars && !p.y_range && y.low >= 0.0) f.y.low = 0.0;
+  const std::vector<int> rows = marker_rows(p, f);
+  if (!rows.empty()) f.top += kMarkerLine * (*std::max_element(rows.begin(), rows.end()) + 1);
   if (p.equal_aspect) {
     const double per_px = std::max((f.x.high - f.x.low) / f.width(p), (f.y.high - f.y.low) / f.height(p));
     const auto widen = [](Range& r, double span) {
@@ -243,17 +266,17 @@ class Script {
       y += kLine;
     }
     legend(p, f, y);
-    for (const Marker& m : p.markers) {
+    const std::vector<int> rows = marker_rows(p, f);
+    for (std::size_t k = 0; k < p.markers.size(); ++k) {
+      const Marker& m = p.markers[k];
       if (!std::isfinite(m.x)) continue;
       line(
           "set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead back lw 1 dt (4,3) lc rgb "
           "'#80868b'",
           m.x);
       if (m.label.empty()) continue;
-      line(
-          "set label {} at first {:.9g}, graph 1 offset 0, character 0.55 center font ',11' textcolor rgb "
-          "'#5f6368'",
-          quoted(m.label), m.x);
+      line("set label {} at first {:.9g}, screen {:.6f} center font ',11' textcolor rgb '#5f6368'",
+           quoted(m.label), m.x, 1.0 - (f.top - 10.0 - kMarkerLine * rows[k]) / p.height);
     }
     for (const Note& n : p.notes) {
       if (!std::isfinite(n.x) || !std::isfinite(n.y)) continue;
@@ -413,7 +436,7 @@ class Script {
       switch (s.style) {
         case Style::kLines:
         case Style::kSteps: {
-          thin(x, y, static_cast<int>(f.width(p)));
+          thin(x, y, static_cast<int>(p.detail * f.width(p)));
           const std::string name = data({&x, &y});
           draw(fmt::format("{} using 1:2 with {} lw {:.3g} dt {} {} {}", name,
                            s.style == Style::kSteps ? "steps" : "lines", s.width, s.dashed ? "(7,4)" : "1",
@@ -836,14 +859,13 @@ void thin(std::vector<double>& x, std::vector<double>& y, int columns) {
 }
 
 std::string controller_color(std::string_view id, std::size_t position) {
-  // Eight that everybody can tell apart, and as many darker or lighter for controllers (i) and on.
-  constexpr std::size_t kDistinct = 8;
+  // Eight that everybody can tell apart, and as many others for controllers (i) and on.
   static constexpr std::array<std::string_view, 16> kPalette{
       "#7a7a7a", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#0072b2", "#cc79a7", "#000000",
-      "#8c3fc9", "#8a6d00", "#004d38", "#b3cde3", "#7f2704", "#4a4a8a", "#f2a6c2", "#a6a600"};
+      "#8c3fc9", "#8a6d00", "#004d38", "#a50f4f", "#7f2704", "#4a4a8a", "#e0669a", "#a6a600"};
   if (id.size() == 1 && id[0] >= 'a' && id[0] <= 'p')
     return std::string(kPalette[static_cast<std::size_t>(id[0] - 'a')]);
-  return std::string(kPalette[position % kDistinct]);
+  return std::string(kPalette[position % kPalette.size()]);
 }
 
 }  // namespace stribeck::report

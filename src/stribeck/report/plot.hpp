@@ -4,7 +4,7 @@
 ///   Plot plot{.title = …, .x_label = "velocity [mm/s]", .series = {…}};
 ///   std::vector<std::string> svg = render({plot, …});      one process draws them all
 ///
-/// Series are thinned to what the width can show; the least and the greatest of every pixel column survive.
+/// Series are thinned to what the width can show; the least and the greatest of every slice survive.
 /// What is not finite is a gap. Text is drawn as it is, whatever it holds. An SVG has ids of its own
 /// (plot-1-…, counted through a call), a title for screen readers, the width of its place, no script, no link
 /// and no font file. Same plots, same bytes.
@@ -87,6 +87,7 @@ struct Plot {
   Legend legend = Legend::kAbove;
   int width = 920;  ///< [px]
   int height = 320;
+  double detail = 1.0;  ///< slices of a line per pixel; fewer make a smaller page
   std::vector<Series> series = {};
 };
 
@@ -100,7 +101,7 @@ std::string gnuplot_script(const std::vector<Plot>& plots);
 /// point that is not finite ends a stretch and stays. For ascending x; other data come back as they are.
 void thin(std::vector<double>& x, std::vector<double>& y, int columns);
 
-/// Fixed colour of a controller "a" … "f", told apart by readers who see few colours; others get one by their
+/// Fixed colour of a controller "a" … "p", told apart by readers who see few colours; others get one by their
 /// position.
 /// Source: Okabe, Ito 2008, Color Universal Design.
 std::string controller_color(std::string_view id, std::size_t position = 0);

@@ -118,6 +118,35 @@ TEST(Plot, NothingToDrawIsNoError) {
   EXPECT_TRUE(render({}).empty());
 }
 
+/// Height of a marker's label, as a share of the drawing.
+double label_height(const std::string& script, const std::string& label) {
+  const std::string key = "set label '" + label + "' at first ";
+  const auto at = script.find("screen ", script.find(key));
+  return std::stod(script.substr(at + 7));
+}
+
+TEST(Plot, LabelsOfMarkersDoNotCoverEachOther) {
+  Plot p = line_plot();
+  p.markers = {{0.0, "x reverses"}, {0.02, "0.15 mm of x"}, {1.0, "far away"}};
+  const std::string script = gnuplot_script({p});
+  EXPECT_NEAR(label_height(script, "0.15 mm of x") - label_height(script, "x reverses"), 14.0 / p.height,
+              1e-5);
+  EXPECT_EQ(label_height(script, "far away"), label_height(script, "x reverses"));
+}
+
+TEST(Plot, LessDetailMakesLessData) {
+  Plot p = line_plot();
+  p.series[0].x.clear();
+  p.series[0].y.clear();
+  for (int i = 0; i < 10000; ++i) {
+    p.series[0].x.push_back(i);
+    p.series[0].y.push_back(std::sin(i));
+  }
+  const std::size_t all = gnuplot_script({p}).size();
+  p.detail = 0.5;
+  EXPECT_NEAR(static_cast<double>(gnuplot_script({p}).size()) / static_cast<double>(all), 0.5, 0.05);
+}
+
 TEST(Plot, GapsStayGaps) {
   Plot p = line_plot();
   p.series[0].x = {0, 1, kNaN, 2, 3};
@@ -200,7 +229,9 @@ TEST(Colors, AreFixedAndDifferent) {
   for (const char* id : {"a", "b", "c", "d", "e", "f"}) all.insert(controller_color(id));
   EXPECT_EQ(all.size(), 6u);
   EXPECT_EQ(controller_color("f", 0), controller_color("f", 3));
-  EXPECT_EQ(controller_color("mine", 1), controller_color("other", 9));
+  EXPECT_EQ(controller_color("mine", 1), controller_color("other", 17));
+  for (std::size_t k = 0; k < 16; ++k) all.insert(controller_color("mine", k));
+  EXPECT_EQ(all.size(), 16u);
 }
 
 }  // namespace

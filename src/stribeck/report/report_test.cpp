@@ -60,9 +60,44 @@ TEST(CompareReport, SaysWhoWonAndByHowMuch) {
 TEST(CompareReport, ChanceIsNoVictory) {
   CompareReportInput in = input();
   in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.1e-6;  // two standard errors are 0.18 µm
-  EXPECT_THAT(compare_report(in), HasSubstr("((a) no further apart than chance)"));
+  EXPECT_THAT(compare_report(in), HasSubstr(", with (a) no further apart than chance"));
   in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.2e-6;
   EXPECT_THAT(compare_report(in), Not(HasSubstr("no further apart than chance")));
+}
+
+// (b) has a twentieth of the error of (a): bars, contour, traces and close-up get a scale of its own.
+TEST(CompareReport, SmallErrorsGetAScaleOfTheirOwn) {
+  CompareReportInput in = input();
+  for (auto& s : in.result.rows[1].trace) s.contour_error *= 0.2;
+  const std::string page = compare_report(in);
+  EXPECT_THAT(page, HasSubstr("error × 500<"));
+  EXPECT_THAT(page, HasSubstr("error × 10000<"));
+  EXPECT_THAT(page, HasSubstr("(b): the path (grey)"));
+  EXPECT_THAT(page, HasSubstr("its error magnified 10000 times. Dashed: 0.1 µm to both sides"));
+  EXPECT_THAT(page, HasSubstr("Maximum of the contour error at 9.5 mm/s: (b) alone"));
+  EXPECT_THAT(page, HasSubstr("Where x reverses, at 9.5 mm/s: (b), scale 20 times finer"));
+  EXPECT_THAT(page,
+              HasSubstr("Scales differ: ±8.6\u00A0µm for (a); ±0.43\u00A0µm for (b) (20 times finer)."));
+  // Bars 4, contours 2, angle 2, time 2, close up 4, map of x 2, forces 2.
+  EXPECT_EQ(count(page, "<svg "), 18u);
+}
+
+TEST(CompareReport, SaysWhatDefinesAController) {
+  CompareReportInput in = input();
+  in.result.spec.controllers[1].law = control::PredictiveParams{};
+  const std::string page = compare_report(in);
+  EXPECT_THAT(page, HasSubstr("<td>conventional</td><td>steady</td>"));
+  EXPECT_THAT(page, HasSubstr("model predictive contouring: omega 40 rad/s, horizon 80 ms"));
+  EXPECT_THAT(page, Not(HasSubstr("()")));
+}
+
+TEST(CompareReport, SharedWarningsAreSaidOnce) {
+  CompareReportInput in = input();
+  in.axes[1].models = {{"gaussian", testing::fit()}};
+  const std::string page = compare_report(in);
+  EXPECT_THAT(page,
+              HasSubstr("<li>speeds above 9 mm/s were seen once (axis x, gaussian model; axis y, gaussian "
+                        "model)</li>"));
 }
 
 /// Width and height of what the first path of a colour covers [px].

@@ -7,6 +7,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/report/contour_plots.hpp>
 #include <stribeck/report/reproduction.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/cutting_estimate.hpp>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMicro = 1e6;
-constexpr double kDegrees = 180.0 / kPi;
+constexpr double kDetail = 0.5;
 
 using Figure = double sim::Metrics::*;
 
@@ -133,112 +134,59 @@ Table measured_table(const sim::CompareResult& result) {
   return t;
 }
 
-std::string error_label(const sim::CompareResult& result) {
-  return result.axes.size() == 1 ? "tracking error [µm]" : "contour error [µm]";
-}
-
-/// Rows of one travel.
-std::vector<const sim::CompareRow*> rows_of(const sim::CompareResult& result, std::size_t travel) {
-  std::vector<const sim::CompareRow*> rows;
-  for (const sim::CompareRow& r : result.rows) {
-    if (r.travel == travel) rows.push_back(&r);
-  }
-  return rows;
-}
-
-/// Contour error over time, or over the path's parameter of the last lap, controllers in drawings of three.
-std::vector<Plot> traces(const sim::CompareResult& result, std::size_t travel, bool over_path) {
-  const auto rows = rows_of(result, travel);
-  const sim::Travel& t = result.spec.travels[travel];
-  const double lap = std::visit([](const auto& path) { return path.period(); }, t.path);
-  double most = 0.0;
-  double least = 0.0;
-  for (const auto* r : rows) {
-    for (const sim::ContourSample& s : r->trace) {
-      if (!s.scored) continue;
-      most = std::fmax(most, s.contour_error * kMicro);
-      least = std::fmin(least, s.contour_error * kMicro);
-    }
-  }
-  std::vector<Plot> plots;
-  for (std::size_t first = 0; first < rows.size(); first += 3) {
-    Plot p;
-    p.title = t.pace_in_words() + (over_path ? ": over the path" : ": over time");
-    p.x_label = over_path ? "parameter φ of the path [°]" : "time [s]";
-    p.y_label = error_label(result);
-    p.y_range = Range{1.1 * least, 1.1 * std::fmax(most, 1e-3)};
-    p.width = rows.size() > 3 ? 560 : 920;
-    p.height = rows.size() > 3 ? 300 : 290;
-    for (std::size_t i = first; i < std::min(rows.size(), first + 3); ++i) {
-      const sim::CompareRow& r = *rows[i];
-      Series s;
-      s.label = "(" + r.controller.id + ")";
-      s.color = controller_color(r.controller.id, i);
-      s.width = 1.1;
-      double end = 0.0;
-      for (const sim::ContourSample& x : r.trace) end = x.scored ? x.phi : end;
-      for (const sim::ContourSample& x : r.trace) {
-        if (!x.scored || (over_path && x.phi <= end - lap)) continue;
-        s.x.push_back(over_path ? x.phi * kDegrees : x.time);
-        s.y.push_back(x.contour_error * kMicro);
-      }
-      p.series.push_back(std::move(s));
-    }
-    plots.push_back(std::move(p));
-  }
-  return plots;
-}
-
-/// Errors along and across the path on the last lap, figures 3.17 and 3.18.
+/// Errors along and across the path over time, figures 3.17 and 3.18, those of each scale together.
 std::vector<Plot> local_errors(const sim::CompareResult& result, std::size_t travel) {
-  const auto rows = rows_of(result, travel);
+  const Rows rows = rows_of(result, travel);
   std::vector<Plot> plots;
-  for (std::size_t direction = 0; direction < 2; ++direction) {
-    Plot p;
-    p.title = direction == 0 ? "tangential error" : "normal error";
-    p.x_label = "time [s]";
-    p.y_label = "error [µm]";
-    p.width = 560;
-    p.height = 300;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      Series s;
-      s.label = "(" + rows[i]->controller.id + ")";
-      s.color = controller_color(rows[i]->controller.id, i);
-      s.width = 1.0;
-      for (const sim::ContourSample& x : rows[i]->trace) {
-        if (!x.scored) continue;
-        s.x.push_back(x.time);
-        s.y.push_back(x.local[direction] * kMicro);
+  for (const ScaleGroup& group : scale_groups(rows)) {
+    for (std::size_t direction = 0; direction < 2; ++direction) {
+      Plot p;
+      p.title = direction == 0 ? "Tangential error" : "Normal error";
+      if (group.rows.size() < rows.size()) p.title += ": " + names_of(group.rows, rows);
+      p.x_label = "time [s]";
+      p.y_label = "error [µm]";
+      p.width = 560;
+      p.height = 300;
+      p.detail = kDetail;
+      for (const sim::CompareRow* r : group.rows) {
+        Series s;
+        s.label = name_of(*r);
+        s.color = color_of(*r, rows);
+        s.width = 1.0;
+        for (const sim::ContourSample& x : r->trace) {
+          if (!x.scored) continue;
+          s.x.push_back(x.time);
+          s.y.push_back(x.local[direction] * kMicro);
+        }
+        p.series.push_back(std::move(s));
       }
-      p.series.push_back(std::move(s));
+      plots.push_back(std::move(p));
     }
-    plots.push_back(std::move(p));
   }
   return plots;
 }
 
-/// One bar for each trial and controller.
-Plot bars(const sim::CompareResult& result, std::size_t travel, Figure figure, const char* title,
-          const std::string& label) {
-  const auto rows = rows_of(result, travel);
+/// One bar for each trial and controller; `some` are all of the travel or those of the finer scales.
+Plot bars(const Rows& some, const Rows& all, Figure figure, const char* title, const std::string& label) {
   Plot p;
   p.title = title;
+  if (some.size() < all.size()) p.title += ": " + names_of(some, all) + " alone";
   p.x_label = "trial";
   p.y_label = label;
   p.width = 560;
   p.height = 280;
-  const double width = 0.8 / static_cast<double>(std::max<std::size_t>(rows.size(), 1));
+  const double width = 0.8 / static_cast<double>(std::max<std::size_t>(some.size(), 1));
   double top = 0.0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < some.size(); ++i) {
     Series s;
-    s.label = "(" + rows[i]->controller.id + ")";
-    s.color = controller_color(rows[i]->controller.id, i);
+    s.label = name_of(*some[i]);
+    s.color = color_of(*some[i], all);
     s.style = Style::kBars;
     s.width = width;
-    for (std::size_t k = 0; k < rows[i]->trials.size(); ++k) {
+    for (std::size_t k = 0; k < some[i]->trials.size(); ++k) {
       s.x.push_back(static_cast<double>(k) + 1.0 +
-                    width * (static_cast<double>(i) - 0.5 * static_cast<double>(rows.size() - 1)));
-      s.y.push_back(rows[i]->trials[k].*figure * scale_of(figure).factor);
+                    width * (static_cast<double>(i) - 0.5 * static_cast<double>(some.size() - 1)));
+      s.y.push_back(some[i]->trials[k].*figure * scale_of(figure).factor);
       if (std::isfinite(s.y.back())) top = std::fmax(top, s.y.back());
     }
     p.series.push_back(std::move(s));
@@ -246,6 +194,10 @@ Plot bars(const sim::CompareResult& result, std::size_t travel, Figure figure, c
   p.y_range = Range{0.0, 1.1 * std::max(top, 1e-9)};
   p.x_step = 1.0;
   return p;
+}
+
+std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
+  return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
 }
 
 /// "×0.92": ours over print.
@@ -339,19 +291,32 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
                                    [](const auto& r) { return std::isfinite(r.mean.mean_abs_ui); });
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const std::string pace = result.spec.travels[travel].pace_in_words();
-    s.plots.emplace_back(traces(result, travel, false), "Scored part of the first trial.");
-    if (result.axes.size() > 1)
-      s.plots.emplace_back(traces(result, travel, true),
-                           "Last scored lap of the first trial, over the path.");
+    const Rows rows = rows_of(result, travel);
+    // All experiments on one page: half the points of a line make it two thirds of the size.
+    const TraceLook look = rows.size() > 3 ? TraceLook{560, 300, kDetail, false, true}
+                                           : TraceLook{920, 300, kDetail, true, true};
+    const ScaledPlots over_time = time_plots(result, travel, look);
+    s.plots.emplace_back(over_time.plots, with_scales("Scored part of the first trial.", over_time));
+    if (result.axes.size() > 1) {
+      const ScaledPlots over_path = path_plots(result, travel, look);
+      s.plots.emplace_back(
+          over_path.plots,
+          with_scales("Last scored lap of the first trial, over the path. Vertical lines: an axis reverses.",
+                      over_path));
+    }
     if (result.axes.size() == 2 && result.spec.travels[travel].pace == path::Pace::kRate)
       s.plots.emplace_back(local_errors(result, travel),
                            "Tracking error along and across the path, first trial.");
-    std::vector<Plot> trials{
-        bars(result, travel, &sim::Metrics::max_contour_error, "Maximum", error_label(result)),
-        bars(result, travel, &sim::Metrics::mean_abs, "Mean", error_label(result))};
-    if (current)
-      trials.push_back(bars(result, travel, &sim::Metrics::mean_abs_ui, "Power", "mean |u·i| [W]"));
-    trials.push_back(bars(result, travel, &sim::Metrics::input_variation, "Control input", "mean |Δu| [mV]"));
+    const std::string label = error_name(result) + " [µm]";
+    std::vector<Plot> trials;
+    const auto errors = [&](const Rows& some) {
+      trials.push_back(bars(some, rows, &sim::Metrics::max_contour_error, "Maximum", label));
+      trials.push_back(bars(some, rows, &sim::Metrics::mean_abs, "Mean", label));
+    };
+    errors(rows);
+    for (const Rows& fine : finer_rows(rows)) errors(fine);
+    if (current) trials.push_back(bars(rows, rows, &sim::Metrics::mean_abs_ui, "Power", "mean |u·i| [W]"));
+    trials.push_back(bars(rows, rows, &sim::Metrics::input_variation, "Control input", "mean |Δu| [mV]"));
     s.plots.emplace_back(std::move(trials), "Trial by trial, " + pace + ".");
   }
   return s;

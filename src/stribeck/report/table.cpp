@@ -78,7 +78,7 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
     TextColumn rms{"RMS", "µm", {}};
     TextColumn mean{"mean |ε|", "µm", {}};
     TextColumn sd{"SD", "µm", {}};
-    TextColumn variation{"mean |Δu|", "V", {}};
+    TextColumn variation{"mean |Δu|", "mV", {}};
     TextColumn print_max{"max", "µm", {}, true, "print"};
     TextColumn print_glitch{"glitch", "µm", {}, true, "print"};
     TextColumn print_rms{"RMS", "µm", {}, true, "print"};
@@ -91,7 +91,7 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
       rms.entries.push_back(with_spread(r.mean.rms, r.spread.rms));
       mean.entries.push_back(micrometres(r.mean.mean_abs));
       sd.entries.push_back(micrometres(r.mean.sd));
-      variation.entries.push_back(significant(r.mean.input_variation, 3));
+      variation.entries.push_back(significant(1e3 * r.mean.input_variation, 3));
       const PrintedRow* p = print != nullptr ? print->find(r.controller.id) : nullptr;
       print_max.entries.push_back(p != nullptr ? decimals(p->max_contour_error_um, 2) : "");
       print_glitch.entries.push_back(p != nullptr ? decimals(p->quadrant_glitch_um, 2) : "");

@@ -43,9 +43,9 @@ TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
   EXPECT_EQ(text_table(result),
             "9.5 mm/s, contour error, mean of 1 trial\n"
             "   controller                    max  glitch   RMS  mean |ε|    SD  mean |Δu|\n"
-            "                                  µm      µm    µm        µm    µm          V\n"
-            "a  no friction compensation     8.00    4.00  4.00      2.00  4.00      0.125\n"
-            "b  conventional friction model  2.00       –  1.00      0.50  1.00      0.125\n");
+            "                                  µm      µm    µm        µm    µm         mV\n"
+            "a  no friction compensation     8.00    4.00  4.00      2.00  4.00        125\n"
+            "b  conventional friction model  2.00       –  1.00      0.50  1.00        125\n");
 }
 
 TEST(TextTable, FitsTheTerminal) {

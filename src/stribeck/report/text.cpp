@@ -108,6 +108,25 @@ std::string joined(const std::vector<std::string>& words, std::string_view betwe
   return all;
 }
 
+std::string printed_unit(std::string_view unit) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  std::string out;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    const char before = i > 0 ? unit[i - 1] : ' ';
+    const bool ends = i + 2 >= unit.size() || !letter(unit[i + 2]);
+    if (unit[i] == 'u' && unit.substr(i, 2) == "um" && !letter(before) && ends) {
+      out += "µ";
+    } else if (unit[i] == '2' && letter(before)) {
+      out += "²";
+    } else if (unit[i] == '3' && letter(before)) {
+      out += "³";
+    } else {
+      out += unit[i];
+    }
+  }
+  return out;
+}
+
 std::string listed(const std::vector<std::string>& words) {
   if (words.size() < 2) return joined(words, "");
   return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();

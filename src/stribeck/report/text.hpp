@@ -29,6 +29,9 @@ std::string short_number(double value);
 /// 0.00042.
 std::string significant(double value, int digits);
 
+/// A unit of fields() as it is printed: "um" → "µm", "N s2/mm" → "N s²/mm".
+std::string printed_unit(std::string_view unit);
+
 /// "a", "a and b", "a, b and c".
 std::string listed(const std::vector<std::string>& words);
 std::string joined(const std::vector<std::string>& words, std::string_view between);

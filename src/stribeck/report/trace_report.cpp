@@ -2,12 +2,14 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/plot.hpp>
+#include <stribeck/report/text.hpp>
 #include <stribeck/report/trace_report.hpp>
 
 namespace stribeck::report {
 namespace {
 
-constexpr std::array<const char*, 5> kColors{"#0072b2", "#d55e00", "#009e73", "#888888", "#cc79a7"};
+constexpr std::array<const char*, 8> kColors{"#0072b2", "#d55e00", "#009e73", "#888888",
+                                             "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 }  // namespace
 
@@ -17,16 +19,17 @@ std::string trace_report(const TraceReportInput& input) {
   page.section("Columns over time");
   std::vector<Plot> plots;
   for (const TraceColumn& c : input.columns) {
+    const std::string label = c.quantity + (c.quantity.empty() ? "" : " ") + "[" + printed_unit(c.unit) + "]";
     Plot* plot = nullptr;
     for (Plot& p : plots) {
-      if (p.y_label == "[" + c.unit + "]") plot = &p;
+      if (p.y_label == label) plot = &p;
     }
     if (plot == nullptr) {
       plot = &plots.emplace_back();
       plot->x_label = "time [s]";
-      plot->y_label = "[" + c.unit + "]";
+      plot->y_label = label;
     }
-    plot->title += (plot->title.empty() ? "" : ", ") + c.name;
+    plot->description += (plot->description.empty() ? "" : ", ") + c.name;
     Series series;
     series.label = c.name;
     series.x = input.time;

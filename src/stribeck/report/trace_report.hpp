@@ -12,6 +12,7 @@ struct TraceColumn {
   std::string name;
   std::string unit;
   std::vector<double> values;
+  std::string quantity = {};  ///< "position"; empty: nothing is known of it
 };
 
 struct TraceReportInput {
@@ -20,7 +21,7 @@ struct TraceReportInput {
   std::string command;  ///< reproduces the page
   std::string version;
   std::vector<double> time;          ///< [s]
-  std::vector<TraceColumn> columns;  ///< columns of one unit share a drawing
+  std::vector<TraceColumn> columns;  ///< columns of one quantity and unit share a drawing
 };
 
 std::string trace_report(const TraceReportInput& input);
