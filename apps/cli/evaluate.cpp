@@ -167,7 +167,7 @@ int evaluate(const Options& o) {
     }
     input.logs.push_back(std::move(one));
   }
-  check_outputs(o.common);
+  const OutputFolder page_folder = check_outputs(o.common);
   write_json(o.common.json, report::to_json(input));
   if (!o.common.report.empty()) report::write_circle_report(o.common.report, input);
   say(o.common, report::text_table(input));
