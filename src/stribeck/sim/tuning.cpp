@@ -153,7 +153,6 @@ class Task {
   [[nodiscard]] static bool keeps_margins(const Point& p) {
     return p.stable && std::all_of(p.excess.begin(), p.excess.begin() + 3, [](double e) { return e <= 0.0; });
   }
-  [[nodiscard]] bool keeps_margins(const LoopMargins& m) const { return keeps_margins(only_margins(m)); }
 
   /// The limit that is broken most.
   [[nodiscard]] Miss broken(const Point& p, const Trials& trials) const {
@@ -300,10 +299,15 @@ class Search {
     return keeps;
   }
 
-  /// Margins alone; the nearest miss is kept.
+  /// Margins alone; the nearest miss is kept. A law that has none with these gains is as good as unstable.
   Point look_at_margins(const ControllerSpec& c) {
     ++tries_;
-    Point p = task_.only_margins(task_.margins(c));
+    Point p;
+    p.far = std::numeric_limits<double>::infinity();
+    try {
+      p = task_.only_margins(task_.margins(c));
+    } catch (const Refused&) {
+    }
     if (!found_ && (tries_ == 1 || (p.far < nearest_.far && (p.stable || !nearest_.stable)))) {
       nearest_ = p;
       nearest_spec_ = c;
@@ -425,8 +429,7 @@ class Search {
       const ControllerSpec shape = spread(origin, live_, k, kSpread);
       double low = -kFaster;
       double high = kFaster;
-      if (!task_.keeps_margins(task_.margins(slowed(shape, N, std::exp(low))))) {
-        ++tries_;
+      if (!task_.keeps_margins(look_at_margins(slowed(shape, N, std::exp(low))))) {
         // Hopeless at any speed: costs an evaluation all the same, so that the number of shapes is bounded.
         --left_;
         counted_();
@@ -434,7 +437,7 @@ class Search {
       }
       for (int b = 0; b < 8; ++b) {
         const double middle = 0.5 * (low + high);
-        (task_.keeps_margins(task_.margins(slowed(shape, N, std::exp(middle)))) ? low : high) = middle;
+        (task_.keeps_margins(look_at_margins(slowed(shape, N, std::exp(middle)))) ? low : high) = middle;
       }
       if (k > 0) low += std::log(kSlack) * halton(k, live_.size());
       judge(slowed(shape, N, std::exp(low)));
