@@ -185,7 +185,7 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->add_option("--path", o->path, "What was travelled")->check(one_of({"circle"}))->capture_default_str();
   verb->add_option("--size", o->size, "Radius that was meant")->type_name("LENGTH")->capture_default_str();
   verb->add_option("--map", o->maps,
-                   "Which column is what: x, y (positions), rx, ry (commands, whose middle is the centre; "
+                   "Which column is what: x, y (positions), rx, ry (commands, whose centre is the circle's; "
                    "without them the "
                    "least-squares centre is taken)")
       ->type_name("QUANTITY=COLUMN");

@@ -109,17 +109,17 @@ std::string tables(const Options& o, Json& json, std::string& words) {
       "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n",
       typed_command());
   std::string points;
-  for (std::size_t i = 0; i < names.size(); ++i) points += i == 0 ? "16" : ",16";
-  out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
+  std::string body;
   json = Json::array();
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
     const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
     const std::string worth = lincurve_words(table, model);
-    out += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
+    points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
+    body += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
     if (model.load != 0.0)
-      out += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
-    out += lincurve_lines(names[i], table);
+      body += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
+    body += lincurve_lines(names[i], table);
     words += fmt::format("{}: {}.\n", names[i], worth);
     Json point = Json::array();
     for (const ident::Corner& c : table.table.corners) point.push_back({c.x, c.y});
@@ -129,7 +129,8 @@ std::string tables(const Options& o, Json& json, std::string& words) {
                     {"rms_error_N", table.rms_error},
                     {"points_mm_per_s_N", point}});
   }
-  return out;
+  out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
+  return out + body;
 }
 
 std::string plants(const Options& o, const sim::Machine& machine) {
@@ -279,7 +280,9 @@ void check_options(const Options& o, bool machine, bool folder) {
 }
 
 int export_to(const Options& o) {
-  const bool machine = io::load_toml(o.files.front()).find("axes") != nullptr;
+  const bool machine = std::any_of(o.files.begin(), o.files.end(), [](const std::string& file) {
+    return io::load_toml(file).find("axes") != nullptr;
+  });
   const bool folder = machine && !o.output.ends_with(".hal");
   check_options(o, machine, folder);
   std::vector<std::string> inputs = o.files;

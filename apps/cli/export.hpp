@@ -13,15 +13,15 @@
 
 namespace stribeck::cli {
 
-/// The friction of an axis as the component lincurve can hold it: 16 points, straight lines between them.
+/// The friction of an axis as the component lincurve can hold it: at most 16 points, straight lines between them.
 struct Lincurve {
   ident::Polyline table;   ///< velocity [machine units/s], force [N]
   double max_error = 0.0;  ///< largest over the range [N]
   double rms_error = 0.0;  ///< over the range, every velocity counting alike [N]
 };
 
-/// The table nearest to the steady-state curve from −`fastest` to `fastest`, in the sense of the largest error, with as many points
-/// on each side as that takes. At zero the curve jumps: two points 2·10⁻⁶ machine units/s apart, and at rest the mean of both sides.
+/// The table nearest to the steady-state curve from −`fastest` to `fastest`, in the sense of the largest error (to some per cent, as
+/// it is sampled), with as many points on each side as that takes; fewer than 16 where they are enough. At zero the curve jumps: two points 2·10⁻⁶ machine units/s apart, and at rest the mean of both sides.
 /// Without load and without terms periodic in position, which a table of velocity cannot hold. `fastest` [m/s], `unit` [m].
 Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double unit);
 

@@ -198,12 +198,17 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
   out += with_lincurve ? "# Stock parts: pid, and friction over the commanded velocity from lincurve.\n"
                        : "# Stock pid with velocity and acceleration feed-forward.\n";
   out += fmt::format("loadrt pid names={}\n", names(c.axes, "pid."));
+  std::vector<Lincurve> tables;
   if (with_lincurve) {
-    out +=
-        fmt::format("loadrt lincurve names={} personality={}\nloadrt sum2 names={}\n", names(c.axes, "ff."),
-                    names(Axes(c.axes.size(), HalAxis{"16", nullptr, {}}), ""), names(c.axes, "sum."));
+    std::string points;
+    for (const HalAxis& a : c.axes) {
+      tables.push_back(best_lincurve(a.model, a.machine->limits.speed, unit_of(a)));
+      points += fmt::format("{}{}", points.empty() ? "" : ",", tables.back().table.corners.size());
+    }
+    out += fmt::format("loadrt lincurve names={} personality={}\nloadrt sum2 names={}\n",
+                       names(c.axes, "ff."), points, names(c.axes, "sum."));
   }
-  out += each(c.axes, [&](const HalAxis& a, std::size_t) {
+  out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
     const double unit = unit_of(a);
     const double mass = a.model.mass;
     const std::string pid = "pid." + a.letter;
@@ -231,8 +236,8 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
     set("maxoutput", a.machine->force_limit());
     set("error-previous-target", 0.0);
     if (with_lincurve) {
-      const Lincurve table = best_lincurve(a.model, a.machine->limits.speed, unit);
-      text += fmt::format("# {}\n", lincurve_words(table, a.model)) + lincurve_lines("ff." + a.letter, table);
+      text += fmt::format("# {}\n", lincurve_words(tables[i], a.model)) +
+              lincurve_lines("ff." + a.letter, tables[i]);
     }
     return text;
   });

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <apps/cli/export.hpp>
 #include <capi/parameters.hpp>
@@ -33,8 +34,10 @@ std::string setp_all(const std::string& component, const T& value) {
 constexpr std::size_t kPoints = 16;
 /// Half the width of the jump at zero [machine units/s]: far below any velocity that is meant.
 constexpr double kZero = 1e-6;
-/// Samples of the curve on each side; closer together towards zero, where it bends.
-constexpr int kSamples = 1500;
+/// Samples of the curve on each side, closer together towards zero, where it bends.
+constexpr int kSamples = 500;
+/// Between two of these, samples are added where the first table has a corner.
+constexpr int kFiner = 16;
 
 double steady_level(const friction::AxisModel& model, double v) {
   return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },
@@ -47,15 +50,53 @@ struct Side {
   std::vector<double> force;
 };
 
-Side side_of(const friction::AxisModel& model, double fastest, double unit, double sign) {
-  Side s;
-  for (int i = 0; i <= kSamples; ++i) {
-    const double share = static_cast<double>(sign > 0.0 ? i : kSamples - i) / kSamples;
-    const double v = kZero + (fastest / unit - kZero) * share * share;
-    s.v.push_back(sign * v);
-    s.force.push_back(steady_level(model, sign * v * unit));
+/// With finer samples around the corners of a table.
+Side side_of(const friction::AxisModel& model, double fastest, double unit, double sign,
+             const std::vector<ident::Corner>& corners = {}) {
+  const double range = fastest / unit - kZero;
+  const auto speed = [&](double i) { return kZero + range * (i / kSamples) * (i / kSamples); };
+  std::set<double> speeds;
+  for (int i = 0; i <= kSamples; ++i) speeds.insert(speed(i));
+  for (const ident::Corner& c : corners) {
+    if (sign * c.x <= 0.0) continue;
+    const double at = kSamples * std::sqrt(std::clamp((std::abs(c.x) - kZero) / range, 0.0, 1.0));
+    const double first = std::floor(at) - 1.0;
+    for (int k = 1; k < 3 * kFiner; ++k) {
+      const double i = first + static_cast<double>(k) / kFiner;
+      if (i > 0.0 && i < kSamples && k % kFiner != 0) speeds.insert(speed(i));
+    }
   }
+  Side s;
+  for (const double v : speeds) s.v.push_back(sign * v);
+  if (sign < 0.0) std::reverse(s.v.begin(), s.v.end());
+  for (const double v : s.v) s.force.push_back(steady_level(model, v * unit));
   return s;
+}
+
+/// Both sides with the same largest error, as small as so many pieces allow to a thousandth of it.
+std::vector<ident::Corner> nearest_corners(const Side& negative, const Side& positive, std::size_t pieces) {
+  double high = 0.0;
+  for (const Side* s : {&negative, &positive}) {
+    const auto [least, most] = std::minmax_element(s->force.begin(), s->force.end());
+    high = std::max(high, *most - *least);
+  }
+  // A straight line has no error to halve.
+  const double smallest = 1e-7 * high;
+  double low = 0.0;
+  std::vector<ident::Corner> best;
+  while (best.empty() || high - low > std::max(1e-3 * high, smallest)) {
+    const double tolerance = best.empty() ? high : 0.5 * (low + high);
+    const auto below = ident::polyline_within(negative.v, negative.force, tolerance, pieces);
+    const auto above = ident::polyline_within(positive.v, positive.force, tolerance, pieces);
+    if (below && above && below->corners.size() + above->corners.size() <= pieces + 2) {
+      high = tolerance;
+      best = below->corners;
+      best.insert(best.end(), above->corners.begin(), above->corners.end());
+    } else {
+      low = tolerance;
+    }
+  }
+  return best;
 }
 
 double square_error(const Side& s, const ident::Polyline& table) {
@@ -92,37 +133,15 @@ std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
 }
 
 Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double unit) {
-  const Side negative = side_of(model, fastest, unit, -1.0);
-  const Side positive = side_of(model, fastest, unit, 1.0);
   constexpr std::size_t kPieces = kPoints - 2;
-  const auto fewest = [](const Side& s, double tolerance) {
-    const auto p = ident::polyline_within(s.v, s.force, tolerance, kPieces);
-    return p ? p->corners.size() - 1 : kPoints;
+  const auto side = [&](double sign, const std::vector<ident::Corner>& corners = {}) {
+    return side_of(model, fastest, unit, sign, corners);
   };
-  // How many pieces each side needs for the same largest error.
-  double low = 0.0;
-  double high = 0.0;
-  for (const Side* s : {&negative, &positive}) {
-    const auto [least, most] = std::minmax_element(s->force.begin(), s->force.end());
-    high = std::max(high, *most - *least);
-  }
-  const double all = high;
-  std::size_t left = 1;
-  while (high - low > 1e-7 * all) {
-    const double tolerance = 0.5 * (low + high);
-    const std::size_t a = fewest(negative, tolerance);
-    if (a + fewest(positive, tolerance) <= kPieces) {
-      high = tolerance;
-      left = a;
-    } else {
-      low = tolerance;
-    }
-  }
-  const ident::Polyline below = ident::nearest_polyline(negative.v, negative.force, left);
-  const ident::Polyline above = ident::nearest_polyline(positive.v, positive.force, kPieces - left);
+  const std::vector<ident::Corner> first = nearest_corners(side(-1.0), side(1.0), kPieces);
+  const Side negative = side(-1.0, first);
+  const Side positive = side(1.0, first);
   Lincurve out;
-  out.table.corners = below.corners;
-  out.table.corners.insert(out.table.corners.end(), above.corners.begin(), above.corners.end());
+  out.table.corners = nearest_corners(negative, positive, kPieces);
   // As HAL will read them.
   for (ident::Corner& c : out.table.corners) {
     c.x = std::stod(fmt::format("{:.9g}", c.x));
@@ -132,6 +151,9 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
     for (std::size_t i = 0; i < s->v.size(); ++i)
       out.max_error = std::max(out.max_error, std::abs(out.table.at(s->v[i]) - s->force[i]));
   }
+  // Corners lie between samples.
+  for (const ident::Corner& c : out.table.corners)
+    out.max_error = std::max(out.max_error, std::abs(c.y - steady_level(model, c.x * unit)));
   out.table.largest_error = out.max_error;
   out.rms_error = std::sqrt((square_error(negative, out.table) + square_error(positive, out.table)) /
                             (2.0 * (fastest / unit - kZero)));

@@ -169,7 +169,7 @@ Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, 
   double high = 0.5 + 1e-9;
   double low = 0.0;
   std::vector<Line> best = lines_within(s, high, pieces).value();
-  constexpr double kNear = 1e-9;  // of the height
+  constexpr double kNear = 1e-6;  // of the height
   while (high - low > kNear) {
     const double tolerance = 0.5 * (low + high);
     if (auto lines = lines_within(s, tolerance, pieces)) {

@@ -3,11 +3,12 @@
 /// table of a few points can do at best.
 ///
 ///   polyline_within    the fewest pieces with |p(x_i) − y_i| ≤ tolerance
-///   nearest_polyline   the smallest largest error of so many pieces, by bisection over the tolerance
+///   nearest_polyline   the smallest largest error of so many pieces, by bisection over the tolerance, to a millionth of the height
 ///
 /// Corners are free in x and y. The band y ± tolerance is a tunnel; each piece goes as far through it as a straight line can. The
 /// line that goes furthest separates what one piece more can reach from what it cannot, so that the next begins on it, from the place on
-/// where it last touches the wall that it leaves through. Nothing shorter exists. Samples stand for the curve.
+/// where it last touches the wall that it leaves through. Nothing shorter exists. Samples stand for the curve; between
+/// two of them a corner may be further off.
 ///
 /// Source: Suri 1986, Computer Vision, Graphics, and Image Processing 35 (paths with fewest links in a polygon).
 /// Not modelled: jumps (a curve on each side), noise.

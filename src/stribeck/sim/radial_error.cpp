@@ -13,11 +13,6 @@ struct Point {
   double y = 0.0;
 };
 
-double middle_of(std::span<const double> values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return 0.5 * (*low + *high);
-}
-
 /// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k about the mean.
 Point least_squares_centre(std::span<const double> x, std::span<const double> y) {
   const double n = static_cast<double>(x.size());
@@ -58,8 +53,9 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
   CircleTest t;
   t.radius = radius;
   const Point fitted = least_squares_centre(s.x, s.y);
-  t.centre_x = commanded ? middle_of(s.command_x) : fitted.x;
-  t.centre_y = commanded ? middle_of(s.command_y) : fitted.y;
+  const Point centre = commanded ? least_squares_centre(s.command_x, s.command_y) : fitted;
+  t.centre_x = centre.x;
+  t.centre_y = centre.y;
 
   double way = 0.0;
   double nearest = HUGE_VAL;

@@ -6,8 +6,8 @@
 ///   quadrant glitch          max |e| within the first 0.15 mm that an axis travels after it turned round: R·(1 − cos Δ) = 0.15 mm
 ///   circular deviation G     largest minus smallest distance from the least-squares centre (ISO 230-4)
 ///
-///   p positions [m], R radius that was meant [m], c centre: middle of the commanded extremes, or without a command the
-///   least-squares centre of p (Kåsa), which then hides an error of position
+///   p positions [m], R radius that was meant [m], c least-squares centre (Kåsa) of the commanded circle, or where there is no
+///   command of p itself, which then hides an error of position
 ///
 /// Not modelled: the path between two samples; ISO 230-4's run-in and its filter.
 /// Real time: no.

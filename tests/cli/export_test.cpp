@@ -1,0 +1,442 @@
+// export and evaluate: every option, bad input, the same bytes, nothing half-written.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tests/cli/command.hpp>
+
+namespace stribeck::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const std::string kSource = STRIBECK_SOURCE_DIR;
+
+constexpr const char* kAxis = R"(mass = "1 N s2/mm"
+load = "10 N"
+[friction]
+steady = { kind = "conventional", alpha0 = "18 N", alpha2 = "4.5 N s/mm", stribeck = { alpha1 = "33 N", v0 = "0.6 mm/s", delta = 2 } }
+eccentric = [{ amplitude = "4.2 N", period = "2 mm", phase = "0.28 rad", form = "additive" }]
+)";
+
+std::string uniaxial() { return text_of(kSource + "/machines/uniaxial-drive.toml"); }
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+std::map<std::string, std::string> texts_in(const std::string& folder) {
+  std::map<std::string, std::string> texts;
+  for (const auto& entry : fs::directory_iterator(folder))
+    texts[entry.path().filename().string()] = text_of(entry.path().string());
+  return texts;
+}
+
+std::vector<std::string> to_linuxcnc(std::vector<std::string> words) {
+  words.insert(words.begin(), "export");
+  words.insert(words.end(), {"--to", "linuxcnc"});
+  return words;
+}
+
+/// Exit code 2 and one line that holds the text; nothing written in the folder.
+void expect_refused(const Folder& f, std::vector<std::string> words, const std::string& text) {
+  const std::size_t before = f.files();
+  const Said said = command(std::move(words));
+  EXPECT_EQ(said.code, 2) << said.out;
+  EXPECT_THAT(said.err, AllOf(StartsWith("stribeck: "), HasSubstr(text)));
+  EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+  EXPECT_EQ(f.files(), before) << text;
+}
+
+TEST(Export, ControllersOfAxisFiles) {
+  const Folder f;
+  const std::string x = f.write("x.toml", kAxis);
+  const Said said = command(to_linuxcnc(
+      {x, x, "--omega", "60 rad/s", "--feedforward", "steady", "--json", f / "e.json", "-o", f / "a.hal"}));
+  ASSERT_EQ(said.code, 0) << said.err;
+  const std::string hal = text_of(f / "a.hal");
+  for (const char* line :
+       {"# loadrt stribeck_axis names=ax.x,ax.y\n", "setp ax.x.omega 60\n",
+        "setp ax.y.feedforward 1  # steady\n", "setp ax.x.mass 1000\n", "setp ax.x.load 10\n",
+        "setp ax.y.friction.conventional.alpha0 18\n", "setp ax.x.friction.conventional.stribeck.v0 0.0006\n",
+        "setp ax.x.friction.eccentric.0.amplitude 4.2\n"}) {
+    EXPECT_THAT(hal, HasSubstr(line));
+  }
+  EXPECT_EQ(nlohmann::json::parse(text_of(f / "e.json"))["file"], f / "a.hal");
+  // Without bristles the feed-forward is the reversal logic; 40 rad/s are the default.
+  ASSERT_EQ(command(to_linuxcnc({x, "--name", "ct.0", "-o", f / "b.hal", "--quiet"})).code, 0);
+  EXPECT_THAT(text_of(f / "b.hal"),
+              AllOf(HasSubstr("setp ct.0.feedforward 3  # reversal"), HasSubstr("setp ct.0.omega 40\n")));
+}
+
+TEST(Export, DrivesOfAMachine) {
+  const Folder f;
+  const Said said = command(to_linuxcnc({kSource + "/machines/uniaxial-drive.toml", "-o", f / "p.hal"}));
+  ASSERT_EQ(said.code, 0) << said.err;
+  const std::string hal = text_of(f / "p.hal");
+  EXPECT_THAT(hal, HasSubstr("setp pl.x.current.gain 1\n"));
+  EXPECT_THAT(hal, HasSubstr("setp pl.x.noise.distribution 1  # uniform\n"));
+  // Left out in the file, because uniform noise has none; a zero would be refused.
+  EXPECT_THAT(hal, Not(HasSubstr("correlation-time")));
+  EXPECT_THAT(hal, Not(HasSubstr("ax.")));
+}
+
+/// The table in a HAL file, by name.
+std::vector<std::pair<double, double>> table_in(const std::string& hal, const std::string& name) {
+  std::vector<std::pair<double, double>> points;
+  for (int i = 0; i < 16; ++i) {
+    const auto value = [&](const char* axis) -> double {
+      const std::string key = name + "." + axis + "-val-" + (i < 10 ? "0" : "") + std::to_string(i) + " ";
+      const auto at = hal.find(key);
+      return at == std::string::npos ? NAN : std::stod(hal.substr(at + key.size()));
+    };
+    points.emplace_back(value("x"), value("y"));
+  }
+  return points;
+}
+
+TEST(Export, LincurveTableAndItsError) {
+  const Folder f;
+  const std::string x = f.write("x.toml", kAxis);
+  const Said said = command(
+      to_linuxcnc({x, "--lincurve", "--speed", "16 mm/s", "-o", f / "l.hal", "--json", f / "l.json"}));
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("ff.x: 16 points from -16 to 16"), HasSubstr("4.20 N periodic in position")));
+  const std::string hal = text_of(f / "l.hal");
+  EXPECT_THAT(hal, AllOf(HasSubstr("# loadrt lincurve names=ff.x personality=16\n"),
+                         HasSubstr("pid.bias for the load: 10")));
+  const auto points = table_in(hal, "ff.x");
+  // The component's own arithmetic against the law of the file, written down here once more on purpose.
+  const auto table = [&](double v) -> double {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const auto& [a, fa] = points[i - 1];
+      const auto& [b, fb] = points[i];
+      if (v <= b) return fa + (fb - fa) * (v - a) / (b - a);
+    }
+    return NAN;
+  };
+  double worst = 0.0;
+  double square = 0.0;
+  constexpr int kSteps = 40000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double v = -16.0 + 32.0 * (i + 0.5) / kSteps;
+    const double level = 18.0 + 15.0 * std::exp(-(v / 0.6) * (v / 0.6));
+    const double e = table(v) - (std::copysign(level, v) + 4.5 * v);
+    worst = std::max(worst, std::abs(e));
+    square += e * e / kSteps;
+  }
+  const auto json = nlohmann::json::parse(text_of(f / "l.json"))["lincurve"][0];
+  EXPECT_NEAR(json["max_error_N"].get<double>(), worst, 1e-3);
+  EXPECT_NEAR(json["rms_error_N"].get<double>(), std::sqrt(square), 1e-3);
+  // 65 N of steady friction in 16 points, 15 of them in the Stribeck part.
+  EXPECT_LT(worst, 0.1);
+  EXPECT_GT(worst, 0.05);
+  // The jump at zero: both limits side by side, and no Coulomb force at rest.
+  EXPECT_NEAR(table(1e-5), 33.0, 0.1);
+  EXPECT_NEAR(table(-1e-5), -33.0, 0.1);
+  EXPECT_NEAR(table(0.0), 0.0, 0.1);
+  for (std::size_t i = 1; i < points.size(); ++i) EXPECT_GT(points[i].first, points[i - 1].first);
+}
+
+// By direction, and over the range that was identified when no speed is given.
+TEST(Export, LincurveOfAnAsymmetricMap) {
+  const Folder f;
+  const std::string x = f.write("x.toml", R"(mass = "57 N s2/mm"
+[friction.steady]
+kind = "gaussian"
+velocity_range = ["-9.5 mm/s", "8 mm/s"]
+positive = { eta0 = "700 N", eta1 = "100 N s/mm", gaussians = [{ a = "500 N", b = "3 mm/s", c = "2 mm/s" }] }
+negative = { eta0 = "-500 N", eta1 = "100 N s/mm" }
+)");
+  ASSERT_EQ(command(to_linuxcnc({x, "--lincurve", "-o", f / "l.hal"})).code, 0);
+  const auto points = table_in(text_of(f / "l.hal"), "ff.x");
+  EXPECT_DOUBLE_EQ(points.front().first, -8.0);
+  EXPECT_DOUBLE_EQ(points.back().first, 8.0);
+  // The straight side needs two points, all others are where it bends.
+  EXPECT_LT(points[1].first, 0.0);
+  EXPECT_GT(points[2].first, 0.0);
+  EXPECT_NEAR(points[1].second, -500.0, 1.0);
+}
+
+// A straight line on each side takes two points each, and the component is told so.
+TEST(Export, LincurveWithFewPoints) {
+  const Folder f;
+  const std::string x = f.write("x.toml",
+                                "mass = \"1 N s2/mm\"\nfriction.steady = { kind = \"conventional\", alpha0 "
+                                "= \"18 N\", alpha2 = \"2 N s/mm\" }\n");
+  ASSERT_EQ(command(to_linuxcnc({x, x, "--lincurve", "--speed", "10 mm/s", "-o", f / "l.hal"})).code, 0);
+  const std::string hal = text_of(f / "l.hal");
+  EXPECT_THAT(hal, HasSubstr("# loadrt lincurve names=ff.x,ff.y personality=4,4\n"));
+  EXPECT_THAT(hal, Not(HasSubstr("x-val-04")));
+  const auto at = hal.find("setp ff.x.y-val-03 ");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_NEAR(std::stod(hal.substr(at + 19)), 38.0, 1e-3);
+}
+
+TEST(Export, TheExamplesAreWhatExportWrites) {
+  const std::map<std::string, std::pair<std::string, std::vector<std::string>>> examples{
+      {"triaxial", {"triaxial-tool", {"x", "y", "z"}}}, {"biaxial", {"biaxial-table", {"x", "y"}}}};
+  for (const auto& [name, made_of] : examples) {
+    const Folder f;
+    const std::string folder = kSource + "/hal/examples/" + name;
+    std::vector<std::string> words{kSource + "/machines/" + made_of.first + ".toml", "--quiet", "-o",
+                                   f / "c"};
+    for (const std::string& axis : made_of.second)
+      words.insert(words.end(), {"--axis-file", axis + "=" + folder + "/" + axis + ".toml"});
+    const Said said = command(to_linuxcnc(words));
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(said.out, "");
+    for (const auto& [file, text] : texts_in(f / "c"))
+      EXPECT_EQ(text, text_of(folder + "/" + file)) << name << "/" << file << ": export it anew";
+    EXPECT_EQ(text_of(f / "c/play.py"), text_of(kSource + "/hal/play.py"));
+    EXPECT_NE(fs::status(f / "c/play.py").permissions() & fs::perms::owner_exec, fs::perms::none);
+  }
+}
+
+TEST(Export, AWholeMachine) {
+  const Folder f;
+  const std::string mill = kSource + "/machines/five-axis-mill.toml";
+  const std::vector<std::string> words = to_linuxcnc(
+      {mill, "--parameters", "commissioning", "--omega", "50 rad/s", "--json", f / "m.json", "-o", f / "m"});
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("machine.ini"));
+  const auto texts = texts_in(f / "m");
+  const std::string ini = texts.at("machine.ini");
+  for (const char* line : {"DISPLAY = axis\n", "SERVO_PERIOD = 1000000\n",
+                           "KINEMATICS = trivkins coordinates=xyzac\nJOINTS = 5\n",
+                           "COORDINATES = X Y Z A C\n", "[JOINT_3]\nTYPE = ANGULAR\n"}) {
+    EXPECT_THAT(ini, HasSubstr(line));
+  }
+  // Commissioning knows Coulomb friction alone.
+  EXPECT_THAT(texts.at("control-lincurve.hal"), HasSubstr("personality=4,4,4,4,4\n"));
+  EXPECT_THAT(texts.at("headless.ini"), HasSubstr("DISPLAY = ./play.py\n"));
+  // 57.3 degrees are 100 mm; A goes to 120 mm.
+  EXPECT_THAT(ini, HasSubstr("MAX_LIMIT = 68.7549354\n"));
+  EXPECT_THAT(texts.at("drives.hal"), HasSubstr("setp pl.a.position-unit 0.00174532925"));
+  // stock pid in N and mm: 0.85 N s2/mm at 50 rad/s.
+  EXPECT_THAT(texts.at("control-pid.hal"), HasSubstr("setp pid.x.Pgain 2125\n"));
+  // Five axes are no path of stribeck_contour.
+  EXPECT_EQ(texts.count("control-contour.hal"), 0u);
+  const auto json = nlohmann::json::parse(text_of(f / "m.json"));
+  EXPECT_EQ(json["files"].size(), texts.size());
+  // The same command again: the same bytes over the old ones.
+  ASSERT_EQ(command(words).code, 0);
+  EXPECT_EQ(texts_in(f / "m"), texts);
+}
+
+TEST(Export, IdentifiesWhatNobodyGives) {
+  const Folder f;
+  const std::string machine = kSource + "/machines/uniaxial-drive.toml";
+  ASSERT_EQ(command(to_linuxcnc({machine, "--quiet", "-o", f / "a"})).code, 0);
+  ASSERT_EQ(command(to_linuxcnc({machine, "--quiet", "-o", f / "b"})).code, 0);
+  EXPECT_EQ(texts_in(f / "a"), texts_in(f / "b"));
+  const std::string hal = text_of(f / "a/control-axis.hal");
+  const auto at = hal.find("setp ax.x.mass ");
+  ASSERT_NE(at, std::string::npos);
+  // The truth is 45 kg, commissioning has 55; the plant itself is in drives.hal alone.
+  EXPECT_NEAR(std::stod(hal.substr(at + 15)), 45.0, 1.0);
+  EXPECT_THAT(hal, Not(HasSubstr("setp ax.x.mass 45\n")));
+}
+
+// A travel that does not hold zero: homed, and at work, in its middle.
+TEST(Export, TravelWithoutZero) {
+  const Folder f;
+  const std::string machine =
+      f.write("m.toml", replaced(replaced(uniaxial(), "travel_min = \"-75 mm\"", "travel_min = \"100 mm\""),
+                                 "travel_max = \"75 mm\"", "travel_max = \"150 mm\""));
+  ASSERT_EQ(command(to_linuxcnc({machine, "--parameters", "commissioning", "-o", f / "m"})).code, 0);
+  EXPECT_THAT(text_of(f / "m/machine.ini"), HasSubstr("HOME = 125\nHOME_OFFSET = 125\n"));
+  EXPECT_THAT(text_of(f / "m/drives.hal"), HasSubstr("setp pl.x.start 125\n"));
+  EXPECT_THAT(text_of(f / "m/demo.ngc"), AllOf(HasSubstr("G0 X125\n"), HasSubstr("G1 X135 F120\nG1 X115\n")));
+}
+
+TEST(Export, RefusesInOneLine) {
+  const Folder f;
+  const std::string x = f.write("x.toml", kAxis);
+  const std::string machine = f.write("m.toml", uniaxial());
+  const std::string out = f / "out.hal";
+  const std::string folder = f / "out";
+  const auto refused = [&](std::vector<std::string> words, const std::string& text) {
+    expect_refused(f, to_linuxcnc(std::move(words)), text);
+  };
+  refused({x}, "--output is required");
+  expect_refused(f, {"export", x, "-o", out}, "--to is required");
+  expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out}, "--to: heidenhain not in {linuxcnc}");
+  expect_refused(f, {"export", "--to", "linuxcnc", "-o", out}, "files is required");
+  refused({f / "none.toml", "-o", out}, "none.toml: no such file");
+  refused({x, "-o", ""}, "got \"\"");
+  refused({x, "-o", f / "no/out.hal"}, "no folder");
+  refused({x, "-o", x}, "would be overwritten");
+  refused({machine, "-o", machine}, "would be overwritten");
+  refused({x, machine, "-o", out}, "expected one machine file");
+  refused({machine, x, "-o", out}, "expected one machine file");
+  refused({x, "--report", f / "page", "-o", out}, "--report");
+  // names
+  refused({x, "--name", "seven-l", "-o", out}, "expected 1 to 6 letters");
+  refused({x, "--name", "a b", "-o", out}, "expected 1 to 6 letters");
+  refused({x, "--name", "a", "--name", "b", "-o", out}, "got 2, expected 1");
+  refused({x, x, "--name", "a", "--name", "a", "-o", out}, "expected names that differ");
+  refused({machine, "--name", "a", "-o", folder}, "--name");
+  // numbers
+  for (const char* omega : {"60", "nan rad/s", "-1 rad/s", "0 rad/s", "60 mm"})
+    refused({x, "--omega", omega, "-o", out}, "--omega");
+  refused({x, "--lincurve", "-o", out}, "--speed: missing");
+  for (const char* speed : {"0 mm/s", "-1 mm/s", "nan mm/s", "10"})
+    refused({x, "--lincurve", "--speed", speed, "-o", out}, "--speed");
+  // what would change nothing
+  refused({x, "--speed", "10 mm/s", "-o", out}, "--speed: does not apply");
+  refused({x, "--lincurve", "--omega", "60 rad/s", "--speed", "10 mm/s", "-o", out},
+          "--omega: does not apply");
+  refused({x, "--parameters", "commissioning", "-o", out}, "--parameters: does not apply");
+  refused({x, "--axis-file", "x=" + x, "-o", out}, "--axis-file: does not apply");
+  refused({machine, "--lincurve", "-o", folder}, "--lincurve: does not apply");
+  refused({machine, "--omega", "60 rad/s", "-o", out}, "--omega: does not apply");
+  refused({machine, "--feedforward", "none", "-o", out}, "--feedforward: does not apply");
+  // axis files of a machine
+  refused({machine, "--axis-file", x, "-o", folder}, "expected AXIS=FILE");
+  refused({machine, "--axis-file", "y=" + x, "-o", folder}, "no axis \"y\"");
+  refused({machine, "--axis-file", "x=" + x, "--axis-file", "x=" + x, "-o", folder}, "given twice");
+  // content
+  refused({f.write("nan.toml", replaced(kAxis, "18 N", "nan N")), "-o", out}, "alpha0");
+  refused({f.write("load.toml", replaced(kAxis, "\"10 N\"", "10")), "-o", out}, "load");
+  refused({f.write("lod.toml", replaced(kAxis, "load", "lod")), "-o", out}, "meant \"load\"?");
+}
+
+// No load in the file is a load of zero, as identify means it; said in the lines.
+TEST(Export, MissingLoadIsZero) {
+  const Folder f;
+  const std::string x = f.write("x.toml", replaced(kAxis, "load = \"10 N\"\n", ""));
+  ASSERT_EQ(command(to_linuxcnc({x, "-o", f / "a.hal"})).code, 0);
+  EXPECT_THAT(text_of(f / "a.hal"), HasSubstr("setp ax.x.load 0\n"));
+}
+
+TEST(Export, AxesThatLinuxCncDoesNotKnow) {
+  const Folder f;
+  const std::string named = f.write("c2.toml", replaced(uniaxial(), "axes.x", "axes.c2"));
+  expect_refused(f, to_linuxcnc({named, "-o", f / "out"}), "axes.c2: expected one of LinuxCNC's letters");
+  // The drives alone may be called anything.
+  ASSERT_EQ(command(to_linuxcnc({named, "--quiet", "-o", f / "p.hal"})).code, 0);
+  const std::string text = uniaxial();
+  const std::string both =
+      f.write("both.toml", text + replaced(text.substr(text.find("[axes.x.plant]")), "axes.x", "axes.X"));
+  expect_refused(f, to_linuxcnc({both, "-o", f / "out"}), "a second axis x");
+  const std::string twice = f.write("twice.toml", text + text.substr(text.find("[axes.x.plant]")));
+  expect_refused(f, to_linuxcnc({twice, "-o", f / "out"}), "twice.toml");
+}
+
+TEST(Export, NothingHalfWritten) {
+  const Folder f;
+  const std::string machine = kSource + "/machines/uniaxial-drive.toml";
+  const std::vector<std::string> words =
+      to_linuxcnc({machine, "--parameters", "commissioning", "-o", f / "m"});
+  // A file where the folder should be.
+  f.write("m", "mine");
+  expect_refused(f, words, "is a file, expected a folder");
+  EXPECT_EQ(text_of(f / "m"), "mine");
+  fs::remove(f / "m");
+  // One of the files cannot be written: none is.
+  fs::create_directories(f / "m/machine.ini");
+  EXPECT_EQ(command(words).code, 2);
+  EXPECT_EQ(std::distance(fs::directory_iterator(f / "m"), fs::directory_iterator()), 1);
+}
+
+// ---- evaluate -------------------------------------------------------------------------------------------
+
+/// Two revolutions, the second the other way, `error` [mm] outside.
+std::string circle_log(double error) {
+  std::string text = "t [s],x [mm],y [mm],rx [mm],ry [mm],line\n";
+  for (int i = 0; i < 800; ++i) {
+    const double phi = 2.0 * M_PI * (i < 400 ? i : 800 - i) / 399.0;
+    const double c = std::cos(phi);
+    const double s = std::sin(phi);
+    text += std::to_string(0.001 * i) + "," + std::to_string((10.0 + error) * c) + "," +
+            std::to_string((10.0 + error) * s) + "," + std::to_string(10.0 * c) + "," +
+            std::to_string(10.0 * s) + "," + (i < 400 ? "7" : "9") + "\n";
+  }
+  return text;
+}
+
+TEST(Evaluate, TwoLogsSideBySide) {
+  const Folder f;
+  const std::string a = f.write("a.csv", circle_log(0.005));
+  const std::string b = f.write("b.csv", circle_log(-0.001));
+  const std::vector<std::string> words{"evaluate",
+                                       a,
+                                       b,
+                                       "--map",
+                                       "rx=rx mm",
+                                       "--map",
+                                       "ry=ry",
+                                       "--where",
+                                       "line=7",
+                                       "--where",
+                                       "line=9",
+                                       "--label",
+                                       "<pid>",
+                                       "--label",
+                                       "axis",
+                                       "--beside",
+                                       "servo time [clocks]=10,20",
+                                       "--json",
+                                       f / "e.json",
+                                       "--report",
+                                       f / "page"};
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("counter-clockwise"), HasSubstr("servo time")));
+  const auto json = nlohmann::json::parse(text_of(f / "e.json"));
+  EXPECT_EQ(json["schema"], "stribeck.evaluate/1");
+  EXPECT_EQ(json["logs"][0]["beside"]["servo time [clocks]"], "10");
+  // Coordinates have six decimals, a nanometre.
+  EXPECT_NEAR(json["logs"][0]["circles"][0]["max_contour_error_um"].get<double>(), 5.0, 2e-3);
+  EXPECT_NEAR(json["logs"][1]["circles"][1]["rms_um"].get<double>(), 1.0, 2e-3);
+  EXPECT_EQ(json["logs"][1]["circles"][1]["direction"], "clockwise");
+  const std::string page = text_of(f / "page/index.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("5.00 µm with &lt;pid&gt;, 1.00 µm with axis"), HasSubstr("<svg"),
+                          EndsWith("</html>\n")));
+  ASSERT_EQ(command(words).code, 0);
+  EXPECT_EQ(text_of(f / "page/index.html"), page);
+}
+
+TEST(Evaluate, RefusesInOneLine) {
+  const Folder f;
+  const std::string a = f.write("a.csv", circle_log(0.005));
+  const auto refused = [&](std::vector<std::string> words, const std::string& text) {
+    words.insert(words.begin(), {"evaluate", a});
+    expect_refused(f, std::move(words), text);
+  };
+  refused({"--path", "eight"}, "eight not in {circle}");
+  refused({"--size", "10"}, "--size");
+  refused({"--size", "nan mm"}, "--size");
+  refused({"--map", "z=x"}, "expected x, y (positions)");
+  refused({"--map", "x"}, "expected QUANTITY=COLUMN");
+  refused({"--map", "x=x", "--map", "x=y"}, "given twice");
+  refused({"--map", "rx=rx"}, "expected both or none");
+  refused({"--map", "x=nothing"}, "nothing");
+  refused({"--map", "x=x um"}, "the log has \"mm\"");
+  refused({"--map", "x=line"}, "line");
+  refused({"--where", "line=seven"}, "expected a number");
+  refused({"--where", "line=8"}, "no row has line=8");
+  refused({"--where", "lime=7"}, "lime");
+  refused({"--label", "a", "--label", "b"}, "got 2, expected 1");
+  refused({"--beside", "clocks=1,2"}, "got 2 values, expected 1");
+  refused({"--json", a}, "would be overwritten");
+  // All rows: there and back again is no revolution.
+  refused({}, "less than a revolution in 800 rows");
+  expect_refused(f, {"evaluate", f / "none.csv"}, "no such file");
+}
+
+}  // namespace
+}  // namespace stribeck::test
