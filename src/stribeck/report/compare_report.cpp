@@ -159,7 +159,7 @@ Table controllers_table(const Block& block, const std::vector<Figure>& figures) 
       const double spread = f.of(r.spread);
       Cell cell{decimals(value * f.scale, 2)};
       if (std::isfinite(spread)) cell.spread = "± " + decimals(spread * f.scale, 2);
-      cell.best = f.smaller_is_better && value == best[i];
+      cell.best = f.smaller_is_better && value == best[i] && block.rows.size() > 1;
       if (printed != nullptr && f.printed != nullptr) {
         const double print = printed->*f.printed;
         cell.note = "print " + decimals(print, 2);

@@ -135,7 +135,7 @@ void Page::table(const Table& table) {
     for (const Column& c : table.columns) {
       add(c.number ? "<th scope=\"col\" class=\"n\">" : "<th scope=\"col\">");
       add(head_markup(c.head));
-      if (!c.unit.empty()) add("<span class=\"unit\">" + escape_html(c.unit) + "</span>");
+      if (!c.unit.empty()) add("<span class=\"unit\">" + escape_html(printed_unit(c.unit)) + "</span>");
       add("</th>");
     }
     add("</tr></thead>\n");

@@ -22,7 +22,8 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   const double low = r.mass_interval.low * units.per_mass;
   const double high = r.mass_interval.high * units.per_mass;
   if (std::isfinite(r.mass)) {
-    text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high), units.mass);
+    text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high),
+                        printed_unit(units.mass));
   }
   if (std::isfinite(r.mass) && std::isfinite(low) && std::isfinite(high)) {
     text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));

@@ -118,7 +118,7 @@ Table parameter_table(const ident::Result& result) {
          {shown_number(s.value, s.low, s.high)},
          {known ? shown_number(s.low, s.low, s.high) + " … " + shown_number(s.high, s.low, s.high)
                 : "not known"},
-         {s.unit},
+         {printed_unit(s.unit)},
          {p.identifiable ? "" : "not determined by the data: means nothing alone"}});
   }
   return t;

@@ -69,6 +69,12 @@ bool is_color(std::string_view c) {
 
 std::string color(std::string_view c) { return is_color(c) ? fmt::format("rgb '{}'", c) : "rgb '#444444'"; }
 
+/// An axis label, the unit in its brackets as it is printed.
+std::string quoted_label(const std::string& label) {
+  const std::size_t unit = std::min(label.rfind('['), label.size());
+  return quoted(label.substr(0, unit) + printed_unit(std::string_view(label).substr(unit)));
+}
+
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -312,11 +318,11 @@ class Script {
     // Places of their own: those of gnuplot depend on the length of the numbers.
     if (!p.x_label.empty()) {
       line("set label {} at graph 0.5, screen {:.6f} center font ',12' textcolor rgb '#3c4043'",
-           quoted(p.x_label), 11.0 / p.height);
+           quoted_label(p.x_label), 11.0 / p.height);
     }
     if (!p.y_label.empty()) {
       line("set label {} at screen {:.6f}, graph 0.5 center rotate by 90 font ',12' textcolor rgb '#3c4043'",
-           quoted(p.y_label), 13.0 / p.width);
+           quoted_label(p.y_label), 13.0 / p.width);
     }
   }
 

@@ -134,6 +134,15 @@ TEST(Plot, LabelsOfMarkersDoNotCoverEachOther) {
   EXPECT_EQ(label_height(script, "far away"), label_height(script, "x reverses"));
 }
 
+TEST(Plot, UnitsOfLabelsAreWrittenAsPeopleDo) {
+  Plot p = line_plot();
+  p.x_label = "eta2 [N s2/mm]";
+  p.y_label = "no unit, s2";
+  const std::string script = gnuplot_script({p});
+  EXPECT_THAT(script, HasSubstr("'eta2 [N s²/mm]'"));
+  EXPECT_THAT(script, HasSubstr("'no unit, s2'"));
+}
+
 TEST(Plot, LessDetailMakesLessData) {
   Plot p = line_plot();
   p.series[0].x.clear();

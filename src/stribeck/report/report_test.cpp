@@ -205,7 +205,7 @@ TEST(CompareReport, IsWrittenAsOneFile) {
 TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
   const std::string page =
       identify_report({"x", {testing::fit()}, testing::kHostile, "stribeck identify", "0.1.0"});
-  EXPECT_THAT(page, HasSubstr("Mass 57.650 N s2/mm (95 %: 57.600 … 57.700)"));
+  EXPECT_THAT(page, HasSubstr("Mass 57.650 N s²/mm (95 %: 57.600 … 57.700)"));
   EXPECT_THAT(page, HasSubstr("1 of 3 parameters cannot be told from the data"));
   EXPECT_THAT(page, HasSubstr("not determined by the data: means nothing alone"));
   EXPECT_THAT(page, HasSubstr("speeds above 9 mm/s were seen once"));
@@ -229,7 +229,7 @@ TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
 
 TEST(IdentifyReport, KeepsTheUnitsOfTheLog) {
   const std::string page = identify_report({"x", {testing::own_units(true)}, "log.csv", "", ""});
-  EXPECT_THAT(page, HasSubstr("Mass 57650 A s2/rad"));
+  EXPECT_THAT(page, HasSubstr("Mass 57650 A s²/rad"));
   EXPECT_THAT(page, HasSubstr("velocity [rad/s]"));
   EXPECT_THAT(page, HasSubstr("residual [A]"));
   EXPECT_THAT(page, HasSubstr("period [rad]"));

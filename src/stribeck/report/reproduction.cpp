@@ -234,8 +234,13 @@ Table figure_table(const ReproducedSection& s) {
     Cell ours{shown(f.ours, f)};
     if (std::isfinite(f.low) && std::isfinite(f.high))
       ours.spread = fmt::format("[{}, {}]", shown(f.low, f), shown(f.high, f));
-    t.rows.push_back(
-        {{f.what}, {name_of(f)}, {shown(f.printed, f)}, ours, {decimals(ratio(f), 2)}, {f.unit}, {f.source}});
+    t.rows.push_back({{f.what},
+                      {name_of(f)},
+                      {shown(f.printed, f)},
+                      ours,
+                      {decimals(ratio(f), 2)},
+                      {printed_unit(f.unit)},
+                      {f.source}});
   }
   return t;
 }
@@ -381,7 +386,7 @@ std::string reproduction_html(const ReproductionInput& input) {
                           {shown(f.printed, f)},
                           ours,
                           {decimals(ratio(f), 2)},
-                          {f.unit}});
+                          {printed_unit(f.unit)}});
     }
   }
   if (any) page.details("All printed figures in one table", [&] { page.table(all); });

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stribeck/report/text.hpp>
 #include <stribeck/report/verdict.hpp>
+#include <variant>
 #include <vector>
 
 namespace stribeck::report {
@@ -104,6 +105,12 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
                           micrometres(quietest->mean.rms), chance(*quietest, &Metrics::rms));
     }
   }
+  std::vector<std::string> learned;
+  for (const sim::CompareRow* r : rows) {
+    if (r != &ours && r != flattest && std::holds_alternative<control::LearningParams>(r->controller.law))
+      learned.push_back(full_name(*r) + " leaves " + maximum_and_rms(*r));
+  }
+  if (!learned.empty()) text += " " + listed(learned) + ".";
   const auto plain = std::find_if(rows.begin(), rows.end(), [](const auto* r) { return is_plain(*r); });
   if (plain != rows.end() && *plain != &other)
     text += fmt::format(" {} leaves {}.", full_name(**plain), maximum_and_rms(**plain));

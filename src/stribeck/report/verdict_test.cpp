@@ -77,6 +77,14 @@ TEST(Verdict, TakesTheBestWhereNoneAdapts) {
   EXPECT_THAT(words, Not(HasSubstr("least of all")));
 }
 
+TEST(Verdict, SaysWhatLearningLeaves) {
+  sim::CompareResult result = beyond();
+  result.rows[2].mean = testing::metrics(1e-6, 0.2e-6);
+  result.rows[2].controller.law = control::LearningParams{};
+  EXPECT_THAT(verdict(rows_of(result, 0), "3 mm/s", result),
+              HasSubstr(" (g) dynamic leaves 1.00\u00A0µm and 0.20\u00A0µm RMS. (a)"));
+}
+
 TEST(Verdict, DoesNotHideThatSomethingGotWorse) {
   sim::CompareResult result = beyond();
   result.rows[3].mean.max_contour_error = 6e-6;
