@@ -657,7 +657,7 @@ void settings(Page& page, const CompareReportInput& input) {
       "are those along the path, across it and so on, or those of the axes in order. What has no effect, or "
       "was left out, is not named.");
   if (!input.command.empty()) {
-    page.paragraph("This page is made again by:");
+    page.subsection("How to make this page again");
     page.code(input.command);
   }
 }

@@ -26,7 +26,7 @@ p{margin:.5rem 0;max-width:78ch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}
 caption{text-align:left;padding:.2rem 0 .4rem;font-weight:600;color:var(--ink)}
 th,td{padding:.26rem .5rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-td.n,th.n .unit,td small{white-space:nowrap}
+td.n,th.n .unit,td small,td:not(:first-child):not(:last-child){white-space:nowrap}
 td.n .note{white-space:normal;margin-left:auto;max-width:11em}
 th{font-weight:600;vertical-align:bottom;border-bottom:2px solid var(--line)}
 th small,td small{color:var(--soft);font-weight:400;font-size:.8rem}
@@ -42,8 +42,8 @@ figcaption{margin-top:.35rem;max-width:100ch}
 .across-3{grid-template-columns:repeat(3,1fr)}
 .across-4{grid-template-columns:repeat(4,1fr)}
 svg{display:block;width:100%;height:auto}
-@media (max-width:900px){td small{display:block}td.n .note{max-width:6.6em}th,td{padding:.26rem .35rem}}
-@media (max-width:700px){.across-2{grid-template-columns:1fr}.across-3,.across-4{grid-template-columns:repeat(2,1fr)}}
+@media (max-width:900px){.across-2{grid-template-columns:1fr}.across-3,.across-4{grid-template-columns:repeat(2,1fr)}
+td small{display:block}td.n .note{max-width:6.6em}th,td{padding:.26rem .35rem}}
 .list{background:var(--card);border-left:4px solid var(--line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
 .list ul{margin:.3rem 0;padding-left:1.2rem}
 .warnings{background:var(--warn);border-left:4px solid var(--warn-line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}

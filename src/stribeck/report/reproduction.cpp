@@ -400,7 +400,7 @@ std::string reproduction_html(const ReproductionInput& input) {
     for (const auto& [plots, caption] : s.plots) page.figures(plots, plots.size() > 1 ? 2 : 1, caption);
   }
   if (!input.command.empty()) {
-    page.section("Made by");
+    page.section("How to make this page again");
     page.code(input.command);
   }
   return page.html();
