@@ -281,11 +281,8 @@ class FeedPlanner {
       const double next = minima_.speed(k);
       if (next <= top) return cross(r, k, top, risen, falls, w);
       const double higher = path::reachable_between(r.from, r.to, way, next, w.acceleration, w.jerk);
-      const std::size_t slow = too_slow(r, higher, w);
-      if (slow != kNone) {
-        w.speed = top;
-        return split(r, slow, w);
-      }
+      const Slow slow = too_slow(r, higher, w);
+      if (slow.segment != kNone) return split(r, slow, top, w);
       top = higher;
       if (higher < next) return emit(r, top, w);
     }
@@ -301,21 +298,27 @@ class FeedPlanner {
     return r.first + static_cast<std::size_t>(std::max<std::ptrdiff_t>(it - first, 1) - 1);
   }
 
-  /// The first segment that ramps up to a speed or down from it would pass too fast; kNone: none.
-  [[nodiscard]] std::size_t too_slow(const Stretch& r, double top, const SegmentLimits& w) const {
+  /// A segment that a ramp would pass too fast; kNone: none.
+  struct Slow {
+    std::size_t segment = kNone;
+    bool rising = false;
+  };
+
+  /// Of the ramps up to a speed at the beginning of a stretch and down from it at the end: the segment nearest to that end.
+  [[nodiscard]] Slow too_slow(const Stretch& r, double top, const SegmentLimits& w) const {
     const SpeedRamp up(r.from, top, w.acceleration, w.jerk);
     const SpeedRamp down(r.to, top, w.acceleration, w.jerk);
     const double s0 = begin_[r.first];
     const double s1 = begin_[r.last];
     for (std::size_t i = r.first; i < r.last && begin_[i] < s0 + up.way(); ++i) {
       const double there = std::min(begin_[i + 1] - s0, up.way());
-      if (minima_.speed(i) < top && path::speed_after(up, there) > minima_.speed(i)) return i;
+      if (minima_.speed(i) < top && path::speed_after(up, there) > minima_.speed(i)) return {i, true};
     }
     for (std::size_t i = r.last; i-- > r.first && begin_[i + 1] > s1 - down.way();) {
       const double there = std::min(s1 - begin_[i], down.way());
-      if (minima_.speed(i) < top && path::speed_after(down, there) > minima_.speed(i)) return i;
+      if (minima_.speed(i) < top && path::speed_after(down, there) > minima_.speed(i)) return {i, false};
     }
-    return kNone;
+    return {};
   }
 
   /// Segment k at constant speed, as far as the ramps leave it, and what lies before and behind it on its own.
@@ -323,37 +326,45 @@ class FeedPlanner {
     const bool before = k > r.first && risen <= begin_[k];
     const bool behind = k + 1 < r.last && falls >= begin_[k + 1];
     if (!before && !behind) return emit(r, c, w);
-    const auto push = [&](std::size_t first, std::size_t last, double from, double to) {
-      Stretch part{first, last, from, to};
-      if (minima_.weakest(first, last).speed < std::max(from, to)) {
-        part.acceleration = w.acceleration;
-        part.jerk = w.jerk;
-      }
-      todo_.push_back(part);
-    };
-    if (behind) push(k + 1, r.last, c, r.to);
-    push(before ? k : r.first, behind ? k + 1 : r.last, before ? c : r.from, behind ? c : r.to);
-    if (before) push(r.first, k, r.from, c);
+    if (behind) push(k + 1, r.last, c, r.to, w);
+    push(before ? k : r.first, behind ? k + 1 : r.last, before ? c : r.from, behind ? c : r.to, w);
+    if (before) push(r.first, k, r.from, c, w);
   }
 
-  /// Segment k lies in a ramp that would pass it too fast: the ramp is interrupted at its far end, as seen from the stop. Where
-  /// that does not fit: as a whole at the speed of w.
-  void split(const Stretch& r, std::size_t k, const SegmentLimits& w) {
+  /// A segment is in the way of a ramp to more than `top`: the ramp is interrupted at the far end of that segment, as seen from
+  /// the end of the stretch that it begins at. Where that does not fit: as a whole, at `top`.
+  void split(const Stretch& r, const Slow& slow, double top, SegmentLimits w) {
     const double s0 = begin_[r.first];
     const double s1 = begin_[r.last];
-    const bool rises = begin_[k] - s0 < s1 - begin_[k + 1];
-    const std::size_t border = rises ? k + 1 : k;
-    if (border <= r.first || border >= r.last) return emit(r, w.speed, w);
-    const double v =
-        rises ? path::reachable(r.from, begin_[border] - s0, minima_.speed(k), w.acceleration, w.jerk)
-              : path::reachable(r.to, s1 - begin_[border], minima_.speed(k), w.acceleration, w.jerk);
-    const auto fits = [&](std::size_t first, std::size_t last, double from, double to) {
-      return SpeedRamp(from, to, w.acceleration, w.jerk).way() <= begin_[last] - begin_[first] &&
-             std::max(from, to) <= minima_.weakest(first, last).speed;
+    const std::size_t border = slow.rising ? slow.segment + 1 : slow.segment;
+    w.speed = top;
+    if (border == r.first || border == r.last) return emit(r, top, w);
+    const double most = minima_.speed(slow.segment);
+    const double near_way = slow.rising ? begin_[border] - s0 : s1 - begin_[border];
+    double v = path::reachable(slow.rising ? r.from : r.to, near_way, most, w.acceleration, w.jerk);
+    const auto rest = [&](double speed) {
+      return slow.rising ? Stretch{border, r.last, speed, r.to} : Stretch{r.first, border, r.from, speed};
     };
-    if (!fits(r.first, border, r.from, v) || !fits(border, r.last, v, r.to)) return emit(r, w.speed, w);
-    todo_.push_back({border, r.last, v, r.to});
-    todo_.push_back({r.first, border, r.from, v});
+    // Above `top` nothing has been looked at yet on the other side.
+    if (v > top && too_slow(rest(v), v, w).segment != kNone) v = top;
+    if (v > most || v < (slow.rising ? r.from : r.to)) return emit(r, top, w);
+    const auto fits = [&](const Stretch& part) {
+      return SpeedRamp(part.from, part.to, w.acceleration, w.jerk).way() <=
+             begin_[part.last] - begin_[part.first];
+    };
+    if (!fits(rest(v))) return emit(r, top, w);
+    push(border, r.last, v, r.to, w);
+    push(r.first, border, r.from, v, w);
+  }
+
+  /// To be planned next, with the limits of the ramps found so far where these pass slower segments.
+  void push(std::size_t first, std::size_t last, double from, double to, const SegmentLimits& w) {
+    Stretch part{first, last, from, to};
+    if (minima_.weakest(first, last).speed < std::max(from, to)) {
+      part.acceleration = w.acceleration;
+      part.jerk = w.jerk;
+    }
+    todo_.push_back(part);
   }
 
   void emit(const Stretch& r, double top, const SegmentLimits& w) {
