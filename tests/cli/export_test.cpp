@@ -273,7 +273,7 @@ TEST(Export, RefusesInOneLine) {
   };
   refused({x}, "--output is required");
   expect_refused(f, {"export", x, "-o", out}, "--to is required");
-  expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out}, "--to: heidenhain not in {linuxcnc}");
+  expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out}, "--to: got \"heidenhain\", expected linuxcnc");
   expect_refused(f, {"export", "--to", "linuxcnc", "-o", out}, "files is required");
   refused({f / "none.toml", "-o", out}, "none.toml: no such file");
   refused({x, "-o", ""}, "got \"\"");
@@ -417,7 +417,7 @@ TEST(Evaluate, RefusesInOneLine) {
     words.insert(words.begin(), {"evaluate", a});
     expect_refused(f, std::move(words), text);
   };
-  refused({"--path", "eight"}, "eight not in {circle}");
+  refused({"--path", "eight"}, "--path: got \"eight\", expected circle");
   refused({"--size", "10"}, "--size");
   refused({"--size", "nan mm"}, "--size");
   refused({"--map", "z=x"}, "expected x, y (positions)");
