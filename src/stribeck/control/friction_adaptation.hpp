@@ -12,7 +12,7 @@
 ///   the axis [N], x measured. r = variance of ε times its correlation; P₀ what may be missed; T_m memory [s].
 ///
 /// Recursive least squares as a Kalman filter: what is not excited keeps its estimate and its bound, and P cannot wind up. It is
-/// frozen at rest, at the drive's limit and while freeze is asked for. The model follows the measured motion here, because an axis
+/// frozen at rest, where the bristles take what is left, at the drive's limit and while freeze is asked for. The model follows the measured motion here, because an axis
 /// that sticks answers any force with friction: the missing force is in where it stands. G's lag cancels.
 /// The estimate lies outside the position loop but for the feed-forward, which follows the reference: θ moves with T_m ≫ the
 /// loop's time, within bounds.
@@ -131,6 +131,7 @@ class FrictionAdaptation {
                          s.theta[kCosine] * wave[1] + s.theta[kDelay] * phi[kDelay];
     s.residual = observer_.step(s.observer, force - model, s.position);
     for (std::size_t i = 0; i < kCount; ++i) phi[i] = observer_.answer(s.answers[i], phi[i]);
+    if (v == 0.0) settle(s, position, scales);
     if (!learn || v == 0.0) return;
     // P·φ and the gain
     Vector pf;
@@ -174,6 +175,15 @@ class FrictionAdaptation {
   [[nodiscard]] bool enabled() const noexcept { return params_.enabled; }
 
  private:
+  /// At rest friction holds whatever the axis is left with. What the observer sees of that goes into the bristles, or the next start
+  /// would take it for friction that has changed.
+  void settle(State& s, double position, const std::array<FrictionScales, 4>& scales) const noexcept {
+    const double share = period_ / (period_ + kSettle);
+    for (std::size_t i = 0; i < scales.size(); ++i)
+      model_.shift(s.bristles[i], share * s.residual, position, scales[i]);
+  }
+  static constexpr double kSettle = 0.1;  ///< time constant of that [s]
+
   [[nodiscard]] std::array<double, 2> periodic(double x) const noexcept {
     const auto& terms = model_.model().eccentric;
     if (terms.empty()) return {};

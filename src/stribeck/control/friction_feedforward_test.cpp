@@ -394,6 +394,38 @@ TEST(FrictionAdaptation, IsFrozenAtRestAndStaysWithinBounds) {
   }
 }
 
+TEST(FrictionAdaptation, AStartFromABentBristleTeachesNothing) {
+  // The axis has come to rest from the other side: the bristle is bent against the motion that follows, by three quarters of the
+  // level. The model is the axis's, but for knowing that.
+  constexpr double kMass = 5e4;
+  Axis axis(1000.0, 3e8, kMass);
+  control::Setup<1> setup;
+  setup.period = kPeriod;
+  setup.compensation[0] = adapting(1000.0, 3e8);
+  const Contouring<1> law(ContouringParams::critical(40.0, 40.0), setup);
+  Contouring<1>::State s;
+  for (int k = 0; k < 20; ++k) axis.move(-750.0);
+  path::PathPoint<1> r;
+  r.position[0] = axis.x;
+  const double begin = axis.x;
+  double worst = 0.0;
+  double error = 0.0;
+  for (int k = 0; k < 600; ++k) {
+    const double t = (k - 300) * kPeriod;
+    if (t > 0.0) {
+      r.position[0] = begin + 0.5e-2 * t * t;
+      r.velocity[0] = 1e-2 * t;
+      r.acceleration[0] = 1e-2;
+    }
+    if (t > 0.0) error = std::max(error, std::abs(axis.x - r.position[0]));
+    axis.move(law.step(s, r, {{axis.x}})[0]);
+    for (std::size_t i = 0; i < FrictionAdaptation::kCount; ++i)
+      worst = std::max(worst, std::abs(s.compensation[0].adaptation.theta[i]));
+  }
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(error, 1e-6);
+}
+
 TEST(KalmanObserver, AnswerIsItsOwnLag) {
   const double mass = 50.0;
   const KalmanObserver o(KalmanObserver::density(60.0, 1e-7, mass), 1e-14 / 12.0, mass, 1e-3);
