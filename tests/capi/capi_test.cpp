@@ -695,6 +695,12 @@ TEST(CPlant, IsTheCppPlant) {
   params.friction.dynamics = lugre;
   plant::ForceNoise noise;
   set("noise.rms", noise.rms = 0.5);
+  // Left out, a time of correlation is missing for gaussian noise alone: validate() judges that, not the range.
+  EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_REFUSED);
+  EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("noise.correlation_time: missing"));
+  ASSERT_EQ(stribeck_plant_choose(p, "noise.distribution", "uniform"), STRIBECK_OK);
+  EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_OK) << stribeck_plant_problem(p);
+  ASSERT_EQ(stribeck_plant_choose(p, "noise.distribution", "gaussian"), STRIBECK_OK);
   set("noise.correlation_time", noise.correlation_time = 9.5e-3);
   params.noise = noise;
   ASSERT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_OK) << stribeck_plant_problem(p);
