@@ -33,7 +33,7 @@ th small,td small{color:var(--soft);font-weight:400;font-size:.8rem}
 td span.note,th span.unit{display:block;color:var(--soft);font-weight:400;font-size:.78rem}
 th.n,td.n{text-align:right}
 tbody tr:hover{background:var(--card)}
-.swatch{display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.45em}
+.swatch{display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.45em;box-shadow:0 0 0 1px var(--soft)}
 figure{margin:1rem 0 1.4rem;break-inside:avoid}
 figcaption{margin-top:.35rem;max-width:100ch}
 .plots{display:grid;gap:8px}
