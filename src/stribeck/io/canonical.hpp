@@ -9,7 +9,7 @@
 ///
 ///   Numbers come with four decimals of the unit in force: 0.1 µm in millimetres, 2.54 µm in inches.
 ///
-/// Motion waits (a stop) at dwells, and where spindle, coolant, tool or program stop are called. Feed per revolution, motion
+/// Motion waits (a stop) at dwells, unless before the first move, and where spindle, coolant, tool or program stop are called. Feed per revolution, motion
 /// synchronised with the spindle, probing, rotary and secondary axes, NURBS and calls that are not known are refused; lines without the form of a
 /// call are what the program prints. G64 P is in the unit in force; without P the tolerance is left to the caller.
 /// Source: src/emc/sai/saicanon.cc, src/emc/task/emccanon.cc (order of the offsets) of LinuxCNC 2.9.
@@ -43,7 +43,7 @@ struct CanonicalMove {
   double dwell = 0.0;                 ///< then [s]
 };
 
-/// More moves are refused: 0.9 GB when planned.
+/// More moves are refused: planned, they take 1 GB (100 000 take 0.2).
 inline constexpr std::size_t kMostMoves = 500000;
 
 class CanonicalReader {
