@@ -30,6 +30,7 @@ CLI::Validator names_of() {
 }  // namespace
 
 void add_path_options(CLI::App& verb, PathOptions& o) {
+  const std::size_t before = verb.get_options().size();
   const auto path_or_program = [](std::string& text) {
     if (text.find('.') != std::string::npos || text.find('/') != std::string::npos) return std::string();
     const std::string refused = names_of<path::Shape>()(text);
@@ -76,6 +77,9 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
                   "Accuracy of the simulated contour error, which decides the sub-steps")
       ->type_name("LENGTH")
       ->capture_default_str();
+  const auto all = verb.get_options();
+  for (std::size_t i = before; i < all.size(); ++i)
+    all[i]->each([&o](const std::string&) { o.given = true; });
 }
 
 sim::Travel make_travel(const PathOptions& o, double speed) {

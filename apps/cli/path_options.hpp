@@ -26,6 +26,8 @@ struct PathOptions {
   std::string jerk;          ///< empty: of the machine file
   std::string corner_tolerance = "10 um";
 
+  bool given = false;  ///< any of them, be it what it would be anyway
+
   friend bool operator==(const PathOptions&, const PathOptions&) = default;
 };
 void add_path_options(CLI::App& verb, PathOptions& options);

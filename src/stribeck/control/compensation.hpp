@@ -11,9 +11,9 @@
 /// Friction follows the reference, not the measurement: a measured velocity that trembles around zero would make the force
 /// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
 /// by the delay. With adaptation the model is corrected on line (friction_adaptation.hpp). A
-/// guarded loop that oscillates loses the observer's estimate and its velocity by halves.
-/// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. Not modelled: a delay longer than
-/// kMostDelay periods, which counts as that; adaptation corrects dynamic and reversal feed-forward only.
+/// guarded loop that oscillates loses the observer's velocity at once and its estimate by halves.
+/// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. A delay must not be
+/// longer than kMostDelay periods. Not modelled: adaptation corrects dynamic and reversal feed-forward only.
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
 
 #include <array>

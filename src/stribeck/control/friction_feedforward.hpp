@@ -13,10 +13,9 @@
 /// from where the reference is: a step of acceleration that nobody could know leaves no trace in the bristle.
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
-/// Travel that a hold did not foresee (a step of acceleration: up to Δa·T²/6; a delay that changes) is made up for in the next: the
-/// bristle is where the reference is, whatever has been.
 /// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
-/// Real time: safe; two evaluations of the map and five exponentials for each step; the constructor configure only.
+/// Real time: safe; three evaluations of the map and six exponentials for each step, one of each more for a turn and for each period
+/// of delay begun (two where it turns there), at most ten periods; the constructor configure only.
 
 #include <stribeck/control/motion_ahead.hpp>
 #include <stribeck/friction/model.hpp>

@@ -480,6 +480,8 @@ TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
   EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.03), DriftVerdict::kLessViscous);
   EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.11), DriftVerdict::kAsCommissioned);
   EXPECT_EQ(verdict({{A::kMass, 0.2}}, 0.03), DriftVerdict::kAnotherMass);
+  EXPECT_EQ(verdict({{A::kDelay, 1.5}, {A::kMass, 0.2}}, 0.03), DriftVerdict::kAnotherDelay);
+  EXPECT_EQ(verdict({{A::kDelay, 0.9}}, 0.03), DriftVerdict::kAsCommissioned);
   // The level goes first: what is wrong there is in all of it.
   EXPECT_EQ(verdict({{A::kViscous, 0.3}, {A::kPositive, 0.12}, {A::kNegative, 0.12}}, 0.03),
             DriftVerdict::kMore);

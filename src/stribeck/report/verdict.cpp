@@ -26,6 +26,9 @@ bool is_beyond(const sim::CompareRow& r) {
          r.controller.feedforward == control::Feedforward::kReversal;
 }
 
+/// Experiments name their own controllers by letters; what somebody adds has a name.
+bool is_of_thesis(const sim::CompareRow& r) { return r.controller.id.size() == 1; }
+
 const sim::CompareRow* least(const Rows& rows, Figure figure) {
   const sim::CompareRow* best = nullptr;
   for (const sim::CompareRow* r : rows) {
@@ -179,14 +182,18 @@ std::optional<Rivals> rivals_of(const Rows& rows) {
     return std::isfinite(r->mean.rms) && std::isfinite(r->mean.max_contour_error);
   };
   const auto first = std::find_if(rows.begin(), rows.end(), [](const auto* r) { return is_beyond(*r); });
-  if (first == rows.end() || first == rows.begin() || !finite(*(first - 1))) return std::nullopt;
+  if (first == rows.end() || first == rows.begin() || !finite(*(first - 1)) || !is_of_thesis(**(first - 1)))
+    return std::nullopt;
   Rivals rivals;
   rivals.against = *(first - 1);
   Rows beyond;
   for (auto at = first; at != rows.end(); ++at) {
     if (is_beyond(**at) && finite(*at)) beyond.push_back(*at);
   }
-  const auto adapts = [](const auto* r) { return r->controller.adaptation == control::Adaptation::kOn; };
+  const auto adapts = [](const auto* r) {
+    const auto& id = r->controller.id;
+    return r->controller.adaptation == control::Adaptation::kOn && (id == "h" || id == "dynamic");
+  };
   const auto chosen = std::find_if(beyond.begin(), beyond.end(), adapts);
   rivals.is_default = chosen != beyond.end();
   rivals.ours = rivals.is_default ? *chosen : least(beyond, &Metrics::max_contour_error);

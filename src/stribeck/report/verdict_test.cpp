@@ -67,6 +67,15 @@ TEST(Verdict, SaysOnlyWhatTheJsonHolds) {
   }
 }
 
+TEST(Verdict, CallsNobodyOfTheThesisWhoIsNot) {
+  sim::CompareResult result = beyond();
+  result.rows[1].controller.id = "pid";
+  EXPECT_THAT(verdict(rows_of(result, 0), "3 mm/s", result), Not(HasSubstr("thesis")));
+  result = beyond();
+  result.rows.back().controller.id = "mine";
+  EXPECT_THAT(verdict(rows_of(result, 0), "3 mm/s", result), Not(HasSubstr("default")));
+}
+
 TEST(Verdict, TakesTheBestWhereNoneAdapts) {
   sim::CompareResult result = beyond();
   result.rows.pop_back();

@@ -97,6 +97,12 @@ struct ControllerSpec {
              "dynamic and reversal need a friction model with a level: friction = \"whole\" or \"gaussian\"");
     if (adaptation != control::Adaptation::kOff && !ahead)
       report("adaptation", "corrects what is fed forward: needs feedforward = \"dynamic\" or \"reversal\"");
+    if (feedforward != control::Feedforward::kReversal &&
+        (reversal.distance || !reversal.build_up.empty() || reversal.lead != 0.0 || reversal.rate_limit ||
+         reversal.short_move))
+      report("reversal", "shapes feedforward = \"reversal\" only: set that, or leave this out");
+    if (disturbance_density && observer != control::Observer::kKalman)
+      report("disturbance_density", "goes with observer = \"kalman\" only: set that, or leave this out");
     const bool observed = std::visit(
         [](const auto& params) {
           if constexpr (requires { params.error_rate; }) {

@@ -44,8 +44,8 @@ struct Metrics {
   /// Every figure NaN: not known.
   static Metrics unknown() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone),
-            kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+    return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone), kNone, kNone,
+            kNone, kNone, kNone, kNone, kNone};
   }
 };
 

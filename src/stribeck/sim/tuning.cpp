@@ -130,7 +130,13 @@ class Task {
 
   /// Margins, then a run unless the loop is unstable.
   Point evaluate(const ControllerSpec& c, const Trials& trials) {
-    Point p = only_margins(margins(c));
+    Point p;
+    try {
+      p = only_margins(margins(c));
+    } catch (const Refused&) {
+      // A law that has no margins is as good as unstable; this also keeps exceptions out of the frames of the optimiser.
+      for (int i = 0; i < 3; ++i) add(p, kMostExcess);
+    }
     if (p.stable) run(c, trials, p);
     for (std::size_t t = 0; t < routes_.size(); ++t) {
       add(p, p.stable ? p.variation[t] / ((1.0 - kKeptBack) * trials.variation_limit[t]) - 1.0 : kMostExcess);
@@ -258,6 +264,10 @@ class Search {
     auto found = gains_of(best_spec_, N);
     for (const std::size_t i : live_)
       out.gains.push_back({old[i].name, old[i].quantity, *old[i].value, *found[i].value});
+    // What has no effect stays as it was.
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (std::find(live_.begin(), live_.end(), i) == live_.end()) *found[i].value = *old[i].value;
+    }
     out.tuned = best_spec_;
     out.tuned_margins = best_.margins;
   }
@@ -366,7 +376,11 @@ class Search {
         ControllerSpec c = start_;
         Gain g = gains_of(c, N)[i];
         *g.value = permitted(g.quantity, factor * *g.value);
-        moves = moves || !(task_.margins(c) == own);
+        try {
+          moves = moves || !(task_.margins(c) == own);
+        } catch (const Refused&) {
+          moves = true;
+        }
       }
       if (moves) all.push_back(i);
     }
