@@ -99,6 +99,9 @@ bool split(std::string_view text, std::string_view& call, std::string_view& argu
   return true;
 }
 
+/// How far two names of one place may be apart, in the unit in force: two roundings to four decimals, in two directions.
+constexpr double kPrinted = 1.5e-4;
+
 }  // namespace
 
 void CanonicalReader::refuse(std::string_view call, const std::string& why) const {
@@ -148,6 +151,7 @@ void CanonicalReader::motion(std::string_view call, CanonicalMove move, const Po
       refuse(call, "the feed is 0.0000 as printed by the interpreter (give a higher F)");
   }
   here_ = end;
+  frame_changed_ = false;
   move.to = machine(end);
   move.control = control_;
   move.tolerance = tolerance_;
@@ -191,7 +195,26 @@ void CanonicalReader::arc(std::string_view call, std::string_view arguments) {
   move.centre = machine(centre);
   move.normal = rotated(normal);
   move.turns = static_cast<int>(v[4]);
+  // Once around, if the end is printed as the start is; under another frame or unit than the start's, as near as it is printed.
+  const Point from = moves_.empty() ? Point{} : moves_.back().to;
+  bool around = here_[axes[0]] == end[axes[0]] && here_[axes[1]] == end[axes[1]];
+  if (frame_changed_) {
+    const Point to = machine(end);
+    double along = 0.0;
+    double square = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) along += (to[i] - from[i]) * move.normal[i];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double d = to[i] - from[i] - along * move.normal[i];
+      square += d * d;
+    }
+    around = std::sqrt(square) <= kPrinted * unit_;
+  }
   motion(call, move, end);
+  if (!around) return;
+  Point& to = moves_.back().to;
+  double along = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) along += (to[i] - from[i]) * move.normal[i];
+  for (std::size_t i = 0; i < 3; ++i) to[i] = from[i] + along * move.normal[i];
 }
 
 void CanonicalReader::wait(double seconds) {
@@ -213,6 +236,9 @@ bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
     }
   };
   // Where the axes are does not change with an offset: only what the same place is called.
+  if (call == "USE_LENGTH_UNITS" || call == "SET_G5X_OFFSET" || call == "SET_G92_OFFSET" ||
+      call == "USE_TOOL_LENGTH_OFFSET" || call == "SET_XY_ROTATION")
+    frame_changed_ = true;
   if (call == "USE_LENGTH_UNITS") {
     if (arguments != "CANON_UNITS_MM" && arguments != "CANON_UNITS_INCHES")
       refuse(call, fmt::format("got {}, expected millimetres or inches", in_quotes(arguments)));

@@ -7,6 +7,7 @@
 ///   arcs      ARC_FEED(end, end, centre, centre, turns, end along the axis, a, b, c): both ends in the plane, XY: (x, y),
 ///             YZ: (y, z), XZ: (z, x); turns > 0 counter-clockwise seen from the positive end of the third axis
 ///
+///   An arc whose end is printed as its start is goes once around, and ends exactly there.
 ///   Numbers come with four decimals of the unit in force: 0.1 µm in millimetres, 2.54 µm in inches.
 ///
 /// Motion waits (a stop) at dwells, unless before the first move, and where spindle, coolant, tool or program stop are called. Feed per revolution, motion
@@ -87,6 +88,7 @@ class CanonicalReader {
   Plane plane_ = Plane::kXy;
   PathControl control_ = PathControl::kContinuous;
   std::optional<double> tolerance_;
+  bool frame_changed_ = false;  ///< since the last move
   bool inches_seen_ = false;
   bool tools_seen_ = false;
 };

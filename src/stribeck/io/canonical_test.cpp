@@ -102,6 +102,31 @@ TEST(Canonical, ArcsInThreePlanes) {
   expect_near(yz.normal, {1.0, 0.0, 0.0});
 }
 
+TEST(Canonical, OnceAroundUnderAnotherFrameOrUnitEndsWhereItBegan) {
+  // (10, 0) is called (8.6603, -5) once the coordinates are turned by 30 degrees: rounded, 0.04 um beside it.
+  const auto turned = moves_of(
+      "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSET_FEED_RATE(300.0000)\n"
+      "STRAIGHT_FEED(10.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n"
+      "SET_XY_ROTATION(30.0000)\n"
+      "ARC_FEED(8.6603, -5.0000, 0.0000, 0.0000, 1, 2.0000, 0.0000, 0.0000, 0.0000)\n");
+  ASSERT_EQ(turned.size(), 2U);
+  EXPECT_EQ(turned[1].to[0], turned[0].to[0]);
+  EXPECT_EQ(turned[1].to[1], turned[0].to[1]);
+  EXPECT_NEAR(turned[1].to[2], 2e-3, 1e-15);
+  const auto inches = moves_of(
+      "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSET_FEED_RATE(300.0000)\n"
+      "STRAIGHT_FEED(10.0000, 3.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n"
+      "USE_LENGTH_UNITS(CANON_UNITS_INCHES)\n"
+      "ARC_FEED(0.3937, 0.1181, 0.0000, 0.1181, -1, 0.0000, 0.0000, 0.0000, 0.0000)\n");
+  EXPECT_EQ(inches[1].to, inches[0].to);
+  // In the frame of its start, an end one digit further on is an arc of that length.
+  const auto tiny = moves_of(
+      "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSET_FEED_RATE(300.0000)\n"
+      "STRAIGHT_FEED(10.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n"
+      "ARC_FEED(10.0000, 0.0001, 0.0000, 0.0000, 1, 0.0000, 0.0000, 0.0000, 0.0000)\n");
+  EXPECT_NEAR(tiny[1].to[1], 1e-7, 1e-18);
+}
+
 TEST(Canonical, OffsetsAndRotationInTheirOrder) {
   // G92 first, then the rotation about z, then G54 and the tool.
   const auto m = moves_of(

@@ -34,8 +34,8 @@ Segment<N> line(const Vec<double, 3>& from, const Vec<double, 3>& to) {
 
 template <std::size_t N>
 Segment<N> arc(const Vec<double, 3>& from, const PartMove& move) {
-  // Rounded coordinates: ends at angles of less than this are once around, as for the interpreter.
-  constexpr double kOnceAround = 1e-6;
+  // Ends where it began, but for rounding of the numbers themselves: once around.
+  constexpr double kOnceAround = 1e-12;
   const Vec<double, 3>& n = move.normal;
   const auto in_plane = [&](const Vec<double, 3>& p) {
     const auto d = p - move.centre;
