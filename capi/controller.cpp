@@ -31,12 +31,14 @@ void put(control::PerAxis& list, const control::PerAxis& otherwise, std::size_t 
 
 /// The parameters of a law from those of all axes. refuse(axis, key, what) when they mean nothing together.
 template <std::size_t N, class Refuse>
-void gather(const Controller<N>& c, double, control::ContouringParams& p, Refuse&&) {
+void gather(const Controller<N>& c, double period, control::ContouringParams& p, Refuse&& refuse) {
   p.kp.clear();
   p.kv.clear();
-  for (const capi::AxisSettings& s : c.settings) {
-    p.kp.push_back(kp_of(s));
-    p.kv.push_back(kv_of(s));
+  for (std::size_t i = 0; i < N; ++i) {
+    p.kp.push_back(kp_of(c.settings[i]));
+    p.kv.push_back(kv_of(c.settings[i]));
+    if (!control::sampled_loop_stable(p.kp[i], p.kv[i], 0.0, period))
+      refuse(i, c.settings[i].kp || c.settings[i].kv ? "kp" : "omega", "unstable at this period");
   }
 }
 
@@ -277,7 +279,10 @@ const char* stribeck_controller_parameter_word(const char* name, std::uint32_t i
 stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t axis, const char* name,
                                         double value) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) return STRIBECK_BAD_ARGUMENT;
+  if (axis >= c->axes) {
+    c->problem.set({"axis: there is none of this number"});
+    return STRIBECK_BAD_ARGUMENT;
+  }
   return with(c, [&](auto& whole) {
     return capi::set_parameter(whole.settings[axis], name, value, kAxis[axis], whole.problem);
   });
@@ -286,7 +291,10 @@ stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t ax
 stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t axis, const char* name,
                                            const char* word) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) return STRIBECK_BAD_ARGUMENT;
+  if (axis >= c->axes) {
+    c->problem.set({"axis: there is none of this number"});
+    return STRIBECK_BAD_ARGUMENT;
+  }
   return with(c, [&](auto& whole) {
     return capi::choose_parameter(whole.settings[axis], capi::AxisSettings{}, name, word, kAxis[axis],
                                   whole.problem);

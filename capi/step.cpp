@@ -89,7 +89,7 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
     out.disturbance = s.guard.trust * s.estimate;
     out.error = common.error[i].e;
     out.error_rate = common.error[i].rate;
-    if (c.settings[i].compensation.adaptation.enabled)
+    if (c.setup.compensation[i].adaptation.enabled)
       out.level = control::DriftMonitor::report(s.drift, s.adaptation, c.period).level;
     out.limited = s.limited ? 1 : 0;
     out.backed_off = s.guard.trust < 1.0 ? 1 : 0;

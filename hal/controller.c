@@ -46,6 +46,7 @@ struct inner {
 };
 
 struct instance {
+  char name[HAL_NAME_LEN + 1];
   hal_bit_t *enable, *faulted, *pending;
   hal_float_t *phase, *lag;
   hal_float_t position_unit, force_unit, ramp_time;
@@ -64,6 +65,10 @@ static struct parameters parameters;
 static struct instance* instances[MAX_INSTANCES];
 static int count;
 
+static void refused(const struct instance* s) {
+  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s\n", s->name, stribeck_controller_problem(s->controller));
+}
+
 /* A controller from the HAL parameters; says what is wrong with them. */
 static int configure(struct instance* s, double period) {
   s->period = period;
@@ -75,13 +80,13 @@ static int configure(struct instance* s, double period) {
       if (same(v->used[i], parameters.initial[i])) continue;
       if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
           STRIBECK_OK) {
-        rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_controller_problem(s->controller));
+        refused(s);
         return 0;
       }
     }
   }
   if (stribeck_controller_configure(s->controller, period) == STRIBECK_OK) return 1;
-  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_controller_problem(s->controller));
+  refused(s);
   return 0;
 }
 
@@ -241,6 +246,7 @@ static int make(const char* name) {
   struct instance* s = hal_malloc(sizeof *s);
   if (s == NULL || size == 0) return -ENOMEM;
   memset(s, 0, sizeof *s);
+  rtapi_snprintf(s->name, sizeof s->name, "%s", name);
   instances[count++] = s;
   s->memory = calloc(1, size + alignment);
   s->inner = calloc((size_t)axes, sizeof *s->inner);

@@ -68,10 +68,11 @@ static inline enum fault supervisor_judge(struct supervisor* s, const struct lim
   if (!isfinite(command) || !isfinite(velocity) || !isfinite(acceleration)) return FAULT_COMMAND_NOT_FINITE;
   if (s->started) {
     const double moved = feedback - s->last;
-    if (fabs(moved - velocity * period) > l->jump) return FAULT_FEEDBACK_JUMPED;
+    /* A limit that is not a number is exceeded. */
+    if (!(fabs(moved - velocity * period) <= l->jump)) return FAULT_FEEDBACK_JUMPED;
     s->way = moved == 0.0 ? s->way + fabs(velocity) * period : 0.0;
-    if (s->way > l->frozen) return FAULT_FEEDBACK_FROZEN;
-    if (fabs(feedback - command - s->offset) > l->ferror) return FAULT_FOLLOWING_ERROR;
+    if (!(s->way <= l->frozen)) return FAULT_FEEDBACK_FROZEN;
+    if (!(fabs(feedback - command - s->offset) <= l->ferror)) return FAULT_FOLLOWING_ERROR;
   }
   return FAULT_NONE;
 }

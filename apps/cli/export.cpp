@@ -12,6 +12,7 @@
 #include <apps/cli/export.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
@@ -198,6 +199,12 @@ Configuration configuration(const Options& o, const sim::Machine& machine) {
   c.omega = machine.axes.front().second.commissioning.omega;
   for (const auto& [axis, a] : machine.axes) c.omega = std::min(c.omega, a.commissioning.omega);
   if (!o.omega.empty()) c.omega = omega_of(o);
+  if (!control::sampled_loop_stable(c.omega * c.omega, 2.0 * c.omega, 0.0, c.sample_time)) {
+    refuse_option(
+        "--omega",
+        fmt::format("{:.6g} rad/s makes a loop that is unstable at a period of {:.6g} ms (lower it)", c.omega,
+                    1e3 * c.sample_time));
+  }
   std::string command = fmt::format("stribeck export {} --to linuxcnc", base_name(o.files.front()));
   if (!o.omega.empty()) command += fmt::format(" --omega \"{}\"", o.omega);
   if (!o.feedforward.empty()) command += " --feedforward " + o.feedforward;

@@ -489,7 +489,9 @@ std::string about(const Configuration& c, bool contour) {
       "record.hal            halsampler; run.log.toml names its columns\n"
       "drives.hal            the virtual drives; left out on a real machine\n"
       "demo.ngc              a small program within the travel\n"
-      "identify.ngc          motion from whose log `stribeck identify run.log` makes axis files\n";
+      "identify.ngc          motion from whose log axis files are made, for each axis:\n"
+      "                      stribeck identify run.log --map r=\"x-cmd mm\" --map x=\"x-fb mm\" --map "
+      "force=\"x-force N\" -o x.toml\n";
   for (const HalAxis& a : c.axes) {
     if (angular(a)) {
       out += fmt::format(

@@ -15,7 +15,8 @@
  * Real time: step, step_ahead, set_phase, reset and signals are safe: no allocation, exception, lock or input and output. They use
  * what is in the handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs
  * up to some hundred microseconds. A handle may be thrown away with its memory; there is nothing to release.
- * Errors: a result below zero, and then nothing has changed; stribeck_controller_problem() says which parameter and why.
+ * Errors: a result below zero, and then nothing has changed, but for STRIBECK_NOT_FINITE: a step that got such a number goes on with the
+ * last force. stribeck_controller_problem() says which parameter and why.
  */
 #ifndef STRIBECK_STRIBECK_H
 #define STRIBECK_STRIBECK_H

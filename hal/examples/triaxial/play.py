@@ -5,6 +5,7 @@ STRIBECK_PROGRAM and STRIBECK_LOG name the files, demo.ngc and run.log if they a
 Not "env python3": the module linuxcnc is that of Debian's own Python.
 """
 
+import atexit
 import os
 import subprocess
 import sys
@@ -24,7 +25,10 @@ def wait(done, seconds, what):
         status.poll()
         message = errors.poll()
         if message:
-            sys.exit(f"play.py: while waiting for {what}: {message[1].strip()}")
+            text = f"play.py: while waiting for {what}: {message[1].strip()}"
+            if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
+                sys.exit(text)
+            print(text)
         if done():
             return
         time.sleep(0.01)
@@ -50,6 +54,7 @@ command.wait_complete()
 command.program_open(PROGRAM)
 command.wait_complete()
 recorder = subprocess.Popen(["halsampler", "-t", LOG])
+atexit.register(recorder.terminate)
 sampling(True)
 command.auto(linuxcnc.AUTO_RUN, 0)
 wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 10, "the program to begin")
