@@ -39,16 +39,16 @@ def sampling(on):
     subprocess.check_call(["halcmd", "setp", "sampler.0.enable", str(int(on))])
 
 
-wait(lambda: status.axis_mask != 0 and status.task_state == linuxcnc.STATE_ESTOP, 30, "start")
+wait(lambda: status.axis_mask != 0 and status.task_state == linuxcnc.STATE_ESTOP, 300, "start")
 command.state(linuxcnc.STATE_ESTOP_RESET)
 command.wait_complete()
 command.state(linuxcnc.STATE_ON)
 command.wait_complete()
-wait(lambda: status.task_state == linuxcnc.STATE_ON, 10, "machine on")
+wait(lambda: status.task_state == linuxcnc.STATE_ON, 300, "machine on")
 command.mode(linuxcnc.MODE_MANUAL)
 command.wait_complete()
 command.home(-1)
-wait(lambda: all(status.homed[: status.joints]), 10, "homing")
+wait(lambda: all(status.homed[: status.joints]), 300, "homing")
 command.mode(linuxcnc.MODE_AUTO)
 command.wait_complete()
 command.program_open(PROGRAM)
@@ -57,14 +57,14 @@ recorder = subprocess.Popen(["halsampler", "-t", LOG])
 atexit.register(recorder.terminate)
 sampling(True)
 command.auto(linuxcnc.AUTO_RUN, 0)
-wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 10, "the program to begin")
+wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 300, "the program to begin")
 clocks = {}
 for _ in range(30):
     for line in subprocess.check_output(["halcmd", "-s", "show", "pin", "*.time"], text=True).splitlines():
         word = line.split()
         if len(word) >= 5:
             clocks.setdefault(word[4], []).append(int(word[3]))
-wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos, 1200, "the program to end")
+wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos, 3600, "the program to end")
 sampling(False)
 time.sleep(0.3)
 recorder.terminate()

@@ -85,7 +85,7 @@ std::string ini(const Configuration& c, bool screen) {
   }
   out += "\n[TASK]\nTASK = milltask\nCYCLE_TIME = 0.001\n\n[RS274NGC]\nPARAMETER_FILE = machine.var\n";
   out +=
-      fmt::format("\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 4.0\nBASE_PERIOD = 0\nSERVO_PERIOD = {:.0f}\n",
+      fmt::format("\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 40.0\nBASE_PERIOD = 0\nSERVO_PERIOD = {:.0f}\n",
                   1e9 * c.sample_time);
   out += "\n[EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.100\nTOOL_TABLE = tool.tbl\n";
   out += "\n[HAL]\nHALFILE = motion.hal\n";

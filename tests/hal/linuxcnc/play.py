@@ -48,7 +48,7 @@ def travel(way):
     """Waits until x is so far from here [mm]; not a time, for a computer may be busy."""
     poll()
     begin = status.joint_position[0]
-    wait(lambda: abs(status.joint_position[0] - begin) > way, 120, f"{way} mm")
+    wait(lambda: abs(status.joint_position[0] - begin) > way, 1200, f"{way} mm")
 
 
 def run():
@@ -59,16 +59,16 @@ def run():
     command.wait_complete()
     command.state(linuxcnc.STATE_ON)
     command.wait_complete()
-    wait(lambda: status.task_state == linuxcnc.STATE_ON, 60, "machine on")
+    wait(lambda: status.task_state == linuxcnc.STATE_ON, 600, "machine on")
     if not all(status.homed[:2]):
         command.home(-1)
-        wait(lambda: all(status.homed[:2]), 60, "homing")
+        wait(lambda: all(status.homed[:2]), 600, "homing")
     command.mode(linuxcnc.MODE_AUTO)
     command.wait_complete()
     command.program_open(os.path.abspath("program.ngc"))
     command.wait_complete()
     command.auto(linuxcnc.AUTO_RUN, 0)
-    wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 60, "the program to begin")
+    wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 600, "the program to begin")
 
 
 def median_clocks():
@@ -81,7 +81,7 @@ def median_clocks():
     return {name: sorted(values)[len(values) // 2] for name, values in clocks.items()}
 
 
-wait(lambda: status.joints == 2 and status.task_state == linuxcnc.STATE_ESTOP, 60, "start")
+wait(lambda: status.joints == 2 and status.task_state == linuxcnc.STATE_ESTOP, 600, "start")
 names = [n for n in os.environ.get("STRIBECK_FAULTS", "").split(",") if n]
 recorder = subprocess.Popen(["halsampler", "-t", os.environ["STRIBECK_LOG"]])
 hal("setp sampler.0.enable 1")
@@ -89,7 +89,7 @@ if not names:
     run()
     with open(os.environ["STRIBECK_LOG"] + ".clocks", "w", encoding="utf-8") as file:
         file.writelines(f"{name} {value}\n" for name, value in sorted(median_clocks().items()))
-    wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos, 600, "the program to end")
+    wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos, 3600, "the program to end")
 for name in names:
     number, breaks, mends = FAULTS[name]
     run()
@@ -99,7 +99,7 @@ for name in names:
         # The program never stops; it is LinuxCNC's own switch that ends it, 25 mm later.
         travel(25)
         command.state(linuxcnc.STATE_OFF)
-    wait(lambda: status.task_state != linuxcnc.STATE_ON, 60, f"{name}: machine off")
+    wait(lambda: status.task_state != linuxcnc.STATE_ON, 600, f"{name}: machine off")
     time.sleep(0.05)
     hal(mends)
     time.sleep(0.05)
@@ -109,7 +109,7 @@ for name in names:
     hal("sets case 0")
     print(f"play.py: {number} {name}", flush=True)
     command.state(linuxcnc.STATE_OFF)
-    wait(lambda: status.task_state != linuxcnc.STATE_ON, 60, "machine off")
+    wait(lambda: status.task_state != linuxcnc.STATE_ON, 600, "machine off")
 hal("setp sampler.0.enable 0")
 time.sleep(0.3)
 recorder.terminate()
