@@ -84,9 +84,9 @@ std::string ini(const Configuration& c, bool screen) {
     out += "DISPLAY = ./play.py\n";
   }
   out += "\n[TASK]\nTASK = milltask\nCYCLE_TIME = 0.001\n\n[RS274NGC]\nPARAMETER_FILE = machine.var\n";
-  out +=
-      fmt::format("\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 40.0\nBASE_PERIOD = 0\nSERVO_PERIOD = {:.0f}\n",
-                  1e9 * c.sample_time);
+  out += fmt::format(
+      "\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 40.0\nBASE_PERIOD = 0\nSERVO_PERIOD = {:.0f}\n",
+      1e9 * c.sample_time);
   out += "\n[EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.100\nTOOL_TABLE = tool.tbl\n";
   out += "\n[HAL]\nHALFILE = motion.hal\n";
   if (c.axes.size() == 2 || c.axes.size() == 3) {
