@@ -104,7 +104,8 @@ std::vector<Figure> main_figures(const sim::CompareResult& result) {
                           {mean, "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
   if (std::any_of(result.rows.begin(), result.rows.end(),
                   [](const sim::CompareRow& r) { return std::isfinite(r.mean.quadrant_ratio); })) {
-    all.push_back({"quadrant ratio", "", 1.0, [](const Metrics& m) { return m.quadrant_ratio; }, nullptr, false});
+    all.push_back(
+        {"quadrant ratio", "", 1.0, [](const Metrics& m) { return m.quadrant_ratio; }, nullptr, false});
   }
   const auto tool_axis = [](const sim::CompareRow& r) { return std::isfinite(r.mean.max_orientation_error); };
   if (std::any_of(result.rows.begin(), result.rows.end(), tool_axis)) {
