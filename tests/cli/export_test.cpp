@@ -273,7 +273,8 @@ TEST(Export, RefusesInOneLine) {
   };
   refused({x}, "--output is required");
   expect_refused(f, {"export", x, "-o", out}, "--to is required");
-  expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out}, "--to: got \"heidenhain\", expected linuxcnc");
+  expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out},
+                 "--to: got \"heidenhain\", expected linuxcnc");
   expect_refused(f, {"export", "--to", "linuxcnc", "-o", out}, "files is required");
   refused({f / "none.toml", "-o", out}, "none.toml: no such file");
   refused({x, "-o", ""}, "got \"\"");
