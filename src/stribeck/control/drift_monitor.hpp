@@ -9,7 +9,8 @@
 /// Time counts while the axis moves. A trend that takes the level down by 2 % within 100 s counts as warming up.
 /// Source: none; the limits are Stribeck's own.
 /// Not modelled: why; the break-away distance, which a loop that trembles misleads, has no part in the verdict; noise of the force
-/// far above AdaptationParams::noise_share, which ends in the delay and the break-away distance. Lubrication, preload, covers and temperature look alike in a force.
+/// far above AdaptationParams::noise_share, which ends in the delay and the break-away distance.
+/// Lubrication, preload, covers and temperature look alike in a force.
 /// Real time: safe.
 
 #include <limits>

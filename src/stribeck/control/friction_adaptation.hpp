@@ -12,7 +12,8 @@
 ///   the axis [N], x measured. r = variance of ε times its correlation; P₀ what may be missed; T_m memory [s].
 ///
 /// Recursive least squares as a Kalman filter: what is not excited keeps its estimate and its bound, and P cannot wind up. It is
-/// frozen at rest, where the bristles take what is left, at the drive's limit and while freeze is asked for. The model follows the measured motion here, because an axis
+/// frozen at rest, where the bristles take what is left, at the drive's limit and while freeze is asked for.
+/// The model follows the measured motion here, because an axis
 /// that sticks answers any force with friction: the missing force is in where it stands. G's lag cancels.
 /// The estimate lies outside the position loop but for the feed-forward, which follows the reference: θ moves with T_m ≫ the
 /// loop's time, within bounds.

@@ -14,7 +14,7 @@
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
 /// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
-/// Real time: safe; three evaluations of the map and six exponentials for each step, one of each more for a turn and for each period
+/// Real time: safe; three evaluations of the map and four exponentials for each step, one of each more for a turn and for each period
 /// of delay begun (two where it turns there), at most ten periods; the constructor configure only.
 
 #include <stribeck/control/motion_ahead.hpp>
@@ -87,7 +87,7 @@ class FrictionFeedforward {
       const double early = r.velocity_at(middle - 0.25 * h);
       const double late = r.velocity_at(middle + 0.25 * h);
       mean.bristle += advance(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
-      advance(ahead, p, late, v, 0.5 * h, scales.stiffness);
+      if (part + 1 < kParts) advance(ahead, p, late, v, 0.5 * h, scales.stiffness);
       mean.viscous += scales.viscous * p.viscous / kParts;
       mean.additive += p.additive / kParts;
     }
