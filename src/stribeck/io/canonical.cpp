@@ -197,24 +197,16 @@ void CanonicalReader::arc(std::string_view call, std::string_view arguments) {
   move.turns = static_cast<int>(v[4]);
   // Once around, if the end is printed as the start is; under another frame or unit than the start's, as near as it is printed.
   const Point from = moves_.empty() ? Point{} : moves_.back().to;
-  bool around = here_[axes[0]] == end[axes[0]] && here_[axes[1]] == end[axes[1]];
-  if (frame_changed_) {
-    const Point to = machine(end);
-    double along = 0.0;
-    double square = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) along += (to[i] - from[i]) * move.normal[i];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double d = to[i] - from[i] - along * move.normal[i];
-      square += d * d;
-    }
-    around = std::sqrt(square) <= kPrinted * unit_;
-  }
-  motion(call, move, end);
-  if (!around) return;
-  Point& to = moves_.back().to;
+  const Point to = machine(end);
   double along = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) along += (to[i] - from[i]) * move.normal[i];
-  for (std::size_t i = 0; i < 3; ++i) to[i] = from[i] + along * move.normal[i];
+  for (std::size_t k = 0; k < 3; ++k) along += (to[k] - from[k]) * move.normal[k];
+  Point above{};  // the start, as far along the axis as the end
+  for (std::size_t k = 0; k < 3; ++k) above[k] = from[k] + along * move.normal[k];
+  const bool around =
+      frame_changed_ ? std::hypot(to[0] - above[0], to[1] - above[1], to[2] - above[2]) <= kPrinted * unit_
+                     : here_[axes[0]] == end[axes[0]] && here_[axes[1]] == end[axes[1]];
+  motion(call, move, end);
+  if (around) moves_.back().to = above;
 }
 
 void CanonicalReader::wait(double seconds) {
