@@ -32,15 +32,6 @@ struct Options {
   std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…
 };
 
-/// Left and right of the first "=" of a word, both there.
-std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
-                                           const char* expected) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    refuse_option(option, fmt::format("got {}, expected {}", io::in_quotes(text), expected));
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
 /// A column by name, or by name and unit.
 std::vector<double> positions(const io::Log& log, const std::string& text) {
   const io::Column* found = log.find(text);

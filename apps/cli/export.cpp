@@ -155,13 +155,9 @@ std::vector<friction::AxisModel> models_of(const Options& o, const sim::Machine&
   const std::string& file = o.files.front();
   std::map<std::size_t, friction::AxisModel> given;
   for (const std::string& text : o.axis_files) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-      refuse_option("--axis-file",
-                    fmt::format("got {}, expected AXIS=FILE, e.g. x=x.toml", io::in_quotes(text)));
-    }
-    const std::size_t i = axis_index(machine, file, text.substr(0, equals));
-    if (!given.emplace(i, io::read_toml<friction::AxisModel>(text.substr(equals + 1))).second)
+    const auto [axis, axis_file] = axis_and_file(text);
+    const std::size_t i = axis_index(machine, file, axis);
+    if (!given.emplace(i, io::read_toml<friction::AxisModel>(axis_file)).second)
       refuse_option("--axis-file", fmt::format("axis {} is given twice", machine.axes[i].first));
   }
   std::vector<friction::AxisModel> models(machine.axes.size());
@@ -209,10 +205,9 @@ Configuration configuration(const Options& o, const sim::Machine& machine) {
   if (!o.omega.empty()) command += fmt::format(" --omega \"{}\"", o.omega);
   if (!o.feedforward.empty()) command += " --feedforward " + o.feedforward;
   if (!o.parameters.empty()) command += " --parameters " + o.parameters;
-  for (const std::string& file : o.axis_files) {
-    const auto equals = file.find('=');
-    command += fmt::format(" --axis-file {}={}", file.substr(0, equals),
-                           equals == std::string::npos ? "" : base_name(file.substr(equals + 1)));
+  for (const std::string& text : o.axis_files) {
+    const auto [axis, file] = axis_and_file(text);
+    command += fmt::format(" --axis-file {}={}", axis, base_name(file));
   }
   c.comment = fmt::format("# Written by: {} -o FOLDER\n", command);
   const std::vector<friction::AxisModel> models = models_of(o, machine);
@@ -293,10 +288,7 @@ int export_to(const Options& o) {
   const bool folder = machine && !o.output.ends_with(".hal");
   check_options(o, machine, folder);
   std::vector<std::string> inputs = o.files;
-  for (const std::string& file : o.axis_files) {
-    const auto equals = file.find('=');
-    if (equals != std::string::npos) inputs.push_back(file.substr(equals + 1));
-  }
+  for (const std::string& text : o.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {o.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   if (folder) return export_configuration(o, load_machine(o.files.front()));

@@ -76,13 +76,9 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
   }
   for (const std::string& text : options.axis_files) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-      refuse_option("--axis-file",
-                    fmt::format("got {}, expected AXIS=FILE, e.g. x=x.toml", io::in_quotes(text)));
-    }
-    const std::size_t i = axis_index(machine, path, text.substr(0, equals));
-    const auto model = io::read_toml<friction::AxisModel>(text.substr(equals + 1));
+    const auto [axis, file] = axis_and_file(text);
+    const std::size_t i = axis_index(machine, path, axis);
+    const auto model = io::read_toml<friction::AxisModel>(file);
     // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction, by direction.
     const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
     const bool gaussian =
@@ -98,7 +94,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                            gaussian    ? "Gaussian"
                            : eccentric ? "eccentric"
                                        : "conventional",
-                           machine.axes[i].first, text.substr(equals + 1));
+                           machine.axes[i].first, file);
   }
   return p;
 }

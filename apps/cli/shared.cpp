@@ -122,6 +122,18 @@ void check_writable(const std::string& path) {
   }
 }
 
+std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
+                                           const std::string& expected) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    refuse_option(option, fmt::format("got {}, expected {}", io::in_quotes(text), expected));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::pair<std::string, std::string> axis_and_file(const std::string& text) {
+  return halves("--axis-file", text, "AXIS=FILE, e.g. x=x.toml");
+}
+
 void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
   namespace fs = std::filesystem;
   std::error_code ignored;

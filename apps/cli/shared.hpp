@@ -8,6 +8,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -62,6 +63,12 @@ void refuse_empty_options(CLI::App& verb);
 
 /// Something is wrong with an option.
 [[noreturn]] void refuse_option(const std::string& option, const std::string& message);
+
+/// Left and right of the first "=" of an option's text, both there; else refused with what is `expected`.
+std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
+                                           const std::string& expected);
+/// The same of --axis-file: axis and file.
+std::pair<std::string, std::string> axis_and_file(const std::string& text);
 
 /// Refuses outputs that are the same file as an input or as each other.
 void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);

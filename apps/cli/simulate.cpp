@@ -218,7 +218,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
 int simulate(const Options& o) {
   std::vector<std::string> inputs{o.machine, o.reference};
   if (o.reference.empty() && is_part(o.path)) inputs.push_back(o.path.path);
-  for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.experiment.empty())
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");

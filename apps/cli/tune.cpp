@@ -120,7 +120,7 @@ int tune(Options o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
   if (is_part(o.path)) inputs.push_back(o.path.path);
-  for (const std::string& text : o.parameters.axis_files) inputs.push_back(text.substr(text.find('=') + 1));
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   std::vector<std::string> outputs{page_of(o.common), o.common.json};
   if (!o.out.empty()) {
     if (is_file(o.out) && spec.compare.controllers.size() > 1) {
