@@ -303,8 +303,8 @@ stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t
 
 stribeck_result stribeck_controller_configure(stribeck_controller* c, double period) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (!(period > 0.0 && period < 1.0)) {
-    c->problem.set({"period: expected a time above 0 and below 1 s"});
+  if (!(period >= capi::kShortestPeriod && period < 1.0)) {
+    c->problem.set({capi::kPeriodExpected});
     return STRIBECK_BAD_ARGUMENT;
   }
   return with(c, [&](auto& whole) { return configure(whole, period); });

@@ -32,6 +32,9 @@ struct FieldsOf {
 };
 
 inline constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+/// Periods that a servo thread may have [s]; below it, and from a second on, the number is something else.
+inline constexpr double kShortestPeriod = 1e-6;
+inline constexpr const char* kPeriodExpected = "period: expected at least 1 us and below 1 s";
 
 template <class T>
 struct Is {

@@ -77,8 +77,12 @@ const char* stribeck_plant_problem(const stribeck_plant* p) noexcept {
 
 stribeck_result stribeck_plant_configure(stribeck_plant* p, double period, double highest_speed) noexcept {
   return guarded(p, [&]() -> stribeck_result {
-    if (!(period > 0.0 && period < 1.0) || !(highest_speed > 0.0 && std::isfinite(highest_speed))) {
-      p->problem.set({"period or highest speed: expected a time below 1 s and a speed, both above 0"});
+    if (!(period >= capi::kShortestPeriod && period < 1.0)) {
+      p->problem.set({capi::kPeriodExpected});
+      return STRIBECK_BAD_ARGUMENT;
+    }
+    if (!(highest_speed > 0.0 && std::isfinite(highest_speed))) {
+      p->problem.set({"highest speed: expected a speed above 0"});
       return STRIBECK_BAD_ARGUMENT;
     }
     capi::Name name;
@@ -100,7 +104,11 @@ stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::ui
                                      std::int32_t substeps) noexcept {
   return guarded(p, [&]() -> stribeck_result {
     if (!p->axis) return STRIBECK_NOT_CONFIGURED;
-    if (!std::isfinite(position) || substeps < 1 || substeps > 1000) return STRIBECK_BAD_ARGUMENT;
+    if (!std::isfinite(position) || substeps < 1 || substeps > 1000) {
+      p->problem.set(
+          {std::isfinite(position) ? "substeps: expected 1 to 1000" : "position: expected a number"});
+      return STRIBECK_BAD_ARGUMENT;
+    }
     plant::Fidelity fidelity;
     fidelity.substeps = substeps;
     p->axis->start(position, fidelity, {seed, 0, 0});

@@ -1,6 +1,7 @@
 // What runs in the servo thread, apart from what configures: built with a limit on stack frames (CMakeLists.txt).
 #include "controller.hpp"
 
+#include <cmath>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -132,8 +133,9 @@ std::uint32_t stribeck_controller_points(const stribeck_controller* c) noexcept 
 
 stribeck_result stribeck_controller_set_phase(stribeck_controller* c, double phase) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  with(c, [&](auto& whole) { whole.phase = phase; });
-  return STRIBECK_OK;
+  const bool infinite = std::isinf(phase);
+  with(c, [&](auto& whole) { whole.phase = infinite ? capi::kAbsent : phase; });
+  return infinite ? STRIBECK_NOT_FINITE : STRIBECK_OK;
 }
 
 stribeck_result stribeck_controller_reset(stribeck_controller* c) noexcept {

@@ -16,12 +16,14 @@
 #ifdef STRIBECK_CONTOUR
 #define COMPONENT "stribeck_contour"
 #define AXES 3
+#define LEAST_AXES 2
 MODULE_DESCRIPTION("contour controller with friction compensation, two or three axes");
 static int axes = AXES;
 RTAPI_MP_INT(axes, "axes of every path, 2 or 3");
 #else
 #define COMPONENT "stribeck_axis"
 #define AXES 1
+#define LEAST_AXES 1
 MODULE_DESCRIPTION("position controller of one axis with friction compensation");
 static const int axes = AXES;
 #endif
@@ -50,6 +52,7 @@ struct instance {
   hal_bit_t *enable, *faulted, *pending;
   hal_float_t *phase, *lag;
   hal_float_t position_unit, force_unit, ramp_time;
+  double position_used, force_used; /* units that are in use */
   double period;
   int was_enabled;
   int good; /* the controller is configured */
@@ -67,6 +70,50 @@ static int count;
 
 static void refused(const struct instance* s) {
   rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s\n", s->name, stribeck_controller_problem(s->controller));
+}
+
+/* The component's own parameters, as far as they mean something; says which does not. Limits and ramp-time count at once. */
+static int check_own(const struct instance* s) {
+  const struct {
+    const char* name;
+    double value;
+    int good;
+  } whole[] = {{"position-unit", s->position_unit, positive(s->position_unit)},
+               {"force-unit", s->force_unit, positive(s->force_unit)},
+               {"ramp-time", s->ramp_time, s->ramp_time >= 0.0}};
+  for (size_t i = 0; i < sizeof whole / sizeof whole[0]; ++i) {
+    if (whole[i].good) continue;
+    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected a number above 0\n", s->name,
+                    whole[i].name, whole[i].value);
+    return 0;
+  }
+  for (int a = 0; a < axes; ++a) {
+    const struct axis* x = &s->axis[a];
+    const struct {
+      const char* name;
+      double value;
+      int good;
+    } own[] = {
+        {"ferror-limit", x->ferror_limit, x->ferror_limit > 0.0},
+        {"jump-limit", x->jump_limit, x->jump_limit > 0.0},
+        {"frozen-limit", x->frozen_limit, x->frozen_limit > 0.0},
+        {"force-per-volt", x->force_per_volt, x->force_per_volt >= 0.0 && isfinite(x->force_per_volt)}};
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
+      if (own[i].good) continue;
+      rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: axis %d: %s: got %g, expected a number above 0\n",
+                      s->name, a, own[i].name, own[i].value);
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* Units that mean something are taken over; what the encoder said in other ones is forgotten. */
+static void take_units(struct instance* s) {
+  if (positive(s->force_unit)) s->force_used = s->force_unit;
+  if (!positive(s->position_unit) || same(s->position_unit, s->position_used)) return;
+  s->position_used = s->position_unit;
+  for (int a = 0; a < axes; ++a) s->inner[a].watch.seen = 0;
 }
 
 /* A controller from the HAL parameters; says what is wrong with them. */
@@ -92,21 +139,21 @@ static int configure(struct instance* s, double period) {
 
 static int must_configure(const struct instance* s, double period) {
   if (!s->good || !same(period, s->period)) return 1;
+  if (!same(s->position_unit, s->position_used) || !same(s->force_unit, s->force_used)) return 1;
   for (int a = 0; a < axes; ++a) {
     if (values_changed(&parameters, &s->inner[a].values)) return 1;
   }
   return 0;
 }
 
-static int positive(double x) { return isfinite(x) && x > 0.0; }
-
 static void update(void* arg, long period_ns) {
   struct instance* s = arg;
   const double period = 1e-9 * (double)period_ns;
-  const double unit = positive(s->position_unit) ? s->position_unit : 1e-3;
   const int enable = *s->enable != 0;
   const int rises = enable && !s->was_enabled;
   s->was_enabled = enable;
+  if (rises) take_units(s);
+  const double unit = s->position_used;
 
   stribeck_axis_input in[AXES];
   struct limits limits[AXES];
@@ -136,7 +183,9 @@ static void update(void* arg, long period_ns) {
         supervisor_fail(&s->inner[a].watch, f, period, s->ramp_time);
       }
     }
-    if (must_configure(s, period)) {
+    if (!check_own(s)) {
+      s->good = 0;
+    } else if (must_configure(s, period)) {
       s->good = configure(s, period);
     } else {
       stribeck_controller_reset(s->controller);
@@ -175,7 +224,7 @@ static void update(void* arg, long period_ns) {
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
     const double force = supervisor_force(&s->inner[a].watch, &limits[a], wanted[a]);
     supervisor_advance(&s->inner[a].watch, &limits[a], in[a].measured, period);
-    *x->force = positive(s->force_unit) ? force / s->force_unit : force;
+    *x->force = force / s->force_used;
     *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
     *x->friction_ff = now.friction;
     *x->disturbance = now.disturbance;
@@ -262,8 +311,8 @@ static int make(const char* name) {
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->pending, component, "%s.pending", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_IN, &s->phase, component, "%s.phase", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_OUT, &s->lag, component, "%s.lag", name)) < 0) return r;
-  s->position_unit = 1e-3;
-  s->force_unit = 1.0;
+  s->position_unit = s->position_used = 1e-3;
+  s->force_unit = s->force_used = 1.0;
   s->ramp_time = 0.02;
   if ((r = hal_param_float_newf(HAL_RW, &s->position_unit, component, "%s.position-unit", name)) < 0)
     return r;
@@ -291,16 +340,21 @@ static void release(void) {
 }
 
 int rtapi_app_main(void) {
-  if (stribeck_abi() != STRIBECK_ABI || axes < 1 || axes > AXES) return -EINVAL;
+  if (!abi_good(COMPONENT)) return -EINVAL;
+  if (axes < LEAST_AXES || axes > AXES) {
+    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": axes: got %d, expected 2 or 3 (one axis: stribeck_axis)\n",
+                    axes);
+    return -EINVAL;
+  }
+  find_parameters(&parameters, stribeck_controller_parameter);
+  const int n = count_names(COMPONENT, names, &parameters, LEAST_AXES > 1 ? 2 : 0); /* ct.0 */
+  if (n < 0) return -EINVAL;
   component = hal_init(COMPONENT);
   if (component < 0) return component;
-  find_parameters(&parameters, stribeck_controller_parameter);
-  for (int i = 0; i < MAX_INSTANCES && names[i] != NULL && names[i][0] != '\0'; ++i) {
+  for (int i = 0; i < n; ++i) {
     const int r = make(names[i]);
     if (r < 0) {
-      rtapi_print_msg(RTAPI_MSG_ERR,
-                      COMPONENT ": \"%s\" could not be made (%d); names have at most %d letters\n", names[i],
-                      r, AXES > 1 ? 4 : 6);
+      rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": \"%s\" could not be made (%d)\n", names[i], r);
       release();
       return r;
     }

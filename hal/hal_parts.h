@@ -15,6 +15,9 @@
 #include "rtapi_app.h"
 #include "rtapi_string.h"
 
+#include <math.h>
+#include <string.h>
+
 #define MAX_PARAMETERS 256
 #define MAX_INSTANCES 8
 
@@ -44,6 +47,48 @@ static inline void find_parameters(struct parameters* all, parameter_list list) 
     all->initial[all->count++] = p.value;
   }
 }
+
+/* How many names there are, all of which can be loaded: none empty, none twice, none so long that with `suffix` letters and the
+ * longest parameter it does not go into a HAL name. Else it says which and answers -1. */
+static inline int count_names(const char* module, char* const* names, const struct parameters* all,
+                              int suffix) {
+  size_t longest = 0;
+  for (uint32_t i = 0; i < all->count; ++i) {
+    if (strlen(all->name[i]) > longest) longest = strlen(all->name[i]);
+  }
+  const size_t room = HAL_NAME_LEN - 1 - longest - (size_t)suffix;
+  int n = 0;
+  for (; n < MAX_INSTANCES && names[n] != NULL; ++n) {
+    const char* wrong = names[n][0] == '\0' ? "is empty" : NULL;
+    for (int k = 0; k < n; ++k) {
+      if (strcmp(names[k], names[n]) == 0) wrong = "is there twice";
+    }
+    if (wrong != NULL) {
+      rtapi_print_msg(RTAPI_MSG_ERR, "%s: names: \"%s\" %s\n", module, names[n], wrong);
+      return -1;
+    }
+    if (strlen(names[n]) > room) {
+      rtapi_print_msg(RTAPI_MSG_ERR, "%s: names: \"%s\" is too long, expected at most %d letters\n", module,
+                      names[n], (int)room);
+      return -1;
+    }
+  }
+  if (n == 0) {
+    rtapi_print_msg(RTAPI_MSG_ERR, "%s: no names, expected e.g. loadrt %s names=a,b\n", module, module);
+    return -1;
+  }
+  return n;
+}
+
+/* Whether this component was made for the library that it found. */
+static inline int abi_good(const char* module) {
+  if (stribeck_abi() == STRIBECK_ABI) return 1;
+  rtapi_print_msg(RTAPI_MSG_ERR, "%s: made for version %u of the C interface, the library has %u\n", module,
+                  STRIBECK_ABI, stribeck_abi());
+  return 0;
+}
+
+static inline int positive(double x) { return isfinite(x) && x > 0.0; }
 
 /* One HAL parameter for each, called PREFIX.NAME. */
 static inline int export_parameters(const struct parameters* all, struct values* v, int component,

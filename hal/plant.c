@@ -5,14 +5,14 @@
  *
  * In: force [N] and voltage [V], which add up; cutting [N], a force on the table against the positive direction. Out: pos, the
  * true position of the table; pos-fb, the encoder; vel, friction [N]. Put its function at the end of the thread. Parameters are
- * taken over in the first period and whenever they change; the drive then stands where it was. Not for a thread with a deadline
- * while they change: it allocates.
+ * taken over in the first period and whenever one of them changes; the drive then stands where it was, or at `start` when that has
+ * changed. With parameters that are refused `ok` is off and no output changes any more; the log says which. Not for a thread with a
+ * deadline while they change: it allocates.
  */
 #include <stribeck/plant.h>
 
 #include "hal_parts.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #define COMPONENT "stribeck_plant"
@@ -22,14 +22,21 @@ MODULE_LICENSE("GPL"); /* of the module that is loaded: rtapi_app.h is GPL; the 
 static char* names[MAX_INSTANCES] = {0};
 RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the drives");
 
+/* Parameters that are the component's and not the drive's. */
+struct own {
+  hal_float_t position_unit, highest_speed, start;
+  hal_s32_t substeps, seed;
+};
+
 struct instance {
+  char name[HAL_NAME_LEN + 1];
   hal_float_t *force, *voltage, *cutting;
   hal_float_t *pos, *pos_fb, *vel, *friction;
   hal_bit_t* ok;
-  hal_float_t position_unit, highest_speed, start;
-  hal_s32_t substeps, seed;
-  double period;
-  int tried;
+  struct own own, used; /* as they are, and as the last configuration took them over */
+  double period;        /* of the last configuration; 0: there was none */
+  double position;      /* where the table was seen last [m] */
+  int placed;           /* it has stood at its start */
   stribeck_plant* plant;
   struct values* values; /* outside HAL memory */
 };
@@ -39,27 +46,41 @@ static struct parameters parameters;
 static struct instance* instances[MAX_INSTANCES];
 static int count;
 
-static int configure(struct instance* s, double period, double position) {
+static int own_changed(const struct instance* s) {
+  const struct own *now = &s->own, *used = &s->used;
+  return !same(now->position_unit, used->position_unit) || !same(now->highest_speed, used->highest_speed) ||
+         !same(now->start, used->start) || now->substeps != used->substeps || now->seed != used->seed;
+}
+
+static void refused(const struct instance* s, const char* why) {
+  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s\n", s->name, why);
+}
+
+/* A drive from the HAL parameters, at rest; says what is wrong with them. */
+static int configure(struct instance* s, double period) {
   stribeck_plant_destroy(s->plant);
   s->plant = NULL;
+  if (!same(s->own.start, s->used.start)) s->placed = 0;
   s->period = period;
-  s->tried = 1;
+  s->used = s->own;
   values_taken(&parameters, s->values);
-  if (stribeck_plant_create(&s->plant) != STRIBECK_OK) {
-    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_describe(STRIBECK_NO_MEMORY));
-    return 0;
-  }
-  for (uint32_t i = 0; i < parameters.count; ++i) {
+  const struct own* own = &s->used;
+  if (!positive(own->position_unit)) return refused(s, "position-unit: expected a length above 0 [m]"), 0;
+  if (!isfinite(own->start)) return refused(s, "start: expected a number"), 0;
+  if (!s->placed) s->position = own->start * own->position_unit;
+  if (stribeck_plant_create(&s->plant) != STRIBECK_OK)
+    return refused(s, stribeck_describe(STRIBECK_NO_MEMORY)), 0;
+  stribeck_result r = STRIBECK_OK;
+  for (uint32_t i = 0; i < parameters.count && r == STRIBECK_OK; ++i) {
     const double v = s->values->used[i];
-    if (same(v, parameters.initial[i])) continue;
-    if (stribeck_plant_set(s->plant, parameters.name[i], v) != STRIBECK_OK) goto refused;
+    if (!same(v, parameters.initial[i])) r = stribeck_plant_set(s->plant, parameters.name[i], v);
   }
-  if (stribeck_plant_configure(s->plant, period, s->highest_speed * s->position_unit) != STRIBECK_OK)
-    goto refused;
-  if (stribeck_plant_start(s->plant, position, (uint64_t)(uint32_t)s->seed, s->substeps) == STRIBECK_OK)
-    return 1;
-refused:
-  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s\n", stribeck_plant_problem(s->plant));
+  if (r == STRIBECK_OK)
+    r = stribeck_plant_configure(s->plant, period, own->highest_speed * own->position_unit);
+  if (r == STRIBECK_OK)
+    r = stribeck_plant_start(s->plant, s->position, (uint64_t)(uint32_t)own->seed, own->substeps);
+  if (r == STRIBECK_OK) return s->placed = 1;
+  refused(s, stribeck_plant_problem(s->plant));
   stribeck_plant_destroy(s->plant);
   s->plant = NULL;
   return 0;
@@ -68,17 +89,15 @@ refused:
 static void update(void* arg, long period_ns) {
   struct instance* s = arg;
   const double period = 1e-9 * (double)period_ns;
-  const double unit = s->position_unit;
-  if (!s->tried || !same(period, s->period) || values_changed(&parameters, s->values)) {
-    const double position =
-        s->plant != NULL ? stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION) : s->start * unit;
-    *s->ok = configure(s, period, position) != 0;
-  }
+  if (!same(period, s->period) || own_changed(s) || values_changed(&parameters, s->values))
+    *s->ok = configure(s, period) != 0;
   if (s->plant == NULL) return;
+  const double unit = s->used.position_unit;
   const double voltage =
       *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
   stribeck_plant_step(s->plant, voltage, *s->cutting);
-  *s->pos = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION) / unit;
+  s->position = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION);
+  *s->pos = s->position / unit;
   *s->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
   *s->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;
   *s->friction = stribeck_plant_get(s->plant, STRIBECK_PLANT_FRICTION);
@@ -91,6 +110,7 @@ static int make(const char* name) {
   s->values = calloc(1, sizeof *s->values);
   if (s->values == NULL) return -ENOMEM;
   instances[count++] = s;
+  rtapi_snprintf(s->name, sizeof s->name, "%s", name);
   int r = 0;
   const struct {
     const char* name;
@@ -109,17 +129,17 @@ static int make(const char* name) {
     const char* name;
     hal_float_t* value;
     double initial;
-  } own[] = {{"position-unit", &s->position_unit, 1e-3},
-             {"highest-speed", &s->highest_speed, 250.0},
-             {"start", &s->start, 0.0}};
+  } own[] = {{"position-unit", &s->own.position_unit, 1e-3},
+             {"highest-speed", &s->own.highest_speed, 250.0},
+             {"start", &s->own.start, 0.0}};
   for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
     *own[i].value = own[i].initial;
     if ((r = hal_param_float_newf(HAL_RW, own[i].value, component, "%s.%s", name, own[i].name)) < 0) return r;
   }
-  s->substeps = 8;
-  s->seed = 1;
-  if ((r = hal_param_s32_newf(HAL_RW, &s->substeps, component, "%s.substeps", name)) < 0) return r;
-  if ((r = hal_param_s32_newf(HAL_RW, &s->seed, component, "%s.seed", name)) < 0) return r;
+  s->own.substeps = 8;
+  s->own.seed = 1;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->own.substeps, component, "%s.substeps", name)) < 0) return r;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->own.seed, component, "%s.seed", name)) < 0) return r;
   if ((r = export_parameters(&parameters, s->values, component, name)) < 0) return r;
   return hal_export_funct(name, update, s, 1, 0, component);
 }
@@ -134,16 +154,16 @@ static void release(void) {
 }
 
 int rtapi_app_main(void) {
-  if (stribeck_abi() != STRIBECK_ABI) return -EINVAL;
+  if (!abi_good(COMPONENT)) return -EINVAL;
+  find_parameters(&parameters, stribeck_plant_parameter);
+  const int n = count_names(COMPONENT, names, &parameters, 0);
+  if (n < 0) return -EINVAL;
   component = hal_init(COMPONENT);
   if (component < 0) return component;
-  find_parameters(&parameters, stribeck_plant_parameter);
-  for (int i = 0; i < MAX_INSTANCES && names[i] != NULL && names[i][0] != '\0'; ++i) {
+  for (int i = 0; i < n; ++i) {
     const int r = make(names[i]);
     if (r < 0) {
-      rtapi_print_msg(RTAPI_MSG_ERR,
-                      COMPONENT ": \"%s\" could not be made (%d); names have at most 6 letters\n", names[i],
-                      r);
+      rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": \"%s\" could not be made (%d)\n", names[i], r);
       release();
       return r;
     }

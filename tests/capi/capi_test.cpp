@@ -563,6 +563,12 @@ TEST(CLaws, LearningIsTheCppLawAndNeedsAPhase) {
       });
   stribeck_controller_signals(h.c, 0, &s, sizeof s);
   EXPECT_NE(s.learned, 0.0) << "three laps";
+  // An infinite phase is none.
+  double none[2];
+  EXPECT_EQ(stribeck_controller_set_phase(h.c, std::numeric_limits<double>::infinity()), STRIBECK_NOT_FINITE);
+  EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(7000).data(), none), STRIBECK_OK);
+  stribeck_controller_signals(h.c, 0, &s, sizeof s);
+  EXPECT_EQ(s.learned, 0.0);
   // Without a phase it is contouring control.
   WithLaw plain(2, "contouring", "contouring");
   ASSERT_EQ(plain.configure(), STRIBECK_OK);
@@ -611,6 +617,10 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   expect(h, "axis 0: sliding-mode.gamma_most: expected at least gamma_least");
   h.set("sliding-mode.gamma_least", kNan);
   EXPECT_EQ(h.configure(), STRIBECK_OK) << h.problem();
+  h.choose("law", "contouring").set("omega", 3000.0);
+  expect(h, "axis 0: omega: unstable at this period");
+  EXPECT_EQ(stribeck_controller_configure(h.c, 1e-300), STRIBECK_BAD_ARGUMENT);
+  EXPECT_STREQ(stribeck_controller_problem(h.c), "period: expected at least 1 us and below 1 s");
   h.choose("law", "predictive").set("omega", 1200.0);
   expect(h, "axis 0: omega: unstable at this period");
   h.set("omega", 60.0);
@@ -699,7 +709,13 @@ TEST(CPlant, IsTheCppPlant) {
   EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_REFUSED);
   EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("noise.correlation_time: missing"));
   ASSERT_EQ(stribeck_plant_choose(p, "noise.distribution", "uniform"), STRIBECK_OK);
+  EXPECT_EQ(stribeck_plant_configure(p, 1e-300, 0.02), STRIBECK_BAD_ARGUMENT);
+  EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("period: expected at least 1 us"));
+  EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("highest speed"));
   EXPECT_EQ(stribeck_plant_configure(p, kPeriod, 0.02), STRIBECK_OK) << stribeck_plant_problem(p);
+  EXPECT_EQ(stribeck_plant_start(p, 0.0, 1, 0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_THAT(stribeck_plant_problem(p), testing::HasSubstr("substeps: expected 1 to 1000"));
   ASSERT_EQ(stribeck_plant_choose(p, "noise.distribution", "gaussian"), STRIBECK_OK);
   set("noise.correlation_time", noise.correlation_time = 9.5e-3);
   params.noise = noise;

@@ -129,10 +129,12 @@ using Names = std::initializer_list<const char*>;
 /// A component between loadrt and unloadrt.
 class Module {
  public:
-  Module(const std::string& file, Names names) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
+  Module(const std::string& file, Names names, int axes = 0)
+      : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
     if (handle_ == nullptr) throw std::runtime_error(dlerror());
     char** to = *static_cast<char***>(dlsym(handle_, "rtapi_info_address_names"));
     for (const char* name : names) *to++ = const_cast<char*>(name);
+    if (axes != 0) **static_cast<int**>(dlsym(handle_, "rtapi_info_address_axes")) = axes;
     result = reinterpret_cast<int (*)()>(dlsym(handle_, "rtapi_app_main"))();
   }
   ~Module() {
@@ -287,10 +289,29 @@ TEST_F(Components, LoadAndUnloadAHundredTimes) {
   EXPECT_LE(resident(), before + 10);
 }
 
-TEST_F(Components, RefuseNamesThatHalHasNoRoomFor) {
-  const Module axis(STRIBECK_HAL_AXIS, {"a-long-name"});
-  EXPECT_LT(axis.result, 0);
-  EXPECT_NE(hal_.messages.find("at most 6 letters"), std::string::npos) << hal_.messages;
+TEST_F(Components, RefuseToLoadAndSayWhy) {
+  const auto expect = [&](const char* file, Names names, int axes, const char* message) {
+    hal_.messages.clear();
+    {
+      const Module module(file, names, axes);
+      EXPECT_LT(module.result, 0) << message;
+    }
+    EXPECT_EQ(hal_.messages, message);
+    EXPECT_TRUE(hal_.floats.empty());
+  };
+  expect(STRIBECK_HAL_AXIS, {"a-long-name"}, 0,
+         "stribeck_axis: names: \"a-long-name\" is too long, expected at most 6 letters\n");
+  expect(STRIBECK_HAL_CONTOUR, {"ct", "conto"}, 0,
+         "stribeck_contour: names: \"conto\" is too long, expected at most 4 letters\n");
+  expect(STRIBECK_HAL_AXIS, {}, 0, "stribeck_axis: no names, expected e.g. loadrt stribeck_axis names=a,b\n");
+  expect(STRIBECK_HAL_PLANT, {"pl.x", "pl.y", "pl.x"}, 0, "stribeck_plant: names: \"pl.x\" is there twice\n");
+  expect(STRIBECK_HAL_PLANT, {"pl.x", "", "pl.y"}, 0, "stribeck_plant: names: \"\" is empty\n");
+  for (const int axes : {1, 4}) {
+    expect(STRIBECK_HAL_CONTOUR, {"ct"}, axes,
+           ("stribeck_contour: axes: got " + std::to_string(axes) +
+            ", expected 2 or 3 (one axis: stribeck_axis)\n")
+               .c_str());
+  }
 }
 
 TEST_F(Loop, FollowsASineWithinAMicrometre) {
@@ -373,6 +394,65 @@ TEST_F(Loop, RefusedParameters) {
   enable(true);
   run(5, false);
   EXPECT_EQ(fault("ax.x"), 0);
+}
+
+TEST_F(Loop, OwnParametersThatMeanNothingAreRefusedByName) {
+  const std::map<std::string, double> bad{
+      {"position-unit", 0.0}, {"force-unit", -1.0},   {"ramp-time", kNan},     {"ferror-limit", kNan},
+      {"jump-limit", 0.0},    {"frozen-limit", -1.0}, {"force-per-volt", kNan}};
+  for (const auto& [name, x] : bad) {
+    const double before = value("ax.x." + name);
+    value("ax.x." + name) = x;
+    hal_.messages.clear();
+    enable(true);
+    run(5, false);
+    EXPECT_EQ(fault("ax.x"), 6) << name;
+    EXPECT_EQ(value("ax.x.force"), 0.0) << name;
+    EXPECT_NE(hal_.messages.find(name + ": got "), std::string::npos) << name << ": " << hal_.messages;
+    value("ax.x." + name) = before;
+    enable(false);
+    period(false);
+    enable(true);
+    run(5, false);
+    EXPECT_EQ(fault("ax.x"), 0) << name;
+    enable(false);
+    run(25, false);
+  }
+}
+
+TEST_F(Loop, ALimitThatBecomesNanWhileItRunsIsExceeded) {
+  enable(true);
+  run(700);
+  value("ax.x.ferror-limit") = kNan;
+  period();
+  EXPECT_EQ(fault("ax.x"), 5);
+  value("ax.x.ferror-limit") = 1.0;
+  expect_ramp_and_latch(5);
+}
+
+TEST_F(Loop, UnitsWaitForTheNextEnable) {
+  enable(true);
+  run(700);
+  const double force = value("ax.x.force");
+  value("ax.x.force-unit") = 1e3;
+  value("ax.x.position-unit") = 1.0;
+  period();
+  EXPECT_NEAR(value("ax.x.force"), force, 30.0) << "a step or two of the encoder";
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.pending"));
+  enable(false);
+  run(50);
+  const double here = 1e-3 * value("pl.x.pos-fb");
+  for (const char* pin : {"ax.x.pos-cmd", "ax.x.pos-fb"}) value(pin) = here;
+  for (const char* pin : {"ax.x.vel-cmd", "ax.x.acc-cmd"}) value(pin) = 0.0;
+  enable(true);
+  call("ax.x");
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_FALSE(*hal_.bits.at("ax.x.pending"));
+  value("ax.x.pos-cmd") = here + 1e-4;
+  for (int k = 0; k < 3; ++k) call("ax.x");
+  // 1000 kg·60²/s²·0.1 mm is 360 N, cut at 250 N; in kN.
+  EXPECT_NEAR(value("ax.x.force"), 0.25, 1e-9);
 }
 
 TEST_F(Loop, EnableToggledAtSpeed) {
@@ -481,6 +561,71 @@ TEST_F(Components, ADriveWithoutMemorySaysSoAndNothingEscapes) {
   }
   EXPECT_GT(needed, 1);
   EXPECT_LT(needed, 1000);
+}
+
+TEST_F(Loop, TheDriveTakesOverWhatChanges) {
+  enable(true);
+  run(300);
+  const double there = value("pl.x.pos");
+  ASSERT_GT(there, 1.0);
+  // Refused: it says so once, and nothing moves.
+  hal_.messages.clear();
+  *hal_.integers.at("pl.x.substeps") = 0;
+  call("pl.x");
+  call("pl.x");
+  EXPECT_FALSE(*hal_.bits.at("pl.x.ok"));
+  EXPECT_EQ(hal_.messages, "stribeck_plant: pl.x: substeps: expected 1 to 1000\n");
+  *hal_.integers.at("pl.x.substeps") = 4;
+  value("pl.x.force") = 0.0;
+  call("pl.x");
+  EXPECT_TRUE(*hal_.bits.at("pl.x.ok")) << hal_.messages;
+  EXPECT_NEAR(value("pl.x.pos"), there, 1e-2) << "where it was";
+  for (const double unit : {0.0, -1e-3, kNan}) {
+    hal_.messages.clear();
+    value("pl.x.position-unit") = unit;
+    call("pl.x");
+    EXPECT_FALSE(*hal_.bits.at("pl.x.ok"));
+    EXPECT_NE(hal_.messages.find("position-unit: expected"), std::string::npos) << hal_.messages;
+    EXPECT_NEAR(value("pl.x.pos"), there, 1e-2);
+  }
+  value("pl.x.position-unit") = 1e-3;
+  value("pl.x.highest-speed") = 0.0;
+  call("pl.x");
+  EXPECT_FALSE(*hal_.bits.at("pl.x.ok"));
+  value("pl.x.highest-speed") = 250.0;
+  call("pl.x");
+  value("pl.x.start") = -3.0;
+  call("pl.x");
+  EXPECT_TRUE(*hal_.bits.at("pl.x.ok")) << hal_.messages;
+  EXPECT_NEAR(value("pl.x.pos"), -3.0, 1e-3) << "put at its start";
+}
+
+TEST_F(Components, TheSeedOfADriveIsTakenOver) {
+  const Module plant(STRIBECK_HAL_PLANT, {"pl.x"});
+  value("pl.x.mass") = 1.0;
+  value("pl.x.current.gain") = 1.0;
+  value("pl.x.encoder.resolution") = 1e-6;
+  value("pl.x.friction.conventional.alpha0") = 1.0;
+  value("pl.x.friction.dynamics") = 1.0;
+  value("pl.x.friction.lugre.sigma0") = 1e5;
+  value("pl.x.noise.rms") = 1.0;
+  value("pl.x.start") = 2.0;
+  call("pl.x");
+  EXPECT_FALSE(*hal_.bits.at("pl.x.ok")) << "no time of correlation";
+  value("pl.x.noise.correlation-time") = 1e-2;
+  call("pl.x");
+  EXPECT_NEAR(value("pl.x.pos"), 2.0, 1e-2) << "its start, though the first parameters were refused";
+  const auto moved_with = [&](int seed) {
+    *hal_.integers.at("pl.x.seed") = seed;
+    value("pl.x.start") = value("pl.x.start") + 1.0;
+    for (int k = 0; k < 50; ++k) call("pl.x");
+    return value("pl.x.pos") - value("pl.x.start");
+  };
+  const double first = moved_with(1);
+  ASSERT_TRUE(*hal_.bits.at("pl.x.ok")) << hal_.messages;
+  const double second = moved_with(2);
+  EXPECT_NE(first, second);
+  EXPECT_NEAR(moved_with(1), first, 1e-12) << "the same seed, the same noise";
 }
 
 /// stribeck_contour on three drives.

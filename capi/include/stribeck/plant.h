@@ -25,10 +25,10 @@ stribeck_result stribeck_plant_set(stribeck_plant*, const char* name, double val
 stribeck_result stribeck_plant_choose(stribeck_plant*, const char* name, const char* word) STRIBECK_NOEXCEPT;
 const char* stribeck_plant_problem(const stribeck_plant*) STRIBECK_NOEXCEPT;
 
-/* Period [s] and highest speed [m/s]; then at rest at position 0. */
+/* Period [s], from 1 us to below 1 s, and highest speed [m/s]; then at rest at position 0. */
 stribeck_result stribeck_plant_configure(stribeck_plant*, double period,
                                          double highest_speed) STRIBECK_NOEXCEPT;
-/* At rest at a position [m]. The seed names the stream of the force noise. */
+/* At rest at a position [m]. The seed names the stream of the force noise; 1 to 1000 substeps of the integration in a period. */
 stribeck_result stribeck_plant_start(stribeck_plant*, double position, uint64_t seed,
                                      int32_t substeps) STRIBECK_NOEXCEPT;
 

@@ -115,7 +115,8 @@ stribeck_result stribeck_controller_set(stribeck_controller*, uint32_t axis, con
 stribeck_result stribeck_controller_choose(stribeck_controller*, uint32_t axis, const char* name,
                                            const char* word) STRIBECK_NOEXCEPT;
 
-/* Checks all parameters and builds the controller, which begins anew. When refused, it goes on as it was. */
+/* Checks all parameters and builds the controller for a period from 1 us to below 1 s; it begins anew. When refused, it goes on as
+ * it was. */
 stribeck_result stribeck_controller_configure(stribeck_controller*, double period) STRIBECK_NOEXCEPT;
 /* What the last call that failed did not like: "axis 1: mass: ...". */
 const char* stribeck_controller_problem(const stribeck_controller*) STRIBECK_NOEXCEPT;
@@ -137,7 +138,7 @@ stribeck_result stribeck_controller_step_ahead(stribeck_controller*, const strib
 /* How many rows the law that is configured can make use of; 0 before. */
 uint32_t stribeck_controller_points(const stribeck_controller*) STRIBECK_NOEXCEPT;
 /* Learning: place in the lap for the steps to come, in the unit of learning.lap, counted on over the laps or begun anew in each.
- * NaN, and after reset: none, and nothing is learned or given. */
+ * NaN, and after reset: none, and nothing is learned or given; infinite counts as NaN and is answered with STRIBECK_NOT_FINITE. */
 stribeck_result stribeck_controller_set_phase(stribeck_controller*, double phase) STRIBECK_NOEXCEPT;
 /* Forgets all motion: the next step is a first one. */
 stribeck_result stribeck_controller_reset(stribeck_controller*) STRIBECK_NOEXCEPT;
