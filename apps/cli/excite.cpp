@@ -112,13 +112,7 @@ ident::Excitation design(const Options& o, const sim::Machine& machine, std::siz
     return ident::design_constant_acceleration(limits, machine.sample_time, triangles);
   }
   if (o.method == "position-sine") {
-    ident::SineDesign sine;  // (2.38): 10 sin t mm
-    sine.start = middle;
-    sine.amplitude = 0.010;
-    sine.frequency = 1.0;
-    sine.periods = o.periods.value_or(sine.periods);
-    sine.from_middle = true;
-    return ident::design_sine(limits, machine.sample_time, sine);
+    return cli::design(machine, which, o.method, o.periods.value_or(kPositionPeriods), known);
   }
   return cli::design(machine, which, o.method, o.periods.value_or(kSinePeriods), known);
 }

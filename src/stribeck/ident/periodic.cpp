@@ -29,7 +29,8 @@ constexpr double kMostGroups = 1.2e5;
 constexpr double kBinSpan = 1.0 / 6.0;  ///< of the shortest period
 constexpr double kOversampling = 4.0;   ///< of the spectrum
 constexpr int kHighestOrder = 3;        ///< of the polynomial that each pass loses
-constexpr double kTaper = 0.1;          ///< share of a pass at each end
+constexpr double kSlow = 0.25;  ///< share of the residual that a wave too long to tell has: worth a word
+constexpr double kTaper = 0.1;  ///< share of a pass at each end
 /// Chance of a line that is none, over the whole spectrum.
 constexpr double kFalseAlarm = 1e-3;
 /// Lines that are as good as one at a whole part of a period that was found.
@@ -123,8 +124,10 @@ class Search {
     std::vector<double> rejected;
     spectrum();
     write_spectrum();
+    bool any = true;
     for (int tries = 0; tries < kTries && static_cast<int>(found.size()) < options_.most; ++tries) {
-      const auto line = strongest(found, rejected);
+      const auto line = strongest(found, rejected, any);
+      any = false;
       if (!line) break;
       std::vector<Line> more = found;
       more.push_back(*line);
@@ -133,6 +136,7 @@ class Search {
         spectrum();
         if (stands(more.back())) {
           found = std::move(more);
+          any = true;
           continue;
         }
       }
@@ -307,7 +311,17 @@ class Search {
       bin_[i] = std::min(size_ - 1, static_cast<std::size_t>((groups_[i].x - low_) / width));
     }
     std::vector<double> mass(groups_.size());
-    for (std::size_t i = 0; i < groups_.size(); ++i) mass[i] = groups_[i].weight;
+    double sum = 0.0, first = 0.0, second = 0.0;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const double u = groups_[i].x - middle_;
+      mass[i] = groups_[i].weight;
+      sum += mass[i];
+      first += mass[i] * u;
+      second += mass[i] * u * u;
+    }
+    spread_ = sum > 0.0 ? std::min(length_,
+                                   std::sqrt(12.0 * std::max(0.0, second / sum - std::pow(first / sum, 2.0))))
+                        : length_;
     transform(mass, weight_);
     lowest_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.0 / (longest_ * step_) - 1e-9)));
     highest_ = std::min(size_ / 2 - 1, static_cast<std::size_t>(1.0 / (shortest_ * step_)));
@@ -397,9 +411,11 @@ class Search {
     }
   }
 
-  /// The strongest of the lines that stand out. (Not the one that stands out most: harmonics far above it do in
-  /// a background that falls, and its side lobes would be taken for lines.)
-  std::optional<Line> strongest(const std::vector<Line>& found, const std::vector<double>& rejected) const {
+  /// The strongest line of all at first, for where a way is covered unevenly a line is its own background; then the strongest of
+  /// those that stand out. (Not the one that stands out most: harmonics far above it do in a background that falls, and its side
+  /// lobes would be taken for lines.)
+  std::optional<Line> strongest(const std::vector<Line>& found, const std::vector<double>& rejected,
+                                bool any) const {
     const double resolution = 1.0 / length_;
     double best = 0.0;
     std::optional<Line> line;
@@ -425,7 +441,8 @@ class Search {
         }
         for (const double other : rejected) taken |= std::abs(other - f) < resolution;
         if (taken) continue;
-        if (p > best && trials * chance(p / now_.background[form][j], now_.lines[form][j]) < kFalseAlarm) {
+        if (p > best &&
+            (any || trials * chance(p / now_.background[form][j], now_.lines[form][j]) < kFalseAlarm)) {
           best = p;
           line = Line{f, f, 0.0, 0.0, static_cast<Form>(form)};
         }
@@ -500,10 +517,20 @@ class Search {
     return true;
   }
 
+  /// The spectrum divides by the whole weight, but passes that are not longer than the period lose most of a line to their polynomial,
+  /// and of the noise as much: whole weight over what is left of it at this period.
+  [[nodiscard]] double taken_by_passes(const Line& line) const {
+    MatrixXd B(static_cast<Index>(groups_.size()), 2);
+    columns(line, B, false);
+    double whole = 0.0;
+    for (const Group& g : groups_) whole += g.weight * std::pow(damping(g, line.f), 2.0);
+    return whole / B.squaredNorm();
+  }
+
   /// Mean power of the residual around a line, and from how many lines it is taken.
   [[nodiscard]] std::pair<double, double> local(const Line& line, std::size_t form) const {
     const double at = line.f / step_;
-    const double near = 1.0 / (length_ * step_);
+    const double near = 1.0 / (spread_ * step_);
     const double reach = std::max(10.0 * near, 0.15 * at);
     std::vector<double> around;
     std::vector<double> close;
@@ -523,8 +550,9 @@ class Search {
     // A line that is not quite constant over the way leaves its own background close by.
     double own = 0.0;
     for (const double p : close) own += p / static_cast<double>(close.size());
-    return {std::max({smallest(), own, sum / static_cast<double>(around.size())}),
-            std::max(2.0, static_cast<double>(around.size()) * lines_per_bin())};
+    const double level = std::max(own, sum / static_cast<double>(around.size()));
+    return {std::max(smallest(), level * taken_by_passes(line)),
+            std::max(2.0, static_cast<double>(around.size()) * step_ * spread_)};
   }
 
   [[nodiscard]] double all_lines() const {
@@ -542,6 +570,7 @@ class Search {
 
   void report(std::vector<Line>& found) {
     if (found.empty()) {
+      too_long();
       if (!both_ && !standstill_) one_direction();
       return;
     }
@@ -589,6 +618,42 @@ class Search {
           "direction; "
           "a delay between force and position looks the same");
     }
+  }
+
+  /// A wave of more than the longest period that explains much of the residual: it may be one, or a drift.
+  void too_long() {
+    constexpr int kWaves = 24;
+    MatrixXd B(static_cast<Index>(groups_.size()), 3);
+    double best = 0.0;
+    for (int k = 0; k < kWaves; ++k) {
+      const double f = (0.75 + (length_ / longest_ - 0.75) * k / kWaves) / length_;
+      for (const Form form : {kSame, kReversing}) {
+        if (form == kReversing && !both_) continue;
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+          const Group& g = groups_[i];
+          const double angle = 2.0 * kPi * f * (g.x - middle_);
+          const double w = root_(static_cast<Index>(i)) * (form == kReversing ? g.sign : 1.0);
+          B.row(static_cast<Index>(i)) << root_(static_cast<Index>(i)) * g.e, w * std::sin(angle),
+              w * std::cos(angle);
+        }
+        for (const Pass& p : passes_) {
+          const auto first = static_cast<Index>(p.first);
+          const auto rows = static_cast<Index>(p.last - p.first);
+          const VectorXd level = basis_.block(first, 0, rows, 1);
+          B.middleRows(first, rows) -= level * (level.transpose() * B.middleRows(first, rows)).eval();
+        }
+        const Eigen::Matrix3d gram = B.transpose() * B;
+        const Eigen::Vector2d moment = gram.block<2, 1>(1, 0);
+        const double taken = moment.dot(gram.block<2, 2>(1, 1).ldlt().solve(moment));
+        if (gram(0, 0) > 0.0 && taken > best * gram(0, 0)) best = taken / gram(0, 0);
+      }
+    }
+    if (!(best > kSlow)) return;
+    result_.cannot_tell.push_back(
+        text("periodic terms of more than %.3g mm, which %.3g mm of way do not show three times: a slow wave "
+             "along the way is %.0f %% "
+             "of what the model leaves; move farther",
+             1e3 * longest_, 1e3 * length_, 100.0 * best));
   }
 
   void one_direction() {
@@ -690,6 +755,7 @@ class Search {
   PeriodicResult result_;
   double low_ = 0.0;
   double length_ = 0.0;
+  double spread_ = 0.0;  // length of a way covered evenly that would tell periods as well
   double middle_ = 0.0;
   double shortest_ = 0.0;
   double longest_ = 0.0;
@@ -702,6 +768,7 @@ class Search {
   VectorXd data_;   // weighted, projected
   Residual now_;    // data_ less the lines
   double total_ = 0.0;
+  double slow_ = 0.0;     // share that the polynomials took
   std::size_t size_ = 0;  // of the transformation
   double step_ = 0.0;     // of frequency [1/m]
   std::size_t lowest_ = 1;

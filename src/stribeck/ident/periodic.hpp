@@ -10,8 +10,9 @@
 /// in both forms: the same sign in both directions (additive), or reversing with it (proportional). A line
 /// counts when it stands out of the background at neighbouring periods (chance below 1e-3 over all lines), and
 /// still does when it is taken out and what it leaves close by counts as background: a place that rings, a
-/// transient or a drift leaves much. All terms are refined together by Gauss–Newton, far below the resolution
-/// λ²/stroke.
+/// transient or a drift leaves much. Where passes cover the way unevenly, as jogs from one place do, a line spreads over its
+/// neighbours and is its own background: the strongest of all is therefore always tried. All terms are refined together by
+/// Gauss–Newton, far below the resolution λ²/stroke.
 ///
 /// Intervals and significance come from the residual spectrum around the line itself, so that they hold under
 /// noise that is correlated in time or repeats at each pass.

@@ -159,6 +159,58 @@ TEST(Periodic, ARingingPlaceIsNoTerm) {
   EXPECT_TRUE(find_periodic(rows).terms.empty());
 }
 
+/// Jogs of 2 s from one place, there and back: the way is covered the less the farther from there.
+PeriodicRows jogs(std::uint64_t seed, double noise = 0.3) {
+  PeriodicRows rows;
+  std::size_t record = 0;
+  for (const double speed : {1e-4, 5e-4, 1e-3, 1.5e-3, 2.5e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 10e-3,
+                             12e-3, 15e-3, 20e-3, 27e-3}) {
+    Motion m;
+    m.speeds = {speed};
+    m.length = 2.0 * speed;
+    m.noise = noise;
+    const PeriodicRows one = strokes(m, 100 * seed + record);
+    rows.x.insert(rows.x.end(), one.x.begin(), one.x.end());
+    rows.e.insert(rows.e.end(), one.e.begin(), one.e.end());
+    rows.direction.insert(rows.direction.end(), one.direction.begin(), one.direction.end());
+    rows.record.insert(rows.record.end(), one.x.size(), static_cast<int>(record));
+    rows.at.insert(rows.at.end(), one.at.begin(), one.at.end());
+    ++record;
+  }
+  return rows;
+}
+
+TEST(Periodic, JogsFromOnePlaceShowTheTurnOfTheScrew) {
+  int held = 0;
+  for (const double period : {2e-3, 5e-3, 7e-3, 10e-3}) {
+    for (std::uint64_t seed = 0; seed < 2; ++seed) {
+      PeriodicRows rows = jogs(seed);
+      add(rows, 2.0, period, 0.4);
+      const PeriodicResult r = find_periodic(rows);
+      ASSERT_EQ(r.terms.size(), 1u) << period << ' ' << seed;
+      EXPECT_NEAR(r.terms[0].term.amplitude, 2.0, 0.1) << period << ' ' << seed;
+      EXPECT_NEAR(r.terms[0].term.period, period, 0.01 * period) << seed;
+      held += inside(r.terms[0].amplitude, 2.0) + inside(r.terms[0].period, period);
+    }
+  }
+  EXPECT_GE(held, 14) << "of 16 intervals of 95 %";
+  for (std::uint64_t seed = 0; seed < 8; ++seed)
+    EXPECT_TRUE(find_periodic(jogs(50 + seed)).terms.empty()) << seed;
+}
+
+TEST(Periodic, WhatIsTooLongForTheWayIsNotToldButSaid) {
+  Motion m;
+  m.length = 0.02;
+  m.speeds = {0.003, 0.006, 0.01};
+  PeriodicRows rows = strokes(m, 4);
+  EXPECT_TRUE(find_periodic(rows).cannot_tell.empty());
+  add(rows, 5.0, 0.011, 0.4);
+  const PeriodicResult r = find_periodic(rows);
+  EXPECT_TRUE(r.terms.empty());
+  ASSERT_EQ(r.cannot_tell.size(), 1u);
+  EXPECT_THAT(r.cannot_tell[0], HasSubstr("periodic terms of more than 6.67 mm"));
+}
+
 TEST(Periodic, HarmonicsAreNumberedFromTheLongestPeriod) {
   PeriodicRows rows = strokes({.noise = 0.3}, 3);
   add(rows, 0.4, 12e-3, 0.3);
