@@ -88,7 +88,7 @@ ident::Excitation design(const Options& o, const sim::Machine& machine, std::siz
   if (o.method == "jog") {
     ident::JogDesign jog;
     jog.start = middle;
-    jog.speeds = ident::jog_speeds(kShareOfSpeed * limits.speed);
+    jog.speeds = ident::jog_speeds(ident::fastest_jog(limits, machine.sample_time, jog));
     if (!o.speeds.empty()) jog.speeds.clear();
     for (const std::string& speed : o.speeds) {
       jog.speeds.push_back(option_si("--speeds", speed, quantity("m/s", "mm/s").positive()));

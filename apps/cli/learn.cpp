@@ -28,8 +28,8 @@ ident::Excitation design(const sim::Machine& machine, std::size_t axis, const st
   }
   if (method == "jog") {
     ident::JogDesign jog;
-    jog.speeds = ident::jog_speeds(kShareOfSpeed * limits.speed);
     jog.start = 0.5 * (limits.travel_min + limits.travel_max);
+    jog.speeds = ident::jog_speeds(ident::fastest_jog(limits, machine.sample_time, jog));
     return ident::design_jog(limits, machine.sample_time, jog);
   }
   if (method == "position-sine") {

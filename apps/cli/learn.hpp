@@ -39,8 +39,6 @@ struct Needs {
   static Needs of(const std::vector<sim::ControllerSpec>& controllers);
 };
 
-/// Fastest jog, as a share of the axis's limit of speed.
-inline constexpr double kShareOfSpeed = 0.95;
 /// Periods of the sine that the main job records.
 inline constexpr int kSinePeriods = 8;
 /// Periods of the sine about the middle, for the position map.

@@ -15,6 +15,9 @@ constexpr double kDoubt = 0.85;    // speeds are predicted with this share of th
 constexpr double kBaseScale =
     4.0;  // the scale that just moves the axis (thesis: results are taken from K_u = 4)
 constexpr double kJustMoves = 1.25;        // its height over the Coulomb force
+constexpr double kFineness = 0.1;          // of the friction: what is known roughly is not known better
+constexpr double kSlower = 0.8;            // speeds that are tried where the travel is short
+constexpr double kSlowest = 0.02;          // of the first of them
 constexpr double kRest = 0.15;             // between pulses, after the axis has stopped [s]
 constexpr double kStep = 1e-3;             // of the prediction [s]
 constexpr double kShortestJog = 1.0;       // of constant speed: settling is left out [s]
@@ -157,38 +160,54 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
   double top = 0.0;
   double longest_way = 0.0;
   int moving = 0;
+  // Forces beyond what drive and acceleration may have are brought down, those just above friction least.
+  const double largest = base * *std::max_element(design.scales.begin(), design.scales.end());
+  double cap = limits.force > 0.0 ? limits.force : largest;
+  if (limits.acceleration > 0.0) cap = std::min(cap, drive.coulomb + drive.mass * limits.acceleration);
+  const double spare = (cap - drive.coulomb) / drive.coulomb;
+  if (largest > cap && spare < kFineness) {
+    throw Refused(
+        text("pulses: between rough friction (%.4g N) and the limits of force and acceleration (%.4g N) lie "
+             "only %.2g %%: no force in "
+             "open loop is that fine; choose sine and constant-acceleration, or give --known after them",
+             drive.coulomb, cap, 100.0 * spare));
+  }
+  const double squeeze = largest > cap ? (cap - drive.coulomb) / (largest - drive.coulomb) : 1.0;
+  bool slower = false;
+  std::size_t pairs = 0;
   for (const double scale : design.scales) {
-    const double height = base * scale;
-    if (limits.force > 0.0 && height > limits.force) {
-      throw Refused(
-          text("pulses: scale %g needs %.4g N, the limit of force is %.4g N; leave out scales above %.3g",
-               scale, height, limits.force, limits.force / base));
-    }
-    // The longest flat top that keeps the speed; the flanks give way when they alone are too much.
+    double height = base * scale;
+    if (height > drive.coulomb) height = drive.coulomb + squeeze * (height - drive.coulomb);
+    // The speed gives way where the travel is too short to come to rest.
     double ramp = design.ramp;
-    while (ramp > 4.0 * sample_time && predict(easy, height, ramp, 0.0).top > target) ramp *= 0.8;
     double hold = design.longest;
-    if (predict(easy, height, ramp, hold).top > target) {
-      double low = 0.0;
-      while (hold - low > kStep) {
-        const double middle = 0.5 * (low + hold);
-        (predict(easy, height, ramp, middle).top > target ? hold : low) = middle;
+    Outcome o;  // also the longest way and the latest stop
+    double goal = target;
+    const auto fits = [&] {
+      return design.start + 1.2 * o.way <= limits.travel_max ||
+             design.start - 1.2 * o.way >= limits.travel_min;
+    };
+    for (;; goal *= kSlower) {
+      // The longest flat top that keeps the speed; the flanks give way when they alone are too much.
+      ramp = design.ramp;
+      while (ramp > 4.0 * sample_time && predict(easy, height, ramp, 0.0).top > goal) ramp *= 0.8;
+      hold = design.longest;
+      if (predict(easy, height, ramp, hold).top > goal) {
+        double low = 0.0;
+        while (hold - low > kStep) {
+          const double middle = 0.5 * (low + hold);
+          (predict(easy, height, ramp, middle).top > goal ? hold : low) = middle;
+        }
+        hold = low;
+      } else if (height <= drive.coulomb) {
+        hold = 0.3 * design.longest;
       }
-      hold = low;
-    } else if (height <= drive.coulomb) {
-      hold = 0.3 * design.longest;
+      o = predict(easy, height, ramp, hold);
+      if (fits() || goal < kSlowest * target) break;
     }
-    const Outcome o = predict(easy, height, ramp, hold);  // also the longest way and the latest stop
-    const double a = (height - drive.coulomb) / drive.mass;
-    if (limits.acceleration > 0.0 && a > limits.acceleration) {
-      throw Refused(text("pulses: scale %g accelerates with %.4g mm/s2, the limit is %g mm/s2; leave it out",
-                         scale, a * 1e3, limits.acceleration * 1e3));
-    }
-    if (design.start + 1.2 * o.way > limits.travel_max && design.start - 1.2 * o.way < limits.travel_min) {
-      throw Refused(
-          text("pulses: scale %g moves %.3g mm, there is no such way from %g mm to either end of the travel",
-               scale, o.way * 1e3, design.start * 1e3));
-    }
+    slower |= goal < target;
+    if (!fits()) continue;
+    ++pairs;
     top = std::max(top, o.top);
     longest_way = std::max(longest_way, o.way);
     moving += height > drive.coulomb;
@@ -206,8 +225,12 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
       }
     }
   }
-  if (moving == 0) throw Refused("pulses: no scale moves the axis; add scales above 4");
-  if (top < kHardlyMoves * limits.speed) {
+  if (moving == 0) {
+    throw Refused(
+        text("pulses: from %g mm no pulse that moves the axis ends within the travel of %g to %g mm",
+             design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3));
+  }
+  if (!slower && top < kHardlyMoves * limits.speed) {
     throw Refused(text(
         "pulses: the axis would reach %.3g mm/s only, of %g mm/s that it may have; the rough mass of %g kg "
         "or the friction is wrong",
@@ -220,7 +243,10 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
       "the start. Determines the mass best of all methods, and friction up to the speed reached; below about "
       "0.5 mm/s the "
       "log shows the bristle more than the steady curve.",
-      e.t.back(), 2 * design.scales.size(), moving, top * 1e3, longest_way * 1e3);
+      e.t.back(), 2 * pairs, moving, top * 1e3, longest_way * 1e3);
+  if (squeeze < 1.0)
+    e.says += text(" Forces are brought down to %.4g N, the limits of force and acceleration.", cap);
+  if (slower) e.says += " Speeds are lower than the limit: the travel is short.";
   return e;
 }
 
@@ -230,18 +256,52 @@ std::vector<double> jog_speeds(double fastest) {
                           5.5,  6.0,  6.5,  7.0,  7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0}) {
     if (mm * 1e-3 <= fastest * (1.0 + 1e-9)) speeds.push_back(mm * 1e-3);
   }
+  // Faster axes go on in equal shares.
+  constexpr double kFaster = 1.25, kClose = 1.1;
+  for (double v = 15e-3 * kFaster; std::isfinite(fastest) && v * kClose < fastest; v *= kFaster)
+    speeds.push_back(v);
   // A curve is worth most where it ends: the last gap would leave it open there.
   constexpr double kGap = 1.02;
   if (!speeds.empty() && fastest > kGap * speeds.back() && std::isfinite(fastest)) speeds.push_back(fastest);
   return speeds;
 }
 
+namespace {
+
+/// Flanks of a jog and the longest time of constant speed that the room allows.
+struct JogWay {
+  double ramp = 0.0;
+  double longest = 0.0;
+};
+
+JogWay jog_way(const Limits& limits, double sample_time, double room, double v) {
+  const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
+  const double ramp = std::max(4.0 * sample_time, v / a);
+  return {ramp, (0.95 * room - v * ramp) / v};
+}
+
+double room_of(const Limits& limits, const JogDesign& design) {
+  return design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+}
+
+}  // namespace
+
+double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design) {
+  const double room = room_of(limits, design);
+  double low = 0.0;
+  double high = kReserve * limits.speed;
+  if (jog_way(limits, sample_time, room, high).longest >= kShortestJog) return high;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (jog_way(limits, sample_time, room, middle).longest >= kShortestJog ? low : high) = middle;
+  }
+  return low;
+}
+
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design) {
   check(limits, sample_time, design.start);
   if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
-  const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
-  const double room =
-      design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+  const double room = room_of(limits, design);
   Excitation e;
   e.method = "jog";
   e.sample_time = sample_time;
@@ -266,8 +326,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
                          limits.speed * 1e3));
     }
     // Long enough to leave the bristle behind (some tens of micrometres) and to average noise.
-    const double ramp = std::max(4.0 * sample_time, v / a);
-    const double longest = (0.95 * room - v * ramp) / v;
+    const auto [ramp, longest] = jog_way(limits, sample_time, room, v);
     double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
     if (design.period > 0.0) {
       // What is left out until the axis has settled comes on top of the whole periods.
@@ -304,10 +363,11 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   stamp(e, e.r.size());
   check_positions(e, limits);
   e.says = text(
-      "jog: %.1f s, %zu speeds in both directions. Determines friction at these speeds, the slowest "
+      "jog: %.1f s, %zu speeds in both directions, up to %.3g mm/s. Determines friction at these speeds, the "
+      "slowest "
       "included; says nothing "
       "about the mass.",
-      e.t.back(), design.speeds.size());
+      e.t.back(), design.speeds.size(), 1e3 * *std::max_element(design.speeds.begin(), design.speeds.end()));
   if (design.period > 0.0) {
     e.says += text(" At %zu of them the ways hold whole turns of %g mm.", whole_ways, design.period * 1e3);
   }

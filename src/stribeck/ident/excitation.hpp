@@ -82,7 +82,7 @@ struct PulseDesign {
 Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
                          const PulseDesign& design = {});
 
-/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], and that one itself.
+/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], beyond them a quarter more each, and that one itself.
 std::vector<double> jog_speeds(double fastest);
 
 struct JogDesign {
@@ -93,6 +93,8 @@ struct JogDesign {
       0.0;  ///< of a term periodic in position: every way holds whole numbers of it, where it fits [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
+/// The fastest speed below the limit that the travel from `start` lets be constant for a second [m/s].
+double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 
 struct SineDesign {
   double start = 0.0;        ///< r0 [m]

@@ -144,11 +144,63 @@ TEST(Excitation, ScalesWithUnitsOfForce) {
   for (std::size_t k = 0; k < a.force.size(); ++k) EXPECT_NEAR(10.0 * a.force[k], b.force[k], 1e-6);
 }
 
-TEST(Excitation, NamesTheLimitThatWouldBreak) {
+TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
   Limits weak = kTable;
   weak.force = 2000.0;
-  EXPECT_THAT([&] { design_pulses(weak, kRough, kPeriod); },
-              ThrowsMessage<Refused>(HasSubstr("limit of force")));
+  weak.acceleration = 0.0;
+  const Excitation down = design_pulses(weak, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(down.force.begin(), down.force.end()), 2000.0, 1e-9);
+  EXPECT_THAT(down.says, HasSubstr("brought down to 2000 N"));
+  Limits gentle = kTable;
+  gentle.acceleration = 600.0 / kRough.mass;
+  const Excitation soft = design_pulses(gentle, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(soft.force.begin(), soft.force.end()), kRough.coulomb + 600.0, 1e-9);
+  // A heavy axis that hardly brakes by itself: 2 t, 21 N, ±20 mm. What it really does with the friction that it is thought to have.
+  const Limits wide{-0.02, 0.02, 0.15, 0.3, 2000.0};
+  const RoughDrive heavy{2000.0, 21.0, 200.0};
+  const Excitation short_way = design_pulses(wide, heavy, kPeriod);
+  EXPECT_THAT(short_way.says, HasSubstr("the travel is short"));
+  double x = 0.0, v = 0.0, most = 0.0, fastest = 0.0;
+  for (const double f : short_way.force) {
+    const double free = v + kPeriod * (f - heavy.viscous * v) / heavy.mass;
+    const double brake = kPeriod * heavy.coulomb / heavy.mass;
+    v = free > brake ? free - brake : free < -brake ? free + brake : 0.0;
+    x += kPeriod * v;
+    most = std::max(most, std::abs(x));
+    fastest = std::max(fastest, std::abs(v));
+  }
+  EXPECT_LT(most, 0.02);
+  EXPECT_GT(fastest, 0.01);
+  // A light one with much friction.
+  EXPECT_THAT(
+      [] {
+        design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("lie only 8 %: no force in open loop is that fine; choose sine")));
+  Limits stuck = kTable;
+  stuck.force = 1000.0;
+  EXPECT_THAT([&] { design_pulses(stuck, kRough, kPeriod); },
+              ThrowsMessage<Refused>(HasSubstr("limits of force")));
+}
+
+TEST(Excitation, JogsGoAsFastAsTheTravelLets) {
+  const Limits fast{-0.07, 0.07, 0.3, 1.0, 0.0};
+  const double fastest = fastest_jog(fast, kPeriod);
+  EXPECT_GT(fastest, 0.04);
+  EXPECT_LT(fastest, 0.07);
+  const std::vector<double> speeds = jog_speeds(fastest);
+  EXPECT_EQ(speeds.back(), fastest);
+  for (std::size_t k = 12; k < speeds.size(); ++k) EXPECT_LT(speeds[k], 1.5 * speeds[k - 1]);
+  JogDesign design;
+  design.speeds = speeds;
+  EXPECT_NO_THROW(design_jog(fast, kPeriod, design));
+  design.speeds = {1.05 * fastest};
+  EXPECT_THAT([&] { design_jog(fast, kPeriod, design); },
+              ThrowsMessage<Refused>(HasSubstr("of constant speed")));
+  EXPECT_DOUBLE_EQ(fastest_jog({-1.0, 1.0, 0.1, 1.0, 0.0}, kPeriod), 0.095);
+}
+
+TEST(Excitation, NamesTheLimitThatWouldBreak) {
   Limits slow = kTable;
   slow.speed = 0.005;
   EXPECT_THAT([&] { design_sine(slow, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("limit of speed")));
