@@ -102,6 +102,8 @@ bool split(std::string_view text, std::string_view& call, std::string_view& argu
 /// How far two names of one place may be apart, in the unit in force: two roundings to four decimals, in two directions.
 constexpr double kPrinted = 1.5e-4;
 
+constexpr double kMillimetre = 1e-3;
+
 }  // namespace
 
 void CanonicalReader::refuse(std::string_view call, const std::string& why) const {
@@ -149,6 +151,7 @@ void CanonicalReader::motion(std::string_view call, CanonicalMove move, const Po
     if (per_revolution_) refuse(call, "feed per revolution (G95) needs a spindle (use G94 or G93)");
     if (!(move.feed > 0.0))
       refuse(call, "the feed is 0.0000 as printed by the interpreter (give a higher F)");
+    if (feed_unit_ != unit_ && !foreign_feed_) foreign_feed_ = ForeignFeed{feed_, feed_unit_ != kMillimetre};
   }
   here_ = end;
   frame_changed_ = false;
@@ -235,7 +238,7 @@ bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
     if (arguments != "CANON_UNITS_MM" && arguments != "CANON_UNITS_INCHES")
       refuse(call, fmt::format("got {}, expected millimetres or inches", in_quotes(arguments)));
     const bool inches = arguments == "CANON_UNITS_INCHES";
-    unit_ = inches ? 25.4e-3 : 1e-3;
+    unit_ = inches ? 25.4e-3 : kMillimetre;
     inches_seen_ = inches_seen_ || inches;
   } else if (call == "SET_G5X_OFFSET") {
     const auto v = numbers(call, arguments, 7);
@@ -253,6 +256,7 @@ bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
     rotation_ = numbers(call, arguments, 1)[0] * kPi / 180.0;
   } else if (call == "SET_FEED_RATE") {
     feed_ = numbers(call, arguments, 1)[0] * unit_ / 60.0;
+    feed_unit_ = unit_;
   } else if (call == "SET_FEED_MODE") {
     per_revolution_ = numbers(call, arguments, 2)[1] != 0.0;
   } else if (call == "SELECT_PLANE") {
@@ -263,7 +267,8 @@ bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
     } else if (arguments == "CANON_PLANE_XZ") {
       plane_ = Plane::kXz;
     } else {
-      refuse(call, fmt::format("got {}, expected the plane XY, YZ or XZ", in_quotes(arguments)));
+      refuse(call,
+             fmt::format("got {}, expected the plane XY, YZ or XZ (G17, G19 or G18)", in_quotes(arguments)));
     }
   } else if (call == "SET_MOTION_CONTROL_MODE") {
     tolerance_.reset();

@@ -13,6 +13,7 @@
 /// Motion waits (a stop) at dwells, unless before the first move, and where spindle, coolant, tool or program stop are called. Feed per revolution, motion
 /// synchronised with the spindle, probing, rotary and secondary axes, NURBS and calls that are not known are refused; lines without the form of a
 /// call are what the program prints. G64 P is in the unit in force; without P the tolerance is left to the caller.
+/// A feed is in the unit in force when it was set: F of a line is before its G20 or G21.
 /// Source: src/emc/sai/saicanon.cc, src/emc/task/emccanon.cc (order of the offsets) of LinuxCNC 2.9.
 /// Real time: no.
 /// Errors: InputError naming the program and the move.
@@ -44,6 +45,12 @@ struct CanonicalMove {
   double dwell = 0.0;                 ///< then [s]
 };
 
+/// A feed that was set in one unit of length and is used under the other.
+struct ForeignFeed {
+  double feed = 0.0;       ///< [m/s]
+  bool in_inches = false;  ///< the unit that it was set in
+};
+
 /// More moves are refused: planned, they take 1 GB (100 000 take 0.2).
 inline constexpr std::size_t kMostMoves = 500000;
 
@@ -60,6 +67,8 @@ class CanonicalReader {
   [[nodiscard]] bool inches() const noexcept { return inches_seen_; }
   /// A tool was asked for.
   [[nodiscard]] bool tools() const noexcept { return tools_seen_; }
+  /// The first of them; none: every feed is used in the unit that it was set in.
+  [[nodiscard]] const std::optional<ForeignFeed>& foreign_feed() const noexcept { return foreign_feed_; }
 
  private:
   enum class Plane { kXy, kYz, kXz };
@@ -81,9 +90,11 @@ class CanonicalReader {
   std::array<double, 3> g92_{};
   std::array<double, 3> tool_{};
   std::array<double, 3> rotary_{};
-  double rotation_ = 0.0;  ///< [rad]
-  double unit_ = 1e-3;     ///< [m]
-  double feed_ = 0.0;      ///< [m/s]
+  double rotation_ = 0.0;    ///< [rad]
+  double unit_ = 1e-3;       ///< [m]
+  double feed_ = 0.0;        ///< [m/s]
+  double feed_unit_ = 1e-3;  ///< that feed_ was set in [m]
+  std::optional<ForeignFeed> foreign_feed_;
   bool per_revolution_ = false;
   Plane plane_ = Plane::kXy;
   PathControl control_ = PathControl::kContinuous;

@@ -71,6 +71,25 @@ TEST(Canonical, InchesAndBack) {
   EXPECT_NEAR(r.moves()[1].tolerance.value(), 25.4e-6, 1e-15);
 }
 
+TEST(Canonical, FeedUsedUnderAnotherUnitThanItWasSetIn) {
+  const std::string move = "STRAIGHT_FEED(1.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n";
+  const std::string inches = "USE_LENGTH_UNITS(CANON_UNITS_INCHES)\n";
+  // G20 F10 in one line, as rs274 prints it; the first one counts.
+  const auto r = reader_of("SET_FEED_RATE(10.0000)\n" + inches + move + "SET_FEED_RATE(20.0000)\n" +
+                           "USE_LENGTH_UNITS(CANON_UNITS_MM)\n" + move);
+  ASSERT_TRUE(r.foreign_feed());
+  EXPECT_DOUBLE_EQ(r.foreign_feed()->feed, 10e-3 / 60.0);
+  EXPECT_FALSE(r.foreign_feed()->in_inches);
+  const auto back = reader_of(inches + "SET_FEED_RATE(20.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_MM)\n" + move);
+  ASSERT_TRUE(back.foreign_feed());
+  EXPECT_DOUBLE_EQ(back.foreign_feed()->feed, 20 * 25.4e-3 / 60.0);
+  EXPECT_TRUE(back.foreign_feed()->in_inches);
+  // Rapids have no feed; one that is given again is in the unit in force.
+  const std::string rapid = "STRAIGHT_TRAVERSE(1.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n";
+  EXPECT_FALSE(reader_of("SET_FEED_RATE(10.0000)\n" + inches + rapid + "SET_FEED_RATE(1.0000)\n" + move)
+                   .foreign_feed());
+}
+
 TEST(Canonical, ArcsInThreePlanes) {
   // Each from (8, 25, 10) about a centre 5 mm along the first axis of the plane: half a turn.
   const std::string start =

@@ -158,6 +158,8 @@ Problem complaint(const std::string& file, std::string_view program, std::string
   Problem problem{file, 0, {}, "the interpreter refuses it"};
   if (words.empty()) return problem;
   problem.message = std::string(words.front());
+  if (words.front().starts_with("File ended with no percent sign"))
+    problem.message += " (end the program with M2 or M30)";
   if (words.size() < 2) return problem;
   std::vector<std::size_t> found;
   const auto lines = lines_of(program);
@@ -170,6 +172,32 @@ Problem complaint(const std::string& file, std::string_view program, std::string
   return problem;
 }
 
+/// The program as it stands in its file; refused where it cannot be one, which the interpreter would say less clearly.
+std::string program_text(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(file, ignored)) {
+    throw InputError(
+        {file, 0, {}, "is a pipe, expected a file: it is read twice (write the program to a file first)"});
+  }
+  std::string program = read_text(file);
+  if (trimmed(program).empty()) throw InputError({file, 0, {}, "is empty, expected a G-code program"});
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (program.starts_with(kByteOrderMark)) {
+    throw InputError(
+        {file, 1, {}, "begins with a byte order mark, expected G-code (save the program as plain text)"});
+  }
+  // A NUL ends a line for the interpreter: the rest of it would be lost without a word.
+  const auto control = [](unsigned char c) { return (c < ' ' && (c < '\t' || c > '\r')) || c == 0x7f; };
+  const auto found = std::find_if(program.begin(), program.end(), control);
+  if (found == program.end()) return program;
+  throw InputError({file,
+                    static_cast<std::size_t>(std::count(program.begin(), found, '\n')) + 1,
+                    {},
+                    fmt::format("holds the byte {}, expected the text of a G-code program (is it compressed, "
+                                "or no program?)",
+                                static_cast<unsigned char>(*found))});
+}
+
 /// A path that no program takes for an option.
 std::string as_argument(const std::string& file) { return file.starts_with('-') ? "./" + file : file; }
 
@@ -178,7 +206,7 @@ std::string as_argument(const std::string& file) { return file.starts_with('-') 
 PartProgram read_part_program(const std::string& file, const InterpreterOptions& options) {
   constexpr std::size_t kLongestLine = 1 << 16;
   constexpr std::size_t kMostSaid = 1 << 13;
-  const std::string program = read_text(file);
+  const std::string program = program_text(file);
   const ToolTable tools(file);
   const std::vector<std::string> words{options.command, "-g", "-t", tools.name(), as_argument(file)};
 
@@ -245,7 +273,7 @@ PartProgram read_part_program(const std::string& file, const InterpreterOptions&
           {file, 0, {}, fmt::format("the interpreter was ended by signal {}", WTERMSIG(status))});
     throw InputError(complaint(file, program, said));
   }
-  return {reader.moves(), reader.inches(), reader.tools()};
+  return {reader.moves(), reader.inches(), reader.tools(), reader.foreign_feed()};
 }
 
 }  // namespace stribeck::io

@@ -7,6 +7,7 @@
 /// Real time: no.
 /// Errors: InputError with the line of the program where the interpreter names one; where it is not installed, how to get it.
 
+#include <optional>
 #include <stribeck/io/canonical.hpp>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct PartProgram {
   std::vector<CanonicalMove> moves;
   bool inches = false;  ///< places are known to 2.54 µm only
   bool tools = false;   ///< tools were asked for, which have length and radius 0
+  std::optional<ForeignFeed> foreign_feed;
 };
 
 PartProgram read_part_program(const std::string& file, const InterpreterOptions& options = {});

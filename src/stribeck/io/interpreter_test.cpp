@@ -75,6 +75,8 @@ TEST_F(Interpreter, ItsRefusalNamesTheLine) {
   EXPECT_THAT(refusal("G1 X1Q\nG21\nG1 X1Q\n", script), AllOf(HasSubstr("part.ngc:1:"), HasSubstr("line 3")));
   EXPECT_THAT(refusal("G1 X2\n", script), HasSubstr("part.ngc: Bad character used"));
   EXPECT_THAT(refusal("G1 X2\n", "exit 1\n"), HasSubstr("refuses"));
+  EXPECT_THAT(refusal("G1 X2\n", "echo 'File ended with no percent sign or program end' >&2; exit 1\n"),
+              HasSubstr("M2 or M30"));
 }
 
 TEST_F(Interpreter, EndsWhenItTakesTooLongOrPrintsTooMuch) {
