@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stribeck/io/interpreter.hpp>
 #include <stribeck/report/table.hpp>
+#include <stribeck/report/text.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -37,6 +38,51 @@ std::vector<sim::PartMove> as_moves(const std::vector<io::CanonicalMove>& from, 
   return moves;
 }
 
+/// Where an axis stands before the program: where it is homed, 0, or the middle of a travel without it (as `export` writes HOME).
+double home_of(const sim::AxisLimits& l) {
+  return l.travel_min <= 0.0 && l.travel_max >= 0.0 ? 0.0 : 0.5 * (l.travel_min + l.travel_max);
+}
+
+/// The interpreter believes that every axis begins at 0. One that cannot stays at its home until a move takes it away from 0, as it
+/// would on the machine. Returns the homes.
+Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machine& machine,
+                             const std::vector<std::size_t>& axes, const std::string& file,
+                             std::string& note) {
+  constexpr double kStill = 5e-6;  // sums of offsets and places as they are printed, in inches at worst
+  Vec<double, 3> home;
+  std::vector<std::string> names;
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto& [name, axis] = machine.axes[axes[i]];
+    home[i] = home_of(axis.limits);
+    if (home[i] == 0.0) continue;
+    names.push_back(name);
+    places.push_back(fmt::format("{:.6g}", home[i] * 1e3));
+    for (sim::PartMove& m : moves) {
+      if (std::abs(m.to[i]) > kStill && !m.arc) break;
+      if (m.arc && std::abs(m.normal[i]) < 0.5) {
+        throw io::InputError(
+            {file,
+             0,
+             {},
+             fmt::format(
+                 "begins with an arc from {} = 0 mm, which is outside the travel of that axis, {:.6g} "
+                 "to {:.6g} mm (begin with G0 to a place inside)",
+                 name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3)});
+      }
+      if (std::abs(m.to[i]) > kStill) break;
+      m.to[i] = home[i];
+    }
+  }
+  const bool one = names.size() == 1;
+  if (!names.empty())
+    note += fmt::format(
+        "{} {} at {} mm, the middle of {} (0 is outside), and {} there until the program moves {} from 0\n",
+        (one ? "axis " : "axes ") + report::listed(names), one ? "begins" : "begin", report::listed(places),
+        one ? "its travel" : "their travels", one ? "stays" : "stay", one ? "it" : "them");
+  return home;
+}
+
 /// Places outside the travel of an axis.
 template <std::size_t N>
 void check_places(const sim::Part<N>& part, const sim::Machine& machine, const std::vector<std::size_t>& axes,
@@ -64,7 +110,7 @@ void check_places(const sim::Part<N>& part, const sim::Machine& machine, const s
 
 template <std::size_t N>
 void plan(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
-          const std::vector<sim::PartMove>& moves) {
+          const Vec<double, 3>& start, const std::vector<sim::PartMove>& moves) {
   sim::PartLimits<N> limits;
   const double acceleration = o.acceleration.empty() ? std::numeric_limits<double>::infinity()
                                                      : option_si("--acceleration", o.acceleration,
@@ -79,7 +125,7 @@ void plan(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& mach
                      : axis.jerk     ? *axis.jerk
                                      : limits.acceleration[i] / sim::AxisLimits::kJerkTime;
   }
-  const auto part = sim::plan_part<N>({}, moves, limits);
+  const auto part = sim::plan_part<N>(start, moves, limits);
   if (part == nullptr) throw io::InputError({o.path, 0, {}, "has no motion, expected at least one move"});
   check_places<N>(*part, machine, spec.axes, o.path);
   sim::Travel travel;
@@ -118,7 +164,9 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
     }
   }
   const io::PartProgram program = io::read_part_program(o.path);
-  const std::vector<sim::PartMove> moves = as_moves(program.moves, tolerance);
+  std::vector<sim::PartMove> moves = as_moves(program.moves, tolerance);
+  std::string note;
+  const Vec<double, 3> start = begin_at_home(moves, machine, spec.axes, o.path, note);
   if (spec.axes.size() == 2) {
     for (std::size_t k = 0; k < moves.size(); ++k) {
       if (std::abs(moves[k].to[2]) > sim::kExactTolerance ||
@@ -130,22 +178,34 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
                          moves[k].to[2] * 1e3, machine_file)});
       }
     }
-    plan<2>(spec, o, machine, moves);
+    plan<2>(spec, o, machine, start, moves);
   } else {
-    plan<3>(spec, o, machine, moves);
+    plan<3>(spec, o, machine, start, moves);
   }
-  std::string& note = spec.travels.front().note;
+  if (const auto& foreign = program.foreign_feed) {
+    const double millimetres = foreign->feed * 60e3;
+    note += foreign->in_inches
+                ? fmt::format(
+                      "a feed of {:.6g} in/min stays that under G21, where it is {:.6g} mm/min: F is "
+                      "taken before a G21 of the same line (give F in a line behind it)\n",
+                      millimetres / 25.4, millimetres)
+                : fmt::format(
+                      "a feed of {:.6g} mm/min stays that under G20, where it is {:.6g} in/min: F is "
+                      "taken before a G20 of the same line (give F in a line behind it)\n",
+                      millimetres, millimetres / 25.4);
+  }
   if (program.inches)
-    note += "The interpreter prints four decimals: places in inches are known to 2.54 um only.\n";
-  if (program.tools) note += "The interpreter has no tool table: tools have length and radius 0.\n";
+    note += "the interpreter prints four decimals: places in inches are known to 2.54 um only\n";
+  if (program.tools) note += "the interpreter has no tool table: tools have length and radius 0\n";
+  spec.travels.front().note = note;
 }
 
 std::string part_words(const sim::CompareSpec& spec) {
   const sim::Travel& travel = spec.travels.front();
   if (travel.part() == nullptr) return {};
   return fmt::format(
-      "Part {}: {}.\nThe contour error is the distance from the rounded path, without the rounding.\n{}",
-      travel.name, report::in_words(*travel.part()), travel.note);
+      "Part {}: {}.\nThe contour error is the distance from the rounded path, without the rounding.\n",
+      travel.name, report::in_words(*travel.part()));
 }
 
 }  // namespace stribeck::cli

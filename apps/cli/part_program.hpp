@@ -15,7 +15,8 @@ bool is_part(const PathOptions& options);
 void use_part(sim::CompareSpec& spec, const PathOptions& options, const sim::Machine& machine,
               const std::string& machine_file);
 
-/// What the user should know of the program, in sentences that end in a line; empty where the path is none.
+/// What was made of the program, in sentences that end in a line; empty where the path is none. What cannot be known of it is among
+/// the warnings.
 std::string part_words(const sim::CompareSpec& spec);
 
 }  // namespace stribeck::cli

@@ -127,8 +127,70 @@ TEST_F(PartProgram, SaysWhatItCannotKnow) {
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_NE(said.out.find("2.54 um"), std::string::npos) << said.out;
   EXPECT_NE(said.out.find("length and radius 0"), std::string::npos) << said.out;
+  const auto warnings = nlohmann::json::parse(text_of(f / "run.json"))["warnings"];
+  ASSERT_GE(warnings.size(), 2U) << warnings;
+  EXPECT_NE(warnings[0].get<std::string>().find("2.54 um"), std::string::npos);
+  EXPECT_NE(warnings[1].get<std::string>().find("length and radius 0"), std::string::npos);
   // 40 inches in a minute are 16.9 mm/s, the axes do 10.
   EXPECT_NE(said.out.find("1 move slower than programmed"), std::string::npos) << said.out;
+}
+
+TEST_F(PartProgram, FeedOfTheOtherUnitIsSaid) {
+  // As rs274 prints G20 F10: the feed first.
+  const std::string line = "SET_FEED_RATE(10.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\n";
+  const std::string move = to("0.0200", "0.0000");
+  const Said said = simulate(program(line + move));
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("Warning: a feed of 10 mm/min stays that under G20, where it is 0.393701 in/min"),
+            std::string::npos)
+      << said.out;
+  // With the feed given again before the first move nothing is to be said.
+  const Said again = simulate(program(line + "SET_FEED_RATE(10.0000)\n" + move));
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.out.find("a feed of"), std::string::npos) << again.out;
+}
+
+TEST_F(PartProgram, AxisWithoutTheOriginBeginsAtHome) {
+  std::string machine = text_of(std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml");
+  const auto put = [&](const std::string& key, const std::string& value) {
+    const auto at = machine.find(key, machine.find("[axes.y.limits]"));
+    machine.replace(at, machine.find('\n', at) - at, key + " = \"" + value + "\"");
+  };
+  put("travel_min", "10 mm");
+  put("travel_max", "30 mm");
+  const std::string file = f.write("away.toml", machine);
+  const auto run = [&](const std::string& calls) {
+    std::filesystem::remove(f / "trace.csv");
+    std::filesystem::remove(f / "run.json");
+    return command({"simulate", file, "--path", program(kHead + calls), "--controller", "f", "--parameters",
+                    "thesis", "-o", f / "trace.csv", "--json", f / "run.json"});
+  };
+  // x alone, then y from 20 mm to 21 mm: 3 mm, not 2 + 21.
+  const Said said = run(to("2.0000", "0.0000") + to("2.0000", "21.0000"));
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("axis y begins at 20 mm, the middle of its travel"), std::string::npos) << said.out;
+  const auto json = nlohmann::json::parse(text_of(f / "run.json"));
+  EXPECT_NEAR(json["part"]["length_mm"].get<double>(), 3.0, 0.05);
+  EXPECT_EQ(json["warnings"].size(), 1U);
+  // Once moved, 0 is a place as others.
+  expect_refused(run(to("0.0000", "21.0000") + to("0.0000", "0.0000")), {"axis y", "10 to 30 mm"});
+  expect_refused(run("ARC_FEED(0.0000, 20.0000, 0.0000, 10.0000, 1, 0.0000, 0.0000, 0.0000, 0.0000)\n"),
+                 {"part.ngc", "arc", "y = 0", "G0"});
+}
+
+TEST_F(PartProgram, WhatIsNoProgramIsSaid) {
+  const std::string good = program(kHead + to("5.0000", "0.0000"));
+  expect_refused(simulate(f.write("empty.ngc", " \r\n\n")), {"empty.ngc", "is empty"});
+  expect_refused(simulate(f.write("bom.ngc", "\xef\xbb\xbfG1 X1 F60\nM2\n")),
+                 {"bom.ngc:1", "byte order mark"});
+  expect_refused(simulate(f.write("nul.ngc", std::string("G1 X1\nG1 X2 \0 Y3\nM2\n", 19))),
+                 {"nul.ngc:2", "byte 0", "G-code"});
+  std::filesystem::create_directory(f / "folder.ngc");
+  expect_refused(simulate(f / "folder.ngc"), {"folder.ngc", "directory"});
+  ASSERT_EQ(mkfifo((f / "pipe.ngc").c_str(), 0600), 0);
+  expect_refused(simulate(f / "pipe.ngc"), {"pipe.ngc", "pipe"});
+  // Line ends of all systems are text.
+  EXPECT_EQ(simulate(f.write("crlf.ngc", "G1 X1 F60\r\n\tM2\r\n")).code, 0);
 }
 
 TEST_F(PartProgram, LimitsOfTheOptionsCount) {

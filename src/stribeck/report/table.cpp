@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
@@ -20,8 +21,17 @@ std::string with_spread(double mean, double spread) {
 
 }  // namespace
 
-std::vector<std::string> status_warnings(const sim::CompareResult& result) {
+std::vector<std::string> travel_warnings(const sim::CompareSpec& spec) {
   std::vector<std::string> all;
+  if (spec.travels.empty()) return all;
+  // Travels differ in their speed only.
+  std::istringstream lines(spec.travels.front().note);
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
+}
+
+std::vector<std::string> status_warnings(const sim::CompareResult& result) {
+  std::vector<std::string> all = travel_warnings(result.spec);
   for (const sim::CompareRow& r : result.rows) {
     for (const Status s :
          {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange, Status::kOscillation}) {

@@ -15,7 +15,10 @@ namespace stribeck::report {
 
 inline constexpr std::size_t kTableWidth = 100;
 
-/// What controllers reported while they ran (limits, models asked outside their range), one sentence for each row.
+/// What is to be known of the paths that are travelled, one sentence each, without its full stop.
+std::vector<std::string> travel_warnings(const sim::CompareSpec& spec);
+
+/// The same, then what controllers reported while they ran (limits, models asked outside their range), one sentence for each row.
 std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
 /// What on-line adaptation found changed since identification, one sentence for each row and axis.

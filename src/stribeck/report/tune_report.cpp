@@ -147,6 +147,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
     }
   }
   if (!id.entries.empty()) out += '\n' + lay_out({id, name, start, tuned, unit});
+  for (const std::string& warning : travel_warnings(spec.compare)) out += "Warning: " + warning + ".\n";
   for (const sim::TunedController& c : result.controllers) {
     if (!c.before_refused.empty())
       out += fmt::format("({}) at its own gains: {}\n", clean_text(c.start.id), clean_text(c.before_refused));
@@ -209,6 +210,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     }
     out["controllers"].push_back(std::move(one));
   }
+  out["warnings"] = travel_warnings(spec.compare);
   return out;
 }
 
@@ -258,7 +260,7 @@ std::string tune_report(const TuneReportInput& input) {
   Table gains;
   gains.columns = {
       {"", "", false}, {"gain", "", false}, {"own", "", true}, {"tuned", "", true}, {"unit", "", false}};
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = travel_warnings(input.spec.compare);
   for (const sim::TunedController& c : r.controllers) {
     for (const sim::TunedGain& g : c.gains) {
       gains.rows.push_back({{c.start.id},
