@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/sim/metrics.hpp>
@@ -8,56 +10,150 @@
 namespace stribeck::sim {
 namespace {
 
+/// Where a sector has no sample, a quadrant may be missed.
+constexpr std::size_t kSectors = 36;
+constexpr std::size_t kSector = 360 / kSectors;
+/// Another radius than was meant by more than this is another circle, or another unit.
+constexpr double kRadius = 0.2;
+
 struct Point {
   double x = 0.0;
   double y = 0.0;
 };
 
-/// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k about the mean.
-Point least_squares_centre(std::span<const double> x, std::span<const double> y) {
-  const double n = static_cast<double>(x.size());
-  double mx = 0.0;
-  double my = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    mx += x[i] / n;
-    my += y[i] / n;
-  }
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  throw std::invalid_argument(text.str());
+}
+
+[[noreturn]] void no_circle() { refuse("the positions are no circle"); }
+
+/// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k; the points are about their mean.
+Point algebraic_centre(std::span<const Point> points) {
   double uu = 0.0;
   double uv = 0.0;
   double vv = 0.0;
   double ud = 0.0;
   double vd = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double u = x[i] - mx;
-    const double v = y[i] - my;
-    const double d = 0.5 * (u * u + v * v);
-    uu += u * u;
-    uv += u * v;
-    vv += v * v;
-    ud += u * d;
-    vd += v * d;
+  for (const Point& p : points) {
+    const double d = 0.5 * (p.x * p.x + p.y * p.y);
+    uu += p.x * p.x;
+    uv += p.x * p.y;
+    vv += p.y * p.y;
+    ud += p.x * d;
+    vd += p.y * d;
   }
   const double det = uu * vv - uv * uv;
-  if (!(det > 1e-9 * (uu + vv) * (uu + vv))) throw std::invalid_argument("the positions are no circle");
-  return {mx + (ud * vv - vd * uv) / det, my + (vd * uu - ud * uv) / det};
+  if (!(det > 1e-9 * (uu + vv) * (uu + vv))) no_circle();
+  return {(ud * vv - vd * uv) / det, (vd * uu - ud * uv) / det};
+}
+
+/// Distances of the points from a centre: their mean, the sum of squares about it, and the step of Gauss–Newton.
+struct Distances {
+  double mean = 0.0;
+  double squares = 0.0;
+  Point step;
+};
+
+Distances distances(std::span<const Point> points, const Point& centre) {
+  const double n = static_cast<double>(points.size());
+  Distances d;
+  Point direction;
+  const auto each = [&](auto&& f) {
+    for (const Point& p : points) {
+      const double x = p.x - centre.x;
+      const double y = p.y - centre.y;
+      const double r = std::hypot(x, y);
+      // A point in the centre has no direction.
+      const double inverse = r > 0.0 ? 1.0 / r : 0.0;
+      f(r, inverse * x, inverse * y);
+    }
+  };
+  each([&](double r, double ux, double uy) {
+    d.mean += r / n;
+    direction.x += ux / n;
+    direction.y += uy / n;
+  });
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  double xr = 0.0;
+  double yr = 0.0;
+  each([&](double r, double ux, double uy) {
+    const double e = r - d.mean;
+    const double x = ux - direction.x;
+    const double y = uy - direction.y;
+    d.squares += e * e;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+    xr += x * e;
+    yr += y * e;
+  });
+  const double det = xx * yy - xy * xy;
+  if (!(det > 0.0)) no_circle();
+  d.step = {(xr * yy - yr * xy) / det, (yr * xx - xr * xy) / det};
+  return d;
 }
 
 }  // namespace
 
+LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<const double> y) {
+  constexpr int kMostSteps = 200;
+  constexpr int kMostHalvings = 20;
+  constexpr double kAtRest = 1e-12;  // of the size of the points
+  constexpr double kStraight = 1e4;  // centres further away are those of a line
+  const double n = static_cast<double>(x.size());
+  Point mean;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean.x += x[i] / n;
+    mean.y += y[i] / n;
+  }
+  std::vector<Point> points(x.size());
+  double size = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    points[i] = {x[i] - mean.x, y[i] - mean.y};
+    size = std::max(size, std::hypot(points[i].x, points[i].y));
+  }
+  Point centre = algebraic_centre(points);
+  Distances at = distances(points, centre);
+  for (int k = 0; k < kMostSteps; ++k) {
+    if (std::hypot(at.step.x, at.step.y) <= kAtRest * size) break;
+    double share = 1.0;
+    bool lower = false;
+    for (int h = 0; h < kMostHalvings && !lower; ++h, share *= 0.5) {
+      const Point tried{centre.x + share * at.step.x, centre.y + share * at.step.y};
+      const Distances there = distances(points, tried);
+      lower = there.squares < at.squares;
+      if (!lower) continue;
+      centre = tried;
+      at = there;
+    }
+    if (!lower) break;  // to rounding
+    if (!(std::hypot(centre.x, centre.y) < kStraight * size)) no_circle();
+  }
+  return {mean.x + centre.x, mean.y + centre.y, at.mean};
+}
+
 CircleTest circle_test(const CircleSamples& s, double radius) {
   const std::size_t n = s.x.size();
   const bool commanded = !s.command_x.empty();
-  if (n < CircleTest::kFewest) throw std::invalid_argument("too few samples for a circle");
+  if (n < CircleTest::kFewest) refuse(n, " samples, expected at least ", CircleTest::kFewest);
   if (s.y.size() != n || (commanded && (s.command_x.size() != n || s.command_y.size() != n)))
     throw std::invalid_argument("columns of different length");
   CircleTest t;
   t.radius = radius;
-  const Point fitted = least_squares_centre(s.x, s.y);
-  const Point centre = commanded ? least_squares_centre(s.command_x, s.command_y) : fitted;
+  const LeastSquaresCircle fitted = least_squares_circle(s.x, s.y);
+  const LeastSquaresCircle centre = commanded ? least_squares_circle(s.command_x, s.command_y) : fitted;
   t.centre_x = centre.x;
   t.centre_y = centre.y;
 
   double way = 0.0;
+  double least_way = 0.0;
+  double most_way = 0.0;
+  std::array<bool, kSectors> seen{};
   double nearest = HUGE_VAL;
   double furthest = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -67,13 +163,29 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
     t.angle.push_back(angle < 0.0 ? angle + 2.0 * kPi : angle);
     t.error.push_back(std::hypot(x, y) - radius);
     if (i > 0) way += std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
+    least_way = std::min(least_way, way);
+    most_way = std::max(most_way, way);
+    seen[std::min(static_cast<std::size_t>(t.angle[i] / (2.0 * kPi) * kSectors), kSectors - 1)] = true;
     const double r = std::hypot(s.x[i] - fitted.x, s.y[i] - fitted.y);
     nearest = std::min(nearest, r);
     furthest = std::max(furthest, r);
   }
   t.counter_clockwise = way > 0.0;
   t.revolutions = std::abs(way) / (2.0 * kPi);
-  if (t.revolutions < 0.98) throw std::invalid_argument("less than a revolution");
+  constexpr double kWhole = 0.98 * 2.0 * kPi;
+  if (std::abs(way) < kWhole && most_way - least_way >= kWhole)
+    refuse("both directions of travel, expected one");
+  if (std::abs(way) < kWhole)
+    refuse("an arc of ", std::round((most_way - least_way) * 180.0 / kPi),
+           " deg, expected at least one revolution");
+  for (std::size_t k = 0; k < kSectors; ++k) {
+    if (!seen[k])
+      refuse("no sample from ", k * kSector, " to ", (k + 1) * kSector,
+             " deg, expected some in every such sector");
+  }
+  if (std::abs(centre.radius - radius) > kRadius * radius)
+    refuse("a circle with a radius of ", centre.radius * 1e3, " mm, expected ", radius * 1e3,
+           " mm within a fifth");
   t.circular_deviation = furthest - nearest;
 
   const double window = std::acos(std::max(0.0, 1.0 - kGlitchTravel / radius));

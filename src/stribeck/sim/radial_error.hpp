@@ -4,14 +4,17 @@
 ///   e = |p − c| − R          radial error, positive outside
 ///   max |e|;  RMS = √mean e²
 ///   quadrant glitch          max |e| within the first 0.15 mm that an axis travels after it turned round: R·(1 − cos Δ) = 0.15 mm
-///   circular deviation G     largest minus smallest distance from the least-squares centre (ISO 230-4)
+///   circular deviation G     largest minus smallest distance from the least-squares centre
 ///
-///   p positions [m], R radius that was meant [m], c least-squares centre (Kåsa) of the commanded circle, or where there is no
+///   p positions [m], R radius that was meant [m], c centre of the least-squares circle of the command, or where there is no
 ///   command of p itself, which then hides an error of position
 ///
+/// Source: ISO 230-4 for G, which it lets be taken about the least-squares circle (its own are the two circles of least distance);
+/// ISO 12181-1, formerly ISO 6318, for the least-squares circle.
 /// Not modelled: the path between two samples; ISO 230-4's run-in and its filter.
 /// Real time: no.
-/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, or the way is shorter than a revolution.
+/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the way is shorter than a revolution or has
+/// a sector of 10 degrees without samples, or the circle's radius is not R within a fifth.
 
 #include <cstddef>
 #include <span>
@@ -43,6 +46,17 @@ struct CircleSamples {
   std::span<const double> command_x;
   std::span<const double> command_y;
 };
+
+/// The circle whose distances from the points have the least sum of squares, Σ (|p − c| − r)²: geometric, not the algebraic fit (Kåsa),
+/// which is its start and is too small for an arc with noise. Gauss–Newton on the centre, r eliminated.
+/// Source: Gander, Golub, Strebel 1994, doi:10.1007/BF01934268, section 3.
+/// Errors: std::invalid_argument where the points are on a line, or all at one place.
+struct LeastSquaresCircle {
+  double x = 0.0;
+  double y = 0.0;
+  double radius = 0.0;
+};
+LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<const double> y);
 
 CircleTest circle_test(const CircleSamples& samples, double radius);
 
