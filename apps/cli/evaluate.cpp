@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -12,9 +12,9 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
+#include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/log.hpp>
-#include <stribeck/io/units.hpp>
 #include <stribeck/report/circle_report.hpp>
 #include <stribeck/report/text.hpp>
 
@@ -32,25 +32,8 @@ struct Options {
   std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…
 };
 
-/// A column by name, or by name and unit.
-std::vector<double> positions(const io::Log& log, const std::string& text) {
-  const io::Column* found = log.find(text);
-  const auto blank = text.rfind(' ');
-  if (found != nullptr || blank == std::string::npos)
-    return io::in_si(found != nullptr ? *found : log.at(text), quantity("m", "mm"));
-  io::Column column = log.at(text.substr(0, blank));
-  const std::string unit = text.substr(blank + 1);
-  if (column.unit_text.empty()) column.unit_text = unit;
-  if (column.unit_text != unit) {
-    throw io::InputError({log.source, 0, column.name,
-                          fmt::format("--map gives {}, the log has {}", io::in_quotes(unit),
-                                      io::in_quotes(column.unit_text))});
-  }
-  return io::in_si(column, quantity("m", "mm"));
-}
-
+/// What --map says: quantity, column.
 std::map<std::string, std::string> mapped(const Options& o) {
-  std::map<std::string, std::string> map{{"x", "x"}, {"y", "y"}};
   std::map<std::string, std::string> given;
   for (const std::string& text : o.maps) {
     const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
@@ -58,58 +41,72 @@ std::map<std::string, std::string> mapped(const Options& o) {
       refuse_option("--map", fmt::format("got {}, expected x, y (positions), rx or ry (commands)",
                                          io::in_quotes(what)));
     if (!given.emplace(what, column).second) refuse_option("--map", fmt::format("{} is given twice", what));
-    map[what] = column;
   }
-  if (map.count("rx") != map.count("ry"))
+  if (given.count("rx") != given.count("ry"))
     refuse_option("--map", "got one of rx and ry, expected both or none");
-  return map;
+  return given;
 }
 
-/// Rows at which a column has a value; all where `where` is empty.
-std::vector<std::size_t> rows_of(const io::Log& log, const std::string& where) {
-  std::vector<std::size_t> rows;
-  if (where.empty()) {
-    for (std::size_t i = 0; i < log.rows; ++i) rows.push_back(i);
-    return rows;
-  }
-  const auto [name, text] = halves("--where", where, "COLUMN=VALUE, e.g. line=7");
-  const io::Column& column = log.at(name);
-  double value = 0.0;
-  try {
-    std::size_t used = 0;
-    value = std::stod(text, &used);
-    if (used != text.size() || !std::isfinite(value)) throw std::invalid_argument("");
-  } catch (const std::exception&) {
-    refuse_option("--where", fmt::format("got {}, expected a number after {}=", io::in_quotes(text), name));
-  }
-  for (std::size_t i = 0; i < column.values.size(); ++i) {
-    if (column.values[i] == value) rows.push_back(i);
-  }
-  if (rows.empty()) throw io::InputError({log.source, 0, name, fmt::format("no row has {}", where)});
-  return rows;
-}
+/// The columns of a log that count, all rows.
+struct Track {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> rx;  ///< empty: no command
+  std::vector<double> ry;
+};
 
-sim::CircleTest judge(const Options& o, const io::Log& log, const std::string& where, double radius) {
-  const std::vector<std::size_t> rows = rows_of(log, where);
-  std::map<std::string, std::vector<double>> chosen;
-  for (const auto& [what, text] : mapped(o)) {
-    const std::vector<double> all = positions(log, text);
-    for (const std::size_t i : rows) {
-      if (i < all.size()) chosen[what].push_back(all[i]);
+Track track_of(const io::Log& log, const std::map<std::string, std::string>& map) {
+  const io::Column* first = nullptr;
+  const auto values = [&](const std::string& what) -> std::vector<double> {
+    const auto given = map.find(what);
+    if (given == map.end() && what.size() > 1) return {};
+    const NamedColumn named =
+        given == map.end() ? position_column(log, what) : named_column(log, given->second);
+    std::vector<double> all = positions(log, named);
+    if (first == nullptr) first = named.column;
+    if (all.size() != first->values.size()) {
+      throw io::InputError({log.source, 0, named.column->name,
+                            fmt::format("has {} rows, {} has {}: expected columns of one rate", all.size(),
+                                        first->name, first->values.size())});
     }
-  }
+    return all;
+  };
+  Track t;
+  t.x = values("x");
+  t.y = values("y");
+  t.rx = values("rx");
+  t.ry = values("ry");
+  return t;
+}
+
+sim::CircleTest judge(const io::Log& log, const Track& track, const std::string& where, double radius) {
+  std::vector<std::uint8_t> counts;
+  if (!where.empty()) counts = rows_with(log, where);
+  if (!where.empty() && counts.size() != track.x.size())
+    throw io::InputError({log.source, 0, where, "does not go with positions of another rate"});
+  const auto chosen = [&](const std::vector<double>& all) {
+    if (where.empty()) return all;
+    std::vector<double> some;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (counts[i] != 0) some.push_back(all[i]);
+    }
+    return some;
+  };
+  const Track t{chosen(track.x), chosen(track.y), chosen(track.rx), chosen(track.ry)};
   try {
-    return sim::circle_test({chosen["x"], chosen["y"], chosen["rx"], chosen["ry"]}, radius);
+    return sim::circle_test({t.x, t.y, t.rx, t.ry}, radius);
   } catch (const std::invalid_argument& e) {
     throw io::InputError(
         {log.source, 0, where,
-         fmt::format("{} in {} rows, expected one revolution or more (--where COLUMN=VALUE chooses rows)",
-                     e.what(), rows.size())});
+         fmt::format(
+             "{}; got {} rows (--where COLUMN=VALUE chooses rows, --size is the radius that was meant)",
+             e.what(), t.x.size())});
   }
 }
 
 int evaluate(const Options& o) {
-  check_distinct(o.logs, {o.common.json});
+  check_distinct(o.logs, {page_of(o.common), o.common.json});
+  const OutputFolder page_folder = check_outputs(o.common);
   const double radius = option_si("--size", o.size, quantity("m", "mm").positive());
   if (!o.labels.empty() && o.labels.size() != o.logs.size())
     refuse_option("--label",
@@ -137,13 +134,17 @@ int evaluate(const Options& o) {
                                             words.size(), o.logs.size()));
     beside.push_back(words);
   }
+  const auto map = mapped(o);
   for (std::size_t i = 0; i < o.logs.size(); ++i) {
-    const io::Log log = io::read_log(o.logs[i]);
+    io::ReadOptions read;
+    read.times_needed = false;  // the order of the rows will do
+    const io::Log log = io::read_log(o.logs[i], read);
+    const Track track = track_of(log, map);
     report::CircleLog one;
     one.file = o.logs[i];
     one.label = o.labels.empty() ? std::filesystem::path(o.logs[i]).stem().string() : o.labels[i];
-    if (o.where.empty()) one.circles.push_back(judge(o, log, "", radius));
-    for (const std::string& where : o.where) one.circles.push_back(judge(o, log, where, radius));
+    if (o.where.empty()) one.circles.push_back(judge(log, track, "", radius));
+    for (const std::string& where : o.where) one.circles.push_back(judge(log, track, where, radius));
     for (const auto& words : beside) one.beside.push_back(words[i]);
     if (i > 0) {
       for (std::size_t c = 0; c < one.circles.size(); ++c) {
@@ -158,7 +159,6 @@ int evaluate(const Options& o) {
     }
     input.logs.push_back(std::move(one));
   }
-  const OutputFolder page_folder = check_outputs(o.common);
   write_json(o.common.json, report::to_json(input));
   if (!o.common.report.empty()) report::write_circle_report(o.common.report, input);
   say(o.common, report::text_table(input));
@@ -176,9 +176,8 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->add_option("--path", o->path, "What was travelled")->check(one_of({"circle"}))->capture_default_str();
   verb->add_option("--size", o->size, "Radius that was meant")->type_name("LENGTH")->capture_default_str();
   verb->add_option("--map", o->maps,
-                   "Which column is what: x, y (positions), rx, ry (commands, whose centre is the circle's; "
-                   "without them the "
-                   "least-squares centre is taken)")
+                   "Which column is what: x, y (positions; left out: found by name), rx, ry (commands, whose "
+                   "centre is the circle's; without them the least-squares centre is taken)")
       ->type_name("QUANTITY=COLUMN");
   verb->add_option("--where", o->where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")

@@ -133,7 +133,7 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   }
 }
 
-/// quantity=column [unit]; the unit is the last word where it is one and no column has the whole name.
+/// quantity=column [unit]
 struct Map {
   const Known* quantity = nullptr;
   const io::Column* column = nullptr;
@@ -147,22 +147,9 @@ Map parse_map(const std::string& text, const io::Log& log) {
                                        io::in_quotes(text)));
   }
   Map map{&known(text.substr(0, equals)), nullptr, {}};
-  const std::string rest = text.substr(equals + 1);
-  map.column = log.find(rest);
-  // Try shorter and shorter names: a unit may itself hold blanks ("N s/mm").
-  for (auto blank = rest.rfind(' '); map.column == nullptr && blank != std::string::npos && blank > 0;
-       blank = rest.rfind(' ', blank - 1)) {
-    if (const io::Column* c = log.find(rest.substr(0, blank))) {
-      map.column = c;
-      map.unit = rest.substr(blank + 1);
-    }
-  }
-  if (map.column == nullptr) static_cast<void>(log.at(rest));  // throws with the columns there are
-  if (map.column->values.empty()) {
-    refuse_option("--map", fmt::format("column {} holds text, expected numbers",
-                                       io::in_quotes(header_of(*map.column))));
-  }
-  check_same_dimension(*map.column, map.unit);
+  NamedColumn named = named_column(log, text.substr(equals + 1));
+  map.column = named.column;
+  map.unit = std::move(named.unit);
   return map;
 }
 
@@ -288,10 +275,7 @@ const io::Column* find_by_name(const io::Log& log, const Known& k, const std::st
 }
 
 /// A column chosen for a quantity.
-struct Chosen {
-  const io::Column* column = nullptr;
-  std::string unit;
-};
+using Chosen = NamedColumn;
 
 std::optional<io::Conversion> converts(const std::string& unit, std::string_view si) {
   if (unit.empty()) return std::nullopt;
@@ -398,22 +382,8 @@ Selection select(const io::Log& log, const LogOptions& options) {
   s.all = false;
   std::vector<std::uint8_t> counts(log.rows, 1);
   for (const std::string& text : options.where) {
-    const auto equals = text.rfind('=');
-    if (equals == std::string::npos || equals == 0)
-      refuse_option("--where", fmt::format("got {}, expected COLUMN=VALUE", io::in_quotes(text)));
-    const std::string value = text.substr(equals + 1);
-    const io::Column& c = column_for(log, "--where", text.substr(0, equals));
-    const auto number = as_number(value);
-    if (c.texts.empty() && !number)
-      refuse_option("--where", fmt::format("got {}, expected a number as in column {}", io::in_quotes(value),
-                                           io::in_quotes(c.name)));
-    std::size_t found = 0;
-    for (std::size_t k = 0; k < log.rows; ++k) {
-      const bool same = c.texts.empty() ? c.values[k] == *number : c.texts[k] == value;
-      if (!same) counts[k] = 0;
-      found += same ? 1 : 0;
-    }
-    if (found == 0) refuse_option("--where", fmt::format("no row has {}", io::in_quotes(text)));
+    const std::vector<std::uint8_t> has = rows_with(log, text);
+    for (std::size_t k = 0; k < log.rows; ++k) counts[k] = counts[k] != 0 && has[k] != 0 ? 1 : 0;
   }
   std::vector<const io::Column*> marks;
   for (const std::string& name : options.runs) marks.push_back(&column_for(log, "--runs", name));
@@ -542,6 +512,68 @@ LogOptions with_map_file(const LogOptions& options) {
   return o;
 }
 
+NamedColumn named_column(const io::Log& log, const std::string& text) {
+  NamedColumn named{log.find(text), {}};
+  // Try shorter and shorter names: a unit may itself hold blanks ("N s/mm").
+  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
+       blank = text.rfind(' ', blank - 1)) {
+    if (const io::Column* c = log.find(text.substr(0, blank))) {
+      named.column = c;
+      named.unit = text.substr(blank + 1);
+    }
+  }
+  if (named.column == nullptr) static_cast<void>(log.at(text));  // throws with the columns there are
+  if (named.column->values.empty()) {
+    refuse_option("--map", fmt::format("column {} holds text, expected numbers",
+                                       io::in_quotes(header_of(*named.column))));
+  }
+  check_same_dimension(*named.column, named.unit);
+  if (named.unit.empty()) named.unit = named.column->unit_text;
+  return named;
+}
+
+NamedColumn position_column(const io::Log& log, const std::string& axis) {
+  const io::Column* c = log.find(axis);
+  if (c == nullptr || c->values.empty()) {
+    // A column without an axis in its name could be any axis's.
+    const std::vector<Candidate> all = candidates(log, known("x"), axis);
+    const bool any = std::any_of(all.begin(), all.end(), [&](const Candidate& some) {
+      return !some.axis.empty() && same_axis(log, axis, some.axis);
+    });
+    c = any ? find_by_name(log, known("x"), axis) : nullptr;
+  }
+  if (c != nullptr) return {c, c->unit_text};
+  throw io::InputError(
+      {log.source, 0, axis,
+       fmt::format(
+           "no column for the position of this axis; the log has {} (name it with --map {}=\"COLUMN UNIT\")",
+           column_names(log), axis)});
+}
+
+std::vector<double> positions(const io::Log& log, const NamedColumn& named) {
+  const Quantity q = known("x").quantity;
+  check_unit(log, *named.column, named.unit, q);
+  return converted(named.column->values, io::conversion(named.unit, q.unit));
+}
+
+std::vector<std::uint8_t> rows_with(const io::Log& log, const std::string& where) {
+  const auto equals = where.rfind('=');
+  if (equals == std::string::npos || equals == 0)
+    refuse_option("--where", fmt::format("got {}, expected COLUMN=VALUE", io::in_quotes(where)));
+  const std::string value = where.substr(equals + 1);
+  const io::Column& c = column_for(log, "--where", where.substr(0, equals));
+  const auto number = as_number(value);
+  if (c.texts.empty() && !number)
+    refuse_option("--where", fmt::format("got {}, expected a number as in column {}", io::in_quotes(value),
+                                         io::in_quotes(c.name)));
+  std::vector<std::uint8_t> has(log.rows);
+  for (std::size_t k = 0; k < log.rows; ++k)
+    has[k] = (c.texts.empty() ? c.values[k] == *number : c.texts[k] == value) ? 1 : 0;
+  if (std::find(has.begin(), has.end(), 1) == has.end())
+    refuse_option("--where", fmt::format("no row has {}", io::in_quotes(where)));
+  return has;
+}
+
 io::Log read_log(const std::string& path, const LogOptions& given) {
   const LogOptions options = with_map_file(given);
   io::ReadOptions read;
@@ -577,7 +609,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   }
   const auto mapped = [&](const Known& k) -> std::optional<Chosen> {
     for (const Map& m : maps) {
-      if (m.quantity == &k) return Chosen{m.column, m.unit.empty() ? m.column->unit_text : m.unit};
+      if (m.quantity == &k) return Chosen{m.column, m.unit};
     }
     return std::nullopt;
   };

@@ -11,6 +11,7 @@
 /// refused, so is a position without a unit. A force with a gain is looked for among the columns of the gain's unit.
 /// Errors: InputError naming file, column or option.
 
+#include <cstdint>
 #include <stribeck/ident/condition.hpp>
 #include <stribeck/ident/record.hpp>
 #include <stribeck/io/log.hpp>
@@ -43,6 +44,24 @@ LogOptions with_map_file(const LogOptions& options);
 
 /// Any log, as io::read_log; a given sample time stands for a missing time column.
 io::Log read_log(const std::string& path, const LogOptions& options);
+
+/// A column with the unit that it stands in; "" where nobody says one.
+struct NamedColumn {
+  const io::Column* column = nullptr;
+  std::string unit;
+};
+
+/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind as that of the file, which it replaces.
+NamedColumn named_column(const io::Log& log, const std::string& text);
+
+/// The column of an axis's position by its name; refused where there is none, or more than one could be it.
+NamedColumn position_column(const io::Log& log, const std::string& axis);
+
+/// All values of a position [m]; refused where the column is none.
+std::vector<double> positions(const io::Log& log, const NamedColumn& named);
+
+/// Which rows have the value: COLUMN=VALUE of --where; refused where none has.
+std::vector<std::uint8_t> rows_with(const io::Log& log, const std::string& where);
 
 /// One axis of a log.
 struct LoggedAxis {

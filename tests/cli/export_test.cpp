@@ -426,17 +426,50 @@ TEST(Evaluate, RefusesInOneLine) {
   refused({"--map", "x=x", "--map", "x=y"}, "given twice");
   refused({"--map", "rx=rx"}, "expected both or none");
   refused({"--map", "x=nothing"}, "nothing");
-  refused({"--map", "x=x um"}, "the log has \"mm\"");
+  // A unit replaces that of the file, as everywhere: such a circle is too flat to be one.
+  refused({"--map", "x=x um"}, "no circle");
+  refused({"--map", "x=x N"}, "which is no N");
   refused({"--map", "x=line"}, "line");
   refused({"--where", "line=seven"}, "expected a number");
-  refused({"--where", "line=8"}, "no row has line=8");
+  refused({"--where", "line=8"}, "no row has \"line=8\"");
   refused({"--where", "lime=7"}, "lime");
   refused({"--label", "a", "--label", "b"}, "got 2, expected 1");
   refused({"--beside", "clocks=1,2"}, "got 2 values, expected 1");
   refused({"--json", a}, "would be overwritten");
   // All rows: there and back again is no revolution.
-  refused({}, "less than a revolution in 800 rows");
+  refused({}, "both directions of travel, expected one; got 800 rows");
+  refused({"--size", "20 mm", "--where", "line=7"}, "a circle with a radius of 10.005 mm, expected 20 mm");
+  refused({"--where", "line=7", "--json", f / "nowhere/e.json"}, "no folder");
   expect_refused(f, {"evaluate", f / "none.csv"}, "no such file");
+  // What cannot be written is told before logs are read.
+  expect_refused(f, {"evaluate", f / "none.csv", "--json", f / "nowhere/e.json"}, "no folder");
+}
+
+TEST(Evaluate, FindsPositionsByTheirNames) {
+  const Folder f;
+  std::string text = "t [s],x_x [mm],x_y [mm],r_x [mm],r_y [mm]\n";
+  for (int i = 0; i <= 400; ++i) {
+    const double phi = 2.0 * M_PI * i / 400;
+    const std::string x = std::to_string(10.003 * std::cos(phi));
+    const std::string y = std::to_string(10.003 * std::sin(phi));
+    text += std::to_string(0.001 * i) + "," + x + "," + y + ",0,0\n";
+  }
+  const std::string log = f.write("trace.csv", text);
+  ASSERT_EQ(command({"evaluate", log, "--json", f / "e.json"}).code, 0);
+  const auto json = nlohmann::json::parse(text_of(f / "e.json"));
+  EXPECT_NEAR(json["logs"][0]["circles"][0]["max_contour_error_um"].get<double>(), 3.0, 2e-3);
+  expect_refused(f, {"evaluate", f.write("q.csv", "t [s],q [mm]\n0,1\n1,2\n")}, "--map x=");
+  expect_refused(f, {"evaluate", f.write("x.csv", "t [s],x [mm]\n0,1\n1,2\n")}, "--map y=");
+  // Times are not needed.
+  std::string timeless = "x [mm],y [mm]\n";
+  for (int i = 0; i <= 100; ++i)
+    timeless +=
+        std::to_string(10 * std::cos(0.0631 * i)) + "," + std::to_string(10 * std::sin(0.0631 * i)) + "\n";
+  EXPECT_EQ(command({"evaluate", f.write("timeless.csv", timeless)}).code, 0);
+  // A quarter says how much of a circle it is.
+  const std::string quarter = f.write("quarter.csv", text.substr(0, text.find("0.101000")));
+  expect_refused(f, {"evaluate", quarter},
+                 "an arc of 90 deg, expected at least one revolution; got 101 rows");
 }
 
 }  // namespace

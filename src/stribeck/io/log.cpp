@@ -114,6 +114,7 @@ void complete_times(Log& log, const ReadOptions& options) {
     }
     return;
   }
+  if (!options.times_needed && !options.sample_time) return;
   if (!options.sample_time) {
     throw InputError(
         Problem{log.source, 0, "",

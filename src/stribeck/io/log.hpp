@@ -57,6 +57,7 @@ struct ReadOptions {
   std::vector<std::string> names{};
   std::optional<double> sample_time{};  ///< [s], for logs without times
   std::string time_column{};            ///< header or name; empty: found by name and unit
+  bool times_needed = true;             ///< false: a table without times is taken as well
 };
 
 /// Any log. What options leave open is taken from the side file LOG.toml, if there is one.
