@@ -11,6 +11,7 @@
 #include <stribeck/report/compare_report.hpp>
 #include <stribeck/report/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
+#include <stribeck/report/reproduction.hpp>
 #include <stribeck/report/test_result.hpp>
 
 namespace stribeck::report {
@@ -250,6 +251,30 @@ TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");
   EXPECT_EQ(shown_number(0.14349, 0.1431, 0.1439), "0.14349");
   EXPECT_EQ(shown_number(12.3456, testing::kNaN, testing::kNaN), "12.35");
+}
+
+// The thesis prints no quadrant ratio: it stands in the tables of what goes beyond it, and only where there is one.
+TEST(Reproduction, QuadrantRatioBeyondTheThesis) {
+  sim::CompareResult result = testing::two_controllers();
+  const auto columns = [&](const std::string& id) {
+    sim::Experiment experiment;
+    experiment.id = id;
+    std::vector<std::string> heads;
+    const ReproducedSection s = reproduced(experiment, {}, result, "");
+    for (const Column& c : s.table.columns) heads.push_back(c.head);
+    for (const auto& row : s.table.rows) EXPECT_EQ(row.size(), heads.size());
+    return heads;
+  };
+  using ::testing::Contains;
+  EXPECT_THAT(columns("beyond-x"), Not(Contains("quadrant ratio")));
+  result.rows[1].mean.quadrant_ratio = 12.0;
+  EXPECT_THAT(columns("beyond-x"), Contains("quadrant ratio"));
+  EXPECT_THAT(columns("x"), Not(Contains("quadrant ratio")));
+  sim::Experiment beyond;
+  beyond.id = "beyond-x";
+  const ReproducedSection s = reproduced(beyond, {}, result, "");
+  EXPECT_EQ(s.table.rows[0][3].text, "–");
+  EXPECT_EQ(s.table.rows[1][3].text, "12.00");
 }
 
 }  // namespace

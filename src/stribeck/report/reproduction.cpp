@@ -90,14 +90,19 @@ ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& res
   return f;
 }
 
-Table measured_table(const sim::CompareResult& result) {
+/// The quadrant ratio is what goes beyond the thesis, which prints none.
+Table measured_table(const sim::CompareResult& result, bool with_quadrants) {
   const bool one_axis = result.axes.size() == 1;
+  const bool quadrants = with_quadrants && !one_axis &&
+                         std::any_of(result.rows.begin(), result.rows.end(),
+                                     [](const auto& r) { return std::isfinite(r.mean.quadrant_ratio); });
   const bool current = std::any_of(result.rows.begin(), result.rows.end(),
                                    [](const auto& r) { return std::isfinite(r.mean.mean_abs_ui); });
   Table t{"", {{"controller", "", false}}, {}};
   if (result.spec.travels.size() > 1) t.columns.push_back({"motion", "", false});
   t.columns.push_back({one_axis ? "max |e|" : "max", "µm"});
   if (!one_axis) t.columns.push_back({"glitch", "µm"});
+  if (quadrants) t.columns.push_back({"quadrant ratio"});
   t.columns.push_back({"RMS", "µm"});
   t.columns.push_back({one_axis ? "mean |e|" : "mean |ε|", "µm"});
   t.columns.push_back({"mean |Δu|", "mV"});
@@ -121,6 +126,7 @@ Table measured_table(const sim::CompareResult& result) {
     if (result.spec.travels.size() > 1) row.push_back({result.spec.travels[r.travel].pace_in_words()});
     row.push_back(cell(&sim::Metrics::max_contour_error, kMicro));
     if (!one_axis) row.push_back(cell(&sim::Metrics::quadrant_glitch, kMicro));
+    if (quadrants) row.push_back(cell(&sim::Metrics::quadrant_ratio, 1.0));
     row.push_back(cell(&sim::Metrics::rms, kMicro));
     row.push_back(cell(&sim::Metrics::mean_abs, kMicro));
     row.push_back(cell(&sim::Metrics::input_variation, 1e3, 1));
@@ -279,7 +285,7 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
   s.parameters = std::move(parameters);
   s.remarks = experiment.remarks;
   for (const sim::Claim& c : setting.claims) s.figures.push_back(of_claim(c, result));
-  s.table = measured_table(result);
+  s.table = measured_table(result, experiment.id.starts_with("beyond-"));
   for (const sim::CompareRow& r : result.rows) {
     const auto& cutting = result.spec.travels[r.travel].cutting;
     if (!cutting || r.trace.empty()) continue;
