@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -44,6 +45,16 @@ struct Options {
 sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
   for (const sim::ControllerSpec& c : known) {
     if (c.id == name) return c;
+  }
+  const std::vector<std::string> built_in = built_in_controllers();
+  std::error_code ignored;
+  if (std::find(built_in.begin(), built_in.end(), name) == built_in.end() &&
+      !std::filesystem::exists(name, ignored)) {
+    std::vector<std::string> ids;
+    for (const sim::ControllerSpec& c : known) ids.push_back(c.id);
+    refuse_option("--controller",
+                  fmt::format("got {}, expected a file, one of the experiment's {}, or one of {}",
+                              io::in_quotes(name), report::listed(ids), report::listed(built_in)));
   }
   return read_controller(name);
 }
@@ -163,7 +174,8 @@ int tune(Options o) {
   std::vector<std::string> missed;
   for (const sim::TunedController& c : result.controllers) {
     if (!c.found())
-      missed.push_back(fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c), way_out(c)));
+      missed.push_back(
+          fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c, spec), way_out(c)));
   }
   throw sim::Refused(report::joined(missed, "; "));
 }

@@ -49,12 +49,28 @@ TEST(Tune, SaysNoWhenNoGainsMeetTheLimits) {
   EXPECT_EQ(said.code, 1);
   EXPECT_THAT(said.err, HasSubstr("stribeck: controller (f): none found in "));
   EXPECT_THAT(said.err, HasSubstr("a mean |Δu| of "));
+  EXPECT_THAT(said.err, HasSubstr(" mV at 9.5 mm/s, asked are"));
   EXPECT_THAT(
       said.err,
       HasSubstr("asked are at most 0.001000 mV less 0.5 % for other noise (raise --input-variation)"));
   EXPECT_THAT(said.out, HasSubstr("50.8 → –"));
   EXPECT_FALSE(nlohmann::json::parse(text_of(f / "t.json"))["controllers"][0]["missed"].is_null());
   EXPECT_FALSE(std::filesystem::exists(f / "tuned/f.toml"));
+}
+
+TEST(Tune, IdsStandInFull) {
+  const Folder f;
+  std::string text = text_of(std::string(STRIBECK_SOURCE_DIR) + "/controllers/contouring.toml");
+  const auto at = text.find("id = ");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, text.find('\n', at) - at, "id = \"abcdefghijklmnop\"");
+  const auto label = text.find("label = ");
+  text.replace(label, text.find('\n', label) - label, "label = \"" + std::string(60, 'x') + "\"");
+  const Said said =
+      command({"tune", kMachine, "--parameters", "thesis", "--speed", "9.5 mm/s", "--laps", "1", "--trials",
+               "1", "--evaluations", "10", "--controller", f.write("long.toml", text)});
+  EXPECT_THAT(said.out, HasSubstr("\nabcdefghijklmnop  xxxxxxx"));
+  EXPECT_THAT(said.out, HasSubstr("x…"));
 }
 
 TEST(Tune, RefusesBadOptionsInOneLine) {
@@ -69,7 +85,8 @@ TEST(Tune, RefusesBadOptionsInOneLine) {
   refused({"--gain-margin", "nan"}, "--gain-margin: got \"nan\", expected a number from 0.1 to 40");
   refused({"--delay-margin"}, "--delay-margin: got nothing, expected a value (stribeck tune --help");
   refused({"--laps", "0.1"}, "--laps");
-  refused({"--controller", "nobody"}, "nobody");
+  refused({"--controller", "nobody"},
+          "got \"nobody\", expected a file, one of the experiment's a, b, c, d, e and f, or");
   refused({"--controller", "f"}, "there is a controller with the id");
   refused({"--controller", "e", "-o", f / "one.toml"}, "expected a folder");
   refused({"--experiment", "bi-circle"}, "--experiment");

@@ -9,9 +9,10 @@ std::string lay_out(std::vector<TextColumn> columns) {
   while (total > kTableWidth + 2) {
     auto longest = columns.end();
     for (auto c = columns.begin(); c != columns.end(); ++c) {
-      if (!c->number && (longest == columns.end() || c->width() > longest->width())) longest = c;
+      if (!c->number && c->width() > c->least && (longest == columns.end() || c->width() > longest->width()))
+        longest = c;
     }
-    if (longest == columns.end() || longest->width() < 8) break;
+    if (longest == columns.end()) break;
     longest->most = longest->width() - 1;
     --total;
   }

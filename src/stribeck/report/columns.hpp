@@ -10,6 +10,9 @@
 
 namespace stribeck::report {
 
+/// Letters of the longest id of a controller: others refer to it, so it is not cut.
+inline constexpr std::size_t kLongestId = 16;
+
 /// A column with its heads; wide enough for its longest entry.
 struct TextColumn {
   std::string head;
@@ -18,6 +21,7 @@ struct TextColumn {
   bool number = true;
   std::string group = {};  ///< above the head
   std::size_t most = kTableWidth;
+  std::size_t least = 7;  ///< width that a column of text keeps where the table is too wide
 
   [[nodiscard]] std::size_t width() const {
     std::size_t w = std::max({text_width(group), text_width(head), text_width(unit)});

@@ -82,6 +82,7 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const PrintedTable* print = find_printed(printed, result.spec.travels[travel].speed);
     TextColumn id{"", "", {}, false};
+    id.least = kLongestId;
     TextColumn label{"controller", "", {}, false};
     TextColumn max{"max", "µm", {}};
     TextColumn glitch{"glitch", "µm", {}};

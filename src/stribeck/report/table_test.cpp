@@ -60,6 +60,11 @@ TEST(TextTable, FitsTheTerminal) {
   // Columns of numbers end at the same place in every row.
   for (std::size_t i = 2; i < all.size(); ++i) EXPECT_EQ(text_width(all[i]), text_width(all[1]));
   EXPECT_LE(widest(text_table(testing::fit(), "x")), kTableWidth);
+  // The longest id there may be is not cut, a label is.
+  result.rows[1].controller.id = "abcdefghijklmnop";
+  const std::string full = text_table(result, kBiaxialTables);
+  EXPECT_NE(full.find("\nabcdefghijklmnop  conv"), std::string::npos) << full;
+  EXPECT_LE(widest(full.substr(full.find('\n'))), kTableWidth);
   result.rows[1].controller.id = std::string(200, 'x');
   EXPECT_LE(widest(text_table(result, kBiaxialTables).substr(text.find('\n'))), kTableWidth);
 }

@@ -36,7 +36,7 @@ std::string figure(const sim::TunedController& c, std::size_t travel, double sim
 std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
 
 /// What the nearest gains have and what is asked, of the limit that they miss most.
-std::string in_words(const sim::Miss& m) {
+std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
     return fmt::format("{} {}, asked are {}", what, nearest, asked);
   };
@@ -49,10 +49,9 @@ std::string in_words(const sim::Miss& m) {
     case sim::Limit::kDelayMargin:
       return pair("a delay margin of", decimals(m.nearest, 2), short_number(m.asked) + " control periods");
     case sim::Limit::kInputVariation:
-      return fmt::format(
-          "a mean |Δu| of {} mV on travel {}, asked are at most {} mV less {} % for other noise",
-          significant(m.nearest * 1e3, 4), m.travel + 1, significant(m.asked * 1e3, 4),
-          short_number(100.0 * sim::kKeptBack));
+      return fmt::format("a mean |Δu| of {} mV at {}, asked are at most {} mV less {} % for other noise",
+                         significant(m.nearest * 1e3, 4), spec.compare.travels[m.travel].pace_in_words(),
+                         significant(m.asked * 1e3, 4), short_number(100.0 * sim::kKeptBack));
     case sim::Limit::kPath:
       return "all limits kept, but the path is lost";
     case sim::Limit::kStability:
@@ -89,11 +88,11 @@ std::string method_in_words(const sim::TuneSpec& spec) {
 
 }  // namespace
 
-std::string why_none(const sim::TunedController& c) {
+std::string why_none(const sim::TunedController& c, const sim::TuneSpec& spec) {
   if (!c.refused.empty()) return clean_text(c.refused);
   if (!c.miss) return {};
   return fmt::format("none found in {} tries{}; the nearest gains have {}", c.tries,
-                     c.miss->other_noise ? ", other noise breaks a limit" : "", in_words(*c.miss));
+                     c.miss->other_noise ? ", other noise breaks a limit" : "", in_words(*c.miss, spec));
 }
 
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec) {
@@ -101,6 +100,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
       "Limits: " + limits_in_words(result, spec) + ".\nSearch: " + method_in_words(spec) + ".\n";
   {
     TextColumn id{"", "", {}, false};
+    id.least = kLongestId;
     TextColumn label{"controller", "", {}, false};
     TextColumn phase{"phase", "deg", {}};
     TextColumn gain{"gain", "dB", {}};
@@ -118,6 +118,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
   }
   for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
     TextColumn id{"", "", {}, false};
+    id.least = kLongestId;
     TextColumn label{"controller", "", {}, false};
     TextColumn max{"max", "µm", {}};
     TextColumn rms{"RMS", "µm", {}};
@@ -133,6 +134,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
            lay_out({id, label, max, rms, variation});
   }
   TextColumn id{"", "", {}, false};
+  id.least = kLongestId;
   TextColumn name{"gain", "", {}, false};
   TextColumn start{"own", "", {}};
   TextColumn tuned{"tuned", "", {}};
@@ -151,7 +153,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
   for (const sim::TunedController& c : result.controllers) {
     if (!c.before_refused.empty())
       out += fmt::format("({}) at its own gains: {}\n", clean_text(c.start.id), clean_text(c.before_refused));
-    if (!c.found()) out += fmt::format("({}): {}\n", clean_text(c.start.id), why_none(c));
+    if (!c.found()) out += fmt::format("({}): {}\n", clean_text(c.start.id), why_none(c, spec));
   }
   return out;
 }
@@ -190,7 +192,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     Json one;
     one["controller"] = c.start.id;
     one["label"] = c.start.label;
-    one["missed"] = c.found() ? Json(nullptr) : Json(why_none(c));
+    one["missed"] = c.found() ? Json(nullptr) : Json(why_none(c, spec));
     one["tries"] = c.tries;
     one["gains"] = Json::array();
     for (const sim::TunedGain& g : c.gains) {
@@ -271,7 +273,7 @@ std::string tune_report(const TuneReportInput& input) {
     }
     if (!c.before_refused.empty())
       warnings.push_back("(" + c.start.id + ") at its own gains: " + c.before_refused);
-    if (!c.found()) warnings.push_back("(" + c.start.id + "): " + why_none(c));
+    if (!c.found()) warnings.push_back("(" + c.start.id + "): " + why_none(c, input.spec));
   }
   page.table(gains);
   page.warnings(warnings);

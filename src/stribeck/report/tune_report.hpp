@@ -6,7 +6,7 @@
 ///           "controllers": [{"controller", "label", "missed": null or why, "tries", "gains": [{"name", "unit", "start", "tuned"}],
 ///           "margins": {"start": {"stable", "phase_deg", "gain_dB", "delay_periods", "modulus", "crossover_rad_per_s"},
 ///           "tuned": the same or null}, "rows": [{"travel", "start": {"max_contour_error_um", "quadrant_glitch_um", "rms_um",
-///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}]}
+///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}], "warnings": of the paths}
 ///
 /// Real time: no. Errors: io::InputError of files.
 
@@ -17,7 +17,7 @@
 namespace stribeck::report {
 
 /// Why there are no tuned gains, and how near the nearest came; empty where there are some.
-std::string why_none(const sim::TunedController& controller);
+std::string why_none(const sim::TunedController& controller, const sim::TuneSpec& spec);
 
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec);
 

@@ -291,12 +291,11 @@ class Search {
     return found_ && std::isfinite(best_.objective);
   }
 
-  /// Simulates a point that has the margins and keeps the one nearest to the limits, of several that keep them the best. Whether
+  /// Simulates a point whose margins have been looked at, which made it a try, and keeps the one nearest to the limits, of several that keep them the best. Whether
   /// this one keeps them.
   bool begin_at(const ControllerSpec& c) {
     if (!found_) task_.choose_substeps(c);
     const Point p = task_.evaluate(c, search_);
-    ++tries_;
     const bool keeps = p.worst() <= 0.0 && std::isfinite(p.objective);
     if (keeps) kept_.emplace_back(p.objective, c);
     const bool kept = found_ && best_.worst() <= 0.0 && std::isfinite(best_.objective);
@@ -431,6 +430,7 @@ class Search {
         *changed[i].value = permitted(changed[i].quantity, 1.1 * *gains[i].value);
       Point p;
       task_.run(c, search_, p);
+      ++tries_;
       if (p.objective != best_.objective || p.variation != best_.variation) live_.push_back(i);
     }
   }
@@ -453,7 +453,11 @@ class Search {
         const double middle = 0.5 * (low + high);
         (task_.keeps_margins(look_at_margins(slowed(shape, N, std::exp(middle)))) ? low : high) = middle;
       }
-      if (k > 0) low += std::log(kSlack) * halton(k, live_.size());
+      // That of the start has been looked at.
+      if (k > 0)
+        low += std::log(kSlack) * halton(k, live_.size());
+      else
+        --tries_;
       judge(slowed(shape, N, std::exp(low)));
     }
   }

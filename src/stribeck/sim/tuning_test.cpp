@@ -149,6 +149,9 @@ TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
   EXPECT_GT(c.miss->nearest, 1e-3);
   EXPECT_LT(c.miss->nearest, c.before.at(0).mean.input_variation);
   EXPECT_EQ(c.miss->asked, 1e-6);
+  // The start and 50 slower ones, each looked at and run; 5 gains changed by a tenth; nine speeds of the start's shape and ten
+  // gains for each of three others; the remaining 8 evaluations and one that COBYLA is over.
+  EXPECT_EQ(c.tries, 51 + 5 + 9 + 3 * 10 + 9);
   EXPECT_TRUE(c.after.empty());
   EXPECT_EQ(c.tuned.observer_pole, c.start.observer_pole);
   s.limits.input_variation = 1.0;
@@ -161,7 +164,8 @@ TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
   // Slower and better damped comes nearer.
   EXPECT_GT(steep.miss->nearest, steep.start_margins.phase);
   EXPECT_LT(steep.miss->nearest, s.limits.phase_margin);
-  EXPECT_GT(steep.tries, 100);
+  // The start and 50 slower ones, 128 shapes at two speeds each.
+  EXPECT_EQ(steep.tries, 51 + 2 * 128);
   EXPECT_EQ(steep.evaluations, 0);
   s.compare.controllers.clear();
   EXPECT_THROW(tune(test::biaxial_table(), test::printed(), s), Refused);
