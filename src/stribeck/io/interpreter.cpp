@@ -198,6 +198,33 @@ std::string program_text(const std::string& file) {
                                 static_cast<unsigned char>(*found))});
 }
 
+/// Whether G41, G42 or G43 stands in the program: without length and radius they leave no trace in the calls.
+bool takes_tool_offsets(std::string_view program) {
+  for (const std::string_view line : lines_of(program)) {
+    int number = -1;  // behind a G; -1: not behind one
+    char inside = 0;  // what ends a comment or a name
+    for (const char c : line) {
+      if (inside != 0) {
+        if (c == inside) inside = 0;
+        continue;
+      }
+      if (c == ';') break;
+      if (c == ' ' || c == '\t' || c == '\r') continue;
+      if (number >= 0 && c >= '0' && c <= '9') {
+        number = std::min(10 * number + (c - '0'), 1000);
+        continue;
+      }
+      // G41.1 and G43.1 say what they mean.
+      if (number >= 41 && number <= 43 && c != '.') return true;
+      number = c == 'G' || c == 'g' ? 0 : -1;
+      if (c == '(') inside = ')';
+      if (c == '<') inside = '>';
+    }
+    if (number >= 41 && number <= 43) return true;
+  }
+  return false;
+}
+
 /// A path that no program takes for an option.
 std::string as_argument(const std::string& file) { return file.starts_with('-') ? "./" + file : file; }
 
@@ -273,7 +300,8 @@ PartProgram read_part_program(const std::string& file, const InterpreterOptions&
           {file, 0, {}, fmt::format("the interpreter was ended by signal {}", WTERMSIG(status))});
     throw InputError(complaint(file, program, said));
   }
-  return {reader.moves(), reader.inches(), reader.tools(), reader.foreign_feed()};
+  return {reader.moves(), reader.inches(), reader.tools() || takes_tool_offsets(program),
+          reader.foreign_feed()};
 }
 
 }  // namespace stribeck::io

@@ -22,7 +22,7 @@ struct InterpreterOptions {
 struct PartProgram {
   std::vector<CanonicalMove> moves;
   bool inches = false;  ///< places are known to 2.54 µm only
-  bool tools = false;   ///< tools were asked for, which have length and radius 0
+  bool tools = false;   ///< tools or their offsets were asked for, which have length and radius 0
   std::optional<ForeignFeed> foreign_feed;
 };
 

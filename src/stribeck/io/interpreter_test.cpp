@@ -67,6 +67,16 @@ TEST_F(Interpreter, IsGivenTheFileAndItsCallsAreRead) {
   EXPECT_FALSE(part.inches);
 }
 
+TEST_F(Interpreter, OffsetsOfToolsAreSeenInTheProgram) {
+  // As the interpreter prints them, they are no calls.
+  const auto tools = [&](const std::string& program) { return read(program + "\nM2\n", "exit 0\n").tools; };
+  for (const char* program : {"G41 D5", "g42d1", "G0 X1 G43 H2", "G 0 4 1", "G90G41", "(a) G43"})
+    EXPECT_TRUE(tools(program)) << program;
+  for (const char* program : {"G40", "G49", "G43.1 Z2", "G41.1 D3", "(G41)", "G1 X1 ; G43", "G4 P41",
+                              "o<bag41> call", "G410 X1", "X41", "G1 X41 Y42 Z43"})
+    EXPECT_FALSE(tools(program)) << program;
+}
+
 TEST_F(Interpreter, ItsRefusalNamesTheLine) {
   const std::string script = "echo executing >&2; echo 'Bad character used' >&2; echo 'G1 X1Q' >&2; exit 1\n";
   EXPECT_THAT(refusal("G21\n  G1 X1Q  \nM2\n", script),
