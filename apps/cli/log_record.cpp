@@ -563,14 +563,17 @@ std::vector<std::uint8_t> rows_with(const io::Log& log, const std::string& where
   const std::string value = where.substr(equals + 1);
   const io::Column& c = column_for(log, "--where", where.substr(0, equals));
   const auto number = as_number(value);
+  const auto refuse = [&](std::string message) {
+    throw io::InputError({log.source, 0, "--where", std::move(message)});
+  };
   if (c.texts.empty() && !number)
-    refuse_option("--where", fmt::format("got {}, expected a number as in column {}", io::in_quotes(value),
-                                         io::in_quotes(c.name)));
+    refuse(fmt::format("got {}, expected a number as in column {}", io::in_quotes(value),
+                       io::in_quotes(c.name)));
   std::vector<std::uint8_t> has(log.rows);
   for (std::size_t k = 0; k < log.rows; ++k)
     has[k] = (c.texts.empty() ? c.values[k] == *number : c.texts[k] == value) ? 1 : 0;
   if (std::find(has.begin(), has.end(), 1) == has.end())
-    refuse_option("--where", fmt::format("no row has {}", io::in_quotes(where)));
+    refuse(fmt::format("no row has {}", io::in_quotes(where)));
   return has;
 }
 

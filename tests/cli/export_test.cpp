@@ -431,7 +431,7 @@ TEST(Evaluate, RefusesInOneLine) {
   refused({"--map", "x=x N"}, "which is no N");
   refused({"--map", "x=line"}, "line");
   refused({"--where", "line=seven"}, "expected a number");
-  refused({"--where", "line=8"}, "no row has \"line=8\"");
+  refused({"--where", "line=8"}, "a.csv: --where: no row has \"line=8\"");
   refused({"--where", "lime=7"}, "lime");
   refused({"--label", "a", "--label", "b"}, "got 2, expected 1");
   refused({"--beside", "clocks=1,2"}, "got 2 values, expected 1");

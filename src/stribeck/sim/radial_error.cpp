@@ -140,7 +140,7 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
 CircleTest circle_test(const CircleSamples& s, double radius) {
   const std::size_t n = s.x.size();
   const bool commanded = !s.command_x.empty();
-  if (n < CircleTest::kFewest) refuse(n, " samples, expected at least ", CircleTest::kFewest);
+  if (n < CircleTest::kFewest) refuse("too few samples, expected at least ", CircleTest::kFewest);
   if (s.y.size() != n || (commanded && (s.command_x.size() != n || s.command_y.size() != n)))
     throw std::invalid_argument("columns of different length");
   CircleTest t;
