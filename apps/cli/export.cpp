@@ -115,7 +115,7 @@ std::string tables(const Options& o, Json& json, std::string& words) {
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
     const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
-    const std::string worth = lincurve_words(table, model);
+    const std::string worth = lincurve_words(table, model, "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
     body += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
     if (model.load != 0.0)
@@ -210,9 +210,19 @@ Configuration configuration(const Options& o, const sim::Machine& machine) {
     command += fmt::format(" --axis-file {}={}", axis, base_name(file));
   }
   c.comment = fmt::format("# Written by: {} -o FOLDER\n", command);
+  std::vector<DrivableLimits> can;
+  for (const auto& [axis, a] : machine.axes) {
+    can.push_back(drivable_limits(a));
+    if (can.back().limits.speed > 0.0) continue;
+    throw io::InputError(
+        {o.files.front(), 0, "axes." + axis,
+         fmt::format("the drive's {:.6g} N are too few for friction and load of this axis at any speed, "
+                     "with a fifth left to accelerate (raise plant.drive.gain or plant.converter.range)",
+                     a.force_limit())});
+  }
   const std::vector<friction::AxisModel> models = models_of(o, machine);
   for (std::size_t i = 0; i < letters.size(); ++i)
-    c.axes.push_back({letters[i], &machine.axes[i].second, models[i]});
+    c.axes.push_back({letters[i], &machine.axes[i].second, can[i], models[i]});
   return c;
 }
 
@@ -230,24 +240,26 @@ int export_configuration(const Options& o, const sim::Machine& machine) {
          {},
          "is a file, expected a folder for the configuration (or -o NAME.hal for the drives alone)"});
   }
-  const auto files = configuration_files(configuration(o, machine));
-  io::make_directory(o.output);
-  for (const auto& [name, text] : files) check_writable((fs::path(o.output) / name).string());
-  std::vector<std::string> written;
-  for (const auto& [name, text] : files) {
-    const fs::path path = fs::path(o.output) / name;
-    io::write_atomically(path.string(), text);
-    if (name == "play.py")
-      fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
-                      fs::perm_options::add, ignored);
-    written.push_back(name);
-  }
-  write_json(o.common.json,
-             {{"schema", "stribeck.export/1"}, {"to", o.to}, {"folder", o.output}, {"files", written}});
-  say(o.common, fmt::format("{} files in {}.\n  linuxcnc {}       with the AXIS screen\n"
-                            "  linuxcnc -r {}   without a screen\n",
-                            files.size(), o.output, (fs::path(o.output) / "machine.ini").string(),
-                            (fs::path(o.output) / "headless.ini").string()));
+  const Configuration c = configuration(o, machine);
+  const NamedTexts files = configuration_files(c);
+  const OutputFolder folder(o.output);
+  const WrittenFolder written = write_folder(o.output, c.comment, files);
+  fs::permissions(fs::path(o.output) / "play.py",
+                  fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                  fs::perm_options::add, ignored);
+  write_json(o.common.json, {{"schema", "stribeck.export/1"},
+                             {"to", o.to},
+                             {"folder", o.output},
+                             {"files", written.files},
+                             {"kept", written.kept}});
+  std::string words = fmt::format("{} files in {}.\n", written.files.size(), o.output);
+  if (!written.kept.empty())
+    words += fmt::format("Left as edited: {} (remove what is to be written anew).\n",
+                         report::listed(written.kept));
+  say(o.common, words + fmt::format("  linuxcnc {}       with the AXIS screen\n"
+                                    "  linuxcnc -r {}   without a screen\n",
+                                    (fs::path(o.output) / "machine.ini").string(),
+                                    (fs::path(o.output) / "headless.ini").string()));
   return 0;
 }
 
@@ -256,7 +268,6 @@ void check_options(const Options& o, bool machine, bool folder) {
   const auto refuse = [](const char* option, const char* why) {
     refuse_option(option, std::string("does not apply to ") + why);
   };
-  if (!o.common.report.empty()) refuse_option("--report", "export writes no page");
   if (machine && o.files.size() > 1)
     refuse_option("MACHINE.toml", "expected one machine file, or axis files alone");
   if (!folder) {
@@ -348,7 +359,7 @@ void add_export(CLI::App& app, Action& action) {
           "--axis-file", o->axis_files,
           "Of a configuration: axis file that identify wrote, in place of that; repeat for more axes")
       ->type_name("AXIS=FILE");
-  add_common(*verb, o->common);
+  add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck export machines/triaxial-tool.toml --to linuxcnc -o triaxial\n"

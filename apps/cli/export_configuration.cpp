@@ -18,13 +18,21 @@ bool angular(const HalAxis& a) { return a.letter.find_first_of("abc") != std::st
 /// Length [m] of one machine unit: a millimetre, or a degree at the reference radius (path/five_axis.hpp).
 double unit_of(const HalAxis& a) { return angular(a) ? path::TiltingTable{}.radius * kPi / 180.0 : 1e-3; }
 
+/// Name of the machine unit, for people.
+std::string_view unit_name(const HalAxis& a) { return angular(a) ? "deg" : "mm"; }
+
+/// Whether one stribeck_contour can control all axes.
+bool has_contour(const Configuration& c) {
+  return (c.axes.size() == 2 || c.axes.size() == 3) && std::none_of(c.axes.begin(), c.axes.end(), angular);
+}
+
 double in_units(const HalAxis& a, double metres) { return metres / unit_of(a); }
 
 std::string number(double x) { return fmt::format("{:.9g}", x); }
 
 /// Where the axis is homed and the drive stands at the start [m]: zero, or the middle of a travel without it.
 double home_of(const HalAxis& a) {
-  const sim::AxisLimits& l = a.machine->limits;
+  const sim::AxisLimits& l = a.can.limits;
   return l.travel_min <= 0.0 && l.travel_max >= 0.0 ? 0.0 : 0.5 * (l.travel_min + l.travel_max);
 }
 
@@ -56,8 +64,8 @@ std::string ini(const Configuration& c, bool screen) {
   for (const HalAxis& a : c.axes) {
     double& v = angular(a) ? angular_speed : speed;
     double& w = angular(a) ? angular_acceleration : acceleration;
-    v = std::max(v, in_units(a, a.machine->limits.speed));
-    w = std::max(w, in_units(a, a.machine->limits.acceleration));
+    v = std::max(v, in_units(a, a.can.limits.speed));
+    w = std::max(w, in_units(a, a.can.limits.acceleration));
   }
   std::string geometry;
   std::string coordinates;
@@ -89,11 +97,8 @@ std::string ini(const Configuration& c, bool screen) {
       1e9 * c.sample_time);
   out += "\n[EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.100\nTOOL_TABLE = tool.tbl\n";
   out += "\n[HAL]\nHALFILE = motion.hal\n";
-  if (c.axes.size() == 2 || c.axes.size() == 3) {
-    out += "# Or control-contour.hal, control-pid.hal, control-lincurve.hal.\n";
-  } else {
-    out += "# Or control-pid.hal, control-lincurve.hal.\n";
-  }
+  out += fmt::format("# Or {}control-pid.hal, control-lincurve.hal.\n",
+                     has_contour(c) ? "control-contour.hal, " : "");
   out += "HALFILE = control-axis.hal\nHALFILE = record.hal\n";
   out +=
       "# The drives come last in the thread. A real machine: leave this out, and connect its amplifiers and "
@@ -113,16 +118,18 @@ std::string ini(const Configuration& c, bool screen) {
         number(angular_acceleration));
   out += fmt::format("\n[KINS]\nKINEMATICS = trivkins coordinates={}\nJOINTS = {}\n", lower, c.axes.size());
   out += each(c.axes, [](const HalAxis& a, std::size_t i) {
-    const sim::AxisLimits& l = a.machine->limits;
+    const sim::AxisLimits& l = a.can.limits;
     const std::string limits =
         fmt::format("MAX_VELOCITY = {}\nMAX_ACCELERATION = {}\nMIN_LIMIT = {}\nMAX_LIMIT = {}\n",
                     number(in_units(a, l.speed)), number(in_units(a, l.acceleration)),
                     number(in_units(a, l.travel_min)), number(in_units(a, l.travel_max)));
     const std::string home = number(in_units(a, home_of(a)));
     return fmt::format(
-        "\n[AXIS_{}]\n{}\n[JOINT_{}]\nTYPE = {}\nHOME = {}\nHOME_OFFSET = {}\n{}FERROR = 2\nMIN_FERROR = 2\n"
+        "\n[AXIS_{}]\n{}\n[JOINT_{}]\nTYPE = {}\nHOME = {}\nHOME_OFFSET = {}\n# {}\n{}FERROR = 2\nMIN_FERROR "
+        "= 2\n"
         "HOME_SEARCH_VEL = 0\nHOME_LATCH_VEL = 0\nHOME_SEQUENCE = 0\n",
-        capital(a), limits, i, angular(a) ? "ANGULAR" : "LINEAR", home, home, limits);
+        capital(a), limits, i, angular(a) ? "ANGULAR" : "LINEAR", home, home, limits_words(a.can, *a.machine),
+        limits);
   });
   return out;
 }
@@ -147,12 +154,43 @@ std::string motion(const Configuration& c) {
   out +=
       "\nnet estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n"
       "net tool-prepare-loop iocontrol.0.tool-prepare => iocontrol.0.tool-prepared\n"
-      "net tool-change-loop iocontrol.0.tool-change => iocontrol.0.tool-changed\n";
+      "net tool-change-loop iocontrol.0.tool-change => iocontrol.0.tool-changed\n"
+      "\n# For law 3, learning: the way since the program's last \"M62 P0\" is the place in the lap. "
+      "Uncomment these lines and those\n"
+      "# of learning in the control file (docs/guides/linuxcnc.md of Stribeck).\n"
+      "# loadrt edge names=lap.begin\n"
+      "# loadrt integ names=lap.way\n"
+      "# setp lap.begin.in-edge 0  # rising\n"
+      "# addf lap.begin servo-thread\n"
+      "# addf lap.way servo-thread\n"
+      "# net lap-begin motion.digital-out-00 => lap.begin.in\n"
+      "# net lap-reset lap.begin.out => lap.way.reset\n"
+      "# net path-speed motion.current-vel => lap.way.in\n"
+      "# net lap-phase lap.way.out\n";
+  return out;
+}
+
+/// Law learning: where the phase goes, and of which controllers the lap must be known.
+std::string learning(const std::vector<std::string>& phases, const std::vector<std::string>& controllers) {
+  std::string out =
+      "\n# With law 3, learning, also: the place in the lap, and the lap's length in machine units, rounded "
+      "up to a hundredth\n"
+      "# (62.84: a circle of 10 mm). Where it is too short nothing is learned.\n# net lap-phase =>";
+  for (const std::string& name : phases) out += fmt::format(" {}.phase", name);
+  out += '\n';
+  for (const std::string& name : controllers) out += fmt::format("# setp {}.learning.lap 62.84\n", name);
+  return out;
+}
+
+std::vector<std::string> instances(const Axes& axes) {
+  std::vector<std::string> out;
+  for (const HalAxis& a : axes) out.push_back("ax." + a.letter);
   return out;
 }
 
 std::string axis_control(const Configuration& c) {
-  std::string out = c.comment + "# One stribeck_axis for each joint.\n";
+  std::string out =
+      c.comment + "# One stribeck_axis for each joint. Parameters: docs/guides/linuxcnc.md of Stribeck.\n";
   out += fmt::format("loadrt stribeck_axis names={}\n", names(c.axes, "ax."));
   out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
     std::string text = fmt::format(
@@ -164,11 +202,12 @@ std::string axis_control(const Configuration& c) {
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
     return text + controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
   });
-  return out;
+  return out + learning(instances(c.axes), instances(c.axes));
 }
 
 std::string contour_control(const Configuration& c) {
-  std::string out = c.comment + "# One stribeck_contour for all joints.\n";
+  std::string out =
+      c.comment + "# One stribeck_contour for all joints. Parameters: docs/guides/linuxcnc.md of Stribeck.\n";
   out += fmt::format("loadrt stribeck_contour names=ct axes={}\naddf ct servo-thread\n", c.axes.size());
   out += fmt::format("net {}-enable => ct.enable\nnet faulted ct.faulted =>", c.axes.front().letter);
   out += each(c.axes, [](const HalAxis&, std::size_t i) { return fmt::format(" joint.{}.amp-fault-in", i); });
@@ -182,7 +221,9 @@ std::string contour_control(const Configuration& c) {
     text += setp(name, "force-limit", a.machine->force_limit());
     return text + controller_lines(name, a.model, c.omega, c.feedforward);
   });
-  return out;
+  std::vector<std::string> controllers;
+  for (std::size_t i = 0; i < c.axes.size(); ++i) controllers.push_back(fmt::format("ct.{}", i));
+  return out + learning({"ct"}, controllers);
 }
 
 /// Viscous friction [N s/m], both directions' mean.
@@ -202,7 +243,7 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
   if (with_lincurve) {
     std::string points;
     for (const HalAxis& a : c.axes) {
-      tables.push_back(best_lincurve(a.model, a.machine->limits.speed, unit_of(a)));
+      tables.push_back(best_lincurve(a.model, a.can.limits.speed, unit_of(a)));
       points += fmt::format("{}{}", points.empty() ? "" : ",", tables.back().table.corners.size());
     }
     out += fmt::format("loadrt lincurve names={} personality={}\nloadrt sum2 names={}\n",
@@ -236,7 +277,7 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
     set("maxoutput", a.machine->force_limit());
     set("error-previous-target", 0.0);
     if (with_lincurve) {
-      text += fmt::format("# {}\n", lincurve_words(tables[i], a.model)) +
+      text += fmt::format("# {}\n", lincurve_words(tables[i], a.model, fmt::format("{}/s", unit_name(a)))) +
               lincurve_lines("ff." + a.letter, tables[i]);
     }
     return text;
@@ -272,12 +313,17 @@ std::string record(const Configuration& c) {
   return out;
 }
 
+/// Unit of a position in the log, for stribeck: degrees as the arcs that machine and axis files mean.
+std::string length_unit(const HalAxis& a) {
+  return angular(a) ? fmt::format("mm*{}", number(1e3 * unit_of(a))) : "mm";
+}
+
 std::string record_names(const Configuration& c) {
   std::string out = c.comment + "columns = [\n";
   out += each(c.axes, [&](const HalAxis& a, std::size_t) {
     std::string text = " ";
     for (const std::string& s : recorded_signals(c))
-      text += fmt::format(" \"{}-{} {}\",", a.letter, s, s == "force" ? "N" : angular(a) ? "deg" : "mm");
+      text += fmt::format(" \"{}-{} {}\",", a.letter, s, s == "force" ? "N" : length_unit(a));
     return text + '\n';
   });
   return out + fmt::format("  \"line\",\n]\nsample_time = \"{} ms\"\n", number(1e3 * c.sample_time));
@@ -295,8 +341,7 @@ std::string drives(const Configuration& c) {
     text += setp(name, "start", in_units(a, home_of(a)));
     text += fmt::format("setp {}.seed {}\n", name, i + 1);
     // Beyond it friction is extrapolated: room for overshoot.
-    text +=
-        fmt::format("setp {}.highest-speed {}\n", name, number(1.5 * in_units(a, a.machine->limits.speed)));
+    text += fmt::format("setp {}.highest-speed {}\n", name, number(1.5 * in_units(a, a.can.limits.speed)));
     return text + plant_lines(name, *a.machine);
   });
   return out;
@@ -311,7 +356,7 @@ double rounded(const HalAxis& a, double metres) {
 
 /// Where programs have their middle [m]: zero where that leaves room.
 double middle_of(const HalAxis& a) {
-  const sim::AxisLimits& l = a.machine->limits;
+  const sim::AxisLimits& l = a.can.limits;
   return l.travel_min <= 0.0 && l.travel_max >= 0.0 &&
                  std::min(-l.travel_min, l.travel_max) > 0.2 * (l.travel_max - l.travel_min)
              ? 0.0
@@ -320,7 +365,7 @@ double middle_of(const HalAxis& a) {
 
 /// What is free on both sides of the middle [m].
 double room_of(const HalAxis& a) {
-  const sim::AxisLimits& l = a.machine->limits;
+  const sim::AxisLimits& l = a.can.limits;
   return std::min(middle_of(a) - l.travel_min, l.travel_max - middle_of(a));
 }
 
@@ -378,8 +423,8 @@ std::string demo(const Configuration& c) {
   std::size_t more = 0;
   if (!ways.empty()) {
     const Plane& p = ways.front();
-    const sim::AxisLimits& u = p.u->machine->limits;
-    const sim::AxisLimits& v = p.v->machine->limits;
+    const sim::AxisLimits& u = p.u->can.limits;
+    const sim::AxisLimits& v = p.v->can.limits;
     const double radius = rounded(*p.u, std::min(10e-3, 0.5 * std::min(room_of(*p.u), room_of(*p.v))));
     const double acceleration = std::min(u.acceleration, v.acceleration);
     const double speed =
@@ -403,7 +448,7 @@ std::string demo(const Configuration& c) {
     const double way = rounded(a, 0.5 * std::min(20.0 * unit_of(a), room_of(a)));
     for (const double share : {0.1, 0.3, 0.8}) {
       out += fmt::format("G1 {} {}\nG1 {}\n", word(a, middle_of(a) + way),
-                         feed(a, share * a.machine->limits.speed), word(a, middle_of(a) - way));
+                         feed(a, share * a.can.limits.speed), word(a, middle_of(a) - way));
     }
     out += fmt::format("G1 {}\n", word(a, middle_of(a)));
   }
@@ -427,8 +472,8 @@ std::string identify(const Configuration& c) {
     const double room = std::min(room_of(u), room_of(*p.v));
     const double wide = rounded(u, std::min(12e-3, 0.3 * room));
     const double narrow = rounded(u, 7.0 / 12.0 * wide);
-    const double acceleration = std::min(u.machine->limits.acceleration, p.v->machine->limits.acceleration);
-    const double fastest = std::min(std::min(u.machine->limits.speed, p.v->machine->limits.speed),
+    const double acceleration = std::min(u.can.limits.acceleration, p.v->can.limits.acceleration);
+    const double fastest = std::min(std::min(u.can.limits.speed, p.v->can.limits.speed),
                                     std::sqrt(0.5 * acceleration * narrow) / 0.94);
     const auto start = [&](double radius) {
       out += fmt::format("G1 {} {}\n", word(u, middle_of(u) + radius), feed(u, 0.53 * fastest));
@@ -446,7 +491,7 @@ std::string identify(const Configuration& c) {
     const double way = rounded(*a, std::min(20.0 * unit_of(*a), 0.5 * room_of(*a)));
     for (const double share : {0.1, 0.25, 0.5, 0.75, 0.94}) {
       out += fmt::format("G1 {} {}\nG1 {}\n", word(*a, middle_of(*a) + way),
-                         feed(*a, share * a->machine->limits.speed), word(*a, middle_of(*a) - way));
+                         feed(*a, share * a->can.limits.speed), word(*a, middle_of(*a) - way));
     }
     out += to_middle(c);
   }
@@ -470,7 +515,7 @@ std::string identify(const Configuration& c) {
   return out + "o100 endrepeat\n" + to_middle(c) + "M2\n";
 }
 
-std::string about(const Configuration& c, bool contour) {
+std::string about(const Configuration& c) {
   std::string out = fmt::format(
       "LinuxCNC configuration of the virtual machine \"{}\".\n{}\n"
       "  linuxcnc machine.ini        with the AXIS screen: F1, F2, home all (Ctrl-Home), R\n"
@@ -482,7 +527,7 @@ std::string about(const Configuration& c, bool contour) {
   out +=
       "motion.hal            motion and signals\n"
       "control-axis.hal      one stribeck_axis for each joint; the one that both INI files name\n";
-  if (contour) out += "control-contour.hal   one stribeck_contour for all joints\n";
+  if (has_contour(c)) out += "control-contour.hal   one stribeck_contour for all joints\n";
   out +=
       "control-pid.hal       stock pid at the same gains\n"
       "control-lincurve.hal  the same with the steady friction in the 16 points of lincurve\n"
@@ -490,8 +535,16 @@ std::string about(const Configuration& c, bool contour) {
       "drives.hal            the virtual drives; left out on a real machine\n"
       "demo.ngc              a small program within the travel\n"
       "identify.ngc          motion from whose log axis files are made, for each axis:\n"
-      "                      stribeck identify run.log --map r=\"x-cmd mm\" --map x=\"x-fb mm\" --map "
-      "force=\"x-force N\" -o x.toml\n";
+      "                      stribeck identify run.log --map r=x-cmd --map x=x-fb --map force=x-force -o "
+      "x.toml\n"
+      "play.py               what headless.ini has for a screen\n"
+      "tool.tbl              LinuxCNC's tool table, empty\n"
+      "written.txt           by which export knows files that were edited since; it does not write over "
+      "them\n"
+      "\nWhat a run without a screen leaves:\n"
+      "run.log               the record; positions in machine units, forces in N\n"
+      "run.log.clocks        median time of each function of the servo thread, in clocks of the processor\n"
+      "machine.var           LinuxCNC's own variables\n";
   for (const HalAxis& a : c.axes) {
     if (angular(a)) {
       out += fmt::format(
@@ -526,23 +579,20 @@ std::vector<std::string> linuxcnc_letters(const sim::Machine& machine, const std
   return letters;
 }
 
-std::vector<std::pair<std::string, std::string>> configuration_files(const Configuration& c) {
-  const bool linear = std::none_of(c.axes.begin(), c.axes.end(), angular);
-  const bool contour = linear && (c.axes.size() == 2 || c.axes.size() == 3);
-  std::vector<std::pair<std::string, std::string>> files{{"README", about(c, contour)},
-                                                         {"motion.hal", motion(c)},
-                                                         {"control-axis.hal", axis_control(c)},
-                                                         {"control-pid.hal", pid_control(c, false)},
-                                                         {"control-lincurve.hal", pid_control(c, true)},
-                                                         {"record.hal", record(c)},
-                                                         {"run.log.toml", record_names(c)},
-                                                         {"drives.hal", drives(c)},
-                                                         {"demo.ngc", demo(c)},
-                                                         {"identify.ngc", identify(c)},
-                                                         {"play.py", std::string(kPlay)},
-
-                                                         {"tool.tbl", ";\n"}};
-  if (contour) files.emplace_back("control-contour.hal", contour_control(c));
+NamedTexts configuration_files(const Configuration& c) {
+  NamedTexts files{{"README", about(c)},
+                   {"motion.hal", motion(c)},
+                   {"control-axis.hal", axis_control(c)},
+                   {"control-pid.hal", pid_control(c, false)},
+                   {"control-lincurve.hal", pid_control(c, true)},
+                   {"record.hal", record(c)},
+                   {"run.log.toml", record_names(c)},
+                   {"drives.hal", drives(c)},
+                   {"demo.ngc", demo(c)},
+                   {"identify.ngc", identify(c)},
+                   {"play.py", std::string(kPlay)},
+                   {"tool.tbl", ";\n"}};
+  if (has_contour(c)) files.emplace_back("control-contour.hal", contour_control(c));
   // Last: with it the configuration is whole.
   files.emplace_back("headless.ini", ini(c, false));
   files.emplace_back("machine.ini", ini(c, true));

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <stribeck/stribeck.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
 
 #include <apps/cli/export.hpp>
@@ -27,6 +29,18 @@ std::string setp_all(const std::string& component, const T& value) {
                     out += setp(component, key, x, word);
                   });
   return out;
+}
+
+/// A parameter that is a choice, and what else there is to choose.
+std::string choice(const std::string& component, const char* parameter, std::size_t index) {
+  std::string words;
+  std::string chosen;
+  const char* word = nullptr;
+  for (std::uint32_t i = 0; (word = stribeck_controller_parameter_word(parameter, i)) != nullptr; ++i) {
+    if (i == index) chosen = word;
+    words += fmt::format("{}{} {}", i == 0 ? "" : ", ", i, word);
+  }
+  return setp(component, parameter, static_cast<double>(index), fmt::format("{} ({})", chosen, words));
 }
 
 // ---- lincurve -------------------------------------------------------------------------------------------
@@ -124,7 +138,9 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
   const bool bristles = !std::holds_alternative<friction::Static>(model.friction.dynamics);
   const std::string word = !feedforward.empty() ? feedforward : bristles ? "dynamic" : "reversal";
   const auto which = std::find(kFeedforward.begin(), kFeedforward.end(), word) - kFeedforward.begin();
-  return setp(name, "omega", omega) + setp(name, "feedforward", static_cast<double>(which), word) +
+  return setp(name, "omega", omega) + choice(name, "law", 0) +
+         choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
+         setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
          setp(name, "guarded", 1.0) + setp_all(name, model);
 }
 
@@ -160,13 +176,13 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
   return out;
 }
 
-std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model) {
+std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model, std::string_view unit) {
   double periodic = 0.0;
   for (const auto& term : model.friction.eccentric) periodic += term.amplitude;
   std::string out =
-      fmt::format("{} points from {:.6g} to {:.6g} /s: {} N at most beside the steady curve, RMS {} N",
+      fmt::format("{} points from {:.6g} to {:.6g} {}: {} N at most beside the steady curve, RMS {} N",
                   table.table.corners.size(), table.table.corners.front().x, table.table.corners.back().x,
-                  report::significant(table.max_error, 3), report::significant(table.rms_error, 3));
+                  unit, report::significant(table.max_error, 3), report::significant(table.rms_error, 3));
   std::vector<std::string> missing;
   if (periodic > 0.0)
     missing.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));

@@ -16,10 +16,12 @@
 
 namespace stribeck::cli {
 
-void add_common(CLI::App& verb, Common& common) {
+void add_common(CLI::App& verb, Common& common, Page page) {
   verb.add_option("--json", common.json, "Write the result for programs to this file")->type_name("FILE");
-  verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
-      ->type_name("DIR");
+  if (page == Page::kReport) {
+    verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
+        ->type_name("DIR");
+  }
   verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
 }
 

@@ -22,7 +22,9 @@ struct Common {
   std::string report;  ///< directory of the HTML page; empty: none
   bool quiet = false;
 };
-void add_common(CLI::App& verb, Common& common);
+/// Whether a verb writes a page.
+enum class Page { kNone, kReport };
+void add_common(CLI::App& verb, Common& common, Page page = Page::kReport);
 
 /// --seed, which the verbs with noise have.
 void add_seed(CLI::App& verb, std::uint64_t& seed);

@@ -67,7 +67,10 @@ TEST(Export, ControllersOfAxisFiles) {
   const std::string hal = text_of(f / "a.hal");
   for (const char* line :
        {"# loadrt stribeck_axis names=ax.x,ax.y\n", "setp ax.x.omega 60\n",
-        "setp ax.y.feedforward 1  # steady\n", "setp ax.x.mass 1000\n", "setp ax.x.load 10\n",
+        "setp ax.y.feedforward 1  # steady (0 none, 1 steady, 2 dynamic, 3 reversal)\n",
+        "setp ax.x.law 0  # contouring (0 contouring, 1 sliding-mode, 2 predictive, 3 learning)\n",
+        "setp ax.x.observer 0  # none (0 none, 1 disturbance, 2 kalman, 3 adaptive)\n",
+        "setp ax.x.adaptation.enabled 0  # ", "setp ax.x.mass 1000\n", "setp ax.x.load 10\n",
         "setp ax.y.friction.conventional.alpha0 18\n", "setp ax.x.friction.conventional.stribeck.v0 0.0006\n",
         "setp ax.x.friction.eccentric.0.amplitude 4.2\n"}) {
     EXPECT_THAT(hal, HasSubstr(line));
@@ -111,8 +114,8 @@ TEST(Export, LincurveTableAndItsError) {
   const Said said = command(
       to_linuxcnc({x, "--lincurve", "--speed", "16 mm/s", "-o", f / "l.hal", "--json", f / "l.json"}));
   ASSERT_EQ(said.code, 0) << said.err;
-  EXPECT_THAT(said.out,
-              AllOf(HasSubstr("ff.x: 16 points from -16 to 16"), HasSubstr("4.20 N periodic in position")));
+  EXPECT_THAT(said.out, AllOf(HasSubstr("ff.x: 16 points from -16 to 16 mm/s:"),
+                              HasSubstr("4.20 N periodic in position")));
   const std::string hal = text_of(f / "l.hal");
   EXPECT_THAT(hal, AllOf(HasSubstr("# loadrt lincurve names=ff.x personality=16\n"),
                          HasSubstr("pid.bias for the load: 10")));
@@ -229,11 +232,105 @@ TEST(Export, AWholeMachine) {
   EXPECT_THAT(texts.at("control-pid.hal"), HasSubstr("setp pid.x.Pgain 2125\n"));
   // Five axes are no path of stribeck_contour.
   EXPECT_EQ(texts.count("control-contour.hal"), 0u);
+  EXPECT_THAT(ini, HasSubstr("# Or control-pid.hal, control-lincurve.hal.\n"));
+  EXPECT_THAT(texts.at("control-lincurve.hal"), HasSubstr(" deg/s: "));
+  // Degrees of the log are arcs of the machine file, for identify.
+  EXPECT_THAT(texts.at("run.log.toml"), HasSubstr("\"a-cmd mm*1.74532925\""));
   const auto json = nlohmann::json::parse(text_of(f / "m.json"));
   EXPECT_EQ(json["files"].size(), texts.size());
   // The same command again: the same bytes over the old ones.
   ASSERT_EQ(command(words).code, 0);
   EXPECT_EQ(texts_in(f / "m"), texts);
+}
+
+/// The value of a key in the n-th section [JOINT_n] of an INI file.
+double of_joint(const std::string& ini, int joint, const std::string& key) {
+  const auto section = ini.find("[JOINT_" + std::to_string(joint) + "]");
+  const auto at = ini.find('\n' + key + " = ", section);
+  return section == std::string::npos || at == std::string::npos ? NAN
+                                                                 : std::stod(ini.substr(at + key.size() + 4));
+}
+
+// 250 N of the drive: friction at the largest speed, the term periodic in position, load, and mass times acceleration, by hand from the
+// machine file. The Stribeck parts have faded there, and are below it at rest.
+TEST(Export, LimitsThatTheDriveCanFollow) {
+  const Folder f;
+  const std::string mill = kSource + "/machines/five-axis-mill.toml";
+  ASSERT_EQ(command(to_linuxcnc({mill, "--parameters", "commissioning", "--quiet", "-o", f / "m"})).code, 0);
+  const std::string ini = text_of(f / "m/machine.ini");
+  const auto acceleration = [&](int joint) { return of_joint(ini, joint, "MAX_ACCELERATION"); };
+  EXPECT_NEAR(acceleration(1), (225.0 - 24.0 - 4.5 * 30.0 - 5.0) / 1.1, 0.1);
+  EXPECT_NEAR(acceleration(2), (225.0 - 22.0 - 4.0 * 30.0 - 3.0 - 15.0) / 0.8, 0.1);
+  EXPECT_NEAR(acceleration(3) * 1.74532925, (225.0 - 25.0 - 3.0 * 40.0 - 6.0) / 0.8, 0.1);
+  for (const int joint : {0, 1, 2}) EXPECT_EQ(of_joint(ini, joint, "MAX_VELOCITY"), 30.0);
+  EXPECT_THAT(ini, HasSubstr("MAX_LINEAR_ACCELERATION = 89.9\n"));
+  EXPECT_THAT(ini, HasSubstr("# Of the drive's 250 N, friction takes 164 N at most"));
+  EXPECT_THAT(ini, HasSubstr("The machine file has 200 mm/s2"));
+  // C has force enough: as in the machine file.
+  EXPECT_NEAR(acceleration(4) * 1.74532925, 400.0, 1e-5);
+}
+
+// 10 N and 0.045 N s2/mm: with 1 N s/mm friction leaves a fifth for the acceleration up to 6.4 mm/s.
+TEST(Export, AWeakDriveIsSlower) {
+  const Folder f;
+  const std::string slow =
+      f.write("m.toml", replaced(uniaxial(), "alpha2 = \"0.10 N s/mm\"", "alpha2 = \"1 N s/mm\""));
+  ASSERT_EQ(command(to_linuxcnc({slow, "--parameters", "commissioning", "--quiet", "-o", f / "m"})).code, 0);
+  const std::string ini = text_of(f / "m/machine.ini");
+  // Rounded down to 0.01 mm/s, from just below.
+  EXPECT_NEAR(of_joint(ini, 0, "MAX_VELOCITY"), (9.0 - 2.0 - 0.6) / 1.0, 0.011);
+  EXPECT_NEAR(of_joint(ini, 0, "MAX_ACCELERATION"), 2.0 / 0.045, 0.3);
+  EXPECT_THAT(ini, HasSubstr("The machine file has 20 mm/s and 100 mm/s2"));
+  const std::string stuck =
+      f.write("s.toml", replaced(uniaxial(), "alpha0 = \"0.60 N\"", "alpha0 = \"7.5 N\""));
+  expect_refused(f, to_linuxcnc({stuck, "--parameters", "commissioning", "-o", f / "s"}),
+                 "s.toml: axes.x: the drive's 10 N are too few for friction");
+}
+
+TEST(Export, WritesOverNothingThatWasEdited) {
+  const Folder f;
+  const auto words = [&](const std::string& omega) {
+    return to_linuxcnc({kSource + "/machines/uniaxial-drive.toml", "--parameters", "commissioning", "--omega",
+                        omega, "--json", f / "e.json", "-o", f / "m"});
+  };
+  ASSERT_EQ(command(words("30 rad/s")).code, 0);
+  const auto first = texts_in(f / "m");
+  // Not of export: left alone.
+  f.write("m/mine.ngc", "M2\n");
+  const std::string ini = replaced(first.at("machine.ini"), "FERROR = 2", "FERROR = 5");
+  f.write("m/machine.ini", ini);
+  // What would be written is what was written before: the edit stays, and it is said.
+  const Said again = command(words("30 rad/s"));
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("Left as edited: machine.ini (remove"));
+  EXPECT_EQ(nlohmann::json::parse(text_of(f / "e.json"))["kept"].size(), 1u);
+  EXPECT_EQ(text_of(f / "m/machine.ini"), ini);
+  EXPECT_EQ(text_of(f / "m/written.txt"), first.at("written.txt"));
+  // Something else would be: nothing is written, twice as well.
+  f.write("m/tool.tbl", "T1 P1 Z10\n");
+  const auto before = texts_in(f / "m");
+  for (int i = 0; i < 2; ++i) {
+    expect_refused(f, words("25 rad/s"), "m: machine.ini is not as export left it, and would be overwritten");
+    EXPECT_EQ(texts_in(f / "m"), before);
+  }
+  // Out of the way, all is written anew, but for the tools.
+  fs::remove(f / "m/machine.ini");
+  ASSERT_EQ(command(words("25 rad/s")).code, 0);
+  EXPECT_THAT(text_of(f / "m/control-axis.hal"), HasSubstr("setp ax.x.omega 25\n"));
+  EXPECT_EQ(text_of(f / "m/tool.tbl"), "T1 P1 Z10\n");
+  EXPECT_EQ(text_of(f / "m/mine.ngc"), "M2\n");
+  // Without the record nothing tells what is whose; files that would not change do not matter.
+  fs::remove(f / "m/written.txt");
+  expect_refused(f, words("25 rad/s"), "m: tool.tbl is not as export left it");
+  fs::remove(f / "m/tool.tbl");
+  ASSERT_EQ(command(words("25 rad/s")).code, 0);
+  fs::remove(f / "m/written.txt");
+  expect_refused(f, words("30 rad/s"), " are not as export left them");
+}
+
+TEST(Export, OffersWhatItTakes) {
+  const Said help = command({"export", "--help"});
+  EXPECT_THAT(help.out, AllOf(HasSubstr("--json"), Not(HasSubstr("--report"))));
 }
 
 TEST(Export, IdentifiesWhatNobodyGives) {
