@@ -206,8 +206,9 @@ std::string axis_control(const Configuration& c) {
 }
 
 std::string contour_control(const Configuration& c) {
-  std::string out =
-      c.comment + "# One stribeck_contour for all joints. Parameters: docs/guides/linuxcnc.md of Stribeck.\n";
+  std::string out = c.comment +
+                    "# One stribeck_contour for all joints, law the same for all. Parameters: "
+                    "docs/guides/linuxcnc.md of Stribeck.\n";
   out += fmt::format("loadrt stribeck_contour names=ct axes={}\naddf ct servo-thread\n", c.axes.size());
   out += fmt::format("net {}-enable => ct.enable\nnet faulted ct.faulted =>", c.axes.front().letter);
   out += each(c.axes, [](const HalAxis&, std::size_t i) { return fmt::format(" joint.{}.amp-fault-in", i); });
@@ -400,8 +401,7 @@ std::vector<Plane> planes(const Configuration& c) {
   std::vector<Plane> out;
   if (find("x") != nullptr && find("y") != nullptr) out.push_back({find("x"), find("y"), "G17", 'I', 'J'});
   if (find("x") != nullptr && find("z") != nullptr) out.push_back({find("x"), find("z"), "G18", 'I', 'K'});
-  if (out.empty() && find("y") != nullptr && find("z") != nullptr)
-    out.push_back({find("y"), find("z"), "G19", 'J', 'K'});
+  if (find("y") != nullptr && find("z") != nullptr) out.push_back({find("y"), find("z"), "G19", 'J', 'K'});
   return out;
 }
 

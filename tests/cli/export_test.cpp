@@ -236,6 +236,9 @@ TEST(Export, AWholeMachine) {
   EXPECT_THAT(texts.at("control-lincurve.hal"), HasSubstr(" deg/s: "));
   // Degrees of the log are arcs of the machine file, for identify.
   EXPECT_THAT(texts.at("run.log.toml"), HasSubstr("\"a-cmd mm*1.74532925\""));
+  // Circles in every plane: each linear axis is excited at twice as many speeds as in one.
+  for (const char* plane : {"\nG17\nG1 X12 ", "\nG18\nG1 X12 ", "\nG19\nG1 Y"})
+    EXPECT_THAT(texts.at("identify.ngc"), HasSubstr(plane));
   const auto json = nlohmann::json::parse(text_of(f / "m.json"));
   EXPECT_EQ(json["files"].size(), texts.size());
   // The same command again: the same bytes over the old ones.
