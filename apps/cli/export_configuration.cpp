@@ -542,7 +542,8 @@ std::string about(const Configuration& c) {
       "written.txt           by which export knows files that were edited since; it does not write over "
       "them\n"
       "\nWhat a run without a screen leaves:\n"
-      "run.log               the record; positions in machine units, forces in N\n"
+      "run.log               the record; positions in machine units, forces in N. Where rows were lost it is "
+      "run.log.incomplete\n"
       "run.log.clocks        median time of each function of the servo thread, in clocks of the processor\n"
       "machine.var           LinuxCNC's own variables\n";
   for (const HalAxis& a : c.axes) {

@@ -39,6 +39,10 @@ def sampling(on):
     subprocess.check_call(["halcmd", "setp", "sampler.0.enable", str(int(on))])
 
 
+def sampler(pin):
+    return int(subprocess.check_output(["halcmd", "getp", "sampler.0." + pin], text=True))
+
+
 wait(lambda: status.axis_mask != 0 and status.task_state == linuxcnc.STATE_ESTOP, 300, "start")
 command.state(linuxcnc.STATE_ESTOP_RESET)
 command.wait_complete()
@@ -66,9 +70,15 @@ for _ in range(30):
             clocks.setdefault(word[4], []).append(int(word[3]))
 wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos, 3600, "the program to end")
 sampling(False)
+# On a busy computer halsampler is behind.
+wait(lambda: sampler("curr-depth") == 0, 300, "the end of the record")
 time.sleep(0.3)
 recorder.terminate()
 recorder.wait()
+lost = sampler("overruns")
+if lost:
+    os.replace(LOG, LOG + ".incomplete")
+    sys.exit(f"play.py: {lost} rows were lost, what there is of the record is {LOG}.incomplete (lower STRIBECK_SPEED)")
 # Median time of every function, in clocks of the processor.
 with open(LOG + ".clocks", "w", encoding="utf-8") as file:
     for name, values in sorted(clocks.items()):
