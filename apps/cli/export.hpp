@@ -44,6 +44,7 @@ struct DrivableLimits {
   sim::AxisLimits
       limits;  ///< those of the machine file, with speed and acceleration that its drive can follow
   double friction = 0.0;  ///< most that friction and load take up to that speed [N]
+  double force = 0.0;     ///< that the drive has at that speed [N]
 };
 
 /// Speed and acceleration at once: friction, terms periodic in position, load and mass times acceleration within nine tenths of the

@@ -47,7 +47,7 @@ double friction_up_to(const sim::MachineAxis& a, double speed) {
 }  // namespace
 
 DrivableLimits drivable_limits(const sim::MachineAxis& a) {
-  DrivableLimits d{a.limits, friction_up_to(a, a.limits.speed)};
+  DrivableLimits d{a.limits, friction_up_to(a, a.limits.speed), 0.0};
   const auto left = [&](double speed, double friction) { return kShare * force_at(a, speed) - friction; };
   const double least = kForAcceleration * a.force_limit();
   if (left(d.limits.speed, d.friction) < least) {
@@ -62,6 +62,7 @@ DrivableLimits drivable_limits(const sim::MachineAxis& a) {
     if (!(d.limits.speed > 0.0)) return d;
     d.friction = friction_up_to(a, d.limits.speed);
   }
+  d.force = force_at(a, d.limits.speed);
   const double acceleration = left(d.limits.speed, d.friction) / a.plant.total_mass();
   if (acceleration < d.limits.acceleration) d.limits.acceleration = rounded_down(acceleration);
   return d;
@@ -71,7 +72,7 @@ std::string limits_words(const DrivableLimits& d, const sim::MachineAxis& a) {
   const double inertia = a.plant.total_mass() * d.limits.acceleration;
   std::string out = fmt::format(
       "Of the drive's {:.6g} N, friction takes {} N at most up to this speed, this acceleration {} N",
-      a.force_limit(), report::significant(d.friction, 3), report::significant(inertia, 3));
+      d.force, report::significant(d.friction, 3), report::significant(inertia, 3));
   std::vector<std::string> lowered;
   if (d.limits.speed < a.limits.speed) lowered.push_back(fmt::format("{:.6g} mm/s", 1e3 * a.limits.speed));
   if (d.limits.acceleration < a.limits.acceleration)

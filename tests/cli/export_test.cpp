@@ -290,6 +290,24 @@ TEST(Export, AWeakDriveIsSlower) {
                  "s.toml: axes.x: the drive's 10 N are too few for friction");
 }
 
+// A voltage amplifier with 100 N at rest: 1 ohm, 0.1 V s/rad and 1000 rad/m take 20 N of it at 20 mm/s.
+TEST(Export, LimitsWithBackEmf) {
+  const Folder f;
+  const std::string machine = f.write(
+      "m.toml",
+      replaced(
+          replaced(
+              uniaxial(), "kind = \"current\"\ngain = \"1 N/V\"",
+              "kind = \"voltage\"\nresistance = \"1 ohm\"\ninductance = \"1 mH\"\ntorque_constant = \"0.01 N "
+              "m/A\"\nback_emf = \"0.1 V s/rad\"\nlead = \"6.283185307179586 mm\""),
+          "mass = \"0.045 N s2/mm\"", "mass = \"1 N s2/mm\""));
+  ASSERT_EQ(command(to_linuxcnc({machine, "--parameters", "commissioning", "--quiet", "-o", f / "m"})).code,
+            0);
+  const std::string ini = text_of(f / "m/machine.ini");
+  EXPECT_NEAR(of_joint(ini, 0, "MAX_ACCELERATION"), 0.9 * 80.0 - 0.6 - 2.0, 0.1);
+  EXPECT_THAT(ini, HasSubstr("# Of the drive's 80 N, friction takes 2.60 N"));
+}
+
 TEST(Export, WritesOverNothingThatWasEdited) {
   const Folder f;
   const auto words = [&](const std::string& omega) {
