@@ -10,6 +10,7 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
+constexpr double kApart = 0.1;  ///< of friction: difference of the directions that is worth a word
 
 }  // namespace
 
@@ -104,6 +105,16 @@ void DriveFit::write_map() {
     result_.cannot_tell.emplace_back(
         "how much of the load is friction that differs by direction: it is half the sum of both "
         "directions");
+  } else {
+    const double v = 0.5 * std::min(fit.top[0], fit.top[1]);
+    const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
+    const double apart = 0.5 * (level(0) - level(1));
+    if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
+      result_.cannot_tell.push_back(
+          text("whether it is a load or friction that both directions are %.3g %s apart from their mean: "
+               "taken as friction",
+               std::abs(apart), result_.force_unit.c_str()));
+    }
   }
   for (std::size_t s = 0; s < kSides; ++s) {
     const BranchFit& b = fit.branch[s];

@@ -77,6 +77,33 @@ TEST(DriveFit, TellsALoadFromFriction) {
   EXPECT_NEAR(find(b, "alpha0")->value, find(a, "alpha0")->value, 0.01);
 }
 
+// A loop that works against the screw, seen every 4 ms, looks like a force that comes 20 ms too early.
+TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
+  testing::Drive drive = light();
+  drive.mass = 202.0;
+  drive.sample_time = 0.004;
+  for (auto* branch : {&drive.friction.positive, &drive.friction.negative}) {
+    const double sign = branch == &drive.friction.positive ? 1.0 : -1.0;
+    branch->eta0 = sign * 59.0;
+    branch->eta1 = 671.0;
+    branch->gaussians[0] = {sign * 28.0, 0.0, 1.6e-3};
+  }
+  drive.wave = 14.8;
+  drive.wave_length = 3.4135e-3;
+  drive.sigma1 = 2.8e4;
+  drive.noise_rms = 0.96;
+  drive.force_per_volt = 87.0;
+  const Record log = testing::run_closed(drive, drive.mass,
+                                         testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
+  const Result r = identify_drive({log}, quick());
+  EXPECT_NEAR(r.mass, drive.mass, 0.02 * drive.mass);
+  EXPECT_NEAR(find(r, "alpha0")->value, 59.0, 0.6);
+  ASSERT_FALSE(r.friction.eccentric.empty());
+  EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 14.8, 0.3);
+  EXPECT_EQ(find(r, "force_shift"), nullptr);
+  EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("no shift is taken out")));
+}
+
 // The term is laid over the force at the true position: amplitude, period and phase come back, unprompted.
 TEST(DriveFit, FindsATermPeriodicInPosition) {
   const testing::Drive drive = light();

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <random>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/record.hpp>
 
@@ -23,6 +24,8 @@ struct Drive {
   double sigma0 = 3e8;
   double sigma1 = 6e5;
   double damping_velocity = 0.05e-3;
+  double wave = 0.0;         ///< force periodic in position [N]
+  double wave_length = 1.0;  ///< [m]
   double sample_time = 0.005;
   double encoder = 25e-9;
   double noise_rms = 20.0;
@@ -104,7 +107,8 @@ inline Record run(const Drive& drive, double duration, std::uint64_t seed,
       const double g = drive.level(y[1], y[1] >= 0);
       rate = y[1] - drive.sigma0 * std::abs(y[1]) / g * y[2];
       const double damping = drive.sigma1 * std::exp(-std::pow(y[1] / drive.damping_velocity, 2.0));
-      return drive.sigma0 * y[2] + damping * rate +
+      const double wave = drive.wave * std::sin(2.0 * kPi * y[0] / drive.wave_length - 0.7);
+      return wave + drive.sigma0 * y[2] + damping * rate +
              (y[1] >= 0 ? drive.friction.positive : drive.friction.negative).eta1 * y[1];
     };
     auto slope = [&](const double* y, double* out) {
