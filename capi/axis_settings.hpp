@@ -73,7 +73,7 @@ struct FieldsOf<control::AdaptationParams> {
         field("delay_spread", &P::delay_spread, pure_number().not_negative(),
               "how far the delay may be off, in periods"),
         field("noise_share", &P::noise_share, pure_number().positive(),
-              "noise, as a share of the level at rest"),
+              "least noise, as a share of the level at rest"),
         field("correlation", &P::correlation, quantity("s", "ms").positive(),
               "correlation time of that noise")};
   }

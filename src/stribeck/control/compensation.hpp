@@ -78,6 +78,8 @@ class Compensation {
     /// Forces commanded, and the feed-forward in them, newest first [N].
     std::array<double, kMostDelay + 3> force{};
     std::array<double, kMostDelay + 3> fed{};
+    /// What steps of the adaptation changed in the feed-forward, against the one before [N].
+    std::array<double, kMostDelay + 3> stirred{};
   };
 
   Compensation() = default;
@@ -124,9 +126,9 @@ class Compensation {
     // The reference in the middle of the period that has passed, at rest exactly at rest.
     const double middle = 0.5 * period_;
     const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
-    adaptation_.step(s.adaptation, acted(s.force) - params_.model.load, acted(s.fed) - acted(s.fed, 1),
-                     position, v, s.last_acceleration + middle * s.last_jerk,
-                     !s.limited && s.guard.trust == 1.0);
+    adaptation_.step(s.adaptation, acted(s.force) - params_.model.load,
+                     acted(s.fed) - acted(s.fed, 1) - acted(s.stirred), position, v,
+                     s.last_acceleration + middle * s.last_jerk, !s.limited && s.guard.trust == 1.0);
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 
@@ -174,9 +176,11 @@ class Compensation {
     for (std::size_t i = past_; i > 0; --i) {
       s.force[i] = s.force[i - 1];
       s.fed[i] = s.fed[i - 1];
+      s.stirred[i] = s.stirred[i - 1];
     }
     s.force[0] = force;
     s.fed[0] = s.friction;
+    s.stirred[0] = follows_adaptation() ? s.adaptation.stir : 0.0;
     s.limited = limited;
   }
 
@@ -194,6 +198,10 @@ class Compensation {
   }
 
  private:
+  [[nodiscard]] bool follows_adaptation() const noexcept {
+    return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
+  }
+
   /// At rest friction is whatever holds the axis, and creeps. What the observer has found out about it goes into the bristle, so
   /// that the next start begins from there; the sum does not jump.
   void hand_over(State& s, double reference) const noexcept {

@@ -3,13 +3,13 @@
 ///
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
-///   verdict  by λ against 10 and 25 %, once its standard deviation is below 10 %; where λ says nothing, a delay beyond one period,
-///            viscous friction beyond 25 % and a mass beyond 15 %, each by more than three standard deviations
+///   verdict  by λ against 10 and 25 % and twice its standard deviation, once that is below 10 %; where λ says nothing, a delay beyond
+///            one period, viscous friction beyond 25 % and a mass beyond 15 %, each by more than three standard deviations
 ///
 /// Time counts while the axis moves. A trend that takes the level down by 2 % within 100 s counts as warming up.
 /// Source: none; the limits are Stribeck's own.
-/// Not modelled: why; the break-away distance, which a loop that trembles misleads, has no part in the verdict; noise of the force
-/// far above AdaptationParams::noise_share, which ends in the delay and the break-away distance.
+/// Not modelled: why; the break-away distance, which a loop that trembles misleads, has no part in the verdict; a
+/// model that was off from the start somewhere, which looks like a change where the axis moves there only.
 /// Lubrication, preload, covers and temperature look alike in a force.
 /// Real time: safe.
 
@@ -56,9 +56,7 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
     case DriftVerdict::kAnotherMass:
       return "another mass than at commissioning: a workpiece, or a changed drive";
     case DriftVerdict::kAnotherDelay:
-      return "the force acts later or earlier than the axis file says, or there is more noise than "
-             "adaptation expects: "
-             "identify anew";
+      return "the force acts later or earlier than the axis file says: identify anew";
   }
   return "unknown";
 }
@@ -120,14 +118,15 @@ class DriftMonitor {
     d.delay_deviation = a.deviation[A::kDelay] * period;
     if (s.moved > kSlow) d.trend = (s.fast - s.slow) / (kSlow - kFast);
     if (!a.informed || d.level_deviation > kUnsure) return d;
+    const double watch = max_of(kWatch, kLikely * d.level_deviation);
     const bool delay = abs(d.delay) > max_of(period, kSure * d.delay_deviation);
     const bool viscous = abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
     const bool mass = abs(d.mass) > max_of(kMass, kSure * d.mass_deviation);
     d.verdict = d.trend * kSlow < -kWarming ? DriftVerdict::kWarmingUp
                 : d.level > kAct            ? DriftVerdict::kMuchMore
-                : d.level > kWatch          ? DriftVerdict::kMore
+                : d.level > watch           ? DriftVerdict::kMore
                 : d.level < -kAct           ? DriftVerdict::kMuchLess
-                : d.level < -kWatch         ? DriftVerdict::kLess
+                : d.level < -watch          ? DriftVerdict::kLess
                 : delay                     ? DriftVerdict::kAnotherDelay
                 : viscous && d.viscous > 0  ? DriftVerdict::kMoreViscous
                 : viscous                   ? DriftVerdict::kLessViscous
@@ -150,6 +149,7 @@ class DriftMonitor {
   static constexpr double kViscous = 0.25;  ///< change of viscous friction
   static constexpr double kMass = 0.15;     ///< share of the mass
   static constexpr double kSure = 3.0;      ///< standard deviations
+  static constexpr double kLikely = 2.0;    ///< the same, of the level, which is seen best
 };
 
 }  // namespace stribeck::control

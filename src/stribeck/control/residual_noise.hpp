@@ -1,0 +1,64 @@
+#pragma once
+/// What the noise of a residual weighs in a filter that takes it for white: its variance times its correlation in samples, r [N²].
+///
+///   m_j = mean of e over block j of n samples      e = ε·√(r/(r + h))
+///   r̂ ← r̂ + (n·(m_j − m_{j−1})²/2 − r̂)/N          r = max(r̂, least)
+///
+///   ε residual [N]; h = φᵀPφ, the variance that it may owe to what has not been learned [N²]; N blocks, from a few, which stand for
+///   what is assumed, up to those of the memory.
+///
+/// Means over blocks longer than the correlation are independent, and n times their variance is the spectral density at low
+/// frequency, which is what is left of the noise in an estimate over many blocks. From differences of neighbours, because a
+/// residual that keeps its bias says that something is to be learned, and not that it is uncertain.
+/// Source: differences: von Neumann 1941, doi:10.1214/aoms/1177731677; the residual against what the filter expects of it: Mehra
+/// 1972, doi:10.1109/TAC.1972.1100100.
+/// Not modelled: correlation longer than a block.
+/// Real time: safe.
+
+#include <stribeck/core/scalar.hpp>
+
+namespace stribeck::control {
+
+class ResidualNoise {
+ public:
+  struct State {
+    double sum = 0.0;       ///< of e in this block [N]
+    int samples = 0;        ///< in this block
+    double last = 0.0;      ///< mean of the block before [N]
+    double blocks = 0.0;    ///< seen, up to those of the memory
+    double estimate = 0.0;  ///< r̂ [N²]
+  };
+
+  ResidualNoise() = default;
+  /// Memory [s] and period [s].
+  ResidualNoise(double memory, double period) noexcept
+      : samples_(max_of(1, static_cast<int>(min_of(kBlock / period, 1e6) + 0.5))),
+        most_(max_of(memory / kBlock, kFew + 1.0)) {}
+
+  /// One sample of ε [N] with what it may owe to θ, h [N²], where at least `least` [N²] is assumed. Returns r.
+  double step(State& s, double residual, double owed, double least) const noexcept {
+    const double r = max_of(s.estimate, least);
+    s.sum += residual * sqrt(r / (r + owed));
+    if (++s.samples < samples_) return r;
+    const double mean = s.sum / samples_;
+    const double change = mean - s.last;
+    if (s.blocks > 0.0) {
+      if (s.blocks == 1.0) s.estimate = least;
+      s.estimate += (0.5 * samples_ * change * change - s.estimate) / min_of(kFew + s.blocks, most_);
+    }
+    s.blocks = min_of(s.blocks + 1.0, most_);
+    s.last = mean;
+    s.sum = 0.0;
+    s.samples = 0;
+    return max_of(s.estimate, least);
+  }
+
+ private:
+  static constexpr double kBlock = 0.25;  ///< [s]
+  static constexpr double kFew = 8.0;
+
+  int samples_ = 1;
+  double most_ = kFew;
+};
+
+}  // namespace stribeck::control
