@@ -768,7 +768,6 @@ class Search {
   VectorXd data_;   // weighted, projected
   Residual now_;    // data_ less the lines
   double total_ = 0.0;
-  double slow_ = 0.0;     // share that the polynomials took
   std::size_t size_ = 0;  // of the transformation
   double step_ = 0.0;     // of frequency [1/m]
   std::size_t lowest_ = 1;
