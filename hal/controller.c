@@ -11,6 +11,8 @@
 #include "hal_parts.h"
 #include "supervisor.h"
 
+#define LONGEST_RAMP 1.0 /* [s] */
+
 #include <stdlib.h>
 
 #ifdef STRIBECK_CONTOUR
@@ -80,7 +82,7 @@ static int check_own(const struct instance* s) {
     int good;
   } whole[] = {{"position-unit", s->position_unit, positive(s->position_unit)},
                {"force-unit", s->force_unit, positive(s->force_unit)},
-               {"ramp-time", s->ramp_time, s->ramp_time >= 0.0}};
+               {"ramp-time", s->ramp_time, s->ramp_time >= 0.0 && s->ramp_time <= LONGEST_RAMP}};
   for (size_t i = 0; i < sizeof whole / sizeof whole[0]; ++i) {
     if (whole[i].good) continue;
     rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected a number above 0\n", s->name,
@@ -154,6 +156,8 @@ static void update(void* arg, long period_ns) {
   s->was_enabled = enable;
   if (rises) take_units(s);
   const double unit = s->position_used;
+  /* What is no time means at once: a force must not stay. */
+  const double ramp_time = s->ramp_time <= LONGEST_RAMP ? s->ramp_time : 0.0;
 
   stribeck_axis_input in[AXES];
   struct limits limits[AXES];
@@ -167,7 +171,7 @@ static void update(void* arg, long period_ns) {
     limits[a].ferror = x->ferror_limit * unit;
     limits[a].jump = x->jump_limit * unit;
     limits[a].frozen = x->frozen_limit * unit;
-    limits[a].ramp_time = s->ramp_time;
+    limits[a].ramp_time = ramp_time;
     limits[a].force = INFINITY;
     if (!isfinite(in[a].position + in[a].velocity + in[a].acceleration + in[a].measured)) finite = 0;
   }
@@ -180,7 +184,7 @@ static void update(void* arg, long period_ns) {
       } else {
         const enum fault f = supervisor_judge(&s->inner[a].watch, &limits[a], in[a].position, in[a].velocity,
                                               in[a].acceleration, in[a].measured, period);
-        supervisor_fail(&s->inner[a].watch, f, period, s->ramp_time);
+        supervisor_fail(&s->inner[a].watch, f, period, ramp_time);
       }
     }
     if (!check_own(s)) {
@@ -190,7 +194,7 @@ static void update(void* arg, long period_ns) {
     } else {
       stribeck_controller_reset(s->controller);
     }
-    if (!s->good) supervisor_fail(&s->inner[0].watch, FAULT_PARAMETERS, period, s->ramp_time);
+    if (!s->good) supervisor_fail(&s->inner[0].watch, FAULT_PARAMETERS, period, ramp_time);
   }
 
   int failed = !enable;
@@ -200,13 +204,13 @@ static void update(void* arg, long period_ns) {
     if (w->mode == MODE_RUNNING && enable) {
       const enum fault f = supervisor_judge(w, &limits[a], in[a].position, in[a].velocity, in[a].acceleration,
                                             in[a].measured, period);
-      if (f != FAULT_NONE) supervisor_fail(w, f, period, s->ramp_time);
+      if (f != FAULT_NONE) supervisor_fail(w, f, period, ramp_time);
     }
     if (w->fault != FAULT_NONE) failed = 1;
   }
   for (int a = 0; a < axes; ++a) {
     struct supervisor* w = &s->inner[a].watch;
-    if (failed && w->mode == MODE_RUNNING) supervisor_fail(w, FAULT_NONE, period, s->ramp_time);
+    if (failed && w->mode == MODE_RUNNING) supervisor_fail(w, FAULT_NONE, period, ramp_time);
     if (w->mode == MODE_RUNNING) runs = 1;
   }
 

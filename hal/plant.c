@@ -97,6 +97,14 @@ static void update(void* arg, long period_ns) {
       *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
   stribeck_plant_step(s->plant, voltage, *s->cutting);
   s->position = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION);
+  if (!isfinite(s->position)) {
+    refused(s, "the drive went out of all bounds; a parameter that changes puts it to its start");
+    stribeck_plant_destroy(s->plant);
+    s->plant = NULL;
+    s->placed = 0;
+    *s->ok = 0;
+    return;
+  }
   *s->pos = s->position / unit;
   *s->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
   *s->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;

@@ -57,6 +57,12 @@ command.mode(linuxcnc.MODE_AUTO)
 command.wait_complete()
 command.program_open(PROGRAM)
 command.wait_complete()
+# halsampler says nothing of a file that it cannot write.
+try:
+    with open(LOG, "w", encoding="utf-8"):
+        pass
+except OSError as error:
+    sys.exit(f"play.py: {LOG} cannot be written: {error.strerror}")
 recorder = subprocess.Popen(["halsampler", "-t", LOG])
 atexit.register(recorder.terminate)
 sampling(True)
@@ -75,6 +81,8 @@ wait(lambda: sampler("curr-depth") == 0, 300, "the end of the record")
 time.sleep(0.3)
 recorder.terminate()
 recorder.wait()
+if not os.path.getsize(LOG):
+    sys.exit(f"play.py: {LOG} is empty, halsampler wrote nothing")
 lost = sampler("overruns")
 if lost:
     os.replace(LOG, LOG + ".incomplete")

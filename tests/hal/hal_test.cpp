@@ -19,6 +19,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -398,8 +399,10 @@ TEST_F(Loop, RefusedParameters) {
 
 TEST_F(Loop, OwnParametersThatMeanNothingAreRefusedByName) {
   const std::map<std::string, double> bad{
-      {"position-unit", 0.0}, {"force-unit", -1.0},   {"ramp-time", kNan},     {"ferror-limit", kNan},
-      {"jump-limit", 0.0},    {"frozen-limit", -1.0}, {"force-per-volt", kNan}};
+      {"position-unit", 0.0}, {"force-unit", -1.0},
+      {"ramp-time", kNan},    {"ramp-time", std::numeric_limits<double>::infinity()},
+      {"ferror-limit", kNan}, {"jump-limit", 0.0},
+      {"frozen-limit", -1.0}, {"force-per-volt", kNan}};
   for (const auto& [name, x] : bad) {
     const double before = value("ax.x." + name);
     value("ax.x." + name) = x;
@@ -418,6 +421,30 @@ TEST_F(Loop, OwnParametersThatMeanNothingAreRefusedByName) {
     enable(false);
     run(25, false);
   }
+}
+
+TEST_F(Loop, AnEndlessRampIsNone) {
+  enable(true);
+  run(700);
+  value("ax.x.ramp-time") = std::numeric_limits<double>::infinity();
+  value("ax.x.ferror-limit") = 1e-9;
+  period();
+  EXPECT_EQ(fault("ax.x"), 5);
+  period();
+  EXPECT_EQ(value("ax.x.force"), 0.0);
+}
+
+TEST_F(Loop, ADriveThatLeavesAllBoundsIsOffUntilAParameterChanges) {
+  value("pl.x.cutting") = 1e300;
+  for (int k = 0; k < 50; ++k) call("pl.x");
+  EXPECT_FALSE(*hal_.bits.at("pl.x.ok"));
+  EXPECT_TRUE(std::isfinite(value("pl.x.pos")));
+  EXPECT_NE(hal_.messages.find("out of all bounds"), std::string::npos) << hal_.messages;
+  value("pl.x.cutting") = 0.0;
+  *hal_.integers.at("pl.x.seed") = 2;
+  call("pl.x");
+  EXPECT_TRUE(*hal_.bits.at("pl.x.ok")) << hal_.messages;
+  EXPECT_NEAR(value("pl.x.pos"), 0.0, 1e-3);
 }
 
 TEST_F(Loop, ALimitThatBecomesNanWhileItRunsIsExceeded) {
