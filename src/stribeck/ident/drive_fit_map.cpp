@@ -4,6 +4,12 @@
 #include <stribeck/ident/drive_fit_parts.hpp>
 
 namespace stribeck::ident::drive {
+namespace {
+
+constexpr int kPasses = 5;         ///< searches for periodic terms beside what has been found, at most
+constexpr double kSettled = 0.05;  ///< of the width of a period's interval: it does not move any more
+
+}  // namespace
 
 StaticChoice DriveFit::choose() {
   std::array<SideSums, kSides> sums;
@@ -188,30 +194,55 @@ void DriveFit::add_wave(const PeriodicTerm& term) {
 }
 
 StaticChoice DriveFit::try_periodic(StaticChoice without) {
-  PeriodicRows rows;
   const std::size_t q = columns();
-  std::vector<double> c(q + 1);
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    double e = fill(i, c.data());
-    for (std::size_t j = 0; j < q; ++j) e -= linear_(static_cast<Index>(j)) * c[j];
-    const std::size_t s = rows_.side[i];
-    e -= kDirection[s] * line_[s](std::abs(velocity(i)));
-    rows.x.push_back(motion(i).x[rows_.at[i]]);
-    rows.e.push_back(e);
-    rows.direction.push_back(s == 0 ? 1 : -1);
-  }
-  rows.record = rows_.record;
-  rows.at = rows_.at;
+  const std::size_t first = options_.mass ? 0 : 1;  // of the waves' columns
+  const auto before_line = line_;
+  const auto residual = [&] {
+    PeriodicRows rows;
+    const std::size_t all = columns();
+    const std::size_t behind = first + 2 * waves_.size();
+    std::vector<double> c(all + 1);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      double e = fill(i, c.data());
+      for (std::size_t j = 0; j < all; ++j) {
+        if (j < first || j >= behind) e -= linear_(static_cast<Index>(j)) * c[j];
+      }
+      const std::size_t s = rows_.side[i];
+      e -= kDirection[s] * line_[s](std::abs(velocity(i)));
+      rows.x.push_back(motion(i).x[rows_.at[i]]);
+      rows.e.push_back(e);
+      rows.direction.push_back(s == 0 ? 1 : -1);
+    }
+    rows.record = rows_.record;
+    rows.at = rows_.at;
+    return rows;
+  };
   PeriodicOptions options;
   options.most = static_cast<int>(friction::kMaxEccentricTerms);
-  const PeriodicResult found = find_periodic(rows, options);
+  PeriodicResult found = find_periodic(residual(), options);
   result_.spectrum = found.spectrum;
   for (const std::string& note : found.notes) warn(note);
   for (const std::string& words : found.cannot_tell) result_.cannot_tell.push_back(words);
   if (found.terms.empty()) return without;
   for (const PeriodicTerm& t : found.terms) add_wave(t);
-  const auto before_line = line_;
   solve(true);
+  // Mass and friction of the first fit had taken a part of the terms with them: again, from what is left without that.
+  for (int k = 0; k < kPasses; ++k) {
+    PeriodicResult again = find_periodic(residual(), options);
+    if (again.terms.empty()) break;
+    const bool settled =
+        std::equal(again.terms.begin(), again.terms.end(), found.terms.begin(), found.terms.end(),
+                   [](const auto& a, const auto& b) {
+                     return a.term.form == b.term.form && std::abs(a.term.period - b.term.period) <
+                                                              kSettled * (a.period.high - a.period.low);
+                   });
+    found = std::move(again);
+    if (settled) break;
+    joint_.reset();
+    waves_.clear();
+    for (const PeriodicTerm& t : found.terms) add_wave(t);
+    solve(true);
+  }
   StaticChoice with = choose();
   join(with);
   const auto blocks = static_cast<double>(with.block_loss.size());
