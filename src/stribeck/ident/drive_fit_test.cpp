@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stribeck/ident/drive_fit.hpp>
+#include <stribeck/ident/excitation.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
 namespace stribeck::ident {
@@ -75,6 +76,26 @@ TEST(DriveFit, TellsALoadFromFriction) {
   EXPECT_NEAR(b.load - a.load, 60.0, 1e-3);
   EXPECT_NEAR(b.mass, a.mass, 1e-3 * a.mass);
   EXPECT_NEAR(find(b, "alpha0")->value, find(a, "alpha0")->value, 0.01);
+}
+
+// Mass and friction of a fit that does not know the screw take a part of it; the period is searched again without that.
+TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
+  testing::Drive drive = light();
+  drive.mass = 1100.0;
+  drive.sample_time = 0.001;
+  drive.wave = 5.0;
+  drive.wave_length = 5e-3;
+  const Limits limits{-0.06, 0.06, 0.03, 0.2, 250.0};
+  const Excitation pulses = design_pulses(limits, {1100.0, 22.0, 4500.0}, drive.sample_time);
+  const Record pushed =
+      testing::run(drive, pulses.t.back(), 5, [&](std::size_t k, double, double) { return pulses.force[k]; });
+  const Record swung =
+      testing::run_closed(drive, drive.mass, testing::sine_reference(drive.sample_time, 0.03, 0.8, 3.0), 6);
+  const Result r = identify_drive({pushed, swung}, quick());
+  ASSERT_EQ(r.friction.eccentric.size(), 1u);
+  EXPECT_NEAR(r.friction.eccentric.begin()->period, 5e-3, 5e-6);
+  EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 5.0, 0.1);
+  EXPECT_EQ(r.model, "conventional + periodic");
 }
 
 // A loop that works against the screw, seen every 4 ms, looks like a force that comes 20 ms too early.
