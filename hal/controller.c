@@ -71,7 +71,7 @@ static struct instance* instances[MAX_INSTANCES];
 static int count;
 
 static void refused(const struct instance* s) {
-  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s\n", s->name, stribeck_controller_problem(s->controller));
+  say_problem(COMPONENT, s->name, stribeck_controller_problem(s->controller));
 }
 
 /* The component's own parameters, as far as they mean something; says which does not. Limits and ramp-time count at once. */

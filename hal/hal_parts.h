@@ -88,6 +88,16 @@ static inline int abi_good(const char* module) {
   return 0;
 }
 
+/* A problem of the C interface in HAL's spelling. */
+static inline void say_problem(const char* module, const char* who, const char* problem) {
+  char text[256];
+  rtapi_snprintf(text, sizeof text, "%s", problem);
+  for (char* c = text; *c != '\0'; ++c) {
+    if (*c == '_') *c = '-';
+  }
+  rtapi_print_msg(RTAPI_MSG_ERR, "%s: %s: %s\n", module, who, text);
+}
+
 static inline int positive(double x) { return isfinite(x) && x > 0.0; }
 
 /* One HAL parameter for each, called PREFIX.NAME. */

@@ -52,9 +52,7 @@ static int own_changed(const struct instance* s) {
          !same(now->start, used->start) || now->substeps != used->substeps || now->seed != used->seed;
 }
 
-static void refused(const struct instance* s, const char* why) {
-  rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s\n", s->name, why);
-}
+static void refused(const struct instance* s, const char* why) { say_problem(COMPONENT, s->name, why); }
 
 /* A drive from the HAL parameters, at rest; says what is wrong with them. */
 static int configure(struct instance* s, double period) {

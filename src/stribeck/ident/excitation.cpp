@@ -206,7 +206,7 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
       if (fits() || goal < kSlowest * target) break;
     }
     slower |= goal < target;
-    if (!fits()) continue;
+    if (!fits() || o.top > limits.speed) continue;
     ++pairs;
     top = std::max(top, o.top);
     longest_way = std::max(longest_way, o.way);
@@ -226,9 +226,9 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
     }
   }
   if (moving == 0) {
-    throw Refused(
-        text("pulses: from %g mm no pulse that moves the axis ends within the travel of %g to %g mm",
-             design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3));
+    throw Refused(text(
+        "pulses: from %g mm no pulse that moves the axis keeps to the travel of %g to %g mm and to %g mm/s",
+        design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3, limits.speed * 1e3));
   }
   if (!slower && top < kHardlyMoves * limits.speed) {
     throw Refused(text(

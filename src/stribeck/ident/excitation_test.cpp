@@ -177,6 +177,10 @@ TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
         design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
       },
       ThrowsMessage<Refused>(HasSubstr("lie only 8 %: no force in open loop is that fine; choose sine")));
+  Limits creeping = kTable;
+  creeping.speed = 1e-7;
+  EXPECT_THAT([&] { design_pulses(creeping, kRough, kPeriod); },
+              ThrowsMessage<Refused>(HasSubstr("keeps to the travel of")));
   Limits stuck = kTable;
   stuck.force = 1000.0;
   EXPECT_THAT([&] { design_pulses(stuck, kRough, kPeriod); },
