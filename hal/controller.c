@@ -11,9 +11,9 @@
 #include "hal_parts.h"
 #include "supervisor.h"
 
-#define LONGEST_RAMP 1.0 /* [s] */
-
 #include <stdlib.h>
+
+#define LONGEST_RAMP 1.0 /* [s] */
 
 #ifdef STRIBECK_CONTOUR
 #define COMPONENT "stribeck_contour"
@@ -85,8 +85,8 @@ static int check_own(const struct instance* s) {
                {"ramp-time", s->ramp_time, s->ramp_time >= 0.0 && s->ramp_time <= LONGEST_RAMP}};
   for (size_t i = 0; i < sizeof whole / sizeof whole[0]; ++i) {
     if (whole[i].good) continue;
-    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected a number above 0\n", s->name,
-                    whole[i].name, whole[i].value);
+    rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected above 0 (a time: 0 to 1 s)\n",
+                    s->name, whole[i].name, whole[i].value);
     return 0;
   }
   for (int a = 0; a < axes; ++a) {

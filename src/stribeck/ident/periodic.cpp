@@ -623,26 +623,29 @@ class Search {
   /// A wave of more than the longest period that explains much of the residual: it may be one, or a drift.
   void too_long() {
     constexpr int kWaves = 24;
-    MatrixXd B(static_cast<Index>(groups_.size()), 3);
+    constexpr std::size_t kEnough = 5000;  // groups: the waves are long
+    const std::size_t stride = groups_.size() / kEnough + 1;
     double best = 0.0;
     for (int k = 0; k < kWaves; ++k) {
       const double f = (0.75 + (length_ / longest_ - 0.75) * k / kWaves) / length_;
       for (const Form form : {kSame, kReversing}) {
         if (form == kReversing && !both_) continue;
-        for (std::size_t i = 0; i < groups_.size(); ++i) {
-          const Group& g = groups_[i];
-          const double angle = 2.0 * kPi * f * (g.x - middle_);
-          const double w = root_(static_cast<Index>(i)) * (form == kReversing ? g.sign : 1.0);
-          B.row(static_cast<Index>(i)) << root_(static_cast<Index>(i)) * g.e, w * std::sin(angle),
-              w * std::cos(angle);
-        }
+        // e, sin, cos about their means in each pass.
+        Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
         for (const Pass& p : passes_) {
-          const auto first = static_cast<Index>(p.first);
-          const auto rows = static_cast<Index>(p.last - p.first);
-          const VectorXd level = basis_.block(first, 0, rows, 1);
-          B.middleRows(first, rows) -= level * (level.transpose() * B.middleRows(first, rows)).eval();
+          double weight = 0.0;
+          Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+          for (std::size_t i = p.first; i < p.last; i += stride) {
+            const Group& g = groups_[i];
+            const double angle = 2.0 * kPi * f * (g.x - middle_);
+            const double sign = form == kReversing ? g.sign : 1.0;
+            const Eigen::Vector3d b(g.e, sign * std::sin(angle), sign * std::cos(angle));
+            weight += g.weight;
+            sum += g.weight * b;
+            gram += g.weight * b * b.transpose();
+          }
+          if (weight > 0.0) gram -= sum * sum.transpose() / weight;
         }
-        const Eigen::Matrix3d gram = B.transpose() * B;
         const Eigen::Vector2d moment = gram.block<2, 1>(1, 0);
         const double taken = moment.dot(gram.block<2, 2>(1, 1).ldlt().solve(moment));
         if (gram(0, 0) > 0.0 && taken > best * gram(0, 0)) best = taken / gram(0, 0);
