@@ -111,10 +111,8 @@ ident::Excitation design(const Options& o, const sim::Machine& machine, std::siz
     triangles.repeats = o.repeats.value_or(triangles.repeats);
     return ident::design_constant_acceleration(limits, machine.sample_time, triangles);
   }
-  if (o.method == "position-sine") {
-    return cli::design(machine, which, o.method, o.periods.value_or(kPositionPeriods), known);
-  }
-  return cli::design(machine, which, o.method, o.periods.value_or(kSinePeriods), known);
+  const int periods = o.method == "position-sine" ? kPositionPeriods : kSinePeriods;
+  return cli::design(machine, which, o.method, o.periods.value_or(periods), known);
 }
 
 /// The option that sets a parameter of a design; empty: none does.
