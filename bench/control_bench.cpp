@@ -26,10 +26,10 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <stribeck/control/contouring.hpp>
-#include <stribeck/control/pid.hpp>
-#include <stribeck/control/predictive.hpp>
-#include <stribeck/control/sliding_mode.hpp>
+#include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/control/laws/pid.hpp>
+#include <stribeck/control/laws/predictive.hpp>
+#include <stribeck/control/laws/sliding_mode.hpp>
 #include <stribeck/path/fourier.hpp>
 #include <stribeck/path/reference.hpp>
 #include <vector>

@@ -26,11 +26,11 @@
 #include <stdexcept>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/friction/test_maps.hpp>
-#include <stribeck/ident/drive_fit.hpp>
-#include <stribeck/ident/gaussian_fit.hpp>
-#include <stribeck/ident/long_run.hpp>
-#include <stribeck/ident/simplex.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/map/gaussian_fit.hpp>
+#include <stribeck/ident/stats/long_run.hpp>
+#include <stribeck/ident/stats/simplex.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <variant>
 #include <vector>

@@ -10,10 +10,10 @@
 
 #include <array>
 #include <optional>
-#include <stribeck/control/contouring.hpp>
-#include <stribeck/control/learning.hpp>
-#include <stribeck/control/predictive.hpp>
-#include <stribeck/control/sliding_mode.hpp>
+#include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/control/laws/learning.hpp>
+#include <stribeck/control/laws/predictive.hpp>
+#include <stribeck/control/laws/sliding_mode.hpp>
 #include <string_view>
 #include <tuple>
 #include <variant>

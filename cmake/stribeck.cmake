@@ -47,10 +47,10 @@ if(STRIBECK_TESTS AND NOT STRIBECK_RT_ONLY)
 endif()
 
 # stribeck_module(<folder> TIER rt|lab|app [LINKS <modules and libraries>...])
-# Every .cpp of the folder is library or test: *_test.cpp goes to <folder>_test.
+# Every .cpp of the folder and of its rooms (folders below it) is library or test: *_test.cpp goes to <folder>_test.
 function(stribeck_module name)
   cmake_parse_arguments(M "" "TIER" "LINKS;TEST_LINKS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   set(tests ${sources})
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
@@ -76,7 +76,7 @@ function(stribeck_module name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   if(M_TIER STREQUAL "rt" AND STRIBECK_RT_ONLY)
     # Most of the tier is templates in headers: each header is compiled by itself.
-    file(GLOB headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS *.hpp)
+    file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS *.hpp)
     set(probes "")
     foreach(header IN LISTS headers)
       set(probe ${CMAKE_CURRENT_BINARY_DIR}/headers/${header}.cpp)

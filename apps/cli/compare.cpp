@@ -11,8 +11,8 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
-#include <stribeck/report/compare_report.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/pages/compare_report.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>

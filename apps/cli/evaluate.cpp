@@ -14,8 +14,8 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
-#include <stribeck/io/log.hpp>
-#include <stribeck/report/circle_report.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/report/pages/circle_report.hpp>
 #include <stribeck/report/text.hpp>
 
 namespace stribeck::cli {
@@ -176,8 +176,8 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->add_option("--path", o->path, "What was travelled")->check(one_of({"circle"}))->capture_default_str();
   verb->add_option("--size", o->size, "Radius that was meant")->type_name("LENGTH")->capture_default_str();
   verb->add_option("--map", o->maps,
-                   "Which column is what: x, y (positions; left out: found by name), rx, ry (commands, whose "
-                   "centre is the circle's; without them the least-squares centre is taken)")
+                   "Which column is what: x, y (positions; left out: found by name), rx, ry (commands, "
+                   "whose centre is the circle's; without them the least-squares centre is taken)")
       ->type_name("QUANTITY=COLUMN");
   verb->add_option("--where", o->where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")

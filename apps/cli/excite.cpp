@@ -71,8 +71,8 @@ void check_options(const Options& o) {
       refuse_option(
           o.gcode.empty() ? "--output" : "--gcode",
           fmt::format(
-              "G-code cannot ask for forces, which --method {} needs (write a CSV, or choose a method "
-              "that moves positions)",
+              "G-code cannot ask for forces, which --method {} needs (write a CSV, or choose a method that "
+              "moves positions)",
               o.method));
     }
   }
@@ -175,8 +175,7 @@ void add_excite(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--method", o->method,
                    "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
-                   "position-sine "
-                   "(terms of the screw), constant-acceleration (mass)")
+                   "position-sine (terms of the screw), constant-acceleration (mass)")
       ->required()
       ->check(one_of({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
@@ -202,9 +201,8 @@ void add_excite(CLI::App& app, Action& action) {
           "Time in which ramp reaches the rough friction (left out: as the limits allow, up to 15 s)")
       ->type_name("TIME");
   verb->add_option("--known", o->known,
-                   "Axis file of an earlier identification: pulses then cover all speeds of the axis, ramps "
-                   "end at its "
-                   "friction")
+                   "Axis file of an earlier identification: pulses then cover all speeds of the axis, "
+                   "ramps end at its friction")
       ->type_name("AXIS.toml");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);

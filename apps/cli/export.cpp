@@ -105,8 +105,8 @@ double table_speed(const Options& o, const std::string& file, const friction::Ax
 std::string tables(const Options& o, Json& json, std::string& words) {
   const std::vector<std::string> names = names_for(o, "ff.", letters_for(o));
   std::string out = fmt::format(
-      "# Written by: {}\n# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, "
-      "and ff.x.out added to the force.\n"
+      "# Written by: {}\n# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, and "
+      "ff.x.out added to the force.\n"
       "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n",
       typed_command());
   std::string points;
@@ -323,8 +323,8 @@ void add_export(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
   verb->add_option(
           "files", o->files,
-          "Axis files that identify wrote: the controllers; or one machine file: a configuration that runs, "
-          "or its virtual drives")
+          "Axis files that identify wrote: the controllers; or one machine file: a configuration that "
+          "runs, or its virtual drives")
       ->required()
       ->type_name("FILE.toml");
   verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(one_of({"linuxcnc"}));
@@ -350,10 +350,9 @@ void add_export(CLI::App& app, Action& action) {
   verb->add_option("--speed", o->speed,
                    "Of a table: the largest speed; left out: that of the identified range")
       ->type_name("SPEED");
-  verb->add_option(
-          "--parameters", o->parameters,
-          "Of a configuration, what its controllers know: identified (from logs recorded here, the default) "
-          "or commissioning (the machine file's rough values)")
+  verb->add_option("--parameters", o->parameters,
+                   "Of a configuration, what its controllers know: identified (from logs recorded here, the "
+                   "default) or commissioning (the machine file's rough values)")
       ->check(one_of({"identified", "commissioning"}));
   verb->add_option(
           "--axis-file", o->axis_files,

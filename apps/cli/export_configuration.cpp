@@ -79,8 +79,8 @@ std::string ini(const Configuration& c, bool screen) {
   if (screen) {
     out +=
         "DISPLAY = axis\nOPEN_FILE = demo.ngc\nPROGRAM_PREFIX = .\nPOSITION_OFFSET = RELATIVE\n"
-        "POSITION_FEEDBACK = ACTUAL\nMAX_FEED_OVERRIDE = 1.0\nCYCLE_TIME = 0.1\nINCREMENTS = 5 mm, 1 mm, 0.1 "
-        "mm, 0.01 mm\n";
+        "POSITION_FEEDBACK = ACTUAL\nMAX_FEED_OVERRIDE = 1.0\nCYCLE_TIME = 0.1\nINCREMENTS = 5 mm, 1 mm, "
+        "0.1 mm, 0.01 mm\n";
     out += fmt::format("GEOMETRY = {}\n", geometry);
     if (speed > 0.0)
       out += fmt::format("DEFAULT_LINEAR_VELOCITY = {}\nMAX_LINEAR_VELOCITY = {}\nMIN_LINEAR_VELOCITY = {}\n",
@@ -101,8 +101,8 @@ std::string ini(const Configuration& c, bool screen) {
                      has_contour(c) ? "control-contour.hal, " : "");
   out += "HALFILE = control-axis.hal\nHALFILE = record.hal\n";
   out +=
-      "# The drives come last in the thread. A real machine: leave this out, and connect its amplifiers and "
-      "encoders.\n"
+      "# The drives come last in the thread. A real machine: leave this out, and connect its amplifiers "
+      "and encoders.\n"
       "HALFILE = drives.hal\n";
   out += fmt::format("\n[TRAJ]\nCOORDINATES = {}\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n", coordinates);
   if (speed > 0.0)
@@ -125,8 +125,8 @@ std::string ini(const Configuration& c, bool screen) {
                     number(in_units(a, l.travel_min)), number(in_units(a, l.travel_max)));
     const std::string home = number(in_units(a, home_of(a)));
     return fmt::format(
-        "\n[AXIS_{}]\n{}\n[JOINT_{}]\nTYPE = {}\nHOME = {}\nHOME_OFFSET = {}\n# {}\n{}FERROR = 2\nMIN_FERROR "
-        "= 2\n"
+        "\n[AXIS_{}]\n{}\n[JOINT_{}]\nTYPE = {}\nHOME = {}\nHOME_OFFSET = {}\n# {}\n{}FERROR = "
+        "2\nMIN_FERROR = 2\n"
         "HOME_SEARCH_VEL = 0\nHOME_LATCH_VEL = 0\nHOME_SEQUENCE = 0\n",
         capital(a), limits, i, angular(a) ? "ANGULAR" : "LINEAR", home, home, limits_words(a.can, *a.machine),
         limits);
@@ -173,8 +173,8 @@ std::string motion(const Configuration& c) {
 /// Law learning: where the phase goes, and of which controllers the lap must be known.
 std::string learning(const std::vector<std::string>& phases, const std::vector<std::string>& controllers) {
   std::string out =
-      "\n# With law 3, learning, also: the place in the lap, and the lap's length in machine units, rounded "
-      "up to a hundredth\n"
+      "\n# With law 3, learning, also: the place in the lap, and the lap's length in machine units, "
+      "rounded up to a hundredth\n"
       "# (62.84: a circle of 10 mm). Where it is too short nothing is learned.\n# net lap-phase =>";
   for (const std::string& name : phases) out += fmt::format(" {}.phase", name);
   out += '\n';
@@ -458,8 +458,8 @@ std::string demo(const Configuration& c) {
 /// Excites every axis: circles are sines of two axes at once; rapid moves are for the mass.
 std::string identify(const Configuration& c) {
   std::string out =
-      "(Motion that tells friction, screw and mass of every axis. On a machine: clear of everything, nothing "
-      "cutting.)\n"
+      "(Motion that tells friction, screw and mass of every axis. On a machine: clear of everything, "
+      "nothing cutting.)\n"
       "(circles are sines, at several speeds and amplitudes; rapid moves are for the mass)\n"
       "G21 G90 G94 G64 P0.001\n" +
       to_middle(c);
@@ -519,8 +519,8 @@ std::string about(const Configuration& c) {
   std::string out = fmt::format(
       "LinuxCNC configuration of the virtual machine \"{}\".\n{}\n"
       "  linuxcnc machine.ini        with the AXIS screen: F1, F2, home all (Ctrl-Home), R\n"
-      "  linuxcnc -r headless.ini    plays demo.ngc without a screen, records run.log; STRIBECK_PROGRAM and "
-      "STRIBECK_LOG name others\n\n"
+      "  linuxcnc -r headless.ini    plays demo.ngc without a screen, records run.log; STRIBECK_PROGRAM "
+      "and STRIBECK_LOG name others\n\n"
       "The components stribeck_*.so must stand in LinuxCNC's module folder (docs/guides/linuxcnc.md of "
       "Stribeck).\n\n",
       c.name, c.comment.substr(2));
@@ -545,8 +545,8 @@ std::string about(const Configuration& c) {
       "control file: the last setp\n"
       "counts, and a new export writes over neither.\n"
       "\nWhat a run without a screen leaves:\n"
-      "run.log               the record; positions in machine units, forces in N. Where rows were lost it is "
-      "run.log.incomplete\n"
+      "run.log               the record; positions in machine units, forces in N. Where rows were lost it "
+      "is run.log.incomplete\n"
       "run.log.clocks        median time of each function of the servo thread, in clocks of the processor\n"
       "machine.var           LinuxCNC's own variables\n";
   for (const HalAxis& a : c.axes) {

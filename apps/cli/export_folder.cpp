@@ -70,8 +70,8 @@ WrittenFolder write_folder(const std::string& folder, const std::string& comment
         {folder,
          0,
          {},
-         fmt::format("{} {} not as export left {}, and would be overwritten (rename or remove {}, or choose "
-                     "another folder)",
+         fmt::format("{} {} not as export left {}, and would be overwritten (rename or remove {}, or "
+                     "choose another folder)",
                      report::listed(foreign), foreign.size() == 1 ? "is" : "are",
                      foreign.size() == 1 ? "it" : "them", foreign.size() == 1 ? "it" : "them")});
   }

@@ -17,19 +17,19 @@
 #include <apps/cli/learn.hpp>
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
-#include <stribeck/ident/break_away.hpp>
-#include <stribeck/ident/drive_fit.hpp>
-#include <stribeck/ident/equal_speed.hpp>
-#include <stribeck/ident/idim_ls.hpp>
-#include <stribeck/ident/jog.hpp>
-#include <stribeck/ident/least_squares_a.hpp>
-#include <stribeck/ident/position_map.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/methods/break_away.hpp>
+#include <stribeck/ident/methods/equal_speed.hpp>
+#include <stribeck/ident/methods/idim_ls.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/methods/position_map.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
-#include <stribeck/report/identify_report.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/table.hpp>
 
 namespace stribeck::cli {
@@ -322,8 +322,7 @@ std::string published_text(const ident::IdimResult::Published& p, bool by_direct
 std::string model_a_text(const ident::LeastSquaresA& a) {
   std::string out = fmt::format(
       "\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least squares, without Coulomb "
-      "friction: "
-      "{:.4g} N s2/mm.\n",
+      "friction: {:.4g} N s2/mm.\n",
       a.mass_euler * 1e-3, a.simple_mass * 1e-3);
   const auto line = [&](const char* name, const std::optional<ident::ViscousCorrection>& c) {
     if (!c) return;
@@ -424,8 +423,8 @@ int identify(const Options& o) {
     if (result.force_unit != "N" || result.position_unit != "m") {
       refuse_option(
           "--output",
-          fmt::format("an axis file holds newtons and metres, but this log was identified in {} and {}; give "
-                      "--gain{}",
+          fmt::format("an axis file holds newtons and metres, but this log was identified in {} and {}; "
+                      "give --gain{}",
                       result.force_unit, result.position_unit,
                       result.position_unit == "m" ? "" : " and --lead"));
     }
@@ -467,8 +466,8 @@ int identify(const Options& o) {
   }
   for (const ident::Result& r : shown) say(o.common, report::text_table(r, axis));
   if (result.peaks && o.method == "velocity-map") {
-    say(o.common, fmt::format("\nPeaks of the smoothed map, by which the thesis chooses the number of terms: "
-                              "{} for v > 0, {} for v < 0.\n",
+    say(o.common, fmt::format("\nPeaks of the smoothed map, by which the thesis chooses the number of "
+                              "terms: {} for v > 0, {} for v < 0.\n",
                               (*result.peaks)[0], (*result.peaks)[1]));
   }
   if (identified.model_a) say(o.common, model_a_text(*identified.model_a));

@@ -5,11 +5,11 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
-#include <stribeck/ident/drive_fit.hpp>
-#include <stribeck/ident/jog.hpp>
-#include <stribeck/ident/least_squares_a.hpp>
-#include <stribeck/ident/velocity_map.hpp>
-#include <stribeck/report/trace_report.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/report/pages/trace_report.hpp>
 #include <utility>
 
 namespace stribeck::cli {
@@ -86,14 +86,13 @@ void refuse_nonsense(const ident::Result& result, const std::string& source) {
   if (!(result.mass > 0.0)) {
     throw ident::Refused(
         fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
-                    "opposite signs, or "
-                    "columns are exchanged (see --map and --gain)",
+                    "opposite signs, or columns are exchanged (see --map and --gain)",
                     source, result.mass * 1e-3));
   }
   if (!(result.mass_interval.low > 0.0)) {
     throw ident::Refused(fmt::format(
-        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the log "
-        "has too little acceleration (add a log of pulses), or its columns are not what they are called",
+        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
+        "log has too little acceleration (add a log of pulses), or its columns are not what they are called",
         source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
   }
   for (const ident::CurvePoint& p : result.curve) {

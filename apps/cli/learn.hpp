@@ -5,9 +5,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <stribeck/ident/excitation.hpp>
+#include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/result.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/recording.hpp>
 

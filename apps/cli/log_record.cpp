@@ -127,8 +127,8 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
     static_cast<void>(io::conversion(unit, column.unit_text));
   } catch (const io::InputError&) {
     refuse_option("--map",
-                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or map "
-                              "another column (to scale a force, use --gain)",
+                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or "
+                              "map another column (to scale a force, use --gain)",
                               io::in_quotes(header_of(column)), column.unit_text, unit));
   }
 }
@@ -637,8 +637,8 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   if (!x && !v) {
     throw io::InputError(
         {log.source, 0, "x",
-         fmt::format("no column for the position, nor for the velocity; the log has {} (name it with "
-                     "--map x=\"COLUMN UNIT\")",
+         fmt::format("no column for the position, nor for the velocity; the log has {} (name it with --map "
+                     "x=\"COLUMN UNIT\")",
                      column_names(log))});
   }
   struct Motion {
@@ -768,8 +768,8 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
       if (efforts.size() == 1 && efforts.front().kind == "force") {
         refuse_option(
             "--gain",
-            fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain "
-                        "out, or map what it is for (--map voltage=\"COLUMN V\")",
+            fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain out, "
+                        "or map what it is for (--map voltage=\"COLUMN V\")",
                         io::in_quotes(options.gain),
                         io::in_quotes(header_of(*efforts.front().chosen.column))));
       }
@@ -859,8 +859,8 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   if (base_time < 0 && sample_time == 0.0) {
     throw io::InputError(
         {log.source, 0, "t",
-         fmt::format("no column for the time; the log has {} (name it with --map t=\"COLUMN UNIT\", or give "
-                     "the time between rows with --sample-time \"1 ms\")",
+         fmt::format("no column for the time; the log has {} (name it with --map t=\"COLUMN UNIT\", or "
+                     "give the time between rows with --sample-time \"1 ms\")",
                      column_names(log))});
   }
   if (base_time >= 0 && &log.columns[static_cast<std::size_t>(base_time)] == base.column)

@@ -12,9 +12,9 @@
 /// Errors: InputError naming file, column or option.
 
 #include <cstdint>
-#include <stribeck/ident/condition.hpp>
-#include <stribeck/ident/record.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <vector>
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <stribeck/io/interpreter.hpp>
+#include <stribeck/io/gcode/interpreter.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 
@@ -66,8 +66,8 @@ Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machi
              0,
              {},
              fmt::format(
-                 "begins with an arc from {} = 0 mm, which is outside the travel of that axis, {:.6g} "
-                 "to {:.6g} mm (begin with G0 to a place inside)",
+                 "begins with an arc from {} = 0 mm, which is outside the travel of that axis, {:.6g} to "
+                 "{:.6g} mm (begin with G0 to a place inside)",
                  name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3)});
       }
       if (std::abs(m.to[i]) > kStill) break;
@@ -99,8 +99,8 @@ void check_places(const sim::Part<N>& part, const sim::Machine& machine, const s
             {file,
              0,
              {},
-             fmt::format("leaves the travel of axis {}, {:.6g} to {:.6g} mm: it goes to {:.6g} mm, {:.6g} mm "
-                         "along the path (move the program with G10 L2 or G92, or make it smaller)",
+             fmt::format("leaves the travel of axis {}, {:.6g} to {:.6g} mm: it goes to {:.6g} mm, {:.6g} "
+                         "mm along the path (move the program with G10 L2 or G92, or make it smaller)",
                          name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3, p[i] * 1e3,
                          (s.way + s.distance(s.length * k / steps)) * 1e3)});
       }
@@ -173,8 +173,8 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
           (moves[k].arc && std::abs(moves[k].normal[2]) < 1.0)) {
         throw io::InputError(
             {o.path, 0, fmt::format("move {}", k + 1),
-             fmt::format("goes to z = {:.6g} mm, but {} has no axis z (take the moves of z out, "
-                         "or choose another machine)",
+             fmt::format("goes to z = {:.6g} mm, but {} has no axis z (take the moves of z out, or choose "
+                         "another machine)",
                          moves[k].to[2] * 1e3, machine_file)});
       }
     }
@@ -186,12 +186,12 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
     const double millimetres = foreign->feed * 60e3;
     note += foreign->in_inches
                 ? fmt::format(
-                      "a feed of {:.6g} in/min stays that under G21, where it is {:.6g} mm/min: F is "
-                      "taken before a G21 of the same line (give F in a line behind it)\n",
+                      "a feed of {:.6g} in/min stays that under G21, where it is {:.6g} mm/min: F is taken "
+                      "before a G21 of the same line (give F in a line behind it)\n",
                       millimetres / 25.4, millimetres)
                 : fmt::format(
-                      "a feed of {:.6g} mm/min stays that under G20, where it is {:.6g} in/min: F is "
-                      "taken before a G20 of the same line (give F in a line behind it)\n",
+                      "a feed of {:.6g} mm/min stays that under G20, where it is {:.6g} in/min: F is taken "
+                      "before a G20 of the same line (give F in a line behind it)\n",
                       millimetres, millimetres / 25.4);
   }
   if (program.inches)

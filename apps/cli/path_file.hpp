@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <span>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <stribeck/path/polyline.hpp>
 #include <stribeck/path/spline_fit.hpp>
 #include <string>

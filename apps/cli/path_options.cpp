@@ -66,8 +66,8 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
                   "Part program: acceleration of every axis; left out: the limit of the machine, the most")
       ->type_name("ACCELERATION");
   verb.add_option("--jerk", o.jerk,
-                  "Part program: jerk of every axis; left out: the limit of the machine, or its acceleration "
-                  "in 0.1 s")
+                  "Part program: jerk of every axis; left out: the limit of the machine, or its "
+                  "acceleration in 0.1 s")
       ->type_name("JERK");
   verb.add_option("--corner-tolerance", o.corner_tolerance,
                   "Part program: how far corners may be rounded where G64 P does not say")
@@ -202,10 +202,9 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
     if (travel.part() != nullptr) {
       // Planned within the limits of the machine.
       if (ticks <= kMostTicks) continue;
-      refuse_option("--path",
-                    fmt::format("the program would take {:.3g} control periods, at most {:.3g} are simulated "
-                                "(run it in parts)",
-                                ticks, kMostTicks));
+      refuse_option("--path", fmt::format("the program would take {:.3g} control periods, at most {:.3g} are "
+                                          "simulated (run it in parts)",
+                                          ticks, kMostTicks));
     }
     if (!(ticks <= kMostTicks)) {
       refuse_option(

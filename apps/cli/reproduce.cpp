@@ -15,7 +15,7 @@
 #include <apps/cli/reproduce_robustness.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/report/reproduction.hpp>
+#include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
 

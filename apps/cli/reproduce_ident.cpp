@@ -9,14 +9,14 @@
 
 #include <apps/cli/learn.hpp>
 #include <apps/cli/reproduce_ident.hpp>
-#include <stribeck/ident/drive_fit.hpp>
-#include <stribeck/ident/jog.hpp>
-#include <stribeck/ident/least_squares_a.hpp>
-#include <stribeck/ident/position_map.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/methods/position_map.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
-#include <stribeck/ident/replay.hpp>
-#include <stribeck/ident/uncertainty.hpp>
-#include <stribeck/ident/velocity_map.hpp>
+#include <stribeck/ident/replay/replay.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
@@ -612,21 +612,17 @@ ReproducedSection section_a(const std::vector<Study>& all) {
         "observed at constant speeds (fig 2.13).");
   }
   out.remarks = {
-      "The print has one Coulomb force for both directions; Table 2.3, which is the friction of this virtual "
-      "machine, has two. "
-      "The line through Table 2.3 at the speeds of the jogs is what Table 2.1 would be if both tables "
-      "described the same "
-      "friction: what remains of the difference is the print's own. Of the jogs ±10 mm/s is beyond the range "
-      "of Table 2.3; there "
-      "the Gaussians of the machine hold the value of the border.",
+      "The print has one Coulomb force for both directions; Table 2.3, which is the friction of this "
+      "virtual machine, has two. The line through Table 2.3 at the speeds of the jogs is what Table 2.1 "
+      "would be if both tables described the same friction: what remains of the difference is the print's "
+      "own. Of the jogs ±10 mm/s is beyond the range of Table 2.3; there the Gaussians of the machine hold "
+      "the value of the border.",
       "Our pulses take all heights that move the axis. The print takes K_u = 4, which just moves it; the "
-      "lowest one that does "
-      "here stands in the table.",
+      "lowest one that does here stands in the table.",
       fmt::format("Simple least squares, without Coulomb friction, finds up to {:.0f} % more mass.",
                   most_simple),
       "Friction of this machine is no straight line: α0 and α2 depend on which speeds the rows have, and "
-      "their intervals hold "
-      "for the scatter, not for the choice of a line."};
+      "their intervals hold for the scatter, not for the choice of a line."};
   return out;
 }
 
@@ -691,14 +687,14 @@ ReproducedSection section_b_table(const std::vector<Study>& all) {
     drawings.push_back(
         jog_plot(s, table, [&](double v) { return two_levels(v, print(1), print(2), print(3) * kKilo); }));
     out.remarks.push_back(
-        fmt::format("Axis {}: held-out speeds choose \"{}\"; the figures are those of the printed form, one "
-                    "level for each direction and one slope, fitted to the same means.",
+        fmt::format("Axis {}: held-out speeds choose \"{}\"; the figures are those of the printed form, "
+                    "one level for each direction and one slope, fitted to the same means.",
                     axis, chosen_name(r)));
   }
   out.remarks.insert(out.remarks.begin(),
                      "Table 2.2 prints α0 above α1, which cannot be Coulomb and static friction, and no v0 "
-                     "and δ. Read as the "
-                     "two directions it has the same sign of the difference as Table 2.3 on both axes.");
+                     "and δ. Read as the two directions it has the same sign of the difference as Table "
+                     "2.3 on both axes.");
   out.plots.emplace_back(std::move(drawings),
                          "Mean friction at 23 speeds from 0.01 to 9 mm/s, both ways (fig 2.14).");
   return out;
@@ -754,18 +750,16 @@ ReproducedSection section_b_tool(const std::vector<Study>& all) {
           "Held-out speeds choose \"{}\"; the figures are means of both directions.", chosen_name(r)));
   }
   out.remarks.emplace_back(
-      "Tables 4.2 and 4.3 print different Coulomb and viscous friction for x and z. The virtual machine has "
-      "Table 4.3's, with the "
-      "Stribeck rise of Table 4.2 on top; so Table 4.2 cannot be reached there, and is for y.");
+      "Tables 4.2 and 4.3 print different Coulomb and viscous friction for x and z. The virtual machine "
+      "has Table 4.3's, with the Stribeck rise of Table 4.2 on top; so Table 4.2 cannot be reached there, "
+      "and is for y.");
   out.remarks.emplace_back(
-      "The shape δ is 2 in the form that was chosen. The screw's sine is found in the jogs and taken off the "
-      "means.");
+      "The shape δ is 2 in the form that was chosen. The screw's sine is found in the jogs and taken off "
+      "the means.");
   out.remarks.emplace_back(
-      "The thesis takes the mass of this machine from constant acceleration, not from this method: here from "
-      "a sine, by rows of "
-      "equal speed, accelerating against braking, with the screw's sine partialled out. Left in, it counts "
-      "as inertia and makes "
-      "the mass 7 to 31 % too large.");
+      "The thesis takes the mass of this machine from constant acceleration, not from this method: here "
+      "from a sine, by rows of equal speed, accelerating against braking, with the screw's sine partialled "
+      "out. Left in, it counts as inertia and makes the mass 7 to 31 % too large.");
   out.plots.emplace_back(std::move(drawings),
                          "Mean friction at 29 speeds from 0.01 to 15 mm/s, both ways (fig 4.4).");
   return out;
@@ -819,16 +813,13 @@ ReproducedSection section_c(const std::vector<Study>& all) {
     drawing.truth_label = table;
     out.plots.emplace_back(report::friction_plots(drawing),
                            "Left: velocity–friction map of eight periods and the pulses, with the fit (fig "
-                           "2.20). Right: the same "
-                           "as difference from the fit.");
+                           "2.20). Right: the same as difference from the fit.");
   }
   out.remarks = {
-      "Curves are compared, not parameters: Gaussians that overlap trade with each other and with η0 and η1, "
-      "so that very "
-      "different sets give the same curve.",
+      "Curves are compared, not parameters: Gaussians that overlap trade with each other and with η0 and "
+      "η1, so that very different sets give the same curve.",
       "The number of Gaussians is the smallest within one standard error of the best on held-out periods. "
-      "The thesis counts "
-      "peaks of the smoothed map, its border included.",
+      "The thesis counts peaks of the smoothed map, its border included.",
       "Deviations are the largest over 0.5 to 9.5 mm/s. The sine just reaches 9.5 mm/s, so that its border "
       "is the least certain; what is drawn beyond it comes from a few rows of the pulses."};
   return out;
@@ -921,13 +912,11 @@ ReproducedSection section_d(const std::vector<Study>& all) {
     out.plots.emplace_back(
         position_plots(s),
         "Left: what Coulomb and viscous friction leave, over position, above 2 mm/s (fig 2.28). Right: "
-        "friction "
-        "over velocity, the model along the motion and without its sine (figs 2.29 and 4.7).");
+        "friction over velocity, the model along the motion and without its sine (figs 2.29 and 4.7).");
   }
   out.remarks = {"The period is found, not given. The phase belongs to the homing of the log.",
                  "The model that held-out passes choose has a Stribeck rise, which (2.37) has not: without "
-                 "it η0 and η1 would take up part of "
-                 "it.",
+                 "it η0 and η1 would take up part of it.",
                  "Tables 2.4 and 4.3 print the same values, and the virtual machine has them: what is off "
                  "here is our error."};
   return out;
@@ -986,20 +975,17 @@ ReproducedSection section_verify(const Study& s) {
        fmt::format("Measured and predicted velocity over time, and the error ({}).", figure)});
   out.remarks = {s.biaxial ? "The run is r = 10 cos 0.85 t mm of §3.1.4, with noise of its own; which one "
                              "the thesis took is not printed."
-                           : "The run is the y reference of (4.6), 10 sin(4πt/15) mm, with noise of its own; "
-                             "which one the thesis took is not "
-                             "printed.",
+                           : "The run is the y reference of (4.6), 10 sin(4πt/15) mm, with noise of its "
+                             "own; which one the thesis took is not printed.",
                  "The figures are lost and have no numbers. \"The machine itself\" is driven with the "
-                 "plant's own parameters: what it leaves is "
-                 "noise of the force, which no model can know. Friction without bristles may stay stuck "
-                 "after a reversal for longer than the "
-                 "machine, when its level is a little high; \"whole, with bristles\" is the one fit of "
-                 "everything that the compensators of "
-                 "the other experiments get."};
+                 "plant's own parameters: what it leaves is noise of the force, which no model can know. "
+                 "Friction without bristles may stay stuck after a reversal for longer than the machine, "
+                 "when its level is a little high; \"whole, with bristles\" is the one fit of everything "
+                 "that the compensators of the other experiments get."};
   if (s.biaxial) {
     out.remarks.emplace_back(
-        "The viscous correction makes Model A worse here: it is the slope of a straight line up to 10 mm/s, "
-        "where the friction of Table 2.3 turns upwards.");
+        "The viscous correction makes Model A worse here: it is the slope of a straight line up to 10 "
+        "mm/s, where the friction of Table 2.3 turns upwards.");
   }
   return out;
 }

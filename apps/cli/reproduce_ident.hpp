@@ -14,7 +14,7 @@
 /// Errors: ident::Refused.
 
 #include <cstdint>
-#include <stribeck/report/reproduction.hpp>
+#include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
 #include <vector>

@@ -179,10 +179,8 @@ report::ReproducedSection robustness_section(const sim::RobustnessResult& result
           "Scored after {} laps, with the machine's own force noise, the same for all controllers. Seed {}.",
           report::short_number(result.spec.travels.front().settle_laps), result.spec.seed),
       fmt::format("Reference: ({}). Per cent of reference: quantiles of the ratio on the same machine. "
-                  "Change: ratio of "
-                  "quantiles. A lost loop left the path or was held together by the limit of the drives; it "
-                  "counts as "
-                  "infinite.",
+                  "Change: ratio of quantiles. A lost loop left the path or was held together by the limit "
+                  "of the drives; it counts as infinite.",
                   result.spec.controllers.front().id)};
   return s;
 }

@@ -4,8 +4,8 @@
 /// Real time: no. Errors: sim::Refused.
 
 #include <cstdint>
-#include <stribeck/report/reproduction.hpp>
-#include <stribeck/sim/robustness.hpp>
+#include <stribeck/report/pages/reproduction.hpp>
+#include <stribeck/sim/study/robustness.hpp>
 #include <string_view>
 
 namespace stribeck::cli {

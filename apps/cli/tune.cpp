@@ -14,8 +14,8 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/text.hpp>
-#include <stribeck/report/tune_report.hpp>
 #include <stribeck/sim/experiments.hpp>
 
 namespace stribeck::cli {
@@ -207,9 +207,8 @@ void add_tune(CLI::App& app, Action& action) {
       ->check(number_from(0.0, 100.0))
       ->capture_default_str();
   verb->add_option("--input-variation", o->input_variation,
-                   "Largest mean |Δu| on every travel; left out: that of the thesis's last controller of the "
-                   "experiment at its "
-                   "own gains, (f) on the biaxial table")
+                   "Largest mean |Δu| on every travel; left out: that of the thesis's last controller of "
+                   "the experiment at its own gains, (f) on the biaxial table")
       ->type_name("VOLTAGE");
   verb->add_option("--axial-mode", o->axial_mode,
                    "Frequency of a first axial mode of every axis that the loop must bear; left out: rigid")
@@ -219,8 +218,7 @@ void add_tune(CLI::App& app, Action& action) {
       ->capture_default_str();
   verb->add_option("-o,--output", o->out,
                    "Controller files: a folder for ID.toml of each, or FILE.toml for a single controller, "
-                   "which is called "
-                   "ID-tuned there")
+                   "which is called ID-tuned there")
       ->type_name("DIR|FILE.toml");
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);

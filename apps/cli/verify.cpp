@@ -12,9 +12,9 @@
 #include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/refused.hpp>
-#include <stribeck/ident/replay.hpp>
+#include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/toml.hpp>
-#include <stribeck/report/verify_report.hpp>
+#include <stribeck/report/pages/verify_report.hpp>
 
 namespace stribeck::cli {
 namespace {

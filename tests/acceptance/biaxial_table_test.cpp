@@ -115,9 +115,8 @@ TEST(BiaxialTable, IdentificationRecoversTheTruthFromItsLogs) {
   for (const std::size_t axis : {0U, 1U}) {
     const Recovery r = recover(axis);
     std::printf(
-        "axis %zu: mass within %.2f %%, curve within %.2f %%, truth inside the 95 %% band at %.1f %% of the "
-        "speeds "
-        "(worst seed: %d of %d)\n",
+        "axis %zu: mass within %.2f %%, curve within %.2f %%, truth inside the 95 %% band at %.1f %% of "
+        "the speeds (worst seed: %d of %d)\n",
         axis, 100 * r.worst_mass, 100 * r.worst_curve, 100.0 * r.inside / r.asked, r.worst_seed_inside,
         r.asked_per_seed);
     EXPECT_LT(r.worst_mass, 0.01);

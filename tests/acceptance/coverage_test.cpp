@@ -11,7 +11,7 @@
 #include <map>
 #include <random>
 #include <stribeck/friction/gaussian.hpp>
-#include <stribeck/ident/drive_fit.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/sim/recording.hpp>

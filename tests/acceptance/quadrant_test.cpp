@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <stribeck/sim/robustness.hpp>
+#include <stribeck/sim/study/robustness.hpp>
 #include <vector>
 
 #include "../cli/command.hpp"

@@ -11,10 +11,10 @@
 #include <new>
 #include <set>
 #include <span>
-#include <stribeck/control/learning.hpp>
+#include <stribeck/control/laws/learning.hpp>
+#include <stribeck/control/laws/predictive.hpp>
+#include <stribeck/control/laws/sliding_mode.hpp>
 #include <stribeck/control/pd.hpp>
-#include <stribeck/control/predictive.hpp>
-#include <stribeck/control/sliding_mode.hpp>
 #include <stribeck/path/curve.hpp>
 #include <stribeck/path/motion_frame.hpp>
 #include <stribeck/plant/axis.hpp>
@@ -608,8 +608,7 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   h.set("sliding-mode.mass_bound", 450.0).choose("sliding-mode.gain", "sufficient");
   expect(h,
          "axis 0: sliding-mode.gain: none is sufficient: mass_bound/(mass - mass_bound), summed over the "
-         "axes, must "
-         "be below 1");
+         "axes, must be below 1");
   h.set("sliding-mode.mass_bound", 90.0);
   stribeck_controller_set(h.c, 1, "sliding-mode.boundary", 3e-3);
   expect(h, "axis 1: sliding-mode: what is not per axis must be the same on all axes");

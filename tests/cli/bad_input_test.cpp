@@ -60,8 +60,8 @@ TEST_F(BadMachine, NotFinite) {
 }
 TEST_F(BadMachine, BrokenToml) { expect_refused(changed("[axes.x.plant]", "[axes.x.plant"), {"m.toml:"}); }
 TEST_F(BadMachine, FrictionWithoutDynamics) {
-  expect_refused(changed("[axes.x.plant.friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"3e5 N/mm\"\nsigma1 "
-                         "= \"600 N s/mm\"\n"
+  expect_refused(changed("[axes.x.plant.friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"3e5 "
+                         "N/mm\"\nsigma1 = \"600 N s/mm\"\n"
                          "damping_velocity = \"0.05 mm/s\"",
                          ""),
                  {"m.toml:", "axes.x.plant", "lugre"});

@@ -298,8 +298,8 @@ TEST(Export, LimitsWithBackEmf) {
       replaced(
           replaced(
               uniaxial(), "kind = \"current\"\ngain = \"1 N/V\"",
-              "kind = \"voltage\"\nresistance = \"1 ohm\"\ninductance = \"1 mH\"\ntorque_constant = \"0.01 N "
-              "m/A\"\nback_emf = \"0.1 V s/rad\"\nlead = \"6.283185307179586 mm\""),
+              "kind = \"voltage\"\nresistance = \"1 ohm\"\ninductance = \"1 mH\"\ntorque_constant = \"0.01 "
+              "N m/A\"\nback_emf = \"0.1 V s/rad\"\nlead = \"6.283185307179586 mm\""),
           "mass = \"0.045 N s2/mm\"", "mass = \"1 N s2/mm\""));
   ASSERT_EQ(command(to_linuxcnc({machine, "--parameters", "commissioning", "--quiet", "-o", f / "m"})).code,
             0);

@@ -76,8 +76,8 @@ TEST_F(PartProgram, IsSimulatedAndSaysHowFarItsCornersAreRounded) {
 
 TEST_F(PartProgram, ComparesControllers) {
   const std::string part = program(kHead + to("3.0000", "0.0000") +
-                                   "ARC_FEED(3.0000, 4.0000, 3.0000, 2.0000, 1, 0.0000, 0.0000, "
-                                   "0.0000, 0.0000)\nDWELL(0.1000)\n" +
+                                   "ARC_FEED(3.0000, 4.0000, 3.0000, 2.0000, 1, 0.0000, 0.0000, 0.0000, "
+                                   "0.0000)\nDWELL(0.1000)\n" +
                                    to("0.0000", "4.0000"));
   const Said said = command({"compare", kMachine, "--path", part, "--parameters", "thesis", "--trials", "1",
                              "--json", f / "all.json", "--report", f / "report"});

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <random>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/log.hpp>
-#include <stribeck/io/test_logs.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/io/log/test_logs.hpp>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/log.hpp>
-#include <stribeck/io/test_logs.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/io/log/test_logs.hpp>
 #include <string>
 #include <string_view>
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <stribeck/ident/bristle_fit.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/bristle/bristle_fit.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <tests/recordings/recording.hpp>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <apps/cli/inspect.hpp>
 #include <apps/cli/log_record.hpp>
 #include <cmath>
-#include <stribeck/ident/condition.hpp>
+#include <stribeck/ident/log/condition.hpp>
 #include <string>
 #include <tests/recordings/recording.hpp>
 #include <vector>

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/friction/steady.hpp>
-#include <stribeck/ident/drive_fit.hpp>
-#include <stribeck/ident/filter.hpp>
-#include <stribeck/ident/motion.hpp>
-#include <stribeck/ident/replay.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/replay/replay.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/ident/break_away.hpp>
-#include <stribeck/ident/jog.hpp>
+#include <stribeck/ident/methods/break_away.hpp>
+#include <stribeck/ident/methods/jog.hpp>
 #include <tests/recordings/recording.hpp>
 
 namespace stribeck::test {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <tests/recordings/recording.hpp>
 #include <vector>

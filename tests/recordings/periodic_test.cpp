@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <stribeck/ident/filter.hpp>
-#include <stribeck/ident/periodic.hpp>
-#include <stribeck/ident/position_map.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/map/periodic.hpp>
+#include <stribeck/ident/methods/position_map.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <vector>
 

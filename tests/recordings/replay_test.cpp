@@ -2,8 +2,8 @@
 
 #include <apps/cli/log_record.hpp>
 #include <nlohmann/json.hpp>
-#include <stribeck/ident/replay.hpp>
-#include <stribeck/io/log.hpp>
+#include <stribeck/ident/replay/replay.hpp>
+#include <stribeck/io/log/log.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>

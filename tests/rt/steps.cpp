@@ -1,9 +1,9 @@
 /// One function for each step of the real-time tier; see CMakeLists.txt for what compiling it proves.
 
-#include <stribeck/control/cutting_force_observer.hpp>
+#include <stribeck/control/compensation/reversal_feedforward.hpp>
 #include <stribeck/control/laws.hpp>
+#include <stribeck/control/observers/cutting_force_observer.hpp>
 #include <stribeck/control/pd.hpp>
-#include <stribeck/control/reversal_feedforward.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/path/contour_error.hpp>
 #include <stribeck/path/curve.hpp>

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <stribeck/control/kalman_observer.hpp>
+#include <stribeck/control/observers/kalman_observer.hpp>
 #include <stribeck/control/pd.hpp>
 
 namespace stribeck::control {

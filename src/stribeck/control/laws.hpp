@@ -13,15 +13,15 @@
 ///
 /// Real time: safe.
 
-#include <stribeck/control/cascade.hpp>
-#include <stribeck/control/contouring.hpp>
-#include <stribeck/control/cross_coupled.hpp>
-#include <stribeck/control/learning.hpp>
-#include <stribeck/control/pid.hpp>
-#include <stribeck/control/predictive.hpp>
-#include <stribeck/control/repetitive.hpp>
-#include <stribeck/control/sliding_mode.hpp>
-#include <stribeck/control/zpetc.hpp>
+#include <stribeck/control/laws/cascade.hpp>
+#include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/control/laws/cross_coupled.hpp>
+#include <stribeck/control/laws/learning.hpp>
+#include <stribeck/control/laws/pid.hpp>
+#include <stribeck/control/laws/predictive.hpp>
+#include <stribeck/control/laws/repetitive.hpp>
+#include <stribeck/control/laws/sliding_mode.hpp>
+#include <stribeck/control/laws/zpetc.hpp>
 #include <variant>
 
 namespace stribeck::control {

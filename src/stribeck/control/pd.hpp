@@ -12,7 +12,7 @@
 /// time: safe; the constructor configure only.
 
 #include <limits>
-#include <stribeck/control/compensation.hpp>
+#include <stribeck/control/compensation/compensation.hpp>
 #include <stribeck/control/gains.hpp>
 #include <stribeck/control/tracking_error.hpp>
 

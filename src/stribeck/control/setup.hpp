@@ -14,7 +14,7 @@
 /// Real time: safe; constructors configure only.
 
 #include <limits>
-#include <stribeck/control/compensation.hpp>
+#include <stribeck/control/compensation/compensation.hpp>
 #include <stribeck/control/gains.hpp>
 #include <stribeck/control/tracking_error.hpp>
 #include <stribeck/path/reference.hpp>

@@ -12,7 +12,7 @@
 #include <random>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/friction/gaussian.hpp>
-#include <stribeck/ident/record.hpp>
+#include <stribeck/ident/log/record.hpp>
 
 namespace stribeck::ident::testing {
 

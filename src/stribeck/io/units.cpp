@@ -76,8 +76,7 @@ class Units {
     if (system_ == nullptr) {
       fail(
           "the database of the units library was not found (install libudunits2-data, or set "
-          "UDUNITS2_XML_PATH "
-          "to its udunits2.xml)");
+          "UDUNITS2_XML_PATH to its udunits2.xml)");
     }
     radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
     const Unit revolution(ut_scale(6.283185307179586, radian_.get()));

@@ -7,7 +7,7 @@
 /// Errors: those of render().
 
 #include <functional>
-#include <stribeck/report/plot.hpp>
+#include <stribeck/report/plot/plot.hpp>
 #include <string>
 #include <string_view>
 #include <vector>

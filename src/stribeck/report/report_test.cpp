@@ -8,10 +8,10 @@
 #include <set>
 #include <sstream>
 #include <stribeck/io/file.hpp>
-#include <stribeck/report/compare_report.hpp>
-#include <stribeck/report/identify_report.hpp>
+#include <stribeck/report/pages/compare_report.hpp>
+#include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/parameters.hpp>
-#include <stribeck/report/reproduction.hpp>
 #include <stribeck/report/test_result.hpp>
 
 namespace stribeck::report {
@@ -39,11 +39,9 @@ std::size_t count(const std::string& text, const std::string& what) {
 
 TEST(CompareReport, SaysWhoWonAndByHowMuch) {
   const std::string page = compare_report(input());
-  EXPECT_THAT(
-      page,
-      HasSubstr(
-          "At 9.5 mm/s (b) conventional friction model leaves the smallest RMS contour error, 1.00\u00A0µm: "
-          "75\u00A0% less than (a) no friction compensation (4.00\u00A0µm)."));
+  EXPECT_THAT(page,
+              HasSubstr("At 9.5 mm/s (b) conventional friction model leaves the smallest RMS contour error, "
+                        "1.00\u00A0µm: 75\u00A0% less than (a) no friction compensation (4.00\u00A0µm)."));
   EXPECT_THAT(page, HasSubstr("Its largest error is 2.00\u00A0µm, 75\u00A0% less than (a)"));
   EXPECT_THAT(page, HasSubstr("1.00\u00A0µm within the first 0.15\u00A0mm after an axis reverses; the "
                               "largest error lies elsewhere"));

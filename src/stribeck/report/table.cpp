@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 #include <stribeck/report/columns.hpp>
-#include <stribeck/report/identify_report.hpp>
+#include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -50,9 +50,8 @@ std::vector<std::string> drift_words(const sim::CompareResult& result) {
     for (std::size_t i = 0; i < r.drift.size(); ++i) {
       const control::Drift& d = r.drift[i];
       all.push_back(fmt::format(
-          "({}) at {}, axis {}: friction {:+.0f} ± {:.0f} %, viscous {:+.0f} ± {:.0f} %, break-away distance "
-          "{:+.0f} ± {:.0f} %, "
-          "mass {:+.0f} ± {:.0f} %, delay {:+.1f} ± {:.1f} ms: {}",
+          "({}) at {}, axis {}: friction {:+.0f} ± {:.0f} %, viscous {:+.0f} ± {:.0f} %, break-away "
+          "distance {:+.0f} ± {:.0f} %, mass {:+.0f} ± {:.0f} %, delay {:+.1f} ± {:.1f} ms: {}",
           r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i], 100.0 * d.level,
           100.0 * d.level_deviation, 100.0 * d.viscous, 100.0 * d.viscous_deviation, 100.0 * d.break_away,
           100.0 * d.break_away_deviation, 100.0 * d.mass, 100.0 * d.mass_deviation, 1e3 * d.delay,

@@ -14,8 +14,7 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Text that is an attack on every language it passes through.
 inline const std::string kHostile =
     "x\"><script>alert(1)</script> `touch stribeck_pwned` $(touch stribeck_pwned) @pwd {/Bold b}_c 50% %s "
-    "'q' \\n "
-    "\n\x01 \xff id='gnuplot_canvas' </svg>&amp;";
+    "'q' \\n \n\x01 \xff id='gnuplot_canvas' </svg>&amp;";
 
 inline sim::Metrics metrics(double max, double rms) {
   sim::Metrics m;

@@ -107,8 +107,7 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
       !control::SlidingMode<N>(*sliding, setup).sufficient_gain_exists()) {
     throw Refused(
         "no sufficient switching gain exists: mass_bound over mass less mass_bound, summed over the axes, "
-        "must be below 1 "
-        "(choose smaller bounds, or gain = \"printed\")");
+        "must be below 1 (choose smaller bounds, or gain = \"printed\")");
   }
 }
 
@@ -187,8 +186,8 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     for (const Metrics& m : row.trials) {
       if (!(m.max_contour_error <= kLost * cells[i].route->size)) {
         throw Refused(name_of(row.controller, row.speed) +
-                      ": with noise, encoder and D/A converter the loop loses the path (error above a tenth "
-                      "of its extent)");
+                      ": with noise, encoder and D/A converter the loop loses the path (error above a "
+                      "tenth of its extent)");
       }
     }
     summarise(row.trials, row.mean, row.spread);
@@ -267,11 +266,8 @@ std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& 
   }
   for (const std::size_t i : axes) {
     if (i >= machine.axes.size()) {
-      throw Refused("the path has " + std::to_string(axes.size()) +
-                    " axes, the machine "
-                    " + machine.name + "
-                    " has " +
-                    std::to_string(machine.axes.size()));
+      throw Refused("the path has " + std::to_string(axes.size()) + " axes, the machine \"" + machine.name +
+                    "\" has " + std::to_string(machine.axes.size()));
     }
   }
   return axes;

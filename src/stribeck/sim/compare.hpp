@@ -59,10 +59,9 @@ struct ControllerSpec {
     return std::tuple{
         field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
         field("label", &S::label, "what it is, in words"),
-        field(
-            "friction", &S::friction,
-            "which identified model is fed forward: none, viscous, conventional, gaussian, eccentric, whole "
-            "(with its bristles) or nominal")
+        field("friction", &S::friction,
+              "which identified model is fed forward: none, viscous, conventional, gaussian, eccentric, "
+              "whole (with its bristles) or nominal")
             .or_default(),
         field("feedforward", &S::feedforward,
               "how friction is fed forward: none, steady (as in the thesis), dynamic or reversal")

@@ -188,8 +188,8 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   if (!(least <= kMostSubsteps)) {
     throw Refused(
         "the machine needs more than 512 sub-steps per control period for its fastest rate (friction "
-        "stiffness and damping over "
-        "mass, armature or axial mode); a shorter sample_time or a softer machine can be simulated");
+        "stiffness and damping over mass, armature or axial mode); a shorter sample_time or a softer "
+        "machine can be simulated");
   }
   const auto follows = [&](const std::vector<ContourSample>& run) {
     for (const ContourSample& s : run) {
@@ -217,13 +217,11 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   if (!followed) {
     throw Refused(
         "the loop does not follow the path (error above a tenth of its extent): it is unstable or too slow "
-        "with these gains, "
-        "delay and sample_time");
+        "with these gains, delay and sample_time");
   }
   throw Refused(
       "the contour error does not settle within the accuracy for up to 512 sub-steps: the loop is at the "
-      "edge of "
-      "stability, or the accuracy is finer than rounding allows");
+      "edge of stability, or the accuracy is finer than rounding allows");
 }
 
 #define STRIBECK_INSTANTIATE(N)                                                                              \

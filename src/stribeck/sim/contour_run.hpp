@@ -13,7 +13,7 @@
 #include <stribeck/plant/axis.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/sim/metrics.hpp>
-#include <stribeck/sim/travel.hpp>
+#include <stribeck/sim/part/travel.hpp>
 
 namespace stribeck::sim {
 

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <complex>
-#include <stribeck/control/cutting_force_observer.hpp>
+#include <stribeck/control/observers/cutting_force_observer.hpp>
 #include <stribeck/sim/cutting_estimate.hpp>
 
 namespace stribeck::sim {

@@ -102,9 +102,8 @@ Experiment uni_sim() {
             ParameterSource::kPrinted,
             spec_of({t}, {pd("a", "PD, ω = 30 rad/s", 30.0, kNone, Observer::kNone)}),
             {}}},
-          {"The plant is m = 0.045 V s²/mm, c = 0.10 V s/mm, 0.60 V of Coulomb friction and noise uniform in "
-           "±0.2 V; the "
-           "controller believes m = 0.055 V s²/mm. Forces of this machine are volts.",
+          {"The plant is m = 0.045 V s²/mm, c = 0.10 V s/mm, 0.60 V of Coulomb friction and noise uniform "
+           "in ±0.2 V; the controller believes m = 0.055 V s²/mm. Forces of this machine are volts.",
            "The text also speaks of 0.88 V of Coulomb friction: a variant, not run here."}};
 }
 
@@ -218,16 +217,13 @@ Experiment bi_table() {
           {s, printed},
           {"ω = 40 rad/s along and across: with the 40 and 60 rad/s that §3.2.3.3 names, row (a) comes out "
            "at half its print.",
-           "Printed standard deviations are above the printed RMS in 11 of 12 rows, which one signal cannot "
-           "have; they are not "
-           "compared.",
+           "Printed standard deviations are above the printed RMS in 11 of 12 rows, which one signal "
+           "cannot have; they are not compared.",
            "Rows (c), (e) and (f) are not reached: what is left there is the quadrant glitch. Tried: "
-           "pre-sliding stiffness from 0.8 "
-           "to 8 times 10⁵ N/mm, its damping, the noise (docs/theory/plant.md). The print of (f) at 9.5 mm/s "
-           "needs bristles more than "
-           "three times as stiff, which row (b) excludes. Likely cause: the hardware's friction at a "
-           "reversal is not LuGre under the "
-           "curve that was identified in motion."}};
+           "pre-sliding stiffness from 0.8 to 8 times 10⁵ N/mm, its damping, the noise "
+           "(docs/theory/plant.md). The print of (f) at 9.5 mm/s needs bristles more than three times as "
+           "stiff, which row (b) excludes. Likely cause: the hardware's friction at a reversal is not "
+           "LuGre under the curve that was identified in motion."}};
 }
 
 Experiment bi_curve(path::Shape shape, const char* id, const char* title, const char* figures) {
@@ -272,10 +268,9 @@ Experiment tri(const char* id, const char* title, const char* source, const Trav
   e.remarks = {
       "K_v = (60, 60, 40) 1/s with K_p = (3600, 3600, 1600) 1/s² as printed: a damping ratio of one half.",
       "The control period is not printed: 1 ms, and 5 ms as a variant.",
-      "The mean falls by more than was printed: the truth of this machine is the print's own model, periodic "
-      "term and all, and "
-      "what the hardware had besides is not in it. The maximum is the glitch at the reversals, which neither "
-      "model removes."};
+      "The mean falls by more than was printed: the truth of this machine is the print's own model, "
+      "periodic term and all, and what the hardware had besides is not in it. The maximum is the glitch at "
+      "the reversals, which neither model removes."};
   return e;
 }
 
@@ -323,16 +318,12 @@ Experiment sliding(const char* id, const char* title, const char* source, const 
   e.remarks = {
       "Power is mean |u·i|, as the motor's resistance is not printed.",
       circle ? "Most of the printed gain of (b) at 1 ms is the misfit of the conventional parameters of "
-               "Table 4.2 in (a): with "
-               "identified parameters (a) is much better, as its switching gain is above the periodic "
-               "friction. The maximum "
-               "and the chattering of (b) stay far below."
+               "Table 4.2 in (a): with identified parameters (a) is much better, as its switching gain is "
+               "above the periodic friction. The maximum and the chattering of (b) stay far below."
              : "Here the misfit of Table 4.2 in (a) matters little: the gain of (b) is about the same with "
-               "identified "
-               "parameters, and more at 5 ms than at 1 ms.",
-      "Γ and Λ of (b) are the straight line through each side of the identified map, over the speeds of the "
-      "axis: a model "
-      "without a Stribeck part, fitted to friction that has one.",
+               "identified parameters, and more at 5 ms than at 1 ms.",
+      "Γ and Λ of (b) are the straight line through each side of the identified map, over the speeds of "
+      "the axis: a model without a Stribeck part, fitted to friction that has one.",
       "The duration is not printed; bounds of friction and gravity errors are not printed and are 0."};
   return e;
 }

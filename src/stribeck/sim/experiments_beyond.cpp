@@ -145,8 +145,7 @@ Experiment beyond(const Experiment& thesis) {
   }
   e.remarks = {
       "(g) and on have the law and the gains of the last of the thesis's own controllers; what differs is "
-      "what they feed forward "
-      "and observe.",
+      "what they feed forward and observe.",
       "Nothing of this was printed."};
   return e;
 }
@@ -186,10 +185,9 @@ Experiment five_axis() {
       "five-axis", "Five axes: flank milling of a cone frustum", "§5.2 (future work)", {std::move(s)}, {}};
   e.remarks = {
       "The contour error is the distance of the tool tip from its path in the workpiece; the orientation "
-      "error is the angle "
-      "between the tool axis and the one wanted at the nearest point of the path.",
-      "The contouring law works in the space of the five axes, where a rotary axis counts as its travel at a "
-      "radius of 100 mm.",
+      "error is the angle between the tool axis and the one wanted at the nearest point of the path.",
+      "The contouring law works in the space of the five axes, where a rotary axis counts as its travel at "
+      "a radius of 100 mm.",
       "Nothing of this was printed: machine, path and gains are Stribeck's."};
   return e;
 }
@@ -218,11 +216,10 @@ Experiment milling() {
            60.0)};
   Experiment e{"milling", "Two axes under a cutting force", "§5.2 (future work)", {std::move(s)}, {}};
   e.remarks = {
-      "1500 turns a minute, four teeth: ripples at 25, 100 and 200 Hz. The control period is 1 ms, the force "
-      "its mean over it.",
+      "1500 turns a minute, four teeth: ripples at 25, 100 and 200 Hz. The control period is 1 ms, the "
+      "force its mean over it.",
       "At 6000 turns a minute the second tooth-passing harmonic lies above half the sampling rate, and the "
-      "first moves the axis "
-      "by some nanometres, below what the encoder of 100 nm lets a loop see.",
+      "first moves the axis by some nanometres, below what the encoder of 100 nm lets a loop see.",
       "Nothing of this was printed: force and gains are Stribeck's."};
   return e;
 }

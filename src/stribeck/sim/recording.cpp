@@ -69,8 +69,7 @@ int choose(const Machine& machine, std::size_t which, double accuracy, bool open
   if (acceptable > 0) return acceptable;
   throw Refused("axis " + machine.axes[which].first +
                 ": its position does not settle within the accuracy for up to 512 sub-steps per control "
-                "period: unstable with the "
-                "commissioning gains, or too stiff for sample_time");
+                "period: unstable with the commissioning gains, or too stiff for sample_time");
 }
 
 }  // namespace

@@ -1,0 +1,278 @@
+#pragma once
+/// What a controller adds to its feedback on one axis: friction feed-forward, load, and the estimate of an observer.
+///
+///   f_add = F_friction(r) + load + d̂ + m·(r̈ over the hold − r̈)
+///
+///   steady    F at the reference's velocity and position now, by the steady map; as in the thesis
+///   dynamic   pre-sliding over the same map, mean over the hold that begins now, computation delay included
+///             (friction_feedforward.hpp); the acceleration likewise
+///   reversal  the same hold, with the build-up after a reversal shaped over distance (reversal_feedforward.hpp)
+///
+/// Friction follows the reference, not the measurement: a measured velocity that trembles around zero would make the force
+/// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
+/// by the delay. With adaptation the model is corrected on line (friction_adaptation.hpp). A
+/// guarded loop that oscillates loses the observer's velocity at once and its estimate by halves.
+/// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. A delay must not be
+/// longer than kMostDelay periods. Not modelled: adaptation corrects dynamic and reversal feed-forward only.
+/// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
+
+#include <array>
+#include <limits>
+#include <stribeck/control/compensation/drift_monitor.hpp>
+#include <stribeck/control/compensation/friction_adaptation.hpp>
+#include <stribeck/control/compensation/friction_feedforward.hpp>
+#include <stribeck/control/compensation/oscillation_guard.hpp>
+#include <stribeck/control/compensation/reversal_feedforward.hpp>
+#include <stribeck/control/observers/adaptive_friction.hpp>
+#include <stribeck/control/observers/disturbance_observer.hpp>
+#include <stribeck/control/observers/kalman_observer.hpp>
+#include <stribeck/control/tracking_error.hpp>
+#include <stribeck/core/status.hpp>
+#include <stribeck/friction/axis_model.hpp>
+
+namespace stribeck::control {
+
+enum class Observer { kNone, kDisturbance, kKalman, kAdaptive };
+
+/// How friction is fed forward.
+enum class Feedforward { kNone, kSteady, kDynamic, kReversal };
+
+/// No delay is longer, in periods.
+inline constexpr std::size_t kMostDelay = 8;
+
+struct CompensationParams {
+  friction::AxisModel model;  ///< what was identified of the axis
+  Feedforward feedforward = Feedforward::kNone;
+  Observer observer = Observer::kNone;  ///< add the estimate of this observer
+  /// Both poles of the disturbance observer, or the bandwidth of the Kalman observer [1/s].
+  double observer_pole = 20.0;
+  double adaptive_gain = 20.0;  ///< K_c of adaptive friction [1/s]
+  /// Kalman: random walk of the disturbance [N²/s]; NaN: what gives it the bandwidth observer_pole.
+  double disturbance_density = std::numeric_limits<double>::quiet_NaN();
+  double encoder_resolution = 1e-7;  ///< Kalman: step of the encoder [m]
+  double delay = 0.0;                ///< from the sample to the begin of the hold [s], at most 8 periods
+  AdaptationParams adaptation;
+  ReversalParams reversal;
+  bool guarded = false;  ///< back off when the loop oscillates (oscillation_guard.hpp)
+};
+
+class Compensation {
+ public:
+  struct State {
+    DisturbanceObserver::State disturbance;
+    KalmanObserver::State kalman;
+    AdaptiveFriction::State adaptive;
+    FrictionFeedforward::State feedforward;
+    ReversalFeedforward::State reversal;
+    FrictionAdaptation::State adaptation;
+    DriftMonitor::State drift;
+    OscillationGuard::State guard;
+    double friction = 0.0;           ///< feed-forward of the last step [N]
+    double estimate = 0.0;           ///< d̂ of the last step [N]
+    double last_acceleration = 0.0;  ///< of the reference [m/s²]
+    double last_velocity = 0.0;      ///< of the reference [m/s]
+    double last_jerk = 0.0;          ///< of the reference [m/s³]
+    double ahead = 0.0;              ///< what accelerates the mass, of the last step [N]
+    bool started = false;
+    bool limited = false;  ///< the last force was cut
+    /// Forces commanded, and the feed-forward in them, newest first [N].
+    std::array<double, kMostDelay + 3> force{};
+    std::array<double, kMostDelay + 3> fed{};
+    /// What steps of the adaptation changed in the feed-forward, against the one before [N].
+    std::array<double, kMostDelay + 3> stirred{};
+  };
+
+  Compensation() = default;
+  Compensation(const CompensationParams& params, double period) noexcept
+      : params_(params),
+        period_(period),
+        observer_(params.observer_pole, params.model.mass, period),
+        adaptive_(params.adaptive_gain, params.model.mass, period),
+        kalman_(
+            params.observer == Observer::kKalman
+                ? KalmanObserver(isfinite(params.disturbance_density)
+                                     ? params.disturbance_density
+                                     : KalmanObserver::density(params.observer_pole,
+                                                               params.encoder_resolution, params.model.mass),
+                                 params.encoder_resolution * params.encoder_resolution / 12.0,
+                                 params.model.mass, period)
+                : KalmanObserver()),
+        feedforward_(params.model.friction, period),
+        adaptation_(params.adaptation, params.model, params.encoder_resolution, params.delay, period) {
+    if (params.feedforward == Feedforward::kReversal)
+      reversal_ = ReversalFeedforward(params.reversal, params.model.friction, period);
+    if (params.guarded)
+      guard_ =
+          OscillationGuard(kSwing * params.model.friction.parts(0.0, 0.0).level +
+                               kRattle * params.model.mass * params.encoder_resolution / (period * period),
+                           period);
+    const double periods = clamp_to(params.delay / period, 0.0, static_cast<double>(kMostDelay));
+    whole_ = static_cast<std::size_t>(periods);
+    rest_ = periods - static_cast<double>(whole_);
+    past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
+  }
+
+  /// What the encoder says now [m], and its differenced velocity [m/s]. To be called once per period, before step().
+  void observe(State& s, double position, double velocity) const noexcept {
+    const double net = acted(s.force) - acted(s.fed);
+    if (params_.observer == Observer::kDisturbance) {
+      s.estimate = observer_.step(s.disturbance, net, velocity);
+    } else if (params_.observer == Observer::kKalman) {
+      s.estimate = kalman_.step(s.kalman, net, position);
+    } else if (params_.observer == Observer::kAdaptive) {
+      s.estimate = adaptive_.step(s.adaptive, net, velocity);
+    }
+    if (!adaptation_.enabled()) return;
+    // The reference in the middle of the period that has passed, at rest exactly at rest.
+    const double middle = 0.5 * period_;
+    const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
+    adaptation_.step(s.adaptation, acted(s.force) - params_.model.load,
+                     acted(s.fed) - acted(s.fed, 1) - acted(s.stirred), position, v,
+                     s.last_acceleration + middle * s.last_jerk, !s.limited && s.guard.trust == 1.0);
+    DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
+  }
+
+  /// Force to add [N] for the reference now: position [m], velocity [m/s], acceleration [m/s²].
+  double step(State& s, double reference, double velocity, double acceleration,
+              StatusCounter& status) const noexcept {
+    s.friction = params_.model.load;
+    double ahead = 0.0;
+    if (params_.feedforward != Feedforward::kNone) {
+      if (!params_.model.friction.covers(velocity)) status.raise(Status::kOutsideVelocityRange);
+    }
+    if (params_.feedforward == Feedforward::kSteady) {
+      const auto p = params_.model.friction.parts(velocity, reference);
+      s.friction += p.level * sign(velocity) + p.viscous + p.additive;
+    } else if (params_.feedforward != Feedforward::kNone) {
+      const double jerk = s.started ? jerk_of(s, velocity, acceleration) : 0.0;
+      s.last_jerk = jerk;
+      const MotionAhead now{reference, velocity, acceleration, jerk};
+      const double delay = params_.delay + adaptation_.delay(s.adaptation);
+      const MotionAhead coming = now.later(delay);
+      if (velocity == 0.0 && acceleration == 0.0) hand_over(s, reference);
+      const double middle = 0.5 * period_;
+      const double accelerates = coming.acceleration + middle * jerk;
+      const FrictionScales scales = adaptation_.scales(s.adaptation);
+      s.friction += params_.feedforward == Feedforward::kDynamic
+                        ? feedforward_.step(s.feedforward, now, delay, scales).sum()
+                        : reversal_.step(s.reversal, coming, velocity, scales).sum();
+      if (adaptation_.enabled())
+        s.friction += adaptation_.extra(s.adaptation, coming.position_at(middle), accelerates);
+      ahead = params_.model.mass * (accelerates - acceleration);
+    }
+    s.started = true;
+    s.last_acceleration = acceleration;
+    s.last_velocity = velocity;
+    s.ahead = ahead + params_.model.mass * acceleration;
+    return s.friction + ahead + s.guard.trust * s.estimate;
+  }
+
+  /// Tells the observers the force [N] that was really commanded, after limits.
+  void applied(State& s, double force, bool limited, StatusCounter& status) const noexcept {
+    if (params_.guarded && guard_.step(s.guard, force - s.friction - s.ahead, s.last_velocity)) {
+      status.raise(Status::kOscillation);
+      adaptation_.halve(s.adaptation);
+    }
+    for (std::size_t i = past_; i > 0; --i) {
+      s.force[i] = s.force[i - 1];
+      s.fed[i] = s.fed[i - 1];
+      s.stirred[i] = s.stirred[i - 1];
+    }
+    s.force[0] = force;
+    s.fed[0] = s.friction;
+    s.stirred[0] = follows_adaptation() ? s.adaptation.stir : 0.0;
+    s.limited = limited;
+  }
+
+  [[nodiscard]] double mass() const noexcept { return params_.model.mass; }
+  /// Whether velocity() may stand for the differenced one: not once the loop has oscillated.
+  [[nodiscard]] bool observes_velocity(const State& s) const noexcept {
+    return params_.observer == Observer::kKalman && s.guard.trust == 1.0;
+  }
+  /// Velocity of the Kalman observer [m/s].
+  [[nodiscard]] double velocity(const State& s) const noexcept { return s.kalman.estimate[1]; }
+  [[nodiscard]] bool adapts() const noexcept { return adaptation_.enabled(); }
+  /// How friction has changed since it was identified; of use with adaptation only.
+  [[nodiscard]] Drift drift(const State& s) const noexcept {
+    return DriftMonitor::report(s.drift, s.adaptation, period_);
+  }
+
+ private:
+  [[nodiscard]] bool follows_adaptation() const noexcept {
+    return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
+  }
+
+  /// At rest friction is whatever holds the axis, and creeps. What the observer has found out about it goes into the bristle, so
+  /// that the next start begins from there; the sum does not jump.
+  void hand_over(State& s, double reference) const noexcept {
+    double* d = params_.observer == Observer::kDisturbance ? &s.disturbance.disturbance
+                : params_.observer == Observer::kKalman    ? &s.kalman.estimate[2]
+                                                           : nullptr;
+    // A loop that has oscillated gets nothing that it could go round by another way.
+    if (d == nullptr || !s.started || s.guard.trust < 1.0 || params_.feedforward != Feedforward::kDynamic)
+      return;
+    const double share = period_ / (period_ + kHandOver);
+    const double moved = feedforward_.shift(s.feedforward.bristle, share * s.estimate, reference,
+                                            adaptation_.scales(s.adaptation));
+    s.estimate -= moved;
+    *d -= moved;
+    // What was commanded counts as if it had been fed forward like this.
+    for (double& fed : s.fed) fed += moved;
+  }
+
+  /// Jerk of the reference that will go on. A step of acceleration, as trapezoidal planners make it, is none: the velocity of the
+  /// period before it knows nothing of it.
+  [[nodiscard]] double jerk_of(const State& s, double velocity, double acceleration) const noexcept {
+    const double change = (acceleration - s.last_acceleration) / period_;
+    const double felt = 2.0 * ((velocity - s.last_velocity) / period_ - s.last_acceleration) / period_;
+    return clamp_to(felt, min_of(change, 0.0), max_of(change, 0.0));
+  }
+
+  /// Time constant of the hand-over [s].
+  static constexpr double kHandOver = 0.1;
+  /// A swing of the force, as a share of the level of friction at rest.
+  static constexpr double kSwing = 0.6;
+  /// And of what a step of the encoder would ask for with a gain of 1/T.
+  static constexpr double kRattle = 0.3;
+
+  /// Mean over the last period of what was commanded, later by the delay.
+  [[nodiscard]] double acted(const std::array<double, kMostDelay + 3>& commanded,
+                             std::size_t ago = 0) const noexcept {
+    const std::size_t i = whole_ + ago;
+    if (rest_ == 0.0) return commanded[i];
+    return (1.0 - rest_) * commanded[i] + rest_ * commanded[i + 1];
+  }
+
+  CompensationParams params_;
+  double period_ = 1e-3;
+  DisturbanceObserver observer_;
+  AdaptiveFriction adaptive_;
+  KalmanObserver kalman_;
+  FrictionFeedforward feedforward_;
+  ReversalFeedforward reversal_;
+  FrictionAdaptation adaptation_;
+  OscillationGuard guard_;
+  std::size_t whole_ = 0;  ///< of the delay, in periods
+  double rest_ = 0.0;
+  std::size_t past_ = 0;  ///< commands that somebody still asks for, beside the newest
+};
+
+}  // namespace stribeck::control
+
+template <>
+struct stribeck::EnumNames<stribeck::control::Observer> {
+  static constexpr std::array names{
+      std::pair{stribeck::control::Observer::kNone, std::string_view{"none"}},
+      std::pair{stribeck::control::Observer::kDisturbance, std::string_view{"disturbance"}},
+      std::pair{stribeck::control::Observer::kKalman, std::string_view{"kalman"}},
+      std::pair{stribeck::control::Observer::kAdaptive, std::string_view{"adaptive"}}};
+};
+
+template <>
+struct stribeck::EnumNames<stribeck::control::Feedforward> {
+  static constexpr std::array names{
+      std::pair{stribeck::control::Feedforward::kNone, std::string_view{"none"}},
+      std::pair{stribeck::control::Feedforward::kSteady, std::string_view{"steady"}},
+      std::pair{stribeck::control::Feedforward::kDynamic, std::string_view{"dynamic"}},
+      std::pair{stribeck::control::Feedforward::kReversal, std::string_view{"reversal"}}};
+};

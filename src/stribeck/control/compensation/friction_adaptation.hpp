@@ -1,0 +1,243 @@
+#pragma once
+/// On-line correction of an axis's friction model: level of both directions, viscous friction, break-away distance, mass and
+/// the term periodic in position.
+///
+///   ε = G·[ f − F(x, θ) ]             residual: what an observer G sees beyond the model driven by the measured motion [N]
+///   φ = G·∂F/∂θ                       its sensitivities, through the same G
+///   K = Pφ/(r + φᵀPφ)    θ ← θ + Kε, within bounds    P ← P − KφᵀP + P₀·T/T_m, no variance above P₀
+///
+///   θ = (ψ₊, ψ₋, χ, ρ, μ, c, s, δ): scales of level and direction, of viscous friction, of stiffness, share of mass missed, and the
+///   periodic correction c·sin + s·cos at the period of the model's first eccentric term, as shares of its amplitude, and the delay
+///   δ in periods by which the force acts later than assumed, seen by what was fed forward. f force on
+///   the axis [N], x measured. r = variance of ε times its correlation, as the residual shows it (residual_noise.hpp), at least what
+///   is assumed; P₀ what may be missed; T_m memory [s].
+///
+/// Recursive least squares as a Kalman filter: what is not excited keeps its estimate and its bound, and P cannot wind up. It is
+/// frozen at rest, where the bristles take what is left, at the drive's limit and while freeze is asked for.
+/// The model follows the measured motion here, because an axis
+/// that sticks answers any force with friction: the missing force is in where it stands. G's lag cancels.
+/// The estimate lies outside the position loop but for the feed-forward, which follows the reference: θ moves with T_m ≫ the
+/// loop's time, within bounds. What a step of θ itself puts into the feed-forward is no motion of the reference: it follows the noise
+/// of ε, and left in φ_δ it finds a delay where there is none (9 ms at noise of 19 % of the level). So it is taken out there.
+/// Source: Ljung, System Identification, 1999, ch. 11; sensitivities by differences of models that run side by side.
+/// Not modelled: shape of the curve beyond level and slope; a period that drifts.
+/// Real time: safe, about four steps of the model; the constructor configure only.
+
+#include <stribeck/control/compensation/friction_feedforward.hpp>
+#include <stribeck/control/observers/kalman_observer.hpp>
+#include <stribeck/control/observers/residual_noise.hpp>
+#include <stribeck/friction/axis_model.hpp>
+
+namespace stribeck::control {
+
+enum class Adaptation { kOff, kOn };
+
+struct AdaptationParams {
+  bool enabled = false;
+  double memory = 20.0;           ///< T_m [s]
+  double level_spread = 0.25;     ///< standard deviation of what ψ may be off
+  double viscous_spread = 0.25;   ///< of χ
+  double stiffness_spread = 0.4;  ///< of ρ
+  double mass_spread = 0.15;      ///< of μ
+  double delay_spread = 0.5;      ///< of δ [periods]
+  double noise_share = 0.03;  ///< least standard deviation of the residual, as a share of the level at rest
+  double correlation = 0.05;  ///< correlation time of the residual then [s]
+};
+
+class FrictionAdaptation {
+ public:
+  static constexpr std::size_t kCount = 8;
+  enum Index : std::size_t { kPositive, kNegative, kViscous, kStiffness, kMass, kSine, kCosine, kDelay };
+  using Vector = Vec<double, kCount>;
+
+  struct State {
+    Vector theta;           ///< deviations from 1, or from 0 for μ, c and s
+    Vector deviation;       ///< standard deviations of θ
+    double residual = 0.0;  ///< ε of the last step [N]
+    double stir = 0.0;      ///< what the last step of θ changes in the force fed forward [N]
+    ResidualNoise::State noise;
+    std::array<BristleState, 4> bristles;
+    bool started = false;
+    bool informed = false;  ///< P holds its start
+    double position = 0.0;  ///< where the axis is, within the encoder's step [m]
+    double reading = 0.0;   ///< of the encoder [m]
+    double jump = 0.0;      ///< least that the encoder has made while the axis hardly moved [m]
+    int jumps = 0;
+    KalmanObserver::State observer;
+    std::array<Vec<double, 3>, kCount> answers;
+    Mat<double, kCount> p;
+  };
+
+  FrictionAdaptation() = default;
+  /// `delay` [s]: what is assumed of it.
+  FrictionAdaptation(const AdaptationParams& params, const friction::AxisModel& model,
+                     double encoder_resolution, double delay, double period) noexcept
+      : params_(params),
+        model_(model.friction, period),
+        mass_(model.mass),
+        period_(period),
+        resolution_(encoder_resolution),
+        noise_(params.memory, period) {
+    if (!params.enabled) return;
+    const double level = model.friction.parts(0.0, 0.0).level;
+    const double noise = params.noise_share * level;
+    // The observer only has to be much faster than what it shall see: it is in no loop.
+    const double bandwidth = min_of(kBandwidth, 0.7 / period);
+    // What the encoder's rounding looks like through the observer comes on top.
+    const double rounding = model.mass * bandwidth * bandwidth / sqrt(12.0);
+    const double samples = max_of(1.0, 2.0 * params.correlation / period);
+    variance_ = noise * noise * samples;
+    rounding_ = rounding * rounding * samples;
+    observer_ = KalmanObserver(KalmanObserver::density(bandwidth, encoder_resolution, model.mass),
+                               encoder_resolution * encoder_resolution / 12.0, model.mass, period);
+    spread_ = {{params.level_spread, params.level_spread, params.viscous_spread, params.stiffness_spread,
+                params.mass_spread, 1.0, 1.0, params.delay_spread}};
+    // No force acts before it is put out.
+    bounds_[kDelay][0] = min_of(bounds_[kDelay][0], delay / period);
+    if (model.friction.eccentric.empty()) spread_[kSine] = spread_[kCosine] = 0.0;
+    if (std::holds_alternative<friction::Static>(model.friction.dynamics)) spread_[kStiffness] = 0.0;
+  }
+
+  /// One period: force [N] that acted on the axis over it, encoder position now [m], velocity [m/s] and acceleration [m/s²] of the
+  /// reference in the middle of it. `learn` is false where the force is not what drove the axis.
+  /// `change` is that of what was fed forward, over the period, but for what steps of θ changed in it [N].
+  void step(State& s, double force, double change, double position, double v, double acceleration,
+            bool learn) const noexcept {
+    if (!params_.enabled) return;
+    s.stir = 0.0;
+    if (!s.informed) {
+      s.informed = true;
+      s.position = s.reading = position;
+      for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
+      s.deviation = spread_;
+      return;
+    }
+    // Somewhere within the encoder's step: as far as the reference went, unless the encoder says otherwise. Its own steps would
+    // make bristles creep.
+    const double resolution = resolution_of(s, position, v);
+    const double before = s.position;
+    s.position = clamp_to(before + period_ * v, position - 0.5 * resolution, position + 0.5 * resolution);
+    const double travel = s.position - before;
+    constexpr double kStep = 1e-3;
+    std::array<FrictionScales, 4> scales;
+    scales.fill(this->scales(s));
+    scales[1].positive += kStep;
+    scales[2].negative += kStep;
+    scales[3].stiffness += kStep;
+    const auto f = model_.follow(s.bristles.data(), scales.data(), 4, s.started, travel, v, position);
+    Vector phi;
+    phi[kPositive] = (f[1].bristle - f[0].bristle) / kStep;
+    phi[kNegative] = (f[2].bristle - f[0].bristle) / kStep;
+    phi[kViscous] = f[0].viscous / scales[0].viscous;
+    phi[kStiffness] = (f[3].bristle - f[0].bristle) / kStep;
+    phi[kMass] = mass_ * acceleration;
+    const auto wave = periodic(position - 0.5 * travel);
+    phi[kSine] = wave[0];
+    phi[kCosine] = wave[1];
+    phi[kDelay] = change;
+    const double model = f[0].sum() + s.theta[kMass] * phi[kMass] + s.theta[kSine] * wave[0] +
+                         s.theta[kCosine] * wave[1] + s.theta[kDelay] * phi[kDelay];
+    s.residual = observer_.step(s.observer, force - model, s.position);
+    const Vector force_of = phi;
+    for (std::size_t i = 0; i < kCount; ++i) phi[i] = observer_.answer(s.answers[i], phi[i]);
+    if (v == 0.0) settle(s, position, scales);
+    if (!learn || v == 0.0) return;
+    // P·φ and the gain
+    Vector pf;
+    for (std::size_t i = 0; i < kCount; ++i) pf[i] = dot(s.p[i], phi);
+    const double owed = max_of(dot(phi, pf), 0.0);
+    const double least = variance_ + rounding_ * resolution * resolution;
+    const double sum = noise_.step(s.noise, s.residual, owed, least) + owed;
+    const double share = s.residual / sum;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const double last = s.theta[i];
+      s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
+      s.stir += (s.theta[i] - last) * force_of[i];
+      for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
+    }
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const double most = spread_[i] * spread_[i];
+      s.p[i][i] += most * period_ / params_.memory;
+      if (s.p[i][i] > most) {
+        // Scaled with its row and column, so that P stays positive.
+        const double shrink = sqrt(most / s.p[i][i]);
+        for (std::size_t k = 0; k < kCount; ++k) {
+          s.p[i][k] *= shrink;
+          s.p[k][i] *= shrink;
+        }
+      }
+      s.deviation[i] = sqrt(max_of(s.p[i][i], 0.0));
+    }
+  }
+
+  [[nodiscard]] FrictionScales scales(const State& s) const noexcept {
+    return {1.0 + s.theta[kPositive], 1.0 + s.theta[kNegative], 1.0 + s.theta[kViscous],
+            1.0 + s.theta[kStiffness]};
+  }
+  /// What to add to the force for the mass and the periodic term [N], for a reference there and with that acceleration.
+  [[nodiscard]] double extra(const State& s, double position, double acceleration) const noexcept {
+    const auto wave = periodic(position);
+    return s.theta[kMass] * mass_ * acceleration + s.theta[kSine] * wave[0] + s.theta[kCosine] * wave[1];
+  }
+  /// By how much more the force acts late than assumed [s].
+  [[nodiscard]] double delay(const State& s) const noexcept { return s.theta[kDelay] * period_; }
+  /// Takes back half of what was learned.
+  void halve(State& s) const noexcept { s.theta = 0.5 * s.theta; }
+
+  [[nodiscard]] bool enabled() const noexcept { return params_.enabled; }
+
+ private:
+  /// At rest friction holds whatever the axis is left with. What the observer sees of that goes into the bristles, or the next start
+  /// would take it for friction that has changed.
+  void settle(State& s, double position, const std::array<FrictionScales, 4>& scales) const noexcept {
+    const double share = period_ / (period_ + kSettle);
+    for (std::size_t i = 0; i < scales.size(); ++i)
+      model_.shift(s.bristles[i], share * s.residual, position, scales[i]);
+  }
+  static constexpr double kSettle = 0.1;  ///< time constant of that [s]
+
+  [[nodiscard]] std::array<double, 2> periodic(double x) const noexcept {
+    const auto& terms = model_.model().eccentric;
+    if (terms.empty()) return {};
+    const double angle = 2.0 * kPi * x / terms[0].period - terms[0].phase;
+    return {terms[0].amplitude * sin(angle), terms[0].amplitude * cos(angle)};
+  }
+
+  /// Step of the encoder: as declared, or coarser if it jumps farther than that while the axis hardly moves [m].
+  double resolution_of(State& s, double reading, double v) const noexcept {
+    const double jump = abs(reading - s.reading);
+    s.reading = reading;
+    // A part of the declared step is rounding of the numbers themselves.
+    if (jump > 0.5 * resolution_ && jump > 2.0 * abs(v) * period_) {
+      s.jump = s.jumps == 0 ? jump : min_of(s.jump, jump);
+      if (s.jumps < kEnough) ++s.jumps;
+    }
+    return s.jumps < kEnough ? resolution_ : max_of(resolution_, s.jump);
+  }
+  static constexpr int kEnough = 2;
+
+  static constexpr double kBandwidth = 140.0;  ///< of the observer G [1/s]
+  /// How far θ may go, downwards and upwards.
+  static constexpr std::array<std::array<double, 2>, kCount> kBounds{
+      {{0.6, 1.0}, {0.6, 1.0}, {0.9, 1.0}, {0.7, 2.0}, {0.4, 0.4}, {2.0, 2.0}, {2.0, 2.0}, {1.0, 2.0}}};
+
+  AdaptationParams params_;
+  FrictionFeedforward model_;
+  KalmanObserver observer_;
+  Vector spread_;
+  std::array<std::array<double, 2>, kCount> bounds_ = kBounds;
+  double mass_ = 1.0;
+  double period_ = 1e-3;
+  double resolution_ = 0.0;
+  ResidualNoise noise_;
+  double variance_ = 1.0;  ///< least r [N²]
+  double rounding_ = 0.0;  ///< variance over square of the encoder's step [N²/m²]
+};
+
+}  // namespace stribeck::control
+
+template <>
+struct stribeck::EnumNames<stribeck::control::Adaptation> {
+  static constexpr std::array names{std::pair{stribeck::control::Adaptation::kOff, std::string_view{"off"}},
+                                    std::pair{stribeck::control::Adaptation::kOn, std::string_view{"on"}}};
+};

@@ -1,0 +1,220 @@
+#pragma once
+/// Friction of one axis ahead of its motion: the identified model, pre-sliding and all, driven by the reference.
+///
+///   F̄ = (1/T)·∫ F(r(τ)) dτ over the coming hold,   F = bristle + χ·viscous(ṙ) + additive(r)
+///   LuGre   bristle = σ0·z + σ1·ż,   ż = ṙ − σ0|ṙ|z/g        GMS   bristle = Σ F_i        static   bristle = g·sgn ṙ
+///
+///   Adaptation scales what was identified: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ. The
+///   break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher is the same bristle in a motion ρ times as fast.
+///
+/// Because the bristle follows the reference, not the encoder, the force cannot chatter, nor close a loop: it is as stable as the
+/// reference. Its state goes on through partial reversals, short moves and dwell, where it holds. It begins relaxed at rest, and
+/// fully deflected in motion. A static model switches within a hold and gets its mean. What lies ahead is foreseen anew each period
+/// from where the reference is: a step of acceleration that nobody could know leaves no trace in the bristle.
+/// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
+/// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
+/// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
+/// Real time: safe; three evaluations of the map and four exponentials for each step, one of each more for a turn and for each period
+/// of delay begun (two where it turns there), at most ten periods; the constructor configure only.
+
+#include <stribeck/control/compensation/motion_ahead.hpp>
+#include <stribeck/friction/model.hpp>
+
+namespace stribeck::control {
+
+/// What adaptation says of an axis, as shares of the identified model.
+struct FrictionScales {
+  double positive = 1.0;   ///< ψ₊, of the level for ṙ > 0
+  double negative = 1.0;   ///< ψ₋, of the level for ṙ < 0
+  double viscous = 1.0;    ///< χ
+  double stiffness = 1.0;  ///< ρ
+
+  [[nodiscard]] constexpr double level(double v) const noexcept { return v < 0.0 ? negative : positive; }
+};
+
+/// Bristles of any dynamics, with the steady map given at every step.
+struct BristleState {
+  double z = 0.0;  ///< LuGre [m]
+  friction::Gms<double>::State gms;
+};
+
+class FrictionFeedforward {
+ public:
+  struct State {
+    BristleState bristle;   ///< where the reference is now
+    double position = 0.0;  ///< of the reference [m]
+    double velocity = 0.0;  ///< [m/s]
+    bool started = false;
+  };
+
+  /// Mean over the hold, in parts [N].
+  struct Force {
+    double bristle = 0.0;
+    double viscous = 0.0;
+    double additive = 0.0;
+    [[nodiscard]] double sum() const noexcept { return bristle + viscous + additive; }
+  };
+
+  FrictionFeedforward() = default;
+  FrictionFeedforward(const friction::Model& model, double period) noexcept
+      : model_(model), period_(period) {}
+
+  /// One period: the reference at the sample, and how much later the hold begins [s].
+  Force step(State& s, const MotionAhead& r, double delay = 0.0,
+             const FrictionScales& scales = {}) const noexcept {
+    if (s.started) {
+      follow(s.bristle, {s.position, s.velocity}, {r.position, r.velocity}, period_, scales);
+    } else {
+      s.started = true;
+      start(s.bristle, model_.parts(r.velocity, r.position), r.velocity, scales);
+    }
+    s.position = r.position;
+    s.velocity = r.velocity;
+
+    BristleState ahead = s.bristle;
+    for (double t = 0.0; t < delay; t += period_) {
+      const double dt = min_of(period_, delay - t);
+      follow(ahead, at(r, t), at(r, t + dt), dt, scales);
+    }
+    constexpr int kParts = 2;
+    const double h = period_ / kParts;
+    Force mean;
+    for (int part = 0; part < kParts; ++part) {
+      const double middle = delay + (part + 0.5) * h;
+      const double v = r.velocity_at(middle);
+      auto p = model_.parts(v, r.position_at(middle));
+      p.level *= scales.level(v);
+      const double early = r.velocity_at(middle - 0.25 * h);
+      const double late = r.velocity_at(middle + 0.25 * h);
+      mean.bristle += advance(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
+      if (part + 1 < kParts) advance(ahead, p, late, v, 0.5 * h, scales.stiffness);
+      mean.viscous += scales.viscous * p.viscous / kParts;
+      mean.additive += p.additive / kParts;
+    }
+    return mean;
+  }
+
+  /// Mean force over the last hold, in which the axis moved by `travel` [m] to where it is now, for several sets of scales. Level
+  /// and viscous friction are taken at velocity v [m/s]: the reference's, which does not tremble.
+  std::array<Force, 4> follow(BristleState* bristles, const FrictionScales* scales, std::size_t count,
+                              bool& started, double travel, double v, double x) const noexcept {
+    std::array<Force, 4> force{};
+    auto p = model_.parts(v, x - 0.5 * travel);
+    if (!started) {
+      started = true;
+      for (std::size_t i = 0; i < count; ++i) start(bristles[i], p, v, scales[i]);
+    }
+    const double level = p.level;
+    const double moved = travel / period_;
+    for (std::size_t i = 0; i < count; ++i) {
+      p.level = level * scales[i].level(v);
+      force[i] = {advance(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness),
+                  scales[i].viscous * p.viscous, p.additive};
+      advance(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness);
+    }
+    return force;
+  }
+
+  /// Shifts the force of the bristle by up to `force` [N], within the level of friction; returns what it took. Used at rest, where
+  /// an observer sees what friction really holds.
+  double shift(BristleState& b, double force, double position, const FrictionScales& scales) const noexcept {
+    const double level = model_.parts(0.0, position).level * min_of(scales.positive, scales.negative);
+    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
+      const double now = lugre->sigma0 * b.z;
+      const double then = clamp_to(now + force, -level, level);
+      b.z = then / lugre->sigma0;
+      return then - now;
+    }
+    if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
+      double moved = 0.0;
+      for (std::size_t i = 0; i < gms->elements.size(); ++i) {
+        const double share = gms->elements[i].share;
+        const double then = clamp_to(b.gms.force[i] + share * force, -share * level, share * level);
+        moved += then - b.gms.force[i];
+        b.gms.force[i] = then;
+        b.gms.slipping[i] = 0.0;
+      }
+      return moved;
+    }
+    return 0.0;
+  }
+
+  [[nodiscard]] const friction::Model& model() const noexcept { return model_; }
+
+ private:
+  void start(BristleState& b, const friction::SteadyParts<double>& p, double v,
+             const FrictionScales& scales) const noexcept {
+    b = {};
+    if (v == 0.0) return;
+    const double level = p.level * scales.level(v) * sign(v);
+    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
+      b.z = level / lugre->sigma0;
+    } else if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
+      for (std::size_t i = 0; i < gms->elements.size(); ++i) {
+        b.gms.force[i] = gms->elements[i].share * level;
+        b.gms.slipping[i] = 1.0;
+      }
+    }
+  }
+
+  struct Point {
+    double position = 0.0;
+    double velocity = 0.0;
+  };
+  static Point at(const MotionAhead& r, double t) noexcept { return {r.position_at(t), r.velocity_at(t)}; }
+
+  /// Takes a bristle from one point of the reference to another, dt later; a turn between them lies where a velocity that changes
+  /// evenly puts it.
+  void follow(BristleState& b, const Point& from, const Point& to, double dt,
+              const FrictionScales& scales) const noexcept {
+    Point begin = from;
+    if (from.velocity * to.velocity < 0.0) {
+      const double t = dt * from.velocity / (from.velocity - to.velocity);
+      const Point turn{from.position + 0.5 * t * from.velocity, 0.0};
+      if ((to.position - turn.position) * to.velocity > 0.0) {
+        along(b, begin, turn, t, scales);
+        begin = turn;
+        dt -= t;
+      }
+    }
+    along(b, begin, to, dt, scales);
+  }
+  void along(BristleState& b, const Point& from, const Point& to, double dt,
+             const FrictionScales& scales) const noexcept {
+    if (!(dt > 0.0)) return;
+    const double v = 0.5 * (from.velocity + to.velocity);
+    auto p = model_.parts(v, 0.5 * (from.position + to.position));
+    p.level *= scales.level(v);
+    const double moved = (to.position - from.position) / dt;
+    advance(b, p, moved, moved, dt, scales.stiffness);
+  }
+
+  /// Steady parts that are held, as a map.
+  struct Held {
+    friction::SteadyParts<double> p;
+    [[nodiscard]] friction::SteadyParts<double> parts(double, double) const noexcept { return p; }
+  };
+
+  /// Moves a bristle on by dt at velocity v; returns its force at the end, with the damping of velocity v_end.
+  double advance(BristleState& b, const friction::SteadyParts<double>& p, double v, double v_end, double dt,
+                 double stiffness) const noexcept {
+    const double scaled = stiffness * v;
+    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
+      const double y = lugre->sigma0 * abs(scaled) / p.level * dt;
+      b.z = exp(-y) * b.z + scaled * dt * friction::hold_gain(y);
+      const double rate = lugre->rate(b.z, stiffness * v_end, p) / stiffness;
+      return lugre->sigma0 * b.z + lugre->damping(v_end) * rate;
+    }
+    if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
+      const Held level{{p.level, 0.0, 0.0}};
+      const double force = gms->step(level, b.gms, scaled, 0.0, dt);
+      return force - gms->damping(scaled) * scaled + gms->damping(v_end) * v_end;
+    }
+    return p.level * sign(v_end);
+  }
+
+  friction::Model model_;
+  double period_ = 1e-3;
+};
+
+}  // namespace stribeck::control

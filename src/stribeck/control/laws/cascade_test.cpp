@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/control/laws/cascade.hpp>
+#include <stribeck/control/laws/pid.hpp>
+#include <stribeck/control/laws/test_laws.hpp>
+
+namespace stribeck::control {
+namespace {
+
+/// Runs a mass along 10 sin 2t mm and returns the errors.
+template <class Params>
+std::array<double, 400> sine_errors(const Params& params, double period) {
+  using Law = typename Params::template Controller<1>;
+  const Law law(params, test::masses<1>(period));
+  typename Law::State s;
+  test::Mass mass{0.0, 18e-3};  // 2 mm/s slower than the reference
+  std::array<double, 400> errors{};
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    const double t = static_cast<double>(k) * period;
+    path::PathPoint<1> r;
+    r.position = {{10e-3 * std::sin(2 * t)}};
+    r.velocity = {{20e-3 * std::cos(2 * t)}};
+    r.acceleration = {{-40e-3 * std::sin(2 * t)}};
+    errors[k] = mass.x - r.position[0];
+    mass.move(law.step(s, r, {{mass.x}})[0], period);
+  }
+  return errors;
+}
+
+TEST(Cascade, WithFullFeedforwardItIsThePidOfItsHeader) {
+  CascadeParams c;
+  PidParams p;
+  p.kp = {80.0 * (20.0 + 10.0)};
+  p.ki = {80.0 * 20.0 * 10.0};
+  p.kv = {80.0};
+  const auto a = sine_errors(c, 5e-3);
+  const auto b = sine_errors(p, 5e-3);
+  // Its integral holds e itself where the PID has the difference: the same but for rounding.
+  for (std::size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k], b[k], 1e-13) << k;
+}
+
+TEST(Cascade, WithoutVelocityFeedforwardItStaysSpeedOverKvBehind) {
+  CascadeParams c;
+  c.velocity_feedforward = 0.0;
+  constexpr double kPeriod = 1e-3;
+  const Cascade<1> law(c, test::masses<1>(kPeriod));
+  Cascade<1>::State s;
+  test::Mass mass;
+  path::PathPoint<1> r;
+  r.velocity = {{9.5e-3}};
+  for (int k = 0; k < 3000; ++k) {
+    mass.move(law.step(s, r, {{mass.x}})[0], kPeriod);
+    r.position[0] += kPeriod * r.velocity[0];
+  }
+  EXPECT_NEAR(mass.x - r.position[0], -9.5e-3 / 20.0, 1e-9);
+}
+
+TEST(Cascade, AnswersADisturbanceAsItsPolesSay) {
+  // s³ + 60 s² + 960 s + 3600; the step answer 1/((s − s1)(s − s2)(s − s3)) by partial fractions.
+  CascadeParams c;
+  c.position_gain = {10.0};
+  c.velocity_gain = {60.0};
+  c.integral_time = {1.0 / 6.0};
+  // Roots of the cubic, from numpy.roots([1, 60, 960, 3600]).
+  constexpr std::array<double, 3> kRoots{-36.2662472, -18.31334066, -5.42041214};
+  constexpr double kPeriod = 1e-5;
+  test::Disturbed<CascadeParams> loop(c, kPeriod, 100.0);
+  for (int k = 1; k <= 40; ++k) {
+    const double t = 0.01 * k;
+    double answer = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double product = 1.0;
+      for (std::size_t j = 0; j < 3; ++j) product *= i == j ? 1.0 : kRoots[i] - kRoots[j];
+      answer += std::exp(kRoots[i] * t) / product;
+    }
+    EXPECT_NEAR(loop.error_after(1000), -100.0 / test::kMass * answer, 2e-6) << t;
+  }
+}
+
+TEST(Cascade, RouthNamesTheBorderAndTheSampledOneLiesWithin) {
+  CascadeParams c;
+  c.position_gain = {200.0};
+  c.integral_time = {0.02};
+  c.velocity_gain = {200.0 / (1.0 + 200.0 * 0.02) * 1.01};
+  EXPECT_TRUE(c.stable());
+  EXPECT_FALSE(c.stable(1e-3));
+  EXPECT_FALSE(test::dies_out(c, 1e-3));
+  c.velocity_gain = {200.0 / (1.0 + 200.0 * 0.02) * 0.99};
+  EXPECT_FALSE(c.stable());
+  c.velocity_gain = {200.0};
+  EXPECT_TRUE(c.stable(1e-3));
+  EXPECT_TRUE(test::dies_out(c, 1e-3));
+}
+
+TEST(Cascade, StabilityIsWhereTheSampledLoopDiesOut) {
+  for (const double period : {1e-3, 5e-3}) {
+    CascadeParams c;
+    c.integral_time = {0.03};
+    double below = 20.0;
+    double above = 4.0 / period;
+    for (int k = 0; k < 40; ++k) {
+      c.velocity_gain = {0.5 * (below + above)};
+      (c.stable(period) ? below : above) = c.velocity_gain[0];
+    }
+    c.velocity_gain = {0.99 * below};
+    EXPECT_TRUE(test::dies_out(c, period)) << period;
+    c.velocity_gain = {1.01 * below};
+    EXPECT_FALSE(test::dies_out(c, period)) << period;
+  }
+}
+
+TEST(Cascade, DefaultsAreStableOnTheVirtualMachines) {
+  EXPECT_TRUE(CascadeParams{}.stable());
+  for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(CascadeParams{}.stable(period));
+}
+
+TEST(Cascade, ItsIntegralStaysWithinTheForceLimit) {
+  test::Disturbed<CascadeParams> loop({}, 1e-3, 150.0, 100.0);
+  loop.error_after(300);
+  EXPECT_LE(std::abs(loop.state.integral[0]) * 800.0 * test::kMass, 100.0 * (1.0 + 1e-12));
+}
+
+TEST(Cascade, KeepsWhatEveryLawKeeps) {
+  test::expect_nan_answered(CascadeParams{});
+  test::expect_limits_kept(CascadeParams{});
+  test::expect_mirrored(CascadeParams{});
+  for (const double period : {1e-3, 5e-3})
+    EXPECT_LT(test::worst_error_under_known_friction(CascadeParams{}, period), 1e-12);
+}
+
+}  // namespace
+}  // namespace stribeck::control

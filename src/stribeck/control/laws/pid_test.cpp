@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/control/laws/pid.hpp>
+#include <stribeck/control/laws/test_laws.hpp>
+
+namespace stribeck::control {
+namespace {
+
+TEST(Pid, AnswersADisturbanceAsItsTriplePoleSays) {
+  // e(s) = −(d/m)/s · s/(s + w)³:  e(t) = −(d/m)·t²/2·exp(−w t). A period of 10 us is off by 0.1 % of the peak.
+  constexpr double kPeriod = 1e-5;
+  constexpr double kForce = 100.0;
+  constexpr double kOmega = 30.0;
+  test::Disturbed<PidParams> loop(PidParams::triple(kOmega), kPeriod, kForce);
+  const double peak = kForce / test::kMass * 2.0 / (kOmega * kOmega) * std::exp(-2.0);
+  for (int k = 1; k <= 40; ++k) {
+    const double t = 0.01 * k;
+    const double e = loop.error_after(1000);
+    EXPECT_NEAR(e, -kForce / test::kMass * 0.5 * t * t * std::exp(-kOmega * t), 1e-3 * peak) << t;
+  }
+}
+
+TEST(Pid, LeavesNoErrorUnderAConstantDisturbanceWherePdDoes) {
+  PidParams pd;
+  pd.ki = {0.0};
+  EXPECT_NEAR(test::Disturbed<PidParams>(pd, 1e-3, 100.0).error_after(2000), -100.0 / test::kMass / 2700.0,
+              1e-12);
+  EXPECT_NEAR(test::Disturbed<PidParams>({}, 1e-3, 100.0).error_after(2000), 0.0, 1e-12);
+}
+
+TEST(Pid, StabilityIsWhereTheSampledLoopDiesOut) {
+  // Near Routh's border k_i = k_p k_v = 243000 for a short period, elsewhere for a long one.
+  for (const double period : {1e-4, 1e-3, 5e-3, 10e-3}) {
+    PidParams p;
+    double below = 0.0;
+    double above = 2e6;
+    for (int k = 0; k < 40; ++k) {
+      p.ki = {0.5 * (below + above)};
+      (p.stable(period) ? below : above) = p.ki[0];
+    }
+    p.ki = {0.97 * below};
+    EXPECT_TRUE(test::dies_out(p, period)) << period;
+    p.ki = {1.03 * below};
+    EXPECT_FALSE(test::dies_out(p, period)) << period;
+    if (period == 1e-4) {
+      EXPECT_NEAR(below, 243e3, 0.01 * 243e3);
+    }
+  }
+}
+
+TEST(Pid, RouthNamesTheBorder) {
+  PidParams p;
+  p.ki = {2700.0 * 90.0 * 0.999};
+  EXPECT_TRUE(p.stable());
+  p.ki = {2700.0 * 90.0 * 1.001};
+  EXPECT_FALSE(p.stable());
+  p.ki = {27000.0, 300e3};  // the second axis
+  EXPECT_FALSE(p.stable());
+}
+
+TEST(Pid, DefaultsAreStableOnTheVirtualMachines) {
+  for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(PidParams{}.stable(period));
+  EXPECT_FALSE(PidParams::triple(60.0).stable(20e-3));
+}
+
+TEST(Pid, DoesNotWindUp) {
+  // Pushed by more than the drive can give for half a second, then let go: without the limits of the integral it would
+  // overshoot by centimetres. The mass comes back from where it was pushed and overshoots by less than a quarter of that.
+  constexpr double kPeriod = 1e-3;
+  auto setup = test::masses<1>(kPeriod);
+  setup.force_limit = {{100.0}};
+  const Pid<1> law({}, setup);
+  Pid<1>::State s;
+  test::Mass mass;
+  double lowest = 0.0;
+  double highest = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    const double force = law.step(s, {}, {{mass.x}})[0];
+    mass.move(force - (k < 200 ? 150.0 : 0.0), kPeriod);
+    lowest = std::min(lowest, mass.x);
+    highest = std::max(highest, mass.x);
+    ASSERT_LE(2700.0 * 10.0 * std::abs(s.integral[0]) * test::kMass, 100.0 * (1.0 + 1e-12));
+  }
+  EXPECT_LT(lowest, -10e-3);
+  EXPECT_LT(highest, 0.5 * -lowest);
+  EXPECT_NEAR(mass.x, 0.0, 1e-6);
+}
+
+TEST(Pid, TheIntegralStandsStillOnlyWhileItWouldDriveALimitedForceFurther) {
+  auto setup = test::masses<1>(1e-3);
+  setup.force_limit = {{100.0}};
+  const Pid<1> law({}, setup);
+  path::PathPoint<1> up;
+  up.acceleration = {{1000.0}};
+  path::PathPoint<1> down;
+  down.acceleration = {{-1000.0}};
+  Pid<1>::State s;
+  for (const double side : {1e-6, -1e-6}) {
+    const double before = s.integral[0];
+    law.step(s, side > 0.0 ? down : up, {{side}});  // limited, and the error asks for more of it
+    EXPECT_EQ(s.integral[0], before);
+    law.step(s, side > 0.0 ? up : down, {{side}});  // limited, and the error asks for less
+    EXPECT_NEAR(s.integral[0], before + 1e-3 * side, 1e-20);
+  }
+}
+
+TEST(Pid, KeepsWhatEveryLawKeeps) {
+  test::expect_nan_answered(PidParams{});
+  test::expect_limits_kept(PidParams{});
+  test::expect_mirrored(PidParams{});
+  for (const double period : {1e-3, 5e-3})
+    EXPECT_LT(test::worst_error_under_known_friction(PidParams{}, period), 1e-12);
+}
+
+}  // namespace
+}  // namespace stribeck::control

@@ -1,0 +1,320 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stribeck/ident/bristle/bristle_path.hpp>
+#include <stribeck/ident/log/filter.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+/// In break-away distances. LuGre has forgotten all but e^-12 of a reversal after the first.
+constexpr double kForgotten = 12.0;
+constexpr double kNear = 8.0;
+constexpr double kTurning = 5.0;
+constexpr double kStep = 0.1;
+constexpr std::size_t kMostSteps = 8;
+/// Noise of D²x allowed after the window, as a share of the swing of friction.
+constexpr double kNoiseShare = 0.01;
+constexpr int kWidestBox = 20;
+constexpr double kLoading = 0.3;
+/// Relative change of the level within a break-away distance that a bristle follows at once.
+constexpr double kSteady = 1e-3;
+constexpr double kSlowest = 1e-9;  ///< [m/s] at rest, but on one side of it
+
+std::vector<double> smooth(const std::vector<double>& x, const std::vector<double>& weights) {
+  const std::size_t half = weights.size() / 2;
+  std::vector<double> y(x);
+  for (std::size_t k = half; half > 0 && k + half < x.size(); ++k) {
+    double sum = weights[half] * x[k];
+    for (std::size_t i = 1; i <= half; ++i) sum += weights[half + i] * (x[k - i] + x[k + i]);
+    y[k] = sum;
+  }
+  return y;
+}
+
+/// Second derivatives times T²/6 of the natural cubic spline through x.
+std::vector<double> spline(const std::vector<double>& x) {
+  const std::size_t n = x.size();
+  std::vector<double> m(n, 0.0);
+  std::vector<double> diagonal(n, 4.0);
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    m[k] = (x[k + 1] - x[k]) - (x[k] - x[k - 1]);
+    if (k > 1) {
+      diagonal[k] -= 1.0 / diagonal[k - 1];
+      m[k] -= m[k - 1] / diagonal[k - 1];
+    }
+  }
+  for (std::size_t k = n - 1; k-- > 1;) m[k] = (m[k] - m[k + 1]) / diagonal[k];
+  return m;
+}
+
+/// Position less that of the tick before, a share s of a sample after it.
+double along(const std::vector<double>& x, const std::vector<double>& m, std::size_t k, double s) {
+  const double r = 1.0 - s;
+  return s * (x[k + 1] - x[k]) + (r * r * r - r) * m[k] + (s * s * s - s) * m[k + 1];
+}
+
+struct Span {
+  std::size_t begin;
+  std::size_t end;  ///< last tick
+};
+
+}  // namespace
+
+void filter_like(const BristlePath& path, bool white, std::size_t n, const double* column, double* out,
+                 std::vector<double>& work) {
+  const auto j = static_cast<std::size_t>(path.window);
+  work.assign(column, column + n);
+  for (int pass = 0; j > 0 && pass < 3; ++pass) {
+    const double scale = 1.0 / static_cast<double>(2 * j + 1);
+    double sum = 0.0;
+    // Row k of the last pass stands j rows later, so that nothing has to be moved.
+    for (std::size_t k = 0; k < n; ++k) {
+      sum += work[k];
+      if (k > 2 * j) sum -= out[k - 2 * j - 1];
+      out[k] = work[k];
+      work[k] = sum * scale;
+    }
+  }
+  for (std::size_t k = 0; k + 3 * j < n; ++k) out[k] = work[k + 3 * j];
+  if (!white || path.whitening.empty()) return;
+  std::copy(out, out + n, work.begin());
+  const std::size_t p = path.whitening.size();
+  for (std::size_t k = p; k < n; ++k) {
+    for (std::size_t l = 1; l <= p; ++l) out[k] += path.whitening[l - 1] * work[k - l];
+  }
+}
+
+std::vector<double> whitening_of(const BristlePath& path, const double* e) {
+  std::array<double, kMostWhitening + 1> gamma{};
+  std::array<double, kMostWhitening + 1> pairs{};
+  for (std::size_t k = 0; k < path.rows.size(); ++k) {
+    for (std::size_t l = 0; l <= std::min(k, kMostWhitening); ++l) {
+      const PathRow& a = path.rows[k];
+      const PathRow& b = path.rows[k - l];
+      if (a.record != b.record || a.at - b.at != l) break;
+      gamma[l] += e[k] * e[k - l];
+      pairs[l] += 1.0;
+    }
+  }
+  std::vector<double> c;
+  if (!(gamma[0] > 0.0)) return c;
+  for (std::size_t l = 0; l <= kMostWhitening; ++l) gamma[l] /= std::max(pairs[l], 1.0);
+  // Levinson's recursion; the load keeps what the window has taken out from being blown up again.
+  double error = gamma[0] * (1.0 + kLoading);
+  for (std::size_t p = 1; p <= kMostWhitening; ++p) {
+    double sum = gamma[p];
+    for (std::size_t l = 1; l < p; ++l) sum += c[l - 1] * gamma[p - l];
+    const double k = -sum / error;
+    if (!(std::abs(k) < 1.0)) break;
+    std::vector<double> next(c);
+    next.push_back(k);
+    for (std::size_t l = 1; l < p; ++l) next[l - 1] += k * c[p - l - 1];
+    c = std::move(next);
+    error *= 1.0 - k * k;
+  }
+  return c;
+}
+
+BristlePath cut_path(const std::vector<Record>& records, const BristleData& data,
+                     const friction::AxisModel& known, const CutOptions& options) {
+  const double break_away = options.break_away;
+  BristlePath path;
+  const double T0 = records.front().sample_time;
+  const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
+  do {
+    if (known.mass * data.noise * std::sqrt(second_difference_variance(box_weights(path.window))) /
+            (T0 * T0) <=
+        allowed)
+      break;
+  } while (++path.window <= kWidestBox);
+  path.window = std::min(path.window, kWidestBox);
+  const std::size_t half = 3 * static_cast<std::size_t>(path.window) + kMostWhitening;
+  const std::vector<double> calm = box_weights(path.window / 2);
+
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
+    const Motion& motion = data.motion[r];
+    const double T = record.sample_time;
+    const std::size_t n = record.x.size();
+    if (n < 2 * half + 4 || motion.reversals.empty()) continue;
+
+    std::vector<double> x = record.x;
+    if (calm.size() > 1) {
+      const std::vector<double> once = smooth(x, calm);
+      const std::vector<double> twice = smooth(once, calm);
+      for (std::size_t k = 0; k < n; ++k) x[k] = 2.0 * once[k] - twice[k];
+    }
+    const std::vector<double> m = spline(x);
+    const std::vector<double> force = align_force(record.f, options.shift);
+
+    // Way to the end of the stretch that a row lies in.
+    std::vector<double> ahead(n, 0.0);
+    for (std::size_t k = n - 1; k-- > 0;) {
+      ahead[k] = motion.stretch[k] == motion.stretch[k + 1]
+                     ? ahead[k + 1] + motion.direction[k] * (record.x[k + 1] - record.x[k])
+                     : 0.0;
+    }
+    const auto last_stretch = [&](std::size_t k) {
+      return motion.stretch[k] + 1 == static_cast<int>(motion.reversals.size());
+    };
+    const auto free_of_turns = [&](std::size_t k) {
+      return motion.distance[k] >= kForgotten * break_away &&
+             (last_stretch(k) || ahead[k] >= kForgotten * break_away);
+    };
+    const auto first_turn = motion.reversals.front();
+    std::vector<char> wanted(n, 0);
+    for (std::size_t k = half + 1; k + half + 1 < n; ++k) {
+      const bool after = k >= first_turn && motion.distance[k] <= kNear * break_away;
+      const bool before = !last_stretch(k) && ahead[k] <= kNear * break_away;
+      wanted[k] = options.whole || after || before ? 1 : 0;
+    }
+    std::vector<Span> spans;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (wanted[k] == 0) continue;
+      std::size_t begin = k - half - 1;
+      while (begin > 0 && !free_of_turns(begin)) --begin;
+      const std::size_t end = k + half + 1;
+      if (!spans.empty() && begin <= spans.back().end) {
+        spans.back().begin = std::min(spans.back().begin, begin);
+        spans.back().end = end;
+      } else {
+        spans.push_back({begin, end});
+      }
+    }
+    for (std::size_t i = spans.size(); i-- > 1;) {
+      if (spans[i].begin > spans[i - 1].end) continue;
+      spans[i - 1].begin = std::min(spans[i - 1].begin, spans[i].begin);
+      spans[i - 1].end = spans[i].end;
+      spans.erase(spans.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+
+    double direction = 1.0;
+    for (const Span& span : spans) {
+      PathPiece piece;
+      piece.record = static_cast<int>(r);
+      piece.begin = span.begin;
+      piece.unknown_start = !free_of_turns(span.begin);
+      if (piece.unknown_start) ++path.starts;
+      const std::size_t ticks = span.end - span.begin + 1;
+      piece.acceleration.assign(ticks, 0.0);
+      piece.force.assign(ticks, 0.0);
+      piece.given.assign(ticks, 0.0);
+      piece.speed.assign(ticks, 0.0);
+      direction = motion.direction[span.begin];
+      const auto mean_level = [&](std::size_t k) {
+        const double speed = std::max(motion.direction[k] * (x[k + 1] - x[k]) / T, kSlowest);
+        return known.friction.parts(motion.direction[k] * speed, x[k]).level;
+      };
+      for (std::size_t i = 0; i + 1 < ticks; ++i) {
+        const std::size_t k = span.begin + i;
+        PathSample sample;
+        sample.first = path.steps.size();
+        sample.settled = free_of_turns(k) && free_of_turns(k + 1);
+        if (options.whole && sample.settled && k + 2 < n) {
+          const double here = mean_level(k);
+          sample.settled =
+              std::abs(mean_level(k + 1) - here) * break_away <= kSteady * here * std::abs(x[k + 1] - x[k]);
+        }
+        const double way =
+            std::abs(x[k + 1] - x[k]) + std::abs(along(x, m, k, 0.5) - 0.5 * (x[k + 1] - x[k]));
+        sample.count = sample.settled ? 1
+                                      : std::clamp<std::size_t>(
+                                            static_cast<std::size_t>(std::ceil(way / (kStep * break_away))),
+                                            1, kMostSteps);
+        double before = 0.0;
+        for (std::size_t s = 0; s < sample.count; ++s) {
+          const double from = static_cast<double>(s) / static_cast<double>(sample.count);
+          const double to = static_cast<double>(s + 1) / static_cast<double>(sample.count);
+          PathStep step;
+          const double after = along(x, m, k, to);
+          step.dt = T * (to - from);
+          step.v = (after - before) / step.dt;
+          if (sample.settled) {
+            direction = motion.direction[k];
+          } else if (step.v != 0.0) {
+            direction = step.v > 0.0 ? 1.0 : -1.0;
+          }
+          step.direction = direction;
+          step.late = 0.5 * (to * to - from * from);
+          step.early = (to - from) - step.late;
+          const double v = direction * std::max(direction * step.v, kSlowest);
+          const auto p = known.friction.parts(v, x[k] + 0.5 * (before + after));
+          step.level = p.level;
+          piece.given[i] += step.early * (p.viscous + p.additive);
+          piece.given[i + 1] += step.late * (p.viscous + p.additive);
+          piece.speed[i] += step.early * step.v;
+          piece.speed[i + 1] += step.late * step.v;
+          path.steps.push_back(step);
+          before = after;
+        }
+        piece.samples.push_back(sample);
+      }
+      for (std::size_t i = 1; i + 1 < ticks; ++i) {
+        const std::size_t k = span.begin + i;
+        piece.acceleration[i] = ((record.x[k + 1] - record.x[k]) - (record.x[k] - record.x[k - 1])) / (T * T);
+        piece.force[i] = force[k];
+        if (wanted[k] == 0 || (!record.skip.empty() && record.skip[k] != 0) || i < half + 1 ||
+            i + half + 1 >= ticks)
+          continue;
+        piece.rows.push_back(i);
+        path.rows.push_back({static_cast<int>(r), k, path.stretches + motion.stretch[k],
+                             k >= first_turn && motion.distance[k] <= kTurning * break_away});
+      }
+      path.pieces.push_back(std::move(piece));
+    }
+    path.stretches += static_cast<int>(motion.reversals.size());
+  }
+  return path;
+}
+
+double guess_break_away(const std::vector<Record>& records, const BristleData& data,
+                        const friction::AxisModel& known) {
+  std::vector<double> crossings;
+  double stiffness = 0.0;
+  double weight = 0.0;
+  double most = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Motion& m = data.motion[r];
+    const std::vector<double> x = smooth_like(m, records[r].x);
+    // Friction as a share of its level, from the smoothed motion.
+    std::vector<double> share(m.rows(), 0.0);
+    for (std::size_t k = 0; k < m.rows(); ++k) {
+      if (!m.valid(k)) continue;
+      const auto p = known.friction.parts(m.v[k] != 0.0 ? m.v[k] : m.direction[k] * kSlowest, x[k]);
+      share[k] = (m.f[k] - known.mass * m.a[k] - known.load - p.viscous - p.additive) / p.level;
+      if (k > 0 && m.valid(k - 1)) {
+        const double dx = x[k] - x[k - 1];
+        stiffness += dx * (share[k] - share[k - 1]);
+        weight += dx * dx;
+        most = std::max(most, std::abs(share[k]));
+      }
+    }
+    for (const std::size_t turn : m.reversals) {
+      const double to = m.direction[turn];
+      bool loaded = false;
+      const std::size_t last = std::min(m.rows(), turn + 2000);
+      for (std::size_t k = turn > 5 ? turn - 5 : 0; k < last; ++k) {
+        if (k > turn && m.stretch[k] != m.stretch[turn]) break;
+        loaded = loaded || to * share[k] < -0.5;
+        if (!loaded || k == 0 || to * share[k] < 0.0) continue;
+        const double from = to * share[k - 1];
+        const double part = from < 0.0 ? from / (from - to * share[k]) : 1.0;
+        const double low = k - 1 >= turn ? m.distance[k - 1] : 0.0;
+        // LuGre is at F = g·(1 − 2·exp(−x/δ)).
+        crossings.push_back((low + part * (m.distance[k] - low)) / std::log(2.0));
+        break;
+      }
+    }
+  }
+  if (!crossings.empty()) {
+    const auto middle = crossings.begin() + static_cast<std::ptrdiff_t>(crossings.size() / 2);
+    std::nth_element(crossings.begin(), middle, crossings.end());
+    if (*middle > 0.0) return *middle;
+  }
+  if (most > 0.0 && stiffness > 0.0) return weight / stiffness;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace stribeck::ident

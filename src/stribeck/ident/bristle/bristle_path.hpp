@@ -1,0 +1,105 @@
+#pragma once
+/// The way of an axis between its samples, cut into the pieces near reversals that show pre-sliding.
+///
+///   m·D²x[k] + load + J_k = (f[k−1] + f[k])/2      J_k = ∫ F(t)·w((t − t_k)/T) dt/T,  w(s) = 1 − |s|
+///
+/// D²x is the second difference over T². The relation is exact under a zero-order hold: friction enters by its
+/// mean over two samples under a triangle and not by its value at the tick. The position between ticks is a
+/// cubic spline through the measured one, after a window of fourth order (2K − K²) where the encoder is coarse.
+/// A sub-step is short against the break-away distance; `early` and `late` are its shares of the triangles of
+/// the tick before and after it.
+///
+/// A piece begins where the axis has been sliding for long, so that the bristle is known; one that begins with
+/// the record brings an unknown start. Residuals pass a window (three boxes of 2j+1 rows), the shortest one
+/// that takes the noise of D²x below a hundredth of the swing of friction at a reversal.
+/// Then they may be whitened, e_k + Σ c_l·e_{k−l}: noise that lasts longer than a reversal hides it less so.
+///
+/// Inside ident only.
+/// Real time: no.
+
+#include <array>
+#include <cstddef>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <vector>
+
+namespace stribeck::ident {
+
+/// One sub-step. Friction is taken from the middle of it.
+struct PathStep {
+  double dt = 0.0;         ///< [s]
+  double v = 0.0;          ///< mean [m/s]
+  double level = 0.0;      ///< of the steady map [N]
+  double direction = 1.0;  ///< +1 or −1; of the last motion where v = 0
+  double early = 0.0;      ///< share of J of the tick before
+  double late = 0.0;       ///< share of J of the tick after
+};
+
+/// One sample: the steps after a tick.
+struct PathSample {
+  std::size_t first = 0;  ///< step
+  std::size_t count = 0;
+  bool settled = false;  ///< sliding for so long that friction is at its steady state
+};
+
+struct PathPiece {
+  int record = 0;
+  std::size_t begin = 0;       ///< first tick, row of the record
+  bool unknown_start = false;  ///< bristle at the first tick unknown
+  std::vector<PathSample> samples;
+  std::vector<double> acceleration;  ///< D²x at ticks begin … begin + samples [m/s²]
+  std::vector<double> force;         ///< mean of the two held forces [N]
+  std::vector<double> given;         ///< J of viscous and additive parts [N]
+  std::vector<double> speed;         ///< J of v [m/s]
+  std::vector<std::size_t> rows;     ///< ticks, counted from begin, whose residual counts
+};
+
+/// A row that counts.
+struct PathRow {
+  int record = 0;
+  std::size_t at = 0;    ///< row of the record
+  int stretch = 0;       ///< between two reversals, counted over all records
+  bool turning = false;  ///< shortly after a reversal: what dynamic models are compared on
+};
+
+struct BristlePath {
+  int window = 0;                 ///< j of the boxes
+  std::vector<double> whitening;  ///< c_1 … c_p, empty: none
+  std::vector<PathStep> steps;    ///< of all pieces
+  std::vector<PathPiece> pieces;
+  std::vector<PathRow> rows;  ///< of all pieces, in their order
+  int stretches = 0;
+  int starts = 0;  ///< pieces with an unknown start
+};
+
+/// What the pieces are cut from, per record.
+struct BristleData {
+  std::vector<Motion> motion;
+  double noise = 0.0;             ///< of the position [m], the largest of the records
+  std::array<double, 2> level{};  ///< of friction at rest, forward and backward [N]
+  std::size_t reversals = 0;
+};
+
+inline constexpr std::size_t kMostWhitening = 4;
+
+/// Window, and whitening where `white`: column[k] for every k that has its neighbours inside, else undefined.
+void filter_like(const BristlePath& path, bool white, std::size_t n, const double* column, double* out,
+                 std::vector<double>& work);
+
+/// Coefficients of an autoregressive model of residuals e of all rows.
+std::vector<double> whitening_of(const BristlePath& path, const double* e);
+
+struct CutOptions {
+  double break_away = 0.0;  ///< [m]
+  double shift = -0.5;      ///< of the force, as in MotionOptions [rows]
+  bool whole = false;       ///< every row, not only those near reversals
+};
+BristlePath cut_path(const std::vector<Record>& records, const BristleData& data,
+                     const friction::AxisModel& known, const CutOptions& options);
+
+/// First idea of the break-away distance g/σ0 [m]: where friction crosses zero after a reversal, else from the
+/// stiffness of a motion that never slides. NaN when nothing moves.
+double guess_break_away(const std::vector<Record>& records, const BristleData& data,
+                        const friction::AxisModel& known);
+
+}  // namespace stribeck::ident

@@ -1,0 +1,197 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/excitation/excitation.hpp>
+#include <stribeck/ident/test_drive.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Coulomb, viscous and Stribeck friction on a light axis, as on the triaxial machine.
+testing::Drive light() {
+  testing::Drive drive;
+  drive.mass = 1000.0;
+  drive.sample_time = 0.002;
+  drive.encoder = 1e-7;
+  drive.friction.velocity_range = {-1.0, 1.0};
+  drive.friction.positive = {18.0, 4500.0, {}};
+  drive.friction.positive.gaussians.push_back({15.0, 0.0, 0.6e-3});
+  drive.friction.negative = {-18.0, 4500.0, {}};
+  drive.friction.negative.gaussians.push_back({-15.0, 0.0, 0.6e-3});
+  drive.sigma0 = 7.2e6;
+  drive.sigma1 = 8.5e4;
+  drive.noise_rms = 0.5;
+  drive.noise_time = 0.0095;
+  drive.force_per_volt = 25.0;
+  return drive;
+}
+
+Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
+  return testing::run_closed(drive, drive.mass,
+                             testing::sine_reference(drive.sample_time, 0.01, 1.0, periods), seed);
+}
+
+const Parameter* find(const Result& r, const std::string& name) {
+  for (const Parameter& p : r.parameters) {
+    if (p.name == name) return &p;
+  }
+  return nullptr;
+}
+
+DriveFitOptions quick() {
+  DriveFitOptions options;
+  options.dynamics = false;
+  return options;
+}
+
+// The simplest model that explains the log is the one that made it: symmetric, with a Stribeck part, no load.
+TEST(DriveFit, FindsTheModelThatMadeTheLog) {
+  const testing::Drive drive = light();
+  const Result r = identify_drive({sine(drive, 3, 4.0)}, quick());
+  EXPECT_EQ(r.model, "conventional");
+  EXPECT_NEAR(r.mass, drive.mass, 0.01 * drive.mass);
+  ASSERT_NE(find(r, "v0"), nullptr);
+  EXPECT_NEAR(find(r, "alpha0")->value, 18.0, 0.4);
+  EXPECT_NEAR(find(r, "alpha2")->value, 4500.0, 90.0);
+  EXPECT_NEAR(r.load, 0.0, 0.2);
+  EXPECT_EQ(find(r, "force_shift"), nullptr);
+  EXPECT_TRUE(r.friction.eccentric.empty());
+}
+
+// A weight adds to the force in both directions alike; nothing else may move.
+TEST(DriveFit, TellsALoadFromFriction) {
+  const testing::Drive drive = light();
+  const Record level = sine(drive, 3, 4.0);
+  Record heavy = level;
+  for (double& f : heavy.f) f += 60.0;
+  const Result a = identify_drive({level}, quick());
+  const Result b = identify_drive({heavy}, quick());
+  EXPECT_NEAR(b.load - a.load, 60.0, 1e-3);
+  EXPECT_NEAR(b.mass, a.mass, 1e-3 * a.mass);
+  EXPECT_NEAR(find(b, "alpha0")->value, find(a, "alpha0")->value, 0.01);
+}
+
+// Mass and friction of a fit that does not know the screw take a part of it; the period is searched again without that.
+TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
+  testing::Drive drive = light();
+  drive.mass = 1100.0;
+  drive.sample_time = 0.001;
+  drive.wave = 5.0;
+  drive.wave_length = 5e-3;
+  const Limits limits{-0.06, 0.06, 0.03, 0.2, 250.0};
+  const Excitation pulses = design_pulses(limits, {1100.0, 22.0, 4500.0}, drive.sample_time);
+  const Record pushed =
+      testing::run(drive, pulses.t.back(), 5, [&](std::size_t k, double, double) { return pulses.force[k]; });
+  const Record swung =
+      testing::run_closed(drive, drive.mass, testing::sine_reference(drive.sample_time, 0.03, 0.8, 3.0), 6);
+  const Result r = identify_drive({pushed, swung}, quick());
+  ASSERT_EQ(r.friction.eccentric.size(), 1u);
+  EXPECT_NEAR(r.friction.eccentric.begin()->period, 5e-3, 5e-6);
+  EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 5.0, 0.1);
+  EXPECT_EQ(r.model, "conventional + periodic");
+}
+
+// A loop that works against the screw, seen every 4 ms, looks like a force that comes 20 ms too early.
+TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
+  testing::Drive drive = light();
+  drive.mass = 202.0;
+  drive.sample_time = 0.004;
+  for (auto* branch : {&drive.friction.positive, &drive.friction.negative}) {
+    const double sign = branch == &drive.friction.positive ? 1.0 : -1.0;
+    branch->eta0 = sign * 59.0;
+    branch->eta1 = 671.0;
+    branch->gaussians[0] = {sign * 28.0, 0.0, 1.6e-3};
+  }
+  drive.wave = 14.8;
+  drive.wave_length = 3.4135e-3;
+  drive.sigma1 = 2.8e4;
+  drive.noise_rms = 0.96;
+  drive.force_per_volt = 87.0;
+  const Record log = testing::run_closed(drive, drive.mass,
+                                         testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
+  const Result r = identify_drive({log}, quick());
+  EXPECT_NEAR(r.mass, drive.mass, 0.02 * drive.mass);
+  EXPECT_NEAR(find(r, "alpha0")->value, 59.0, 0.6);
+  ASSERT_FALSE(r.friction.eccentric.empty());
+  EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 14.8, 0.3);
+  EXPECT_EQ(find(r, "force_shift"), nullptr);
+  EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("no shift is taken out")));
+}
+
+// The term is laid over the force at the true position: amplitude, period and phase come back, unprompted.
+TEST(DriveFit, FindsATermPeriodicInPosition) {
+  const testing::Drive drive = light();
+  Record rec = sine(drive, 5, 4.0);
+  for (std::size_t k = 0; k < rec.f.size(); ++k) {
+    rec.f[k] +=
+        4.2 * std::sin(2.0 * kPi * 0.5 * (rec.x[k] + rec.x[std::min(k + 1, rec.x.size() - 1)]) / 2e-3 - 0.28);
+  }
+  const Result r = identify_drive({rec}, quick());
+  ASSERT_EQ(r.friction.eccentric.size(), 1u);
+  EXPECT_NEAR(r.friction.eccentric[0].amplitude, 4.2, 0.03 * 4.2);
+  EXPECT_NEAR(r.friction.eccentric[0].period, 2e-3, 5e-6);
+  EXPECT_NEAR(r.friction.eccentric[0].phase, 0.28, 0.03);
+  EXPECT_EQ(r.friction.eccentric[0].form, friction::EccentricForm::kAdditive);
+  EXPECT_FALSE(r.spectrum.empty());
+}
+
+// A log that stores the force three rows late is put right, and the rest comes out as before.
+TEST(DriveFit, FindsTheShiftBetweenForceAndMotion) {
+  testing::Drive drive = light();
+  drive.noise_rms = 0.1;
+  std::vector<double> r;
+  for (double t = 0.0; t < 20.0; t += drive.sample_time) {
+    const double ramp = std::min(1.0, t);
+    r.push_back(ramp * (0.008 * std::sin(t) + 0.0004 * std::sin(9.0 * t)));
+  }
+  Record rec = testing::run_closed(drive, drive.mass, r, 9);
+  const Result right = identify_drive({rec}, quick());
+  std::vector<double> late(rec.f);
+  for (std::size_t k = 3; k < late.size(); ++k) late[k] = rec.f[k - 3];
+  rec.f = late;
+  const Result shifted = identify_drive({rec}, quick());
+  ASSERT_NE(find(shifted, "force_shift"), nullptr);
+  EXPECT_NEAR(find(shifted, "force_shift")->value, 2.5 * drive.sample_time, 0.5 * drive.sample_time);
+  EXPECT_NEAR(shifted.mass, right.mass, 0.02 * right.mass);
+}
+
+TEST(DriveFit, KeepsTheUnitOfTheLog) {
+  Record rec = sine(light(), 3, 2.0);
+  const Result newton = identify_drive({rec}, quick());
+  for (double& f : rec.f) f /= 25.0;
+  rec.force_unit = "V";
+  const Result volt = identify_drive({rec}, quick());
+  EXPECT_EQ(volt.force_unit, "V");
+  EXPECT_EQ(find(volt, "mass")->unit, "V s2/m");
+  EXPECT_NEAR(25.0 * volt.mass, newton.mass, 1e-6 * newton.mass);
+  Record other = rec;
+  other.force_unit = "N";
+  EXPECT_THAT(
+      [&] {
+        identify_drive({rec, other});
+      },
+      ::testing::ThrowsMessage<Refused>(HasSubstr("expected V and m")));
+}
+
+TEST(DriveFit, SaysWhatWarmingUpDoes) {
+  const testing::Drive drive = light();
+  Record rec = sine(drive, 3, 6.0);
+  for (std::size_t k = 0; k < rec.f.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(rec.f.size());
+    rec.f[k] -= (k > 0 && rec.x[k] > rec.x[k - 1] ? 1.0 : -1.0) * 4.0 * share;
+  }
+  const Result r = identify_drive({rec}, quick());
+  EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("friction fell by")));
+  const Result steady = identify_drive({sine(drive, 3, 6.0)}, quick());
+  EXPECT_THAT(steady.warnings, ::testing::Not(::testing::Contains(HasSubstr("warming up"))));
+}
+
+}  // namespace
+}  // namespace stribeck::ident

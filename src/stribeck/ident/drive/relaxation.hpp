@@ -1,0 +1,44 @@
+#pragma once
+/// Friction after a reversal: it follows the way slid, not time.
+///
+///   dF/ds = σ0·(1 − F/g(v)),   relaxation length g/σ0
+///
+/// σ0 is the value that explains the force around reversals best (a search on a logarithmic grid, refined by
+/// golden section), with g from the map without a model. It serves to leave out the rows in which friction has
+/// not settled and to take off the small lag that remains; bristle_fit.hpp estimates the bristle itself.
+///
+/// Source: Dahl 1968; thesis §5.2.
+/// Not modelled: damping of the bristle.
+/// Inside ident only. Real time: no.
+
+#include <limits>
+#include <stribeck/ident/map/drive_rows.hpp>
+#include <vector>
+
+namespace stribeck::ident {
+
+struct Relaxation {
+  double sigma0 = std::numeric_limits<double>::infinity();
+  double length = 0.0;  ///< g/σ0 [m]; 0: no reversal seen
+};
+
+/// Friction level without a model: the map of one direction less its viscous part.
+struct Level {
+  const std::array<Polyline, kSides>* map = nullptr;
+  std::array<double, kSides> viscous{};  ///< [N·s/m]
+
+  [[nodiscard]] double operator()(int side, double speed) const {
+    const auto s = static_cast<std::size_t>(side);
+    return std::max((*map)[s](speed) - viscous[s] * speed, 0.05 * std::abs((*map)[s].force.front()));
+  }
+};
+
+/// mass, load: as known so far. `near`: how far after a reversal rows are looked at [m].
+Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& level, double mass, double load,
+                           double near);
+
+/// Fills rows.lag.
+void find_lag(const std::vector<Motion>& motions, const Level& level, const Relaxation& relaxation,
+              Rows& rows);
+
+}  // namespace stribeck::ident

@@ -1,0 +1,132 @@
+#pragma once
+/// What to run on the machine so that a log of it determines friction and mass.
+///
+///   pulses  force, open loop: trapezoids in pairs (+, −) of height base·K_u,
+///           K_u = 1, 1.5, 3, 4, 5, 6, 7, 8, 8.5, 9
+///   jog     position, closed loop: constant speeds forward and back
+///   sine    position, closed loop: r = r0 − A + A·cos φ, φ' = ω after one second of run-in from rest;
+///           or r = r0 + A·sin φ (Model D)
+///   ramp    force, open loop: slowly up to beyond break-away, quickly back, in both directions
+///   constant acceleration   position, closed loop: triangles of speed
+///
+/// An axis with friction does not move below the force of break-away, and above it the speed depends on how
+/// much above: pulses need a rough idea of the drive (a slow jog gives the Coulomb force). Base is chosen so
+/// that K_u = 4 just moves the axis; smaller scales show the bristle alone. The length of every pulse follows
+/// from the speed predicted with 15 % less friction, since the idea is rough. Friction that it leaves out
+/// keeps the axis slower than predicted: identify a first run, make a better idea of it with rough_drive(),
+/// design again.
+///
+/// Positions are also written as G-code for controls that take no table; forces cannot be.
+///
+/// Position tables start at r0; force tables start at rest. A design that would break a limit is not
+/// returned.
+///
+/// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33), (2.38), §4.4.1, §4.5.3.
+/// Not modelled: the machine's own limits of jerk; elasticity.
+/// Real time: no.
+/// Errors: Refused names the limit, what was asked and what would fit; BadDesign, where a parameter of the design is
+/// at fault, names it too.
+
+#include <cstddef>
+#include <optional>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/result.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident {
+
+/// Rows of one design at the most: some hours at the period of a servo loop, a file of about 100 MB.
+inline constexpr std::size_t kMostRows = 2000000;
+
+/// A parameter of a design that makes no sense or too many rows.
+struct BadDesign : Refused {
+  BadDesign(const char* named, const std::string& message) : Refused(message), parameter(named) {}
+  const char* parameter;  ///< its name in the design: "rise", "speeds", "period", "periods", "repeats"
+};
+
+struct Limits {
+  double travel_min = 0.0;    ///< [m]
+  double travel_max = 0.0;    ///< [m]
+  double speed = 0.0;         ///< [m/s]
+  double acceleration = 0.0;  ///< [m/s²]
+  double force = 0.0;         ///< [N]
+};
+
+/// What is known of the drive before the experiment; 20 % is good enough.
+struct RoughDrive {
+  double mass = 0.0;     ///< [kg]
+  double coulomb = 0.0;  ///< break-away and Coulomb force [N]
+  double viscous = 0.0;  ///< [N·s/m]
+};
+
+/// The straight line through an identified curve, its larger side, and the mass.
+RoughDrive rough_drive(const Result& first);
+
+struct Excitation {
+  std::string method;         ///< "pulses", "jog", "sine", "position-sine", "ramp", "constant-acceleration"
+  double sample_time = 0.0;   ///< [s]
+  std::vector<double> t;      ///< [s]
+  std::vector<double> r;      ///< [m]; empty for pulses
+  std::vector<double> force;  ///< [N]; empty for closed loop
+  std::string says;           ///< how long, how far, what it will determine
+};
+
+struct PulseDesign {
+  std::vector<double> scales{1.0, 1.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.5, 9.0};
+  double start = 0.0;    ///< position before the first pulse [m]
+  double ramp = 0.2;     ///< of each flank [s]
+  double longest = 1.0;  ///< of the flat top [s]
+};
+Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
+                         const PulseDesign& design = {});
+
+/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], beyond them a quarter more each, and that one itself.
+std::vector<double> jog_speeds(double fastest);
+
+struct JogDesign {
+  std::vector<double> speeds = jog_speeds(9.0e-3);  ///< [m/s]
+  double start = 0.0;                               ///< [m]
+  double direction = 1.0;                           ///< first way: +1 or −1
+  double period =
+      0.0;  ///< of a term periodic in position: every way holds whole numbers of it, where it fits [m]
+};
+Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
+/// The fastest speed below the limit that the travel from `start` lets be constant for a second [m/s].
+double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
+
+struct SineDesign {
+  double start = 0.0;        ///< r0 [m]
+  double amplitude = 0.02;   ///< A [m]; the motion goes from r0 to r0 − 2A
+  double frequency = 0.475;  ///< ω [rad/s]
+  int periods = 4;
+  bool from_middle = false;  ///< r0 + A·sin φ instead
+};
+Excitation design_sine(const Limits& limits, double sample_time, const SineDesign& design = {});
+
+struct RampDesign {
+  double start = 0.0;  ///< [m]
+  /// Time until the rough Coulomb force is reached [s]; absent: at most 15 s, shorter where the axis would slip too
+  /// far or too fast.
+  std::optional<double> rise;
+  int repeats = 4;  ///< of each direction
+};
+Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sample_time,
+                       const RampDesign& design = {});
+
+struct AccelerationDesign {
+  double start = 0.0;      ///< [m]
+  double direction = 1.0;  ///< first way: +1 or −1
+  double flank = 1.0;      ///< shortest time from rest to the highest speed [s]
+  int repeats = 5;         ///< of each direction
+};
+Excitation design_constant_acceleration(const Limits& limits, double sample_time,
+                                        const AccelerationDesign& design = {});
+
+/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move), on one axis letter.
+/// Constant speeds are one move each, other motions moves of about 20 ms. Refused for forces, which no G-code
+/// can ask for.
+std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
+
+}  // namespace stribeck::ident

@@ -1,0 +1,296 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <stribeck/ident/excitation/excitation.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/ident/test_drive.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr Limits kTable{-0.05, 0.05, 0.010, 0.2, 10480.0};
+constexpr RoughDrive kRough{60e3, 1200.0, 110e3};
+constexpr double kPeriod = 0.005;
+
+TEST(Excitation, SineIsThePrintedOneFromRest) {
+  const Excitation e = design_sine(kTable, kPeriod);
+  EXPECT_EQ(e.r.front(), 0.0);
+  EXPECT_NEAR(*std::min_element(e.r.begin(), e.r.end()), -0.04, 1e-8);
+  // After the run-in: r = −20 + 20·cos(0.475·(t − 0.5)) mm.
+  EXPECT_NEAR(e.r[2000], -0.02 + 0.02 * std::cos(0.475 * 9.5), 1e-12);
+  EXPECT_NEAR((e.r[1] - e.r[0]) / kPeriod, 0.0, 1e-8);
+  EXPECT_NEAR(e.t.back(), 4 * 2 * kPi / 0.475 + 0.5, kPeriod);
+}
+
+// What is asked for is counted before it is filled.
+TEST(Excitation, RefusesWhatWouldTakeForEver) {
+  const auto parameter_of = [](auto&& design) -> std::string {
+    try {
+      design();
+    } catch (const BadDesign& bad) {
+      return bad.parameter;
+    }
+    return "accepted";
+  };
+  for (const double rise : {1e-9, 1e5, 1e300}) {
+    RampDesign design;
+    design.rise = rise;
+    EXPECT_EQ(parameter_of([&] { design_ramp(kTable, kRough, kPeriod, design); }), "rise") << rise;
+  }
+  RampDesign ramps;
+  ramps.repeats = 100000;
+  EXPECT_EQ(parameter_of([&] { design_ramp(kTable, kRough, kPeriod, ramps); }), "repeats");
+  for (const double v : {1e-15, 1e-9, -1.0, 0.0, 1.0}) {
+    JogDesign design;
+    design.speeds = {1e-3, v};
+    EXPECT_EQ(parameter_of([&] { design_jog(kTable, kPeriod, design); }), "speeds") << v;
+  }
+  for (const double lead : {1e-15, 1e9}) {
+    JogDesign design;
+    design.period = lead;
+    EXPECT_EQ(parameter_of([&] { design_jog(kTable, kPeriod, design); }), "period") << lead;
+  }
+  SineDesign sine;
+  sine.periods = 1000000;
+  EXPECT_EQ(parameter_of([&] { design_sine(kTable, kPeriod, sine); }), "periods");
+  sine = {};
+  sine.frequency = 1e-300;
+  EXPECT_EQ(parameter_of([&] { design_sine(kTable, kPeriod, sine); }), "periods");
+  AccelerationDesign triangles;
+  triangles.repeats = 1000000;
+  EXPECT_EQ(parameter_of([&] { design_constant_acceleration(kTable, kPeriod, triangles); }), "repeats");
+  // A mass that nothing moves.
+  EXPECT_THAT(
+      [] {
+        design_ramp(kTable, RoughDrive{1e300, 1200.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("rough mass of 1e+300 kg")));
+  EXPECT_THAT(
+      [] {
+        design_pulses(kTable, RoughDrive{1e300, 1200.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("rough mass of 1e+300 kg")));
+  // As many rows as there may be are designed.
+  ramps = {};
+  ramps.rise = 900.0;
+  EXPECT_LE(design_ramp(kTable, RoughDrive{60e3, 1200.0, 1e9}, kPeriod, ramps).t.size(), kMostRows);
+}
+
+TEST(Excitation, JogEndsWhereItBeganAndReachesEverySpeed) {
+  JogDesign design;
+  design.speeds = {0.1e-3, 1e-3, 9e-3};
+  const Excitation e = design_jog(kTable, kPeriod, design);
+  EXPECT_NEAR(e.r.back(), 0.0, 1e-12);
+  for (const double v : design.speeds) {
+    for (const double way : {1.0, -1.0}) {
+      int rows = 0;
+      for (std::size_t k = 1; k < e.r.size(); ++k)
+        rows += std::abs((e.r[k] - e.r[k - 1]) / kPeriod - way * v) < 1e-9;
+      EXPECT_GE(rows * kPeriod, 0.5) << v;
+    }
+  }
+}
+
+// Independent reference: the pulses on the virtual drive, whose friction is not the rough one. A first run
+// without any idea of viscous friction stays slow; the second, designed from the first one's log, uses the
+// limit.
+TEST(Excitation, PulsesMoveTheBiaxialTableWithinItsLimits) {
+  for (const char axis : {'x', 'y'}) {
+    testing::Drive drive;
+    drive.friction = testing::table_2_3(axis);
+    RoughDrive rough{60e3, 1.05 * drive.level(0.0, true), 0.0};
+    for (const double expected : {4e-3, 7e-3}) {
+      const Excitation e = design_pulses(kTable, rough, kPeriod);
+      testing::Truth truth;
+      const Record rec = testing::run(
+          drive, e.t.back(), 1, [&](std::size_t k, double, double) { return e.force[k]; }, &truth);
+      const auto [low, high] = std::minmax_element(truth.v.begin(), truth.v.end());
+      EXPECT_GT(std::min(*high, -*low), expected) << axis;
+      EXPECT_LT(std::max(*high, -*low), kTable.speed) << axis;
+      for (const double x : rec.x) EXPECT_LT(std::abs(x), 0.05);
+      EXPECT_NEAR(e.t.back(), 25.0, 10.0);
+      rough = rough_drive(identify_least_squares_a({rec}).result);
+    }
+  }
+}
+
+TEST(Excitation, PulsesComeInPairsAndBeginAtRest) {
+  const Excitation e = design_pulses(kTable, kRough, kPeriod);
+  double sum = 0.0;
+  for (const double f : e.force) sum += f;
+  EXPECT_NEAR(sum, 0.0, 1e-6);
+  EXPECT_EQ(e.force.front(), 0.0);
+  EXPECT_NEAR(*std::max_element(e.force.begin(), e.force.end()), 9.0 * 1.25 * 1200.0 / 4.0, 1e-6);
+}
+
+TEST(Excitation, ScalesWithUnitsOfForce) {
+  const Excitation a = design_pulses(kTable, kRough, kPeriod);
+  Limits limits = kTable;
+  limits.force *= 10.0;
+  const Excitation b =
+      design_pulses(limits, {10 * kRough.mass, 10 * kRough.coulomb, 10 * kRough.viscous}, kPeriod);
+  ASSERT_EQ(a.force.size(), b.force.size());
+  for (std::size_t k = 0; k < a.force.size(); ++k) EXPECT_NEAR(10.0 * a.force[k], b.force[k], 1e-6);
+}
+
+TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
+  Limits weak = kTable;
+  weak.force = 2000.0;
+  weak.acceleration = 0.0;
+  const Excitation down = design_pulses(weak, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(down.force.begin(), down.force.end()), 2000.0, 1e-9);
+  EXPECT_THAT(down.says, HasSubstr("brought down to 2000 N"));
+  Limits gentle = kTable;
+  gentle.acceleration = 600.0 / kRough.mass;
+  const Excitation soft = design_pulses(gentle, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(soft.force.begin(), soft.force.end()), kRough.coulomb + 600.0, 1e-9);
+  // A heavy axis that hardly brakes by itself: 2 t, 21 N, ±20 mm. What it really does with the friction that it is thought to have.
+  const Limits wide{-0.02, 0.02, 0.15, 0.3, 2000.0};
+  const RoughDrive heavy{2000.0, 21.0, 200.0};
+  const Excitation short_way = design_pulses(wide, heavy, kPeriod);
+  EXPECT_THAT(short_way.says, HasSubstr("the travel is short"));
+  double x = 0.0, v = 0.0, most = 0.0, fastest = 0.0;
+  for (const double f : short_way.force) {
+    const double free = v + kPeriod * (f - heavy.viscous * v) / heavy.mass;
+    const double brake = kPeriod * heavy.coulomb / heavy.mass;
+    v = free > brake ? free - brake : free < -brake ? free + brake : 0.0;
+    x += kPeriod * v;
+    most = std::max(most, std::abs(x));
+    fastest = std::max(fastest, std::abs(v));
+  }
+  EXPECT_LT(most, 0.02);
+  EXPECT_GT(fastest, 0.01);
+  // A light one with much friction.
+  EXPECT_THAT(
+      [] {
+        design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
+      },
+      ThrowsMessage<Refused>(HasSubstr("lie only 8 %: no force in open loop is that fine; choose sine")));
+  Limits creeping = kTable;
+  creeping.speed = 1e-7;
+  EXPECT_THAT([&] { design_pulses(creeping, kRough, kPeriod); },
+              ThrowsMessage<Refused>(HasSubstr("keeps to the travel of")));
+  Limits stuck = kTable;
+  stuck.force = 1000.0;
+  EXPECT_THAT([&] { design_pulses(stuck, kRough, kPeriod); },
+              ThrowsMessage<Refused>(HasSubstr("limits of force")));
+}
+
+TEST(Excitation, JogsGoAsFastAsTheTravelLets) {
+  const Limits fast{-0.07, 0.07, 0.3, 1.0, 0.0};
+  const double fastest = fastest_jog(fast, kPeriod);
+  EXPECT_GT(fastest, 0.04);
+  EXPECT_LT(fastest, 0.07);
+  const std::vector<double> speeds = jog_speeds(fastest);
+  EXPECT_EQ(speeds.back(), fastest);
+  for (std::size_t k = 12; k < speeds.size(); ++k) EXPECT_LT(speeds[k], 1.5 * speeds[k - 1]);
+  JogDesign design;
+  design.speeds = speeds;
+  EXPECT_NO_THROW(design_jog(fast, kPeriod, design));
+  design.speeds = {1.05 * fastest};
+  EXPECT_THAT([&] { design_jog(fast, kPeriod, design); },
+              ThrowsMessage<Refused>(HasSubstr("of constant speed")));
+  EXPECT_DOUBLE_EQ(fastest_jog({-1.0, 1.0, 0.1, 1.0, 0.0}, kPeriod), 0.095);
+}
+
+TEST(Excitation, NamesTheLimitThatWouldBreak) {
+  Limits slow = kTable;
+  slow.speed = 0.005;
+  EXPECT_THAT([&] { design_sine(slow, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("limit of speed")));
+  Limits narrow = kTable;
+  narrow.travel_min = -0.03;
+  EXPECT_THAT([&] { design_sine(narrow, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("travel")));
+  Limits gentle = kTable;
+  gentle.acceleration = 0.001;
+  EXPECT_THAT([&] { design_sine(gentle, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("acceleration")));
+}
+
+TEST(Excitation, JogOfAScrewGoesWholeTurns) {
+  JogDesign design;
+  design.speeds = {0.1e-3, 1e-3, 9e-3};
+  design.period = 2e-3;
+  const Excitation e = design_jog(kTable, kPeriod, design);
+  for (const double v : design.speeds) {
+    double way = 0.0;
+    for (std::size_t k = 1; k < e.r.size(); ++k) {
+      const double step = e.r[k] - e.r[k - 1];
+      if (std::abs(step / kPeriod - v) < 1e-9) way += step;
+    }
+    const double turns = (way - 0.5 * v) / design.period;  // half a second is left out by the identification
+    EXPECT_NEAR(turns, std::round(turns), 0.03) << v;
+    EXPECT_GE(turns, 0.97) << v;
+  }
+}
+
+TEST(Excitation, PositionSineIsThePrintedOneFromRest) {
+  SineDesign design{0.0, 0.010, 0.9, 4, true};
+  const Excitation e = design_sine(kTable, kPeriod, design);
+  EXPECT_NEAR(e.r[2000], 0.010 * std::sin(0.9 * 9.5), 1e-12);
+  EXPECT_EQ(e.r.front(), 0.0);
+  EXPECT_NEAR((e.r[1] - e.r[0]) / kPeriod, 0.0, 1e-6);
+}
+
+TEST(Excitation, TrianglesOfSpeedReturnAndAccelerateEvenly) {
+  const Excitation e = design_constant_acceleration(kTable, kPeriod);
+  EXPECT_NEAR(e.r.back(), 0.0, 1e-12);
+  double largest = 0.0;
+  int even = 0;
+  for (std::size_t k = 1; k + 1 < e.r.size(); ++k) {
+    const double a = (e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (kPeriod * kPeriod);
+    largest = std::max(largest, std::abs(a));
+    even += std::abs(std::abs(a) - 9.5e-3) < 1e-5;
+  }
+  EXPECT_LE(largest, 9.6e-3);  // 9.5 mm/s in one second
+  EXPECT_GT(even, 0.85 * static_cast<double>(e.r.size()));
+}
+
+TEST(Excitation, RampKeepsToTheLimitsOfAnAxisThatSlips) {
+  const Excitation e = design_ramp(kTable, kRough, kPeriod);
+  EXPECT_NEAR(*std::max_element(e.force.begin(), e.force.end()), 1.3 * 1200.0, 1.0);
+  EXPECT_NEAR(*std::min_element(e.force.begin(), e.force.end()), -1.3 * 1200.0, 1.0);
+  RampDesign slow;
+  slow.rise = 500.0;
+  EXPECT_THAT(
+      [&] {
+        design_ramp(kTable, {60e3, 1200.0, 0.0}, kPeriod, slow);
+      },
+      ThrowsMessage<Refused>(HasSubstr("shorter rise")));
+}
+
+// The moves of the program add up to the table: ends of the ways and the time at the feeds.
+TEST(Excitation, GcodeRepeatsTheTable) {
+  const Excitation e = design_sine(kTable, kPeriod, {0.0, 0.010, 0.9, 1});
+  const std::string code = as_gcode(e, "x", "table (test)");
+  EXPECT_EQ(code.find("(test)"), std::string::npos);
+  EXPECT_NE(code.find("G21 G90 G94 G64"), std::string::npos);
+  std::istringstream in(code);
+  double x = 0.0, time = 0.0, lowest = 0.0;
+  for (std::string line; std::getline(in, line);) {
+    double to = 0.0, feed = 0.0;
+    if (std::sscanf(line.c_str(), "G1 X%lf F%lf", &to, &feed) == 2) {
+      time += std::abs(to - x) / feed * 60.0;
+      x = to;
+      lowest = std::min(lowest, x);
+    }
+  }
+  EXPECT_NEAR(x, e.r.back() * 1e3, 1e-6);
+  EXPECT_NEAR(lowest, -20.0, 1e-3);
+  EXPECT_NEAR(time, e.t.back(), 0.02 * e.t.back());
+  EXPECT_THROW(as_gcode(e, "spindle", "table"), Refused);
+  const Excitation pulses = design_pulses(kTable, kRough, kPeriod);
+  EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
+}
+
+}  // namespace
+}  // namespace stribeck::ident

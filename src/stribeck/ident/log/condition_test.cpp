@@ -1,0 +1,863 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/test_drive.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+
+constexpr double kTau = 2.0 * std::numbers::pi;
+
+/// A log whose law is known: x from two sines, f = m·a + c·v + F·sgn v + f0 with white noise, 1 ms.
+struct Axis {
+  double mass = 100.0;
+  double viscous = 200.0;
+  double coulomb = 20.0;
+  double load = 0.0;
+  double noise = 0.5;
+  double sample_time = 1e-3;
+  std::size_t rows = 8000;
+
+  [[nodiscard]] double x(double t) const {
+    return 0.04 * std::sin(kTau * 0.5 * t) + 0.006 * std::sin(kTau * 1.7 * t + 0.4);
+  }
+  [[nodiscard]] double v(double t) const {
+    return 0.04 * kTau * 0.5 * std::cos(kTau * 0.5 * t) + 0.006 * kTau * 1.7 * std::cos(kTau * 1.7 * t + 0.4);
+  }
+  [[nodiscard]] double a(double t) const {
+    return -0.04 * std::pow(kTau * 0.5, 2) * std::sin(kTau * 0.5 * t) -
+           0.006 * std::pow(kTau * 1.7, 2) * std::sin(kTau * 1.7 * t + 0.4);
+  }
+  [[nodiscard]] double force(double t) const {
+    const double vt = v(t);
+    return mass * a(t) + viscous * vt + coulomb * std::tanh(vt / 1e-3) + load;
+  }
+};
+
+RawLog logged(const Axis& axis = {}, std::uint64_t seed = 1) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  RawLog log;
+  log.source = "log.csv";
+  for (std::size_t k = 0; k < axis.rows; ++k) {
+    const double t = axis.sample_time * static_cast<double>(k);
+    log.x.t.push_back(t);
+    log.x.y.push_back(1e-7 * std::round(axis.x(t) * 1e7));
+    log.v.y.push_back(axis.v(t) + 1e-5 * normal(engine));
+    log.f.y.push_back(axis.force(t) + axis.noise * normal(engine));
+  }
+  return log;
+}
+
+void erase(RawLog& log, std::size_t first, std::size_t last) {
+  for (std::vector<double>* c : {&log.x.t, &log.x.y, &log.r.y, &log.v.y, &log.f.y}) {
+    if (!c->empty())
+      c->erase(c->begin() + static_cast<std::ptrdiff_t>(first),
+               c->begin() + static_cast<std::ptrdiff_t>(last));
+  }
+}
+
+std::vector<std::string> kinds(const Conditioned& c) {
+  std::vector<std::string> out;
+  for (const Finding& f : c.findings) out.push_back(f.kind);
+  return out;
+}
+
+std::string texts(const Conditioned& c) {
+  std::string out;
+  for (const Finding& f : c.findings) out += f.kind + ": " + f.text + "\n";
+  return out;
+}
+
+/// The only finding, of this kind.
+const Finding& only(const Conditioned& c, const std::string& kind) {
+  EXPECT_EQ(kinds(c), std::vector<std::string>{kind}) << texts(c);
+  static const Finding none;
+  return c.findings.empty() ? none : c.findings.front();
+}
+
+std::string refusal(const RawLog& log) {
+  try {
+    static_cast<void>(condition(log));
+  } catch (const Refused& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+RawLog raw(const Record& record) {
+  RawLog log;
+  log.source = record.source;
+  log.x = {record.t, record.x};
+  log.r.y = record.r;
+  log.f.y = record.f;
+  log.loop = record.loop;
+  return log;
+}
+
+// ---- no false alarm ----
+
+TEST(Condition, CleanLogHasNoFinding) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const double load : {0.0, -60.0, 300.0}) {
+      Axis axis;
+      axis.load = load;
+      const Conditioned c = condition(logged(axis, seed));
+      EXPECT_TRUE(c.findings.empty()) << "seed " << seed << " load " << load << "\n" << texts(c);
+      ASSERT_EQ(c.records.size(), 1U);
+      EXPECT_EQ(c.records[0].x.size(), 8000U);
+      EXPECT_TRUE(c.records[0].skip.empty());
+      EXPECT_TRUE(problems(c.records[0]).empty());
+    }
+  }
+}
+
+TEST(Condition, CleanLogsOfTheVirtualDriveHaveNoFinding) {
+  testing::Drive drive;
+  drive.friction = testing::table_2_3('x');
+  // Sine in closed loop.
+  const Record sine = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
+  // Jogs with rests between, as they are commanded.
+  std::vector<double> jog;
+  double at = 0.0;
+  for (const double speed : {0.1e-3, -0.1e-3, 1e-3, -1e-3, 5e-3, -5e-3}) {
+    for (int k = 0; k < 300; ++k)
+      jog.push_back(at +=
+                    0.005 * speed * std::clamp(k / 20.0, 0.0, 1.0) * (k < 280 ? 1.0 : (300 - k) / 20.0));
+    for (int k = 0; k < 100; ++k) jog.push_back(at);
+  }
+  const Record jogs = testing::run_closed(drive, 57e3, jog, 4);
+  // Pulses in open loop, exact zeros between them.
+  const Record pulses = testing::run(drive, 20.0, 5, [](std::size_t k, double, double) {
+    const std::size_t phase = k % 800;
+    const double sign = phase < 400 ? 1.0 : -1.0;
+    const std::size_t p = phase % 400;
+    return sign * 2500.0 *
+           (p < 20    ? static_cast<double>(p) / 20.0
+            : p < 100 ? 1.0
+            : p < 120 ? static_cast<double>(120 - p) / 20.0
+                      : 0.0);
+  });
+  for (const Record* r : {&sine, &jogs, &pulses}) {
+    const Conditioned c = condition(raw(*r));
+    EXPECT_TRUE(c.findings.empty()) << texts(c);
+    EXPECT_EQ(c.records.size(), 1U);
+    EXPECT_EQ(c.records[0].f, r->f);
+    EXPECT_EQ(c.records[0].x, r->x);
+  }
+}
+
+// ---- time ----
+
+TEST(Condition, GapIsCutThere) {
+  RawLog log = logged();
+  erase(log, 3000, 3500);
+  const Conditioned c = condition(log);
+  const Finding& f = only(c, "gap");
+  EXPECT_EQ(f.row, 3001U);
+  EXPECT_NEAR(f.time, 3.5, 1e-9);
+  EXPECT_TRUE(f.repaired);
+  ASSERT_EQ(c.records.size(), 2U);
+  EXPECT_EQ(c.records[0].x.size(), 3000U);
+  EXPECT_EQ(c.records[1].x.size(), 4500U);
+  EXPECT_EQ(c.rows[1].front(), 3001U);
+  EXPECT_EQ(c.sampling.gaps, 1U);
+}
+
+TEST(Condition, ShortPieceIsLeftOut) {
+  RawLog log = logged();
+  erase(log, 3000, 3500);
+  erase(log, 3050, 3500);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), UnorderedElementsAre("gap", "short")) << texts(c);
+  EXPECT_EQ(c.records.size(), 2U);
+}
+
+TEST(Condition, ManySingleGapsAreBridged) {
+  RawLog log = logged();
+  for (std::size_t k = 7900; k > 50; k -= 60) erase(log, k, k + 1);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("bridged"));
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-9);
+  const Axis axis;
+  for (std::size_t k = 0; k < c.records[0].x.size(); k += 97)
+    EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 2e-6) << k;  // a·T²/8 = 0.2 um, and resolution
+}
+
+TEST(Condition, TimeBackIsANewRecordOrRefused) {
+  RawLog log = logged();
+  const RawLog again = logged({}, 2);
+  for (std::size_t k = 0; k < 4000; ++k) {
+    log.x.t.push_back(again.x.t[k]);
+    log.x.y.push_back(again.x.y[k]);
+    log.v.y.push_back(again.v.y[k]);
+    log.f.y.push_back(again.f.y[k]);
+  }
+  const Conditioned c = condition(log);
+  EXPECT_EQ(only(c, "time-back").row, 8001U);
+  EXPECT_EQ(c.records.size(), 2U);
+
+  RawLog swapped = logged();
+  std::swap(swapped.x.t[4000], swapped.x.t[4001]);
+  EXPECT_THAT(refusal(swapped), AllOf(HasSubstr("row 4002"), HasSubstr("time goes back")));
+}
+
+TEST(Condition, DoubleStampsAreMended) {
+  RawLog log = logged();
+  log.x.t[2000] = log.x.t[1999];  // one stamp written twice, the next is right
+  const Conditioned c = condition(log);
+  EXPECT_EQ(only(c, "double-time").row, 2001U);
+  EXPECT_EQ(c.records[0].x.size(), 8000U);
+  EXPECT_NEAR(c.records[0].t[2000], 2.0, 1e-9);
+
+  RawLog padded = logged();
+  for (int i = 0; i < 700; ++i) {
+    for (std::vector<double>* column : {&padded.x.t, &padded.x.y, &padded.v.y, &padded.f.y})
+      column->push_back(column->back());
+  }
+  const Conditioned d = condition(padded);
+  EXPECT_EQ(only(d, "double-time").row, 8001U);
+  EXPECT_EQ(d.records[0].x.size(), 8000U);
+}
+
+TEST(Condition, RoundedStampsAreMadeEven) {
+  Axis axis;
+  axis.sample_time = 2.0 / 3.0 * 1e-3;
+  RawLog log = logged(axis);
+  for (double& t : log.x.t) t = 1e-4 * std::round(t * 1e4);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "rounded-time").text, HasSubstr("rounded to 0.0001"));
+  EXPECT_NEAR(c.records[0].sample_time, axis.sample_time, 1e-8);
+  // Coarser than the rows: several in one stamp.
+  for (double& t : log.x.t) t = 1e-3 * std::floor(t * 1e3 + 1e-9);
+  const Conditioned d = condition(log);
+  EXPECT_THAT(only(d, "rounded-time").text, HasSubstr("coarser"));
+  EXPECT_NEAR(d.records[0].sample_time, axis.sample_time, 1e-6);
+}
+
+TEST(Condition, JitterIsResampled) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-2e-4, 2e-4);
+  const Axis axis;
+  RawLog log = logged();
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    log.x.t[k] += shake(engine);
+    log.x.y[k] = axis.x(log.x.t[k]);
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "jitter").text, HasSubstr("resampled"));
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_TRUE(problems(c.records[0]).empty());
+  for (std::size_t k = 0; k < c.records[0].x.size(); k += 53)
+    EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 5e-7) << k;  // a·T²/8 = 0.3 um
+}
+
+TEST(Condition, RowAfterTheStopIsLeftOut) {
+  RawLog log = logged();
+  log.x.t.push_back(log.x.t.back() + 3e-4);
+  for (std::vector<double>* column : {&log.x.y, &log.v.y, &log.f.y}) column->push_back(column->back());
+  const Conditioned c = condition(log);
+  EXPECT_EQ(only(c, "jitter").row, 8001U);
+  EXPECT_EQ(c.records[0].x.size(), 8000U);
+}
+
+TEST(Condition, TimeFromTheSampleTime) {
+  RawLog log = logged();
+  log.x.t.clear();
+  EXPECT_THAT(refusal(log), HasSubstr("--sample-time"));
+  log.sample_time = 1e-3;
+  const Conditioned c = condition(log);
+  EXPECT_TRUE(c.findings.empty()) << texts(c);
+  EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-12);
+}
+
+TEST(Condition, IrregularTimesKeepTheRows) {
+  RawLog log = logged();
+  double t = 0.0;
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    t += k % 5 == 0 ? 0.02 : k % 3 == 0 ? 0.004 : 0.001;
+    log.x.t[k] = t;
+  }
+  log.v.y.clear();
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), Contains("irregular"));
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_EQ(c.records[0].x, log.x.y);
+  EXPECT_THAT(c.cannot_tell, Contains(HasSubstr("irregular")));
+}
+
+// ---- time bases and held values ----
+
+TEST(Condition, ForceOfAFasterClockIsAveraged) {
+  const Axis axis;
+  RawLog log = logged();
+  log.f = {};
+  for (int k = -7; k < 32010; ++k) {  // four times as fast, begins earlier, half a step off
+    const double t = 0.25e-3 * (k + 0.5);
+    log.f.t.push_back(t);
+    log.f.y.push_back(axis.force(t));
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "time-bases").text, HasSubstr("mean over each interval"));
+  ASSERT_EQ(c.records.size(), 1U);
+  // Exact for a held signal: shares of the held values within the interval.
+  for (std::size_t k = 10; k < 7990; k += 411) {
+    const auto held = [&](double t) { return axis.force(0.25e-3 * (std::floor(t / 0.25e-3 - 0.5) + 0.5)); };
+    const double t = c.records[0].t[k];
+    double sum = 0.0;
+    for (int i = 0; i < 8; ++i) sum += held(t + 0.125e-3 * i + 1e-9) / 8.0;
+    EXPECT_NEAR(c.records[0].f[k], sum, 1e-6) << k;
+  }
+}
+
+TEST(Condition, SlowForceMakesTheGrid) {
+  const Axis axis;
+  RawLog log = logged();
+  log.f = {};
+  for (int k = 0; k < 2000; ++k) {
+    log.f.t.push_back(4e-3 * k);
+    log.f.y.push_back(axis.force(4e-3 * k));
+  }
+  const Conditioned c = condition(log);
+  only(c, "time-bases");
+  EXPECT_NEAR(c.records[0].sample_time, 4e-3, 1e-9);
+  EXPECT_NEAR(c.records[0].x[1000], axis.x(4.0), 1e-7);
+}
+
+/// Position and velocity new every `hold` rows, force in every row.
+RawLog held(std::size_t hold, std::size_t phase, const Axis& axis) {
+  RawLog log = logged(axis);
+  for (std::size_t k = 0; k < log.x.y.size(); ++k) {
+    const std::size_t from = k < phase ? 0 : k - (k - phase) % hold;
+    const double t = axis.sample_time * static_cast<double>(from);
+    log.x.y[k] = 1e-8 * std::round(axis.x(t) * 1e8);
+    log.v.y[k] = axis.v(t);
+  }
+  return log;
+}
+
+TEST(Condition, HeldValuesGoToTheirOwnGrid) {
+  Axis axis;
+  axis.sample_time = 0.2e-3;
+  axis.rows = 30000;
+  const RawLog log = held(15, 4, axis);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "held").text, HasSubstr("position every 15 rows"));
+  EXPECT_EQ(c.sampling.x_hold, 15.0);
+  EXPECT_EQ(c.sampling.f_hold, 1.0);
+  ASSERT_EQ(c.records.size(), 1U);
+  const Record& r = c.records[0];
+  EXPECT_NEAR(r.sample_time, 3e-3, 1e-12);
+  EXPECT_EQ(c.rows[0][0], 5U);  // the first new value
+  for (std::size_t k = 0; k < r.x.size(); k += 37) {
+    EXPECT_NEAR(r.x[k], axis.x(r.t[k]), 1e-7) << k;
+    double mean = 0.0;
+    for (std::size_t i = 0; i < 15; ++i) mean += log.f.y[c.rows[0][k] - 1 + i] / 15.0;
+    EXPECT_NEAR(r.f[k], mean, 1e-9) << k;
+  }
+}
+
+TEST(Condition, HoldThatIsNoWholeNumber) {
+  Axis axis;
+  axis.sample_time = 0.4e-3;
+  axis.rows = 20000;
+  RawLog log = logged(axis);
+  for (std::size_t k = 0; k < log.x.y.size(); ++k) {
+    const double t = 3e-3 * std::floor(axis.sample_time * static_cast<double>(k) / 3e-3 + 1e-9);
+    log.x.y[k] = axis.x(t);
+    log.v.y[k] = axis.v(t);
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), ElementsAre("held")) << texts(c);
+  EXPECT_NEAR(c.records[0].sample_time, 3e-3, 1e-5);
+}
+
+TEST(Condition, CoarsePositionIsNoHold) {
+  Axis axis;
+  RawLog log = logged(axis);
+  for (double& x : log.x.y) x = 1e-4 * std::round(x * 1e4);  // stands for rows where it is slow
+  const Conditioned c = condition(log);
+  EXPECT_EQ(c.sampling.x_hold, 1.0);
+  EXPECT_TRUE(c.findings.empty()) << texts(c);
+  EXPECT_NEAR(c.sampling.x_quantum, 1e-4, 1e-9);
+  EXPECT_THAT(c.cannot_tell, Contains(AllOf(HasSubstr("pre-sliding"), HasSubstr("too coarse"))));
+}
+
+// ---- logger ----
+
+TEST(Condition, FrozenLoggerIsCutOut) {
+  for (const std::size_t first : {2100U, 5333U}) {
+    RawLog log = logged();
+    for (std::size_t k = first + 1; k < first + 97; ++k) {
+      for (Signal* s : {&log.x, &log.v, &log.f}) s->y[k] = s->y[first];
+    }
+    const Conditioned c = condition(log);
+    const Finding& f = only(c, "frozen");
+    EXPECT_EQ(f.row, first + 1);
+    EXPECT_NEAR(f.values.at(0), 1e-3 * static_cast<double>(first), 1e-9);
+    EXPECT_NEAR(f.values.at(1), 1e-3 * static_cast<double>(first + 96), 1e-9);
+    ASSERT_EQ(c.records.size(), 2U);
+    EXPECT_EQ(c.records[0].x.size(), first + 1);
+    EXPECT_EQ(c.rows[1].front(), first + 98);
+  }
+}
+
+TEST(Condition, FrozenMultiRateLogger) {
+  Axis axis;
+  axis.sample_time = 0.2e-3;
+  axis.rows = 30000;
+  RawLog log = held(15, 0, axis);
+  const std::size_t first = 12004;
+  for (std::size_t k = first + 1; k < first + 480; ++k) {
+    for (Signal* s : {&log.x, &log.v, &log.f}) s->y[k] = s->y[first];
+  }
+  // The current comes back before the next slot of the position.
+  for (std::size_t k = first + 480; k < first + 491; ++k) {
+    for (Signal* s : {&log.x, &log.v}) s->y[k] = s->y[first];
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), ElementsAre("frozen", "held")) << texts(c);
+  EXPECT_EQ(c.findings[0].row, first + 1);
+  ASSERT_EQ(c.records.size(), 2U);
+  for (const Record& r : c.records) {
+    for (std::size_t k = 0; k < r.x.size(); k += 11) EXPECT_NEAR(r.x[k], axis.x(r.t[k]), 1e-7) << k;
+  }
+}
+
+TEST(Condition, StandstillIsNotFrozen) {
+  // It slows down over a second, then stands to the last bit with a force that the converter holds.
+  RawLog log = logged();
+  const Axis axis;
+  double at = axis.x(2.0);
+  for (std::size_t k = 2000; k < log.x.y.size(); ++k) {
+    const double t = 1e-3 * static_cast<double>(k) - 2.0;
+    if (t < 1.0) at += 1e-3 * axis.v(2.0) * (1.0 - t);
+    log.x.y[k] = 1e-7 * std::round(1e7 * at);
+    if (t >= 1.0) log.f.y[k] = 7.0;
+  }
+  log.v.y.clear();
+  EXPECT_THAT(kinds(condition(log)), Not(Contains("frozen")));
+}
+
+TEST(Condition, LoggerThatStopsBeforeTheAxis) {
+  RawLog log = logged();
+  erase(log, 7600, 8000);  // moving at 9 % of the top speed or more
+  for (int i = 0; i < 300; ++i) {
+    log.x.t.push_back(log.x.t.back() + 1e-3);
+    for (std::vector<double>* column : {&log.x.y, &log.v.y, &log.f.y}) column->push_back(column->back());
+  }
+  const Conditioned c = condition(log);
+  EXPECT_EQ(only(c, "frozen").row, 7600U);
+  EXPECT_EQ(c.records[0].x.size(), 7600U);
+}
+
+TEST(Condition, JumpWithoutGapIsCut) {
+  RawLog log = logged();
+  erase(log, 2000, 2060);
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) log.x.t[k] = 1e-3 * static_cast<double>(k);
+  log.v.y.clear();
+  const Conditioned c = condition(log);
+  EXPECT_EQ(only(c, "jump").row, 2001U);
+  EXPECT_EQ(c.records.size(), 2U);
+}
+
+// ---- channels ----
+
+TEST(Condition, StuckChannels) {
+  RawLog log = logged();
+  std::fill(log.f.y.begin(), log.f.y.end(), 3.5);
+  EXPECT_THAT(refusal(log), AllOf(HasSubstr("force"), HasSubstr("3.5"), HasSubstr("every row")));
+  log = logged();
+  std::fill(log.x.y.begin(), log.x.y.end(), 0.1);
+  EXPECT_THAT(refusal(log), AllOf(HasSubstr("position"), HasSubstr("0.1")));
+  log = logged();
+  std::fill(log.v.y.begin(), log.v.y.end(), 0.0);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "stuck").text, HasSubstr("velocity"));
+  EXPECT_TRUE(c.records[0].v.empty());
+  log = logged();
+  std::fill(log.f.y.begin() + 3000, log.f.y.begin() + 3400, log.f.y[3000]);
+  const Conditioned d = condition(log);
+  EXPECT_EQ(only(d, "stuck").row, 3001U);
+  EXPECT_EQ(d.records.size(), 2U);
+}
+
+// Between its ramps a programmed force is zero while the axis springs back; that is no stuck channel.
+TEST(Condition, RestBetweenProgrammedRampsStays) {
+  RawLog log = logged({.noise = 0.0});
+  double x = 0.0;
+  for (std::size_t k = 0; k < log.f.y.size(); ++k) {
+    const std::size_t i = k % 2000;
+    const double side = k / 2000 % 2 == 0 ? 1.0 : -1.0;
+    log.f.y[k] = side * (i < 1500   ? 0.01 * static_cast<double>(i)
+                         : i < 1700 ? 0.075 * static_cast<double>(1700 - i)
+                                    : 0.0);
+    x += side * (i > 1400 && i < 1600 ? 1e-5 : i > 1700 ? -1e-8 : 0.0);
+    log.x.y[k] = x;
+  }
+  log.v.y.clear();
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), Not(Contains("stuck")));
+  EXPECT_EQ(c.records.size(), 1U);
+}
+
+// Squares of such numbers are none.
+TEST(Condition, NumbersOfNoMachineAreRefused) {
+  for (const bool all : {true, false}) {
+    RawLog log = logged();
+    if (all) {
+      for (double& f : log.f.y) f *= 1e300;
+    } else {
+      log.x.y[76] = -1e300;
+    }
+    EXPECT_THAT(refusal(log),
+                AllOf(HasSubstr(all ? "row 1: the force" : "row 77: the position"), HasSubstr("unit")));
+  }
+  for (const double scale : {1e-200, 1e-20, 1e20}) {
+    RawLog log = logged();
+    for (double& t : log.x.t) t *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("time between rows"), HasSubstr("unit"))) << scale;
+    log = logged();
+    for (double& x : log.x.y) x *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("position ranges over"), HasSubstr("unit"))) << scale;
+    log = logged();
+    for (double& f : log.f.y) f *= scale;
+    EXPECT_THAT(refusal(log), AllOf(HasSubstr("force ranges over"), HasSubstr("unit"))) << scale;
+  }
+}
+
+TEST(Condition, VelocityInAnotherUnitIsRefused) {
+  for (const auto& [factor, hint] : {std::pair{60.0, "per minute"},
+                                     {1000.0, "mm for m"},
+                                     {1.0 / 60.0, "other way round"},
+                                     {25.4, "inch"},
+                                     {3.3, "3.3 times"}}) {
+    RawLog log = logged();
+    for (double& v : log.v.y) v *= factor;
+    EXPECT_THAT(refusal(log),
+                AllOf(HasSubstr("times the rate of the position"), HasSubstr(hint), HasSubstr("--map v=")));
+    EXPECT_NO_THROW(static_cast<void>(condition(log, {{"velocity"}})));
+  }
+}
+
+TEST(Condition, VelocityTurnedOrForeign) {
+  RawLog log = logged();
+  for (double& v : log.v.y) v = -v;
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "velocity").text, HasSubstr("opposite sign"));
+  EXPECT_NEAR(c.records[0].v[10], Axis{}.v(0.01), 1e-4);
+  for (std::size_t k = 0; k < log.v.y.size(); ++k) log.v.y[k] = std::sin(0.1 * static_cast<double>(k));
+  const Conditioned d = condition(log);
+  EXPECT_THAT(only(d, "velocity").text, HasSubstr("not the rate"));
+  EXPECT_TRUE(d.records[0].v.empty());
+}
+
+TEST(Condition, ReferenceThatDoesNotBelong) {
+  RawLog log = logged();
+  log.r.y.assign(log.x.y.size(), 0.3);
+  EXPECT_THAT(only(condition(log), "reference").text, HasSubstr("never changes"));
+  for (std::size_t k = 0; k < log.r.y.size(); ++k) log.r.y[k] = 1000.0 * log.x.y[k];
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "reference").text, HasSubstr("1000 times"));
+  EXPECT_TRUE(c.records[0].r.empty());
+  // A following error as large as a third of the stroke is still a reference.
+  const Axis axis;
+  for (std::size_t k = 0; k < log.r.y.size(); ++k) log.r.y[k] = axis.x(1e-3 * static_cast<double>(k) + 0.2);
+  EXPECT_TRUE(condition(log).findings.empty());
+}
+
+TEST(Condition, WildSamplesAreReplacedAndMarked) {
+  RawLog log = logged();
+  log.f.y[0] = -1200.0;  // the edited first torque of a recording
+  log.x.y[4321] += 0.02;
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), ElementsAre("spike", "spike")) << texts(c);
+  EXPECT_EQ(c.findings[0].row, 4322U);
+  EXPECT_EQ(c.findings[1].row, 1U);
+  EXPECT_THAT(c.findings[1].text, HasSubstr("-1200"));
+  EXPECT_NEAR(c.records[0].x[4321], Axis{}.x(4.321), 1e-6);
+  ASSERT_FALSE(c.records[0].skip.empty());
+  EXPECT_EQ(c.records[0].skip[0], 1);
+  EXPECT_EQ(c.records[0].skip[4321], 1);
+  EXPECT_EQ(c.records[0].skip[100], 0);
+}
+
+TEST(Condition, NoPositionNoForceNotFinite) {
+  RawLog log = logged();
+  log.v.t = log.x.t;
+  log.x = {};
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "no-position").text, HasSubstr("integrated"));
+  const Axis axis;
+  EXPECT_NEAR(c.records[0].x[5000] - c.records[0].x[0], axis.x(5.0) - axis.x(0.0), 1e-5);
+  EXPECT_THAT(c.cannot_tell, Contains(HasSubstr("no position")));
+  RawLog no_force = logged();
+  no_force.f = {};
+  EXPECT_THAT(refusal(no_force), HasSubstr("no force"));
+  RawLog bad = logged();
+  bad.x.y[77] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(bad), AllOf(HasSubstr("column x"), HasSubstr("row 78")));
+  RawLog uneven = logged();
+  uneven.f.y.pop_back();
+  EXPECT_THAT(refusal(uneven), AllOf(HasSubstr("7999"), HasSubstr("8000")));
+  RawLog few = logged();
+  erase(few, 50, 8000);
+  EXPECT_THAT(refusal(few), HasSubstr("100 rows"));
+}
+
+// ---- force ----
+
+TEST(Condition, MagnitudeGetsItsSignBack) {
+  for (const double load : {0.0, 15.0, 60.0, -60.0}) {
+    Axis axis;
+    axis.load = load;
+    const RawLog clean = logged(axis);
+    RawLog log = clean;
+    for (double& f : log.f.y) f = std::abs(f);
+    const Conditioned c = condition(log);
+    const Finding& f = only(c, "unsigned");
+    EXPECT_TRUE(f.repaired);
+    std::size_t wrong = 0;
+    const Record& r = c.records[0];
+    for (std::size_t k = 0; k < r.f.size(); ++k) {
+      const bool unsure = !r.skip.empty() && r.skip[k] != 0;
+      if (!unsure && r.f[k] * clean.f.y[k] < 0.0) ++wrong;
+    }
+    EXPECT_LE(wrong, 8U) << "load " << load << "\n" << f.text;
+    EXPECT_GT(c.rough.mass, 90.0);
+    EXPECT_LT(c.rough.mass, 110.0);
+    EXPECT_NEAR(c.rough.offset, load, 2.0);
+    // Left alone when told so.
+    EXPECT_EQ(condition(log, {{"unsigned", "inverted", "contradiction"}}).records[0].f, log.f.y);
+  }
+}
+
+TEST(Condition, MagnitudeOfJogs) {
+  // Friction and inertia are equally strong here: neither sign alone is a good start.
+  testing::Drive drive;
+  drive.friction = testing::table_2_3('y');
+  std::vector<double> jog;
+  double at = 0.0;
+  for (const double speed : {2e-3, -2e-3, 8e-3, -8e-3}) {
+    for (int k = 0; k < 240; ++k)
+      jog.push_back(at += 0.005 * speed * std::clamp(std::min(k, 240 - k) / 8.0, 0.0, 1.0));
+    for (int k = 0; k < 60; ++k) jog.push_back(at);
+  }
+  const RawLog clean = raw(testing::run_closed(drive, 57e3, jog, 6));
+  RawLog log = clean;
+  for (double& f : log.f.y) f = std::abs(f);
+  const Conditioned c = condition(log);
+  only(c, "unsigned");
+  const Record& r = c.records[0];
+  std::size_t wrong = 0;
+  for (std::size_t k = 0; k < r.f.size(); ++k)
+    wrong += r.skip[k] == 0 && r.f[k] * clean.f.y[k] < 0.0 && std::abs(r.f[k]) > 300.0 ? 1 : 0;
+  EXPECT_LE(wrong, r.f.size() / 100);
+  EXPECT_NEAR(c.rough.mass, 57.65e3, 8e3);
+}
+
+TEST(Condition, LateMagnitude) {
+  Axis axis;
+  axis.load = 50.0;
+  RawLog log = logged(axis);
+  for (std::size_t k = log.f.y.size(); k-- > 4;) log.f.y[k] = std::abs(log.f.y[k - 4]);
+  for (std::size_t k = 0; k < 4; ++k) log.f.y[k] = std::abs(log.f.y[k]);
+  const Conditioned c = condition(log);
+  only(c, "unsigned");
+  EXPECT_NEAR(c.rough.delay, 4.5, 0.6);  // the force of a row belongs to its middle
+  EXPECT_NEAR(c.rough.mass, 100.0, 5.0);
+}
+
+TEST(Condition, ForceAgainstThePosition) {
+  for (const double load : {0.0, 150.0}) {
+    Axis axis;
+    axis.load = load;
+    const RawLog clean = logged(axis);
+    RawLog log = clean;
+    for (double& f : log.f.y) f = -f;
+    const Conditioned c = condition(log);
+    EXPECT_TRUE(only(c, "inverted").repaired);
+    EXPECT_EQ(c.records[0].f, clean.f.y);
+    EXPECT_EQ(condition(log, {{"inverted"}}).records[0].f, log.f.y);
+  }
+}
+
+TEST(Condition, MirroredAndScaledLogsGiveTheSame) {
+  RawLog log = logged();
+  for (Signal* s : {&log.x, &log.v, &log.f}) {
+    for (double& y : s->y) y = -y;
+  }
+  const Conditioned mirrored = condition(log);
+  EXPECT_TRUE(mirrored.findings.empty()) << texts(mirrored);
+  EXPECT_NEAR(mirrored.rough.mass, condition(logged()).rough.mass, 1e-6);
+  for (double& f : log.f.y) f *= -1e-3;  // another unit, and against the position
+  const Conditioned scaled = condition(log);
+  only(scaled, "inverted");
+  EXPECT_NEAR(scaled.rough.mass, 1e-3 * mirrored.rough.mass, 1e-9);
+}
+
+TEST(Condition, SpringOfPreSlidingIsNotInverted) {
+  // f = k·x + hysteresis: the acceleration of a sine is −ω²·x, so that the fit may see a negative mass.
+  RawLog log = logged();
+  for (std::size_t k = 0; k < log.x.y.size(); ++k) {
+    const double t = 1e-3 * static_cast<double>(k);
+    log.x.y[k] = 20e-6 * std::sin(kTau * 0.5 * t);
+    const double v = std::cos(kTau * 0.5 * t);
+    log.f.y[k] = 2e6 * log.x.y[k] + 8.0 * v + 0.01 * std::sin(1234.5 * t * t);
+  }
+  log.v.y.clear();
+  const Conditioned c = condition(log);
+  EXPECT_TRUE(c.findings.empty()) << texts(c);
+}
+
+TEST(Condition, DriveOffAtTheEndIsCut) {
+  Axis axis;
+  axis.load = 60.0;
+  RawLog log = logged(axis);
+  std::mt19937_64 engine(9);
+  std::normal_distribution<double> normal;
+  const double rest = log.x.y.back();
+  for (int k = 0; k < 3000; ++k) {
+    log.x.t.push_back(log.x.t.back() + 1e-3);
+    log.x.y.push_back(rest);
+    log.v.y.push_back(1e-5 * normal(engine));
+    const double level = k < 1000 ? 60.0 : k < 1060 ? 60.0 - static_cast<double>(k - 1000) : 0.2;
+    log.f.y.push_back(level + 0.5 * normal(engine));
+  }
+  const Conditioned c = condition(log);
+  const Finding& f = only(c, "drive-off");
+  EXPECT_NEAR(f.time, 9.0, 0.02);
+  EXPECT_NEAR(c.records[0].t.back(), 9.0, 0.02);
+  // Standing still with the drive on is kept, and marked.
+  EXPECT_EQ(c.marks[0].back() & kAtRest, kAtRest);
+  EXPECT_EQ(c.marks[0][4000] & kAtRest, 0);
+}
+
+TEST(Condition, LimitOfTheForceIsMarked) {
+  RawLog log = logged();
+  std::size_t cut = 0;
+  for (double& f : log.f.y) {
+    if (f > 60.0) {
+      f = 60.0;
+      ++cut;
+    }
+  }
+  ASSERT_GT(cut, 100U);
+  const Conditioned c = condition(log);
+  const Finding& f = only(c, "saturated");
+  EXPECT_FALSE(f.repaired);
+  EXPECT_EQ(f.values.at(0), 60.0);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(c.records[0].skip.begin(), c.records[0].skip.end(), 1)), cut);
+}
+
+// ---- runs ----
+
+/// Steady runs there and back with F(v), each at its own speed.
+std::vector<Record> steady_runs(const std::function<double(double)>& friction, bool two_lengths) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  std::vector<Record> out;
+  for (const double speed : {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 10e-3, 20e-3, 30e-3, 40e-3, 60e-3}) {
+    for (const double sign : {1.0, -1.0}) {
+      Record r;
+      r.source = "run";
+      r.sample_time = 0.015;
+      const std::size_t rows = two_lengths && speed < 4.5e-3 ? 2667 : 334;
+      for (std::size_t k = 0; k < rows; ++k) {
+        const double t = 0.015 * static_cast<double>(k);
+        r.t.push_back(t);
+        r.x.push_back(sign * speed * t);
+        r.f.push_back(sign * friction(speed) + 30.0 * std::sin(r.x.back()) + 0.1 * normal(engine));
+      }
+      out.push_back(std::move(r));
+    }
+  }
+  return out;
+}
+
+TEST(MixedRuns, TwoDaysAreSaid) {
+  const auto law = [](double v) { return 10.0 + 40.0 * v; };
+  const auto found =
+      warn_of_mixed_runs(steady_runs([&](double v) { return law(v) + (v < 4.5e-3 ? 3.0 : 0.0); }, true));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, "mixed-runs");
+  EXPECT_THAT(found[0].text, AllOf(HasSubstr("two days"), HasSubstr("0.004"), HasSubstr("v < 0")));
+  EXPECT_NEAR(found[0].values.at(3), -3.0, 0.2);
+}
+
+TEST(MixedRuns, OneDayIsNot) {
+  // Other lengths alone, or a steep low-speed part alone, are no second day.
+  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + 40.0 * v; }, true)).empty());
+  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + 5.0 * std::exp(-v / 4e-3); }, true))
+                  .empty());
+  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + (v < 4.5e-3 ? 3.0 : 0.0); }, false))
+                  .empty());
+}
+
+TEST(Condition, RunsShareOneSign) {
+  // A run in one direction alone cannot tell its sign; together they can.
+  std::vector<RawLog> runs;
+  for (const Record& r : steady_runs([](double v) { return 40.0 + 40.0 * v; }, false)) {
+    runs.push_back(raw(r));
+    for (double& f : runs.back().f.y) f = -f;
+  }
+  const Conditioned c = condition(runs);
+  EXPECT_THAT(kinds(c), Contains("inverted")) << texts(c);
+  EXPECT_EQ(c.records.size(), runs.size());
+  EXPECT_EQ(c.run[5], 5U);
+  for (std::size_t i = 0; i < runs.size(); ++i) EXPECT_EQ(c.records[i].f[100], -runs[i].f.y[100]);
+}
+
+TEST(Condition, RowsOfTheLogAreKept) {
+  RawLog log = logged();
+  for (std::size_t k = 0; k < log.x.y.size(); ++k) log.row.push_back(1001 + k);
+  erase(log, 3000, 3500);
+  log.row.erase(log.row.begin() + 3000, log.row.begin() + 3500);
+  EXPECT_EQ(only(condition(log), "gap").row, 4501U);
+}
+
+TEST(Condition, UnknownKindIsRefused) {
+  try {
+    static_cast<void>(condition(logged(), {{"gapp"}}));
+    FAIL();
+  } catch (const Refused& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("gapp"), HasSubstr("frozen")));
+  }
+}
+
+TEST(Quantum, FoundWhereThereIsOne) {
+  std::mt19937_64 engine(1);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::vector<double> continuous(5000);
+  std::vector<double> coarse(5000);
+  std::vector<double> even(5000);
+  for (std::size_t k = 0; k < 5000; ++k) {
+    continuous[k] = uniform(engine);
+    coarse[k] = 0.0977 * std::round(continuous[k] / 0.0977 * 3.0);
+    even[k] = 8.4e-3 * static_cast<double>(k);  // a constant speed has no resolution
+  }
+  EXPECT_EQ(quantum(continuous), 0.0);
+  EXPECT_NEAR(quantum(coarse), 0.0977, 1e-9);
+  EXPECT_EQ(quantum(even), 0.0);
+  EXPECT_EQ(quantum({1.0, 1.0, 1.0}), 0.0);
+  EXPECT_EQ(quantum({}), 0.0);
+}
+
+}  // namespace
+}  // namespace stribeck::ident

@@ -1,0 +1,228 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <string>
+
+namespace stribeck::ident {
+namespace {
+
+/// Largest allowed share of noise in the spread of the acceleration.
+constexpr double kNoiseShare = 0.01;
+constexpr int kWidestBox = 40;
+constexpr double kHysteresis = 10.0;
+
+/// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums are
+/// taken of differences from the first value: a position far from zero costs no digits.
+std::vector<double> smooth(const std::vector<double>& x, int j) {
+  const std::size_t n = x.size();
+  const auto half = static_cast<std::size_t>(3 * j);
+  if (j == 0 || n < 2 * half + 1) return x;
+  const auto width = static_cast<std::size_t>(2 * j + 1);
+  const double scale = 1.0 / static_cast<double>(width);
+  const double origin = x.front();
+  std::vector<double> from(n);
+  std::vector<double> to(n);
+  for (std::size_t k = 0; k < n; ++k) from[k] = x[k] - origin;
+  std::size_t length = n;
+  for (int pass = 0; pass < 3; ++pass) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < width; ++k) sum += from[k];
+    to[0] = sum * scale;
+    for (std::size_t k = width; k < length; ++k) {
+      sum += from[k] - from[k - width];
+      to[k - width + 1] = sum * scale;
+    }
+    length -= width - 1;
+    std::swap(from, to);
+  }
+  std::vector<double> y(x);
+  for (std::size_t k = 0; k < length; ++k) y[k + half] = from[k] + origin;
+  return y;
+}
+
+std::vector<double> second_difference(const std::vector<double>& x, double T) {
+  std::vector<double> a(x.size(), 0.0);
+  const double scale = 1.0 / (T * T);
+  for (std::size_t k = 1; k + 1 < x.size(); ++k) a[k] = ((x[k + 1] - x[k]) - (x[k] - x[k - 1])) * scale;
+  return a;
+}
+
+/// The value below which a share of the magnitudes lies; 0 for none.
+double quantile_of_magnitude(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  for (double& x : values) x = std::abs(x);
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+/// A programmed force is piecewise smooth: its second differences are nearly all at the resolution of the
+/// converter.
+bool programmed(const std::vector<double>& f) {
+  std::vector<double> second;
+  for (std::size_t k = 1; k + 1 < f.size(); ++k) second.push_back(f[k + 1] - 2.0 * f[k] + f[k - 1]);
+  const auto [low, high] = std::minmax_element(f.begin(), f.end());
+  return quantile_of_magnitude(std::move(second), 0.5) < 1e-3 * (*high - *low);
+}
+
+void find_reversals(const std::vector<double>& x, double hysteresis, Motion& m) {
+  const std::size_t n = x.size();
+  m.direction.assign(n, 1);
+  m.stretch.assign(n, 0);
+  m.distance.assign(n, 0.0);
+  std::size_t low = 0;
+  std::size_t high = 0;
+  int direction = 0;
+  std::vector<std::pair<std::size_t, int>> starts;  // row of the extreme, direction after it
+  for (std::size_t k = 0; k < n; ++k) {
+    // >= : of equal extremes the last, when the axis leaves.
+    if (x[k] >= x[high]) high = k;
+    if (x[k] <= x[low]) low = k;
+    if (direction <= 0 && x[k] - x[low] > hysteresis) {
+      starts.emplace_back(low, 1);
+      direction = 1;
+      high = k;
+    } else if (direction >= 0 && x[high] - x[k] > hysteresis) {
+      starts.emplace_back(high, -1);
+      direction = -1;
+      low = k;
+    }
+  }
+  for (std::size_t s = 0; s < starts.size(); ++s) {
+    const std::size_t first = s == 0 ? 0 : starts[s].first;
+    const std::size_t last = s + 1 < starts.size() ? starts[s + 1].first : n;
+    for (std::size_t k = first; k < last; ++k) {
+      m.direction[k] = static_cast<std::int8_t>(starts[s].second);
+      m.stretch[k] = static_cast<int>(s);
+      m.distance[k] = std::max(0.0, starts[s].second * (x[k] - x[starts[s].first]));
+    }
+    m.reversals.push_back(starts[s].first);
+  }
+}
+
+}  // namespace
+
+double position_noise(const std::vector<double>& x) {
+  std::vector<double> fourth;
+  fourth.reserve(x.size());
+  for (std::size_t k = 2; k + 2 < x.size(); ++k) {
+    if (x[k + 2] == x[k - 2]) continue;  // at rest a coarse encoder shows no noise
+    fourth.push_back(x[k - 2] - 4.0 * x[k - 1] + 6.0 * x[k] - 4.0 * x[k + 1] + x[k + 2]);
+  }
+  // Without the jolts of reversals. Counts of an encoder are few values: a quantile alone would be one of
+  // them.
+  const double limit = 4.0 * quantile_of_magnitude(fourth, 0.6827);
+  double square = 0.0;
+  std::size_t count = 0;
+  for (const double d : fourth) {
+    if (std::abs(d) > limit) continue;
+    square += d * d;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(square / (70.0 * static_cast<double>(count))) : 0.0;
+}
+
+std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column) {
+  if (!(motion.cut_off > 0.0)) return smooth(column, motion.window);
+  return forward_backward(butterworth(4, motion.cut_off * 2.0 * motion.sample_time), column);
+}
+
+std::vector<double> align_force(const std::vector<double>& f, double shift) {
+  std::vector<double> out(f.size());
+  align_force(f, shift, 0, f.size(), out);
+  return out;
+}
+
+void align_force(const std::vector<double>& f, double shift, std::size_t from, std::size_t to,
+                 std::vector<double>& out) {
+  // Area of the triangle over [−1, 1] to the left of s.
+  const auto area = [](double s) {
+    return s < 0.0 ? 0.5 * (s + 1.0) * (s + 1.0) : 1.0 - 0.5 * (1.0 - s) * (1.0 - s);
+  };
+  const double late = shift + 0.5;
+  const double whole = std::floor(late);
+  const double part = late - whole;
+  // The holds that begin at whole − 1, whole and whole + 1 rows after k, less `late`, cover the triangle.
+  const double w[3] = {area(-part), area(1.0 - part) - area(-part), 1.0 - area(1.0 - part)};
+  const auto n = static_cast<std::ptrdiff_t>(f.size());
+  const auto begin = static_cast<std::ptrdiff_t>(from), end = static_cast<std::ptrdiff_t>(to);
+  const auto first = static_cast<std::ptrdiff_t>(whole) - 1;
+  const auto held = [&](std::ptrdiff_t k) {
+    double sum = 0.0;
+    for (std::ptrdiff_t i = 0; i < 3; ++i)
+      sum += w[i] * f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + first + i, 0, n - 1))];
+    return sum;
+  };
+  // Rows whose three holds lie inside need no clamping.
+  const std::ptrdiff_t inner = std::clamp(-first, begin, end);
+  const std::ptrdiff_t outer = std::clamp(n - 2 - first, inner, end);
+  double* o = out.data();
+  const double* g = f.data();
+  for (std::ptrdiff_t k = begin; k < inner; ++k) o[k] = held(k);
+  for (std::ptrdiff_t k = inner, j = inner + first; k < outer; ++k, ++j)
+    o[k] = w[0] * g[j] + w[1] * g[j + 1] + w[2] * g[j + 2];
+  for (std::ptrdiff_t k = outer; k < end; ++k) o[k] = held(k);
+}
+
+Motion reconstruct(const Record& record, const MotionOptions& options) {
+  const double T = record.sample_time;
+  Motion m;
+  m.sample_time = T;
+  m.loop = record.loop;
+  if (m.loop == Loop::kAutomatic) {
+    m.loop = !record.r.empty() ? Loop::kClosed : programmed(record.f) ? Loop::kOpen : Loop::kAutomatic;
+  }
+  m.position_noise = position_noise(record.x);
+  const auto [low, high] = std::minmax_element(record.x.begin(), record.x.end());
+  m.stroke = *high - *low;
+
+  m.window = options.window;
+  if (m.window < 0) {
+    // The spread is taken from a long window, so that it is motion and not noise.
+    const int longest = std::min(kWidestBox, static_cast<int>(record.x.size() / 60));
+    const std::vector<double> calm = second_difference(smooth(record.x, std::min(longest, 10)), T);
+    double square = 0.0;
+    for (const double a : calm) square += a * a;
+    const double allowed = kNoiseShare * std::sqrt(square / static_cast<double>(calm.size())) * T * T;
+    m.window = 0;
+    while (m.window < longest &&
+           m.position_noise * std::sqrt(second_difference_variance(box_weights(m.window))) > allowed)
+      ++m.window;
+  }
+  if (options.cut_off > 0.0) {
+    if (!(options.cut_off * 2.0 * T < 1.0)) {
+      throw Refused(record.source + ": a cut-off of " + std::to_string(options.cut_off) +
+                    " Hz, expected less than half the sampling frequency of the log");
+    }
+    m.window = 0;
+    m.cut_off = options.cut_off;
+    // A step has settled to a hundredth after 0.75 periods of the edge.
+    m.reach = static_cast<int>(std::ceil(0.75 / (options.cut_off * T))) + 1;
+  } else {
+    m.reach = 3 * m.window + 1;
+  }
+  const int late = static_cast<int>(std::ceil(std::abs(options.shift + 0.5)));
+  m.reach += late;
+
+  m.x = smooth_like(m, record.x);
+  std::vector<double> force = smooth_like(m, record.f);
+  m.f = align_force(force, options.shift);
+  if (options.smoothed_force != nullptr) *options.smoothed_force = std::move(force);
+  const std::vector<double>& x = m.x;
+  m.a = second_difference(x, T);
+  m.v.assign(x.size(), 0.0);
+  for (std::size_t k = 1; k + 1 < x.size(); ++k) m.v[k] = (x[k + 1] - x[k - 1]) / (2.0 * T);
+  if (m.loop == Loop::kOpen) {
+    m.instrument = m.f;
+  } else if (m.loop == Loop::kClosed && !record.r.empty()) {
+    m.instrument = second_difference(smooth_like(m, record.r), T);
+  } else {
+    m.instrument = second_difference(smooth(m.x, m.window + 2), T);
+  }
+  find_reversals(record.x, std::max(kHysteresis * m.position_noise, 1e-7 * m.stroke), m);
+  return m;
+}
+
+}  // namespace stribeck::ident

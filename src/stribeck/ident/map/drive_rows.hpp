@@ -1,0 +1,76 @@
+#pragma once
+/// Rows of sliding motion, sorted into bins of speed for each direction, and friction over the bins without a
+/// model. Inside ident only.
+/// Real time: no.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stribeck/ident/log/motion.hpp>
+#include <vector>
+
+namespace stribeck::ident {
+
+inline constexpr int kSides = 2;  ///< 0: v > 0, 1: v < 0
+inline constexpr std::array<double, kSides> kDirection{1.0, -1.0};
+inline constexpr std::array<const char*, kSides> kSideName{"positive", "negative"};
+
+inline int side_of(double v) { return v > 0.0 ? 0 : 1; }
+
+/// Bins of speed of one direction.
+struct Grid {
+  double low = 0.0;   ///< [m/s]
+  double high = 0.0;  ///< [m/s]
+  int bins = 1;
+
+  [[nodiscard]] int bin(double speed) const noexcept {
+    return std::clamp(static_cast<int>((speed - low) / (high - low) * bins), 0, bins - 1);
+  }
+};
+
+/// Means over bins, joined by straight lines.
+struct Polyline {
+  Grid grid;
+  std::vector<double> speed, force, weight;  ///< occupied bins; force against the motion
+  std::vector<int> next;  ///< first occupied bin whose mean speed is above the left edge of the bin
+
+  void build(const Grid& g, const std::vector<double>& n, const std::vector<double>& sum_v,
+             const std::vector<double>& sum_f);
+  [[nodiscard]] double operator()(double s) const noexcept;
+  /// Straight line through the bins.
+  struct Line {
+    double level = 0.0;  ///< [N]
+    double slope = 0.0;  ///< [N·s/m]
+  };
+  [[nodiscard]] Line line() const;
+};
+
+inline double Polyline::operator()(double s) const noexcept {
+  if (s <= speed.front()) return force.front();
+  if (s >= speed.back()) return force.back();
+  auto i = static_cast<std::size_t>(next[static_cast<std::size_t>(grid.bin(s))]);
+  while (speed[i] < s) ++i;
+  if (i == 0) return force.front();
+  const double share = (s - speed[i - 1]) / (speed[i] - speed[i - 1]);
+  return force[i - 1] + share * (force[i] - force[i - 1]);
+}
+
+/// Rows that are used, one behind the other over all records.
+struct Rows {
+  std::vector<int> record;
+  std::vector<std::size_t> at;  ///< row of the record
+  std::vector<int> stretch;     ///< counted over all records
+  std::vector<std::uint8_t> side;
+  std::vector<int> bin;
+  std::vector<double> lag;  ///< what friction lags behind its steady state, signed [N]
+
+  [[nodiscard]] std::size_t size() const noexcept { return at.size(); }
+  void reserve(std::size_t rows);
+  void clear();  ///< keeps the memory
+};
+
+/// Peaks of the smoothed map after its straight line is taken off, the border at the highest speed counted
+/// (thesis §2.4.3).
+int peaks_of(const Polyline& map);
+
+}  // namespace stribeck::ident

@@ -1,0 +1,305 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stribeck/ident/map/steady_runs.hpp>
+#include <stribeck/ident/methods/break_away.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+constexpr double kSmaller = 0.95;        // force of the earlier row
+constexpr double kGrowth = 2.0;          // of the deflection since
+constexpr double kAtRest = 0.02;         // of the largest force: between ramps
+constexpr double kNotYet = 0.2;          // of the ramp's largest force: no slip is looked for below
+constexpr double kStraight = 0.05;       // of the force at the slip: RMS off the straight line
+constexpr std::size_t kFewestQuiet = 5;  // rows without force before a ramp
+constexpr double kRestBefore =
+    0.1;  // of the deflection at the slip: how far the axis may move just before the ramp
+constexpr std::size_t kFewestRows = 30;
+constexpr double kElastic = 4.0;  // growth of the deflection over the second half of the force
+constexpr double kCounts = 8.0;   // of the encoder, that a deflection needs to be seen
+constexpr double kQuasi = 0.85;   // of the slip's force, up to which the distance is fitted
+constexpr int kGrid = 60;
+
+template <class... T>
+std::string text(const char* format, T... values) {
+  char buffer[300];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+double smallest_step(const std::vector<double>& x) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    if (x[k] != x[k - 1]) step = std::min(step, std::abs(x[k] - x[k - 1]));
+  }
+  return std::isfinite(step) ? step : 0.0;
+}
+
+/// Residual of F = F_s·(1 − exp(−y/δ)) with the best F_s.
+double misfit(const std::vector<double>& y, const std::vector<double>& f, double length) {
+  double bb = 0.0, bf = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double b = -std::expm1(-std::max(0.0, y[i]) / length);
+    bb += b * b, bf += b * f[i], ff += f[i] * f[i];
+  }
+  return bb > 0.0 ? ff - bf * bf / bb : ff;
+}
+
+/// Over lengths a fixed ratio apart, then by golden section.
+double fit_length(const std::vector<double>& y, const std::vector<double>& f) {
+  const double longest = 10.0 * *std::max_element(y.begin(), y.end());
+  const double ratio = std::pow(1000.0, 1.0 / kGrid);
+  double best = longest;
+  for (int i = 0; i <= kGrid; ++i) {
+    const double length = longest * std::pow(ratio, -i);
+    if (misfit(y, f, length) < misfit(y, f, best)) best = length;
+  }
+  double low = best / ratio, high = best * ratio;
+  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+  for (int i = 0; i < 40; ++i) {
+    const double a = high - golden * (high - low);
+    const double b = low + golden * (high - low);
+    (misfit(y, f, a) < misfit(y, f, b) ? high : low) = misfit(y, f, a) < misfit(y, f, b) ? b : a;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Acceleration from the parabola through rows first … last.
+double acceleration(const std::vector<double>& y, std::size_t first, std::size_t last, double T) {
+  const auto n = static_cast<double>(last - first + 1);
+  const double middle = 0.5 * static_cast<double>(first + last);
+  double s2 = 0, s4 = 0, sy = 0, s2y = 0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const double t = (static_cast<double>(k) - middle) * T;
+    s2 += t * t, s4 += t * t * t * t, sy += y[k], s2y += t * t * y[k];
+  }
+  const double det = n * s4 - s2 * s2;
+  return det > 0.0 ? 2.0 * (n * s2y - s2 * sy) / det : 0.0;
+}
+
+/// Why a stretch of force is no ramp up to a slip.
+enum class No { kReference, kMoving, kCrooked, kStill, kCreeping, kCount };
+
+struct Judged {
+  std::optional<Slip> slip;
+  No why = No::kStill;
+  double way = 0.0;  ///< of a stretch that creeps [m]
+};
+
+/// RMS off the least-squares line of f[0…k], of its last value.
+double crooked(const std::vector<double>& f, std::size_t k) {
+  const auto n = static_cast<double>(k + 1);
+  const double middle = 0.5 * static_cast<double>(k);
+  double mean = 0.0;
+  for (std::size_t i = 0; i <= k; ++i) mean += f[i] / n;
+  double tt = 0.0, tf = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i <= k; ++i) {
+    const double t = static_cast<double>(i) - middle;
+    tt += t * t, tf += t * (f[i] - mean), ff += (f[i] - mean) * (f[i] - mean);
+  }
+  return std::sqrt(std::max(0.0, ff - tf * tf / tt) / n) / std::abs(f[k]);
+}
+
+/// Rows first … last hold one sign of force; from `begin` to them there is next to none.
+Judged first_slip(const Record& rec, std::size_t begin, std::size_t first, std::size_t last, int direction,
+                  const BreakAwayOptions& options) {
+  std::size_t top = first;
+  for (std::size_t k = first; k <= last; ++k) {
+    if (direction * rec.f[k] > direction * rec.f[top]) top = k;
+  }
+  std::vector<double> start(rec.x.begin() + static_cast<std::ptrdiff_t>(first),
+                            rec.x.begin() + static_cast<std::ptrdiff_t>(std::min(first + 5, last + 1)));
+  std::nth_element(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(start.size() / 2), start.end());
+  const double rest = start[start.size() / 2];
+  std::vector<double> y, f;
+  for (std::size_t k = first; k <= top; ++k) {
+    y.push_back(direction * (rec.x[k] - rest));
+    f.push_back(direction * rec.f[k]);
+  }
+  const double visible = kCounts * smallest_step(rec.x);
+  if (!rec.r.empty()) {
+    const auto [low, high] = std::minmax_element(rec.r.begin() + static_cast<std::ptrdiff_t>(first),
+                                                 rec.r.begin() + static_cast<std::ptrdiff_t>(top + 1));
+    if (*high - *low > visible) return {{}, No::kReference};
+  }
+  std::size_t before = 0;
+  for (std::size_t k = 1; k < y.size(); ++k) {
+    while (before + 1 < k && f[before + 1] <= kSmaller * f[k]) ++before;
+    if (k < kFewestRows || f[k] < kNotYet * f.back() || y[before] < visible) continue;
+    if (y[k] < kGrowth * y[before]) continue;
+    if (crooked(f, k) > kStraight) return {{}, No::kCrooked};
+    // Just before it no force, unless the record begins here; the axis may still spring back early in that pause.
+    const std::size_t pause = first - begin;
+    if (begin > 0 && pause < kFewestQuiet) return {{}, No::kMoving};
+    for (std::size_t i = first - pause / 4; i < first; ++i) {
+      if (std::abs(rec.x[i] - rest) > std::max(visible, kRestBefore * y[k])) return {{}, No::kMoving};
+    }
+    Slip slip;
+    slip.row = first + k;
+    slip.direction = direction;
+    slip.deflection = y[k];
+    double force = f[k];
+    if (options.mass) {
+      // The slip takes the second half of the way from `before`; a parabola holds over it.
+      const std::size_t half = std::max<std::size_t>(2, (k - before) / 2);
+      force -= *options.mass *
+               acceleration(y, k - std::min(k, half), std::min(k + half, y.size() - 1), rec.sample_time);
+    }
+    slip.force = direction * force;
+    // Close to the slip the axis already lags behind the ramp.
+    std::size_t quasi = k;
+    while (quasi > 2 && f[quasi] > kQuasi * force) --quasi;
+    y.resize(quasi + 1);
+    f.resize(quasi + 1);
+    slip.distance = fit_length(y, f);
+    return {slip, {}};
+  }
+  // Elastic up to its end, F = F_s·(1 − exp(−y/δ)) below 0.9 F_s: it did not come to sliding.
+  const std::size_t half = static_cast<std::size_t>(
+      std::find_if(f.begin(), f.end(), [&](double force) { return force >= 0.5 * f.back(); }) - f.begin());
+  if (!(y.back() > visible) || y.back() < kElastic * y[half]) return {{}, No::kStill};
+  if (crooked(f, f.size() - 1) > kStraight) return {{}, No::kCrooked};
+  return {{}, No::kCreeping, y.back()};
+}
+
+/// What the stretches without a slip are.
+std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double way,
+                    const std::string& position_unit) {
+  std::string out;
+  const auto say = [&](No no, const std::string& what) {
+    const std::size_t n = count[static_cast<std::size_t>(no)];
+    if (n > 0) out += (out.empty() ? "" : "; ") + text("%zu ", n) + what;
+  };
+  const bool turns = position_unit == "rad";
+  say(No::kReference, "while the reference moves, where the force follows the motion");
+  say(No::kMoving, "not from rest");
+  say(No::kCrooked, "with a force that does not rise steadily");
+  say(No::kStill, "without any sliding, so that more force is needed");
+  say(No::kCreeping,
+      text("during which the axis moves by as much as %.3g %s but never slips suddenly (the ramp is too "
+           "quick, or noise in force or friction lets the axis creep)",
+           turns ? way : 1e3 * way, turns ? "rad" : "mm"));
+  return out;
+}
+
+struct Mean {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  Interval interval;
+};
+
+Mean mean_of(const std::vector<double>& values) {
+  Mean m;
+  if (values.empty()) return m;
+  const auto n = static_cast<double>(values.size());
+  m.value = 0.0;
+  for (const double v : values) m.value += v / n;
+  if (values.size() < 2) return m;
+  double square = 0.0;
+  for (const double v : values) square += (v - m.value) * (v - m.value);
+  const double half = student_factor(n - 1.0) * std::sqrt(square / (n - 1.0) / n);
+  m.interval = {m.value - half, m.value + half};
+  return m;
+}
+
+}  // namespace
+
+BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwayOptions& options) {
+  if (records.empty()) throw Refused("break-away: no record given");
+  BreakAway out;
+  std::size_t ramps = 0;
+  std::array<std::size_t, static_cast<std::size_t>(No::kCount)> no{};
+  double creep = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record rec = with_positions(records[r]);
+    double largest = 0.0;
+    for (const double f : rec.f) largest = std::max(largest, std::abs(f));
+    const double quiet = kAtRest * largest;
+    for (std::size_t k = 0; k < rec.f.size();) {
+      if (std::abs(rec.f[k]) <= quiet) {
+        ++k;
+        continue;
+      }
+      const int direction = rec.f[k] > 0.0 ? 1 : -1;
+      std::size_t end = k;
+      while (end + 1 < rec.f.size() && direction * rec.f[end + 1] > quiet) ++end;
+      if (end - k >= kFewestRows) {
+        ++ramps;
+        std::size_t begin = k;
+        while (begin > 0 && std::abs(rec.f[begin - 1]) <= quiet) --begin;
+        // The quiet beginning belongs to the ramp.
+        std::size_t first = k;
+        while (first > 0 && direction * rec.f[first - 1] >= 0.0 &&
+               std::abs(rec.f[first - 1]) < std::abs(rec.f[first])) {
+          --first;
+        }
+        Judged judged = first_slip(rec, begin, first, end, direction, options);
+        if (judged.slip) {
+          judged.slip->record = r;
+          out.slips.push_back(*judged.slip);
+        } else {
+          ++no[static_cast<std::size_t>(judged.why)];
+          creep = std::max(creep, judged.way);
+        }
+      }
+      k = end + 1;
+    }
+  }
+  if (out.slips.empty()) {
+    const std::string why = reasons(no, creep, records.front().position_unit);
+    throw Refused(
+        text("break-away: no slow ramp of force with a slip among %zu stretches of one sign of force",
+             ramps) +
+        (why.empty() ? "" : ": " + why) +
+        "; ramp the force from rest until the axis slips (excite --method ramp)");
+  }
+  std::vector<double> force[2], distance;
+  for (const Slip& s : out.slips) {
+    force[s.direction > 0 ? 0 : 1].push_back(s.force);
+    distance.push_back(s.distance);
+  }
+  Result& r = out.result;
+  r.method = "break-away";
+  r.model = "none";
+  r.force_unit = records.front().force_unit;
+  r.position_unit = records.front().position_unit;
+  r.mass = std::numeric_limits<double>::quiet_NaN();
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    const Mean m = mean_of(force[side]);
+    out.force[side] = m.value;
+    out.interval[side] = m.interval;
+    const std::string name = side == 0 ? "positive" : "negative";
+    if (force[side].empty()) {
+      r.cannot_tell.push_back("break-away force of " + name + " motion: no ramp in that direction");
+      continue;
+    }
+    r.parameters.push_back({"break_away_" + name, m.value, "N", "N", m.interval.low, m.interval.high, true});
+    if (force[side].size() == 1) {
+      r.cannot_tell.push_back("interval of the break-away force of " + name +
+                              " motion: one ramp only, repeat it");
+    }
+  }
+  const Mean d = mean_of(distance);
+  out.distance = d.value;
+  out.distance_interval = d.interval;
+  r.break_away_distance = d.value;
+  r.parameters.push_back({"break_away_distance", d.value, "m", "um", d.interval.low, d.interval.high, true});
+  r.rows = out.slips.size();
+  if (out.slips.size() < ramps) {
+    r.warnings.push_back(
+        text("%zu of %zu stretches of force are no slow ramps up to a slip and were left out: ",
+             ramps - out.slips.size(), ramps) +
+        reasons(no, creep, r.position_unit));
+  }
+  if (!options.mass) {
+    r.warnings.push_back(
+        "without the mass the force at the slip holds the small part that accelerates the axis");
+  }
+  r.cannot_tell.push_back("friction at speed, mass, and a load against break-away forces that differ");
+  return out;
+}
+
+}  // namespace stribeck::ident

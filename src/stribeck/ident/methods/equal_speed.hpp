@@ -1,0 +1,65 @@
+#pragma once
+/// What two runs through the same speed tell without any model of friction.
+///
+///   load   g = (F(+v) + F(−v))/2             forward and backward at one speed; friction of both equal
+///   mass   m = Σ z̃·f̃ / Σ z̃·ã                rows of one direction and nearly one speed, where friction is the
+///                                            same: accelerating against braking
+///
+/// ~ means less the mean of the row's bin of speed. z is the instrument of motion.hpp (acceleration of the
+/// reference), so that noise of the measured position does not bias the mass. A run of constant acceleration
+/// (triangles of speed, thesis §4.5.3) or a sine serves equally.
+///
+/// A load is called constant when the half sums of all speeds agree within their errors; if they do not, the
+/// two directions have friction of their own, and then no run at constant speed tells a load from it.
+///
+/// Source: thesis §4.5.3; Robinson 1988, doi:10.2307/1912705.
+/// Not modelled: friction that depends on acceleration (rows near a reversal are left out), or on position but for
+/// the periods that are given.
+/// Real time: no.
+/// Errors: Refused, with the reason.
+
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/map/steady_runs.hpp>
+#include <stribeck/ident/result.hpp>
+#include <vector>
+
+namespace stribeck::ident {
+
+/// Forward and backward at one speed.
+struct SpeedPair {
+  double speed = 0.0;     ///< [m/s]
+  double load = 0.0;      ///< half the sum [N]
+  double friction = 0.0;  ///< half the difference [N]
+  double error = 0.0;     ///< standard error of either [N]
+};
+
+struct LoadEstimate {
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: no speed was run both ways
+  Interval interval;                                        ///< 95 %, with the spread over the speeds
+  bool constant = false;
+  std::vector<SpeedPair> pairs;  ///< ascending speed
+};
+LoadEstimate load_of(const std::vector<SteadyRun>& runs);
+
+/// Method "gravity": load and friction from constant speeds in both directions, nothing fitted.
+Result identify_gravity(const std::vector<Record>& records, const SteadyOptions& options = {});
+
+struct EqualSpeedOptions {
+  double exclude = 50e-6;  ///< left out after reversals [m]
+  int bins = 60;           ///< of speed, each direction
+  /// Periods of forces periodic in position, which would else count as inertia [m].
+  std::vector<double> periods;
+};
+
+struct MassEstimate {
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< [kg]
+  Interval interval;                                        ///< 95 %
+  std::size_t rows = 0;
+};
+MassEstimate mass_at_equal_speed(const std::vector<Record>& records, const EqualSpeedOptions& options = {});
+
+/// Method "constant-acceleration": the mass, and friction as what is left, as means over bins of speed.
+Result identify_constant_acceleration(const std::vector<Record>& records,
+                                      const EqualSpeedOptions& options = {});
+
+}  // namespace stribeck::ident

@@ -1,0 +1,170 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/methods/idim_ls.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+#include <string>
+
+namespace stribeck::ident {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+
+/// Central differences, one-sided at the ends.
+std::vector<double> derivative(const std::vector<double>& y, double T) {
+  const std::size_t n = y.size();
+  std::vector<double> d(n);
+  for (std::size_t k = 1; k + 1 < n; ++k) d[k] = (y[k + 1] - y[k - 1]) / (2.0 * T);
+  d[0] = (y[1] - y[0]) / T;
+  d[n - 1] = (y[n - 1] - y[n - 2]) / T;
+  return d;
+}
+
+struct Column {
+  const char* name;
+  const char* unit;
+  const char* shown;
+  std::vector<double> values;
+};
+
+}  // namespace
+
+IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
+  const auto wrong = problems(record);
+  if (!wrong.empty()) throw Refused(wrong.front());
+  const double T = record.sample_time;
+  const std::size_t n = record.x.size();
+  if (!(options.cut_off > 0.0 && options.cut_off < 0.5 / T)) {
+    throw Refused("idim-ls: cut-off of " + std::to_string(options.cut_off) +
+                  " Hz, expected above 0 and below " + std::to_string(0.5 / T) +
+                  " Hz, half the rate of the log");
+  }
+  if (n < options.drop + 40 * options.decimation) {
+    throw Refused("idim-ls: " + std::to_string(n) + " rows are too few for decimation by " +
+                  std::to_string(options.decimation));
+    if (!(options.cut_off * 2.0 * T < 1.0)) {
+      throw Refused(record.source + ": sampled at " + std::to_string(std::lround(1.0 / T)) +
+                    " Hz, but the published protocol filters at " +
+                    std::to_string(std::lround(options.cut_off)) +
+                    " Hz and needs more than twice that; use --method auto");
+    }
+  }
+  const std::vector<double> x =
+      forward_backward(butterworth(options.order, options.cut_off * 2.0 * T), record.x);
+  const std::vector<double> v = derivative(x, T);
+  const std::vector<double> a = derivative(v, T);
+
+  std::vector<Column> columns{{"mass", "kg", "N s2/mm", a}};
+  auto add = [&](const char* name, const char* unit, const char* shown, auto value) {
+    Column c{name, unit, shown, std::vector<double>(n)};
+    std::transform(v.begin(), v.end(), c.values.begin(), value);
+    columns.push_back(std::move(c));
+  };
+  if (options.by_direction) {
+    add("viscous_positive", "N s/m", "N s/mm", [](double s) { return s > 0.0 ? s : 0.0; });
+    add("coulomb_positive", "N", "N", [](double s) { return s > 0.0 ? 1.0 : 0.0; });
+    add("viscous_negative", "N s/m", "N s/mm", [](double s) { return s < 0.0 ? s : 0.0; });
+    add("coulomb_negative", "N", "N", [](double s) { return s < 0.0 ? -1.0 : 0.0; });
+  } else {
+    add("viscous", "N s/m", "N s/mm", [](double s) { return s; });
+    add("coulomb", "N", "N", [](double s) { return s > 0.0 ? 1.0 : s < 0.0 ? -1.0 : 0.0; });
+    add("offset", "N", "N", [](double) { return 1.0; });
+  }
+  auto thin = [&](const std::vector<double>& column) {
+    return decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
+                    options.decimation);
+  };
+  const std::vector<double> force = thin(record.f);
+  const auto rows = static_cast<Index>(force.size());
+  const auto p = static_cast<Index>(columns.size());
+  MatrixXd X(rows, p);
+  for (Index j = 0; j < p; ++j) {
+    const std::vector<double> c = thin(columns[static_cast<std::size_t>(j)].values);
+    X.col(j) = Eigen::Map<const VectorXd>(c.data(), rows);
+  }
+  const VectorXd y = Eigen::Map<const VectorXd>(force.data(), rows);
+  const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (svd.rank() < p)
+    throw Refused(
+        "idim-ls: the log does not determine all parameters; move in both directions at several speeds");
+  const VectorXd theta = svd.solve(y);
+  const VectorXd e = y - X * theta;
+  const MatrixXd inverse = (X.transpose() * X).inverse();
+
+  IdimResult out;
+  IdimResult::Published& pub = out.published;
+  pub.rows = force.size();
+  pub.error_norm = e.norm();
+  pub.relative_error = e.norm() / y.norm();
+  pub.error_deviation = std::sqrt((e.array() - e.mean()).square().sum() / static_cast<double>(rows - 1));
+  pub.condition = svd.singularValues()(0) / svd.singularValues()(p - 1);
+  for (Index j = 0; j < p; ++j) {
+    pub.value.push_back(theta(j));
+    pub.deviation.push_back(pub.error_deviation * std::sqrt(inverse(j, j)));
+  }
+
+  std::vector<std::size_t> at(force.size());
+  for (std::size_t k = 0; k < at.size(); ++k) at[k] = k;
+  const Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
+
+  Result& r = out.result;
+  r.method = "idim-ls";
+  r.rows = pub.rows;
+  r.mass = theta(0);
+  const auto [low, high] =
+      std::minmax_element(v.begin() + static_cast<std::ptrdiff_t>(options.drop), v.end());
+  r.velocity_range = {*low, *high};
+  for (Index j = 0; j < p; ++j) {
+    const Column& c = columns[static_cast<std::size_t>(j)];
+    const double half = uncertainty.half_width(VectorXd::Unit(p, j));
+    r.parameters.push_back(
+        {c.name, theta(j), c.unit, c.shown, theta(j) - half, theta(j) + half, half < std::abs(theta(j))});
+  }
+  r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
+  if (options.by_direction) {
+    r.model = "asymmetric";
+    friction::Gaussian<double> map;
+    map.velocity_range = r.velocity_range;
+    map.positive.eta1 = theta(1);
+    map.positive.eta0 = theta(2);
+    map.negative.eta1 = theta(3);
+    map.negative.eta0 = -theta(4);
+    r.friction.steady = map;
+  } else {
+    r.model = "conventional";
+    r.load = theta(3);
+    friction::Conventional<double> map;
+    map.alpha0 = theta(2);
+    map.alpha2 = theta(1);
+    r.friction.steady = map;
+  }
+  // The curve without the load, both directions from a fiftieth of the largest speed.
+  constexpr int kPoints = 24;
+  for (int i = -kPoints; i <= kPoints; ++i) {
+    if (i == 0) continue;
+    const double limit = i < 0 ? -*low : *high;
+    const double s = (i < 0 ? -1.0 : 1.0) * limit * (0.02 + 0.98 * (std::abs(i) - 1) / (kPoints - 1));
+    VectorXd g = VectorXd::Zero(p);
+    if (options.by_direction) {
+      g(s > 0 ? 1 : 3) = s;
+      g(s > 0 ? 2 : 4) = s > 0 ? 1.0 : -1.0;
+    } else {
+      g(1) = s;
+      g(2) = s > 0 ? 1.0 : -1.0;
+    }
+    const double f = g.dot(theta);
+    const double half = uncertainty.half_width(g);
+    r.curve.push_back({s, f, f - half, f + half});
+  }
+  const std::size_t step = std::max<std::size_t>(1, (n - options.drop) / 1200);
+  for (std::size_t k = options.drop; k < n; k += step) {
+    r.map.push_back({v[k], record.f[k] - r.mass * a[k] - r.load, v[k] > 0 ? 1 : -1});
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident

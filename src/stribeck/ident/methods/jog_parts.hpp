@@ -1,0 +1,162 @@
+#pragma once
+/// identify_jog() from inside: candidate curves over mean forces, the choice among them, their intervals, and
+/// measuring days told apart.
+///
+///   jog.cpp            records to runs, groups and the result
+///   jog_fit.cpp        the candidates and how each is fitted
+///   jog_choice.cpp     every speed left out in turn; one standard error
+///   jog_intervals.cpp  intervals of parameters and of the curve
+///   jog_days.cpp       a jump of friction that no curve has
+///
+/// Inside ident only. Real time: no.
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <stribeck/friction/gaussian.hpp>
+#include <stribeck/ident/map/gaussian_fit.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::jog {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+inline constexpr int kMostGaussians = 6;
+
+template <class... T>
+std::string text(const char* format, T... values) {
+  char buffer[400];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+/// Mean force of one run.
+struct Point {
+  double v = 0.0;      // [m/s]
+  double f = 0.0;      // [N]
+  double error = 0.0;  // [N]
+  double weight = 1.0;
+  std::size_t fold = 0;
+  std::size_t run = 0;
+};
+
+/// One direction of them, 0: v > 0.
+std::vector<Point> side_of(const std::vector<Point>& points, int side);
+/// Error of a typical one [N].
+double typical_error(const std::vector<Point>& points);
+
+// jog_fit.cpp
+
+enum class Family { kLine, kStribeck, kFreeStribeck, kLines, kCommonStribeck, kOwnStribeck, kGaussians };
+
+struct Kind {
+  Family family;
+  int terms;  // of kGaussians
+  [[nodiscard]] bool symmetric() const { return family <= Family::kFreeStribeck; }
+};
+
+/// Parameters in the order of the law, linear ones first:
+///   kLine α0, α2, load;  kStribeck + rise, v0;  kFreeStribeck + rise, v0, δ
+///   kLines η0+, η1+, η0−, η1− (against the motion);  kCommonStribeck + a+, a−, c;  kOwnStribeck + a+, a−, c+, c−
+///   kGaussians: in `branch`
+struct Fit {
+  Kind kind{};
+  std::vector<double> p;
+  std::array<BranchFit, 2> branch;
+  double top = 0.0;  // speed that stands for u = 1
+
+  [[nodiscard]] std::size_t parameters() const {
+    return kind.family == Family::kGaussians ? branch[0].parameters() + branch[1].parameters() : p.size();
+  }
+  [[nodiscard]] double operator()(double v) const;
+  /// ∂f/∂parameters.
+  [[nodiscard]] VectorXd gradient(double v) const;
+};
+
+/// Gaussian fits of one set of points with 0, 1, … terms: each needs the one before.
+struct Ladders {
+  bool done = false;
+  std::vector<BranchFit> side[2];
+};
+
+class Fitter {
+ public:
+  Fitter(const JogOptions& options, bool both) : options_(options), both_(both) {}
+
+  /// Empty where the points do not carry the candidate.
+  [[nodiscard]] std::optional<Fit> fit(const Kind& kind, const std::vector<Point>& points,
+                                       Ladders& ladders) const;
+
+ private:
+  [[nodiscard]] std::vector<BranchFit> ladder_of(const std::vector<Point>& points, int side, double top,
+                                                 int terms) const;
+
+  const JogOptions& options_;
+  bool both_;
+};
+
+std::string name_of(const Kind& kind);
+/// As friction::Gaussian; branches signed as in Table 2.3.
+friction::Gaussian<double> as_map(const Fit& fit, const std::array<double, 2>& range);
+/// What does not oppose the motion cannot be the level of a hysteresis.
+bool opposes(const Fit& fit, double low, double high);
+
+// jog_choice.cpp
+
+struct Chosen {
+  Fit fit;
+  std::vector<Candidate> candidates;
+  double held_out = std::numeric_limits<double>::quiet_NaN();
+  bool chosen_by_leaving_out = false;
+};
+Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter& fitter,
+              const JogOptions& options, bool both, double low, double high);
+
+// jog_intervals.cpp
+
+/// Half widths of 95 % intervals of anything linear in the parameters.
+class Spread {
+ public:
+  Spread(const Fit& fit, const std::vector<Point>& points);
+  [[nodiscard]] double half_width(const VectorXd& gradient) const;
+
+ private:
+  VectorXd scale_;
+  MatrixXd left_, means_;
+  double factor_ = 0.0;
+};
+
+void add_parameters(const Fit& fit, const Spread& spread, Result& r);
+
+// jog_days.cpp
+
+/// Friction of one direction over speed; speeds that are one joined.
+struct SpeedMean {
+  double v = 0.0, f = 0.0, variance = 0.0, n = 0.0;
+};
+std::vector<SpeedMean> means_of(const std::vector<Point>& ascending, int side);
+
+/// A step between two neighbouring speeds that no friction curve has: another day.
+struct Jump {
+  double below = 0.0, above = 0.0;  // [m/s]
+  double share = 0.0;               // of the force, signed
+  double errors = 0.0;              // its size in standard errors
+};
+/// The largest step that both directions have between the same speeds and in the same sense.
+std::optional<Jump> find_jump(const std::vector<Point>& ascending);
+/// For telling days apart: where each record is one run and its speed wandered, the mean of the record stands for
+/// each of its pieces.
+std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<SteadyRun>& runs,
+                             const std::vector<Record>& records);
+/// Ascending in speed, each with the number of its speed; how many speeds.
+std::size_t number_folds(std::vector<Point>& points);
+
+}  // namespace stribeck::ident::jog

@@ -1,0 +1,23 @@
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
+
+namespace stribeck::ident {
+
+Result identify_velocity_map(const std::vector<Record>& records, const VelocityMapOptions& options) {
+  DriveFitOptions drive;
+  drive.mass = options.mass;
+  drive.shift = -0.5;
+  drive.terms = options.terms;
+  drive.most_terms = options.most_terms;
+  drive.symmetric = false;
+  drive.periodic = false;
+  drive.dynamics = false;
+  drive.bins = options.bins;
+  drive.curve_points = options.curve_points;
+  drive.map_points = options.map_points;
+  Result result = identify_drive(records, drive);
+  result.method = "velocity-map";
+  return result;
+}
+
+}  // namespace stribeck::ident

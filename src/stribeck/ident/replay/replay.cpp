@@ -1,0 +1,543 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stribeck/core/vec.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/replay/replay.hpp>
+#include <stribeck/plant/integrator.hpp>
+#include <stribeck/plant/mechanics.hpp>
+#include <string>
+#include <utility>
+
+namespace stribeck::ident {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFewestSubsteps = 4.0;
+constexpr double kLongestSubstep = 0.5e-3;  ///< [s]; a Stribeck part of 1 mm/s passed at 1 m/s² takes 1 ms
+constexpr double kMostSubsteps = 4096.0;
+
+std::string text(const char* format, auto... values) {
+  std::array<char, 320> buffer;
+  std::snprintf(buffer.data(), buffer.size(), format, values...);
+  return buffer.data();
+}
+
+/// Sub-steps for a hold of dt when the fastest rate of the equations is `rate` [1/s].
+double substeps(double dt, double rate) {
+  return std::max({kFewestSubsteps, std::ceil(dt / kLongestSubstep), std::ceil(dt * rate)});
+}
+
+void check_substeps(double n, double dt, const char* what) {
+  if (n <= kMostSubsteps) return;
+  throw Refused(
+      text("replay: %s %.3g sub-steps in a hold of %.4g s, more than %g (check mass and units, use the "
+           "model without dynamics or a softer one)",
+           what, n, dt, kMostSubsteps));
+}
+
+/// Greatest steepness of friction in velocity, either side of standstill [N·s/m].
+template <class Map>
+double steepness(const Map& map, double speed) {
+  constexpr int kPoints = 2000;
+  double most = 0.0;
+  for (const double s : {-1.0, 1.0}) {
+    double before = kNaN;
+    for (int i = 0; i <= kPoints; ++i) {
+      const double v = s * speed * (i + 1e-6) / kPoints;
+      const double force = friction::steady_force(map, v);
+      if (i > 0) most = std::max(most, std::abs(force - before) * kPoints / speed);
+      before = force;
+    }
+  }
+  return most;
+}
+
+/// Friction that is its steady state at once. Standstill is exact: a state of its own, left only when the
+/// force leaves the level of friction.
+template <class Map>
+class StaticAxis {
+ public:
+  StaticAxis(const friction::AxisModel& model, const Map& map, double speed)
+      : map_(map), mass_(model.mass), load_(model.load), rate_(2.0 * steepness(map, speed) / model.mass) {}
+
+  void place(double x, double v) {
+    y_[0] = x;
+    y_[1] = v;
+  }
+  void settle(double) {}
+  [[nodiscard]] double x() const { return y_[0]; }
+  [[nodiscard]] double v() const { return y_[1]; }
+
+  void advance(double force, double dt) {
+    const double n = substeps(dt, rate_);
+    check_substeps(n, dt, "friction as steep as this over so small a mass needs");
+    const double push = force - load_;
+    for (int i = 0; i < static_cast<int>(n); ++i) {
+      if (!pass(push, dt / n)) return;
+    }
+  }
+
+ private:
+  using State = Vec<double, 2>;
+  static constexpr double kTiny = 1e-12;  ///< velocity that only tells a direction [m/s]
+  static constexpr int kMostEvents = 8;
+
+  /// Direction in which the axis leaves standstill; 0: it stays.
+  [[nodiscard]] int breaks(double push) const {
+    const auto forward = map_.parts(kTiny, y_[0]);
+    if (push - forward.additive > forward.level) return 1;
+    const auto backward = map_.parts(-kTiny, y_[0]);
+    return push - backward.additive < -backward.level ? -1 : 0;
+  }
+
+  /// One step while the direction s does not change; beyond v = 0 friction is that of standstill.
+  [[nodiscard]] State step(double push, double h, double s) const {
+    const auto rhs = [&](const State& y) {
+      const double v = y[1] * s > kTiny ? y[1] : s * kTiny;
+      return State{{y[1], (push - friction::steady_force(map_, v, y[0])) / mass_}};
+    };
+    return plant::rk3_step(y_, rhs(y_), h, rhs);
+  }
+
+  /// Instant in (0, h] at which the velocity reaches zero; it is past zero at h (Illinois).
+  [[nodiscard]] double stop_time(double push, double h, double s, double v_end) const {
+    double a = 0.0;
+    double b = h;
+    double fa = y_[1] * s;
+    double fb = v_end * s;
+    double t = h;
+    for (int i = 0; i < 40; ++i) {
+      t = (a * fb - b * fa) / (fb - fa);
+      const double ft = step(push, t, s)[1] * s;
+      if (std::abs(ft) <= kTiny) break;
+      if (ft > 0.0) {
+        a = t;
+        fa = ft;
+        fb *= 0.5;
+      } else {
+        b = t;
+        fb = ft;
+        fa *= 0.5;
+      }
+    }
+    return t;
+  }
+
+  /// False: the axis stands, and stays so while the force is held.
+  bool pass(double push, double h) {
+    for (int events = 0; events < kMostEvents; ++events) {
+      const bool standing = y_[1] == 0.0;
+      const int direction = standing ? breaks(push) : (y_[1] > 0.0 ? 1 : -1);
+      if (direction == 0) return false;
+      const double s = direction;
+      const State end = step(push, h, s);
+      if (end[1] * s > 0.0) {
+        y_ = end;
+        return true;
+      }
+      if (standing) return false;  // friction rises at once by more than the force is above it
+      const double t = stop_time(push, h, s, end[1]);
+      y_ = step(push, t, s);
+      y_[1] = 0.0;
+      h -= t;
+      if (!(h > 0.0)) return true;
+    }
+    y_[1] = 0.0;  // the force is at the border of standstill to rounding
+    return true;
+  }
+
+  Map map_;
+  double mass_;
+  double load_;
+  double rate_;  ///< [1/s]
+  State y_{};
+};
+
+/// LuGre or GMS over the map.
+template <class Map, class Law>
+class DynamicAxis {
+ public:
+  DynamicAxis(const friction::AxisModel& model, const Map& map, const Law& law, double)
+      : map_(map), mass_(model.mass), load_(model.load) {
+    friction_.law = law;
+  }
+
+  void place(double x, double v) {
+    y_[0] = x;
+    y_[1] = v;
+  }
+  /// Bristles where sliding puts them, at rest where they carry `force`.
+  void settle(double force) {
+    const auto p = map_.parts(v(), x());
+    const double carried = v() != 0.0 ? p.level * (v() > 0.0 ? 1.0 : -1.0)
+                                      : std::clamp(force - load_ - p.additive, -p.level, p.level);
+    if constexpr (kGms) {
+      for (std::size_t i = 0; i < friction_.law.elements.size(); ++i) {
+        y_[2 + i] = carried * friction_.law.elements[i].share;
+        friction_.state.force[i] = y_[2 + i];
+        friction_.state.slipping[i] = v() != 0.0 ? 1.0 : 0.0;
+      }
+    } else {
+      y_[2] = carried / friction_.stiffness();
+    }
+  }
+  [[nodiscard]] double x() const { return y_[0]; }
+  [[nodiscard]] double v() const { return y_[1]; }
+
+  void advance(double force, double dt) {
+    const double push = force - load_;
+    const auto p = map_.parts(v(), x());
+    // The speed that the hold can reach at the most decides how fast bristles may decay in it.
+    const double reach = std::abs(v()) + (std::abs(push) + p.level) / mass_ * dt;
+    const double rate = std::max(2.0 * std::sqrt(friction_.stiffness() / mass_) + friction_.damping() / mass_,
+                                 friction_.rate_bound(reach, p.level));
+    const double n = substeps(dt, kSafety * rate);
+    check_substeps(n, dt, "bristles of this stiffness need");
+    const double h = dt / n;
+    const auto rhs = [&](const State& y) {
+      State d;
+      d[0] = y[1];
+      d[1] = (push - friction_.evaluate(&y[2], y[1], map_.parts(y[1], y[0]), &d[2])) / mass_;
+      return d;
+    };
+    for (int i = 0; i < static_cast<int>(n); ++i) {
+      const double before = v();
+      y_ = plant::rk3_step(y_, rhs(y_), h, rhs);
+      if constexpr (kGms) friction_.settle(&y_[2], before, v(), map_.parts(v(), x()));
+    }
+  }
+
+ private:
+  static constexpr bool kGms = plant::FrictionStates<Law>::kSettles;
+  static constexpr double kSafety = 1.0 / 0.8;  ///< Kutta's third order is stable to 2.5; 0.8 is accurate too
+  using State = Vec<double, 2 + plant::FrictionStates<Law>::kCount>;
+
+  Map map_;
+  plant::FrictionStates<Law> friction_;
+  double mass_;
+  double load_;
+  State y_{};
+};
+
+/// Calls run(axis) with the axis that the model asks for.
+template <class Run>
+void with_axis(const friction::AxisModel& model, double speed, Run&& run) {
+  std::visit(
+      [&](const auto& base, const auto& law) {
+        using Base = std::remove_cvref_t<decltype(base)>;
+        using Law = std::remove_cvref_t<decltype(law)>;
+        using Map = friction::Composed<Base>;
+        const Map map{base, model.friction.eccentric};
+        if constexpr (std::is_same_v<Law, friction::Static>) {
+          StaticAxis<Map> axis(model, map, speed);
+          run(axis);
+        } else {
+          DynamicAxis<Map, Law> axis(model, map, law, speed);
+          run(axis);
+        }
+      },
+      model.friction.steady, model.friction.dynamics);
+}
+
+/// What a replay needs of a record, found once.
+struct Course {
+  const Record& record;
+  Motion motion;
+  std::vector<double> v;  ///< measured [m/s], NaN where not known
+  double speed = 0.0;     ///< largest measured [m/s]
+
+  explicit Course(const Record& r) : record(r), motion(reconstruct(r)), v(motion.v) {
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      if (!r.v.empty()) {
+        v[k] = r.v[k];
+      } else if (!motion.valid(k)) {
+        v[k] = kNaN;
+      }
+      if (std::isfinite(v[k])) speed = std::max(speed, std::abs(v[k]));
+    }
+    if (!(speed > 0.0)) throw Refused(r.source + ": the axis does not move, so that nothing can be verified");
+  }
+  [[nodiscard]] Start first() const { return start_of(record, 0, motion.position_noise); }
+};
+
+/// Which held forces act from t[k] to t[k+1]: that of row `row` for `share` of the period, then the next one.
+struct Delay {
+  std::ptrdiff_t whole = 0;
+  double part = 0.0;  ///< of a period, 0 … 1
+
+  Delay(double seconds, double period) {
+    const double samples = seconds / period;
+    whole = static_cast<std::ptrdiff_t>(std::floor(samples));
+    part = samples - static_cast<double>(whole);
+    if (part < 1e-9) part = 0.0;
+  }
+  template <class Axis, class Force>
+  void advance(Axis& axis, std::size_t k, double period, const Force& force) const {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) - whole;
+    if (part > 0.0) axis.advance(force(row - 1), part * period);
+    axis.advance(force(row), (1.0 - part) * period);
+  }
+};
+
+void check(const friction::AxisModel& model, const Record& record, const ReplayOptions& options) {
+  const auto wrong = problems(record);
+  if (!wrong.empty()) throw Refused(wrong.front());
+  if (!(model.mass > 0.0) || !std::isfinite(model.mass) || !std::isfinite(model.load))
+    throw Refused(text("replay: mass %g kg, load %g N; expected a positive mass and a finite load",
+                       model.mass, model.load));
+  if (!(std::abs(options.delay) <= 100.0 * record.sample_time))
+    throw Refused(text("replay: delay of %g s, expected at most 100 samples of %g s", options.delay,
+                       record.sample_time));
+}
+
+void check_level(const friction::AxisModel& model, const Course& course) {
+  // Friction that pushes would run away; a file is refused for the same, a model made in memory comes here.
+  double proportional = 0.0;
+  for (const auto& term : model.friction.eccentric) {
+    if (term.form == friction::EccentricForm::kProportional) proportional += term.amplitude;
+  }
+  for (int i = -200; i < 200; ++i) {
+    const double v = course.speed * (i + 0.5) / 200.0;
+    const double level =
+        std::visit([v](const auto& m) { return m.parts(v, 0.0).level; }, model.friction.steady);
+    if (!(level - proportional > 0.0)) {
+      throw Refused(text("replay: friction without its viscous part is %.4g N at %.4g m/s, expected above 0",
+                         level - proportional, v));
+    }
+  }
+}
+
+/// Keeps row k of the prediction; refuses a run that has left all bounds.
+template <class Axis>
+void keep(const Axis& axis, std::size_t k, const Course& course, const friction::AxisModel& model,
+          Replay& out) {
+  constexpr double kFarOff = 1e4;
+  const double v = axis.v();
+  if (!(std::abs(v) < kFarOff * course.speed) || !std::isfinite(axis.x())) {
+    throw Refused(text("%s: the model runs away from row %zu on (%.3g m/s); its friction does not hold it",
+                       course.record.source.c_str(), k + 1, v));
+  }
+  out.x[k] = axis.x();
+  out.v[k] = v;
+  out.outside += model.friction.covers(v) ? 0 : 1;
+}
+
+void score(const Course& course, bool force, Replay& out) {
+  const Record& r = course.record;
+  double dv = 0.0;
+  double vv = 0.0;
+  double dx = 0.0;
+  double df = 0.0;
+  double ff = 0.0;
+  std::size_t rows = 0;
+  out.position_most = 0.0;
+  for (std::size_t k = 0; k < out.x.size(); ++k) {
+    if (std::isfinite(course.v[k])) {
+      dv += std::pow(out.v[k] - course.v[k], 2);
+      vv += std::pow(course.v[k], 2);
+      ++rows;
+    }
+    const double e = out.x[k] - r.x[k];
+    dx += e * e;
+    out.position_most = std::max(out.position_most, std::abs(e));
+    df += std::pow(out.f[k] - r.f[k], 2);
+    ff += std::pow(r.f[k], 2);
+  }
+  const auto n = static_cast<double>(out.x.size());
+  out.position_rms = std::sqrt(dx / n);
+  if (rows > 0) {
+    out.velocity_rms = std::sqrt(dv / static_cast<double>(rows));
+    out.velocity_relative = std::sqrt(dv / vv);
+  }
+  if (!force) return;
+  out.force_rms = std::sqrt(df / n);
+  if (ff > 0.0) out.force_relative = std::sqrt(df / ff);
+}
+
+/// Central differences of the reference, one-sided at the ends.
+struct Reference {
+  const std::vector<double>& r;
+  double period;
+
+  [[nodiscard]] double at(std::ptrdiff_t k) const {
+    return r[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, std::ssize(r) - 1))];
+  }
+  [[nodiscard]] double rate(std::ptrdiff_t k) const {
+    const auto low = std::max<std::ptrdiff_t>(k - 1, 0);
+    const auto high = std::min<std::ptrdiff_t>(k + 1, std::ssize(r) - 1);
+    return (at(high) - at(low)) / (period * static_cast<double>(high - low));
+  }
+  [[nodiscard]] double second(std::ptrdiff_t k) const {
+    if (k < 1 || k + 1 >= std::ssize(r)) return 0.0;
+    return (at(k + 1) - 2.0 * at(k) + at(k - 1)) / (period * period);
+  }
+};
+
+/// The controller at work: past positions and the integral.
+class ControlLoop {
+ public:
+  ControlLoop(const ReplayController& c, const Record& record, const Start& start)
+      : controller_(c), reference_{record.r, record.sample_time}, start_(start), first_force_(record.f[0]) {}
+
+  double force(std::size_t row, const std::vector<double>& x) {
+    const auto k = static_cast<std::ptrdiff_t>(row);
+    const double raw = std::visit([&](const auto& law) { return ask(law, k, x); }, controller_.law);
+    if (!controller_.limit) return raw;
+    const double cut = std::clamp(raw, -*controller_.limit, *controller_.limit);
+    if (cut != raw) integral_ = before_;
+    return cut;
+  }
+
+ private:
+  /// Predicted position; before the first row the axis is taken to have moved evenly.
+  [[nodiscard]] double position(std::ptrdiff_t k, const std::vector<double>& x) const {
+    if (k >= 0) return x[static_cast<std::size_t>(k)];
+    return start_.x + start_.v * reference_.period * static_cast<double>(k);
+  }
+  [[nodiscard]] double reference(std::ptrdiff_t k) const {
+    if (k >= 0) return reference_.at(k);
+    return reference_.at(0) + reference_.rate(0) * reference_.period * static_cast<double>(k);
+  }
+
+  double ask(const CascadeLaw& c, std::ptrdiff_t k, const std::vector<double>& x) {
+    const double T = reference_.period;
+    // The difference of two means over n rows is that of their outermost rows.
+    const double v = (position(k, x) - position(k - c.velocity_average, x)) / (T * c.velocity_average);
+    const double w =
+        c.position_gain * (reference(k) - position(k, x)) + c.velocity_feedforward * reference_.rate(k) - v;
+    const double rest = c.velocity_gain * w + c.mass_feedforward * reference_.second(k);
+    if (!c.integral_time) return rest;
+    const double gain = c.velocity_gain / *c.integral_time;
+    accumulate(k, w * T, (first_force_ - rest) / gain);
+    return rest + gain * integral_;
+  }
+  double ask(const PdLaw& c, std::ptrdiff_t k, const std::vector<double>& x) {
+    const double T = reference_.period;
+    const double e = reference(k) - position(k, x);
+    const double before = reference(k - 1) - position(k - 1, x);
+    const double rest =
+        c.stiffness * e + c.damping * (e - before) / T + c.mass_feedforward * reference_.second(k);
+    if (!(c.integral > 0.0)) return rest;
+    accumulate(k, e * T, (first_force_ - rest) / c.integral);
+    return rest + c.integral * integral_;
+  }
+  void accumulate(std::ptrdiff_t k, double more, double begin) {
+    before_ = k == 0 ? begin : integral_;
+    integral_ = k == 0 ? begin : integral_ + more;
+  }
+
+  const ReplayController& controller_;
+  Reference reference_;
+  Start start_;
+  double first_force_;
+  double integral_ = 0.0;
+  double before_ = 0.0;
+};
+
+}  // namespace
+
+Start start_of(const Record& record, std::size_t row, double noise) {
+  using Eigen::Index;
+  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t kMost = 60;
+  const double T = record.sample_time;
+  Start start{record.x[row], 0.0};
+  // As many rows as a parabola describes to within the noise: few where the axis starts at once, many where
+  // the encoder is coarse.
+  for (std::size_t n = kFewest; n <= kMost && row + n <= record.x.size(); n += 2) {
+    Eigen::MatrixXd X(static_cast<Index>(n), 3);
+    Eigen::VectorXd y(static_cast<Index>(n));
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto s = static_cast<double>(i);
+      X.row(static_cast<Index>(i)) << 1.0, s, s * s;
+      y(static_cast<Index>(i)) = record.x[row + i] - record.x[row];
+    }
+    const Eigen::Vector3d c = X.colPivHouseholderQr().solve(y);
+    const double left = std::sqrt((y - X * c).squaredNorm() / static_cast<double>(n - 3));
+    if (n > kFewest && !(left <= 1.5 * noise)) break;
+    const double deviation = std::max(left, noise) * std::sqrt((X.transpose() * X).inverse()(1, 1));
+    start.v = std::abs(c(1)) > 3.0 * deviation ? c(1) / T : 0.0;
+  }
+  return start;
+}
+
+OpenLoop replay_open_loop(const friction::AxisModel& model, const Record& record,
+                          const ReplayOptions& options) {
+  check(model, record, options);
+  const Course course(record);
+  check_level(model, course);
+  const std::size_t n = record.x.size();
+  const double T = record.sample_time;
+  const Delay delay(options.delay, T);
+  const auto force = [&](std::ptrdiff_t k) {
+    return record.f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, std::ssize(record.f) - 1))];
+  };
+  OpenLoop out;
+  out.measured_velocity = course.v;
+  out.starts = {0};
+  for (const std::size_t k : course.motion.reversals) {
+    if (k > 0 && k < n && std::isfinite(course.v[k])) out.starts.push_back(k);
+  }
+  for (Replay* replay : {&out.free, &out.restarted}) {
+    replay->x.resize(n);
+    replay->v.resize(n);
+    replay->f = record.f;
+    with_axis(model, course.speed, [&](auto& axis) {
+      const Start start = course.first();
+      axis.place(start.x, start.v);
+      axis.settle(force(-delay.whole));
+      std::size_t next = 1;
+      for (std::size_t k = 0; k < n; ++k) {
+        if (replay == &out.restarted && next < out.starts.size() && k == out.starts[next]) {
+          axis.place(record.x[k], course.v[k]);
+          ++next;
+        }
+        keep(axis, k, course, model, *replay);
+        if (k + 1 < n) delay.advance(axis, k, T, force);
+      }
+    });
+    score(course, false, *replay);
+  }
+  return out;
+}
+
+Replay replay_closed_loop(const friction::AxisModel& model, const ReplayController& controller,
+                          const Record& record, const ReplayOptions& options) {
+  check(model, record, options);
+  if (record.r.empty())
+    throw Refused(record.source + ": no reference in the log, which a closed-loop replay follows");
+  if (options.delay < 0.0)
+    throw Refused(
+        text("replay: delay of %g s; in closed loop a force cannot act before it is made", options.delay));
+  const Course course(record);
+  check_level(model, course);
+  const std::size_t n = record.x.size();
+  const double T = record.sample_time;
+  const Delay delay(options.delay, T);
+  Replay out;
+  out.x.resize(n);
+  out.v.resize(n);
+  out.f.resize(n);
+  with_axis(model, course.speed, [&](auto& axis) {
+    const Start start = course.first();
+    axis.place(start.x, start.v);
+    axis.settle(record.f[0]);
+    ControlLoop loop(controller, record, start);
+    const auto force = [&](std::ptrdiff_t k) {
+      return k < 0 ? record.f[0] : out.f[static_cast<std::size_t>(k)];
+    };
+    for (std::size_t k = 0; k < n; ++k) {
+      keep(axis, k, course, model, out);
+      out.f[k] = loop.force(k, out.x);
+      if (k + 1 < n) delay.advance(axis, k, T, force);
+    }
+  });
+  score(course, true, out);
+  return out;
+}
+
+}  // namespace stribeck::ident

@@ -1,0 +1,88 @@
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/stats/long_run.hpp>
+
+namespace stribeck::ident {
+namespace {
+
+// The flat top reaches to six memories, where e^-6 of first-order noise is left.
+constexpr double kMemories = 12.0;
+constexpr std::size_t kBlocksOfLag = 8;
+constexpr std::size_t kRowsForMemory = 60000;
+constexpr std::size_t kLongestLag = 2000;
+constexpr double kNegligible = 0.05;
+
+}  // namespace
+
+Memory memory_of(const std::vector<double>& e, const std::vector<int>& record,
+                 const std::vector<std::size_t>& at) {
+  Memory m;
+  const std::size_t n = std::min(e.size(), kRowsForMemory);
+  if (n < 20) return m;
+  double square = 0.0;
+  for (std::size_t i = 0; i < n; ++i) square += e[i] * e[i];
+  if (!(square > 0.0)) return m;
+  square /= static_cast<double>(n);
+  for (std::size_t lag = 1; lag < std::min(kLongestLag, n / 4); ++lag) {
+    double sum = 0.0;
+    std::size_t pairs = 0;
+    std::size_t j = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == 0 || record[i] != record[i - 1]) j = i;
+      while (at[i] - at[j] > lag) ++j;
+      if (at[i] - at[j] == lag) {
+        sum += e[i] * e[j];
+        ++pairs;
+      }
+    }
+    const double rho = pairs > 0 ? sum / static_cast<double>(pairs) / square : 0.0;
+    if (rho < kNegligible) break;
+    m.rows += rho;
+  }
+  const double reach = std::min(kMemories * m.rows, static_cast<double>(e.size()) / 20.0);
+  m.block = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(reach / kBlocksOfLag)));
+  m.lags =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(reach / static_cast<double>(m.block))));
+  return m;
+}
+
+double* LongRun::row(int record, std::size_t at) {
+  const std::size_t number = at / memory_.block;
+  if (blocks_.empty() || blocks_.back().record != record || blocks_.back().number != number) {
+    blocks_.push_back({record, number});
+    sums_.resize(sums_.size() + dimension_, 0.0);
+  }
+  return sums_.data() + sums_.size() - dimension_;
+}
+
+std::vector<double> LongRun::covariance() const {
+  const std::size_t d = dimension_;
+  const auto D = static_cast<Eigen::Index>(d);
+  // Σ x·xᵀ + x·bᵀ + b·xᵀ, b the weighted sum of the blocks before x, is M + Mᵀ with M = Σ x·(b + x/2)ᵀ: one product of
+  // vectors for each block instead of one for every lag, many of them at a time.
+  constexpr Eigen::Index kTogether = 64;
+  Eigen::MatrixXd blocks(D, kTogether), with(D, kTogether), sum = Eigen::MatrixXd::Zero(D, D);
+  Eigen::Index filled = 0;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    blocks.col(filled) = Eigen::Map<const Eigen::VectorXd>(sums_.data() + b * d, D);
+    auto before = with.col(filled);
+    before = 0.5 * blocks.col(filled);
+    for (std::size_t c = b; c-- > 0;) {
+      if (blocks_[c].record != blocks_[b].record) break;
+      const std::size_t lag = blocks_[b].number - blocks_[c].number;
+      if (lag > memory_.lags) break;
+      const double w =
+          std::min(1.0, 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(memory_.lags + 1)));
+      before += w * Eigen::Map<const Eigen::VectorXd>(sums_.data() + c * d, D);
+    }
+    if (++filled < kTogether && b + 1 < blocks_.size()) continue;
+    sum.noalias() += blocks.leftCols(filled) * with.leftCols(filled).transpose();
+    filled = 0;
+  }
+  std::vector<double> s(d * d);
+  Eigen::Map<Eigen::MatrixXd>(s.data(), D, D) = sum + sum.transpose();
+  return s;
+}
+
+}  // namespace stribeck::ident

@@ -1,0 +1,39 @@
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <stribeck/ident/stats/long_run.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+
+namespace stribeck::ident {
+
+double student_factor(double freedom) {
+  return boost::math::quantile(boost::math::students_t(freedom), 0.975);
+}
+
+Uncertainty::Uncertainty(const Eigen::MatrixXd& X, const Eigen::VectorXd& e, const Eigen::MatrixXd& inverse,
+                         const std::vector<int>& record, const std::vector<std::size_t>& at) {
+  const Eigen::Index n = X.rows();
+  const Eigen::Index p = X.cols();
+  const Memory memory = memory_of({e.data(), e.data() + n}, record, at);
+  LongRun moments(static_cast<std::size_t>(p), memory);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    double* row = moments.row(record[i], at[i]);
+    for (Eigen::Index j = 0; j < p; ++j) row[j] += X(k, j) * e(k);
+  }
+  const std::vector<double> raw = moments.covariance();
+  const double rows = static_cast<double>(n) / (2.0 * memory.rows);
+  const double freedom = std::max(3.0, rows - static_cast<double>(p));
+  const double correction = std::max(1.0, rows / freedom);
+  long_run_ =
+      correction * inverse * Eigen::Map<const Eigen::MatrixXd>(raw.data(), p, p) * inverse.transpose();
+  stationary_ = correction * 2.0 * memory.rows * e.squaredNorm() / static_cast<double>(n) * inverse *
+                (X.transpose() * X) * inverse.transpose();
+  factor_ = student_factor(freedom);
+}
+
+double Uncertainty::half_width(const Eigen::VectorXd& g) const {
+  return factor_ * std::sqrt(std::max({0.0, g.dot(long_run_ * g), g.dot(stationary_ * g)}));
+}
+
+}  // namespace stribeck::ident

@@ -1,0 +1,116 @@
+// The interpreter as a separate program, with scripts in its place.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/gcode/interpreter.hpp>
+
+namespace stribeck::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Interpreter : public testing::Test {
+ protected:
+  Interpreter() {
+    std::string name = (std::filesystem::temp_directory_path() / "stribeck-rs274-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~Interpreter() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+  [[nodiscard]] PartProgram read(const std::string& program, const std::string& script,
+                                 double seconds = 60.0) const {
+    InterpreterOptions options;
+    options.command = write("interpreter", "#!/bin/sh\n" + script);
+    chmod(options.command.c_str(), 0700);
+    options.seconds = seconds;
+    return read_part_program(write("part.ngc", program), options);
+  }
+  [[nodiscard]] std::string refusal(const std::string& program, const std::string& script,
+                                    double seconds = 60.0) const {
+    try {
+      static_cast<void>(read(program, script, seconds));
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.problems().size(), 1U);
+      return e.problems().front().text();
+    }
+    ADD_FAILURE() << "accepted";
+    return {};
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(Interpreter, IsGivenTheFileAndItsCallsAreRead) {
+  // The last argument is the program, not a word of a shell; calls may come in pieces.
+  const auto part = read(
+      "G1 X1 F60\nM2\n",
+      "for last; do :; done\n"
+      "[ \"$1\" = -g ] && [ \"$2\" = -t ] && grep -q '^T999 P999$' \"$3\" && grep -q X1 \"$last\" || exit "
+      "3\n"
+      "echo hello\n"
+      "printf '    1 N..... SET_FEED_RATE(60.0000)\\n    2 N..... STRAIGHT_'\n"
+      "printf 'FEED(1.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\\n    3 N..... CHANGE_TOOL(1)\\n'\n"
+      "echo '    4 N..... PROGRAM_END()'\necho executing >&2\n");
+  ASSERT_EQ(part.moves.size(), 1U);
+  EXPECT_DOUBLE_EQ(part.moves[0].to[0], 1e-3);
+  EXPECT_TRUE(part.tools);
+  EXPECT_FALSE(part.inches);
+}
+
+TEST_F(Interpreter, OffsetsOfToolsAreSeenInTheProgram) {
+  // As the interpreter prints them, they are no calls.
+  const auto tools = [&](const std::string& program) { return read(program + "\nM2\n", "exit 0\n").tools; };
+  for (const char* program : {"G41 D5", "g42d1", "G0 X1 G43 H2", "G 0 4 1", "G90G41", "(a) G43"})
+    EXPECT_TRUE(tools(program)) << program;
+  for (const char* program : {"G40", "G49", "G43.1 Z2", "G41.1 D3", "(G41)", "G1 X1 ; G43", "G4 P41",
+                              "o<bag41> call", "G410 X1", "X41", "G1 X41 Y42 Z43"})
+    EXPECT_FALSE(tools(program)) << program;
+}
+
+TEST_F(Interpreter, ItsRefusalNamesTheLine) {
+  const std::string script = "echo executing >&2; echo 'Bad character used' >&2; echo 'G1 X1Q' >&2; exit 1\n";
+  EXPECT_THAT(refusal("G21\n  G1 X1Q  \nM2\n", script),
+              AllOf(HasSubstr("part.ngc:2: Bad character used"), HasSubstr("\"G1 X1Q\""),
+                    Not(HasSubstr("executing"))));
+  EXPECT_THAT(refusal("G1 X1Q\nG21\nG1 X1Q\n", script), AllOf(HasSubstr("part.ngc:1:"), HasSubstr("line 3")));
+  EXPECT_THAT(refusal("G1 X2\n", script), HasSubstr("part.ngc: Bad character used"));
+  EXPECT_THAT(refusal("G1 X2\n", "exit 1\n"), HasSubstr("refuses"));
+  EXPECT_THAT(refusal("G1 X2\n", "echo 'File ended with no percent sign or program end' >&2; exit 1\n"),
+              HasSubstr("M2 or M30"));
+}
+
+TEST_F(Interpreter, EndsWhenItTakesTooLongOrPrintsTooMuch) {
+  EXPECT_THAT(refusal("M2\n", "sleep 600\n", 0.05), HasSubstr("within 0.05 s"));
+  EXPECT_THAT(refusal("M2\n", "head -c 200000 /dev/zero | tr '\\0' x\nsleep 600\n"), HasSubstr("64 KiB"));
+  // A move that is refused ends it too.
+  EXPECT_THAT(refusal("M2\n", "echo '1 N..... NURBS_FEED(3, ...)'\nsleep 600\n"), HasSubstr("NURBS_FEED"));
+}
+
+TEST_F(Interpreter, KilledIsNoEnd) { EXPECT_THAT(refusal("G1 X1\n", "kill -9 $$\n"), HasSubstr("signal 9")); }
+
+TEST_F(Interpreter, MissingTellsHowToGetIt) {
+  InterpreterOptions options;
+  options.command = (folder_ / "none").string();
+  try {
+    static_cast<void>(read_part_program(write("part.ngc", "M2\n"), options));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("part.ngc"), HasSubstr("install-dependencies --linuxcnc"),
+                                HasSubstr("linuxcnc-uspace")));
+  }
+  EXPECT_THROW(static_cast<void>(read_part_program((folder_ / "no.ngc").string())), InputError);
+}
+
+}  // namespace
+}  // namespace stribeck::io

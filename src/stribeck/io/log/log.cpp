@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/io/log/log_formats.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+namespace stribeck::io {
+
+namespace {
+
+using detail::CsvDialect;
+
+std::string csv_quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) out.append(c == '"' ? 2 : 1, c);
+  return out + '"';
+}
+
+/// A header cell, in quotes where it needs them.
+std::string header_text(const Column& c) {
+  std::string text = c.name;
+  if (!c.unit_text.empty()) text += " [" + c.unit_text + ']';
+  if (text.find_first_of(",;\t\"") == std::string::npos && !text.empty() && text[0] != '#' && text[0] != '%')
+    return text;
+  return csv_quoted(text);
+}
+
+}  // namespace
+
+const Column* Log::find(std::string_view name) const {
+  for (const auto& c : columns) {
+    if (c.header == name) return &c;
+  }
+  for (const auto& c : columns) {
+    if (c.name == name) return &c;
+  }
+  return nullptr;
+}
+
+const Column& Log::at(std::string_view name) const {
+  if (const Column* c = find(name)) return *c;
+  std::vector<std::string_view> names;
+  std::string list;
+  for (const auto& c : columns) {
+    names.push_back(c.name);
+    list += (list.empty() ? "" : ", ") + c.name;
+  }
+  std::string message = "no column " + in_quotes(name) + ", there are: " + list;
+  if (const auto near = nearest(name, names); !near.empty()) message += " (meant " + in_quotes(near) + "?)";
+  throw InputError(Problem{source, 0, "", std::move(message)});
+}
+
+namespace {
+
+/// Plain text of a file: inflated, known to be text, without the UTF-8 mark.
+class Plain {
+ public:
+  Plain(std::string_view bytes, const std::string& source) : text_(bytes) {
+    if (bytes.substr(0, 2) == "\x1f\x8b") {
+      inflated_ = detail::inflated(bytes, source);
+      text_ = inflated_;
+    }
+    detail::check_text(text_, source);
+    if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
+  }
+  Plain(const Plain&) = delete;
+  Plain& operator=(const Plain&) = delete;
+
+  [[nodiscard]] std::string_view text() const { return text_; }
+
+ private:
+  std::string inflated_;
+  std::string_view text_;
+};
+
+/// What a log does not hold itself.
+struct SideFile {
+  std::vector<std::string> columns;
+  std::optional<double> sample_time;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("columns", &SideFile::columns, "names and units of the columns in their order, as \"x mm\"")
+            .or_default(),
+        field("sample_time", &SideFile::sample_time, quantity("s", "ms").positive(), "time between two rows")
+            .or_default()};
+  }
+};
+
+/// Time of a CSV table: found, or made from the sample time.
+void complete_times(Log& log, const ReadOptions& options) {
+  if (!options.time_column.empty()) {
+    static_cast<void>(log.at(options.time_column));
+    return;
+  }
+  if (detail::name_sinumerik_signals(log, options) && time_column(log) >= 0) return;
+  if (time_column(log) >= 0) {
+    if (options.sample_time) {
+      log.notes.push_back("the given sample time is not used: column " +
+                          in_quotes(log.columns[static_cast<std::size_t>(time_column(log))].header) +
+                          " holds the time");
+    }
+    return;
+  }
+  if (!options.times_needed && !options.sample_time) return;
+  if (!options.sample_time) {
+    throw InputError(
+        Problem{log.source, 0, "",
+                "has no time column (give the time between rows with --sample-time \"100 ms\", or put "
+                "sample_time = \"100 ms\" into " +
+                    log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
+  }
+  std::vector<double> t(log.rows);
+  for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *options.sample_time;
+  detail::add_time(log, std::move(t), "s");
+  log.notes.push_back("the time is made from the given sample time of " + number_text(*options.sample_time) +
+                      " s; a gap would not be seen");
+}
+
+Log read_text_log(std::string_view text, const std::string& source, const ReadOptions& options) {
+  using namespace detail;
+  const auto start = trimmed(text.substr(0, 4096)).substr(0, 1);
+  if (start == "{" || start == "[") return read_sinumerik_json(text, source, options);
+  if (start == "<") return read_sinumerik_trace(text, source);
+  if (is_tncscope(text)) return read_tncscope(text, source);
+  if (is_twincat(text)) return read_twincat(text, source);
+  if (is_epos(text)) return read_epos(text, source);
+  if (is_mr_configurator(text)) return read_mr_configurator(text, source);
+  if (is_ni_daq(text)) return read_ni_daq(text, source);
+  if (is_halsampler(text)) return read_halsampler(text, source, options);
+  Log log = read_csv_text(text, source, {options.skip_lines, options.names, TextColumns::kKeep, true});
+  complete_times(log, options);
+  return log;
+}
+
+CsvDialect dialect(const CsvOptions& options) {
+  return {options.skip_lines, options.names,
+          options.leave_out_text_columns ? detail::TextColumns::kLeaveOut : detail::TextColumns::kRefuse,
+          false};
+}
+
+}  // namespace
+
+Log parse_csv(std::string_view bytes, const std::string& source, const CsvOptions& options) {
+  const Plain plain(bytes, source);
+  return detail::read_csv_text(plain.text(), source, dialect(options));
+}
+
+Log read_csv(const std::string& path, const CsvOptions& options) {
+  const FileBytes bytes(path);
+  return parse_csv(bytes.view(), path, options);
+}
+
+Log parse_log(std::string_view bytes, const std::string& source, const ReadOptions& options) {
+  const Plain plain(bytes, source);
+  Log log = read_text_log(plain.text(), source, options);
+  detail::note_times(log);
+  return log;
+}
+
+Log read_log(const std::string& path, const ReadOptions& options) {
+  ReadOptions all = options;
+  const std::string side = path + ".toml";
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(side, ignored)) {
+    const Node node = load_toml(side);
+    if (const Node* old = node.find("period")) {
+      throw InputError({side, old->line, "period",
+                        "is called sample_time (write sample_time = \"1 ms\", with your value)"});
+    }
+    Problems problems(side);
+    const auto given = read<SideFile>(node, problems);
+    problems.throw_if_any();
+    if (all.names.empty()) all.names = given.columns;
+    if (!all.sample_time) all.sample_time = given.sample_time;
+  }
+  const FileBytes bytes(path);
+  return parse_log(bytes.view(), path, all);
+}
+
+int time_column(const Log& log) {
+  const auto lower = [](std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+  };
+  for (const bool by_name : {true, false}) {
+    for (std::size_t i = 0; i < log.columns.size(); ++i) {
+      const Column& c = log.columns[i];
+      if (!c.texts.empty()) continue;
+      const std::string name = lower(c.name);
+      const bool named = name == "t" || name == "time" || name == "zeit" || name == "timestamp" ||
+                         name == "zeitstempel" || name == "temps" || name == "tempo";
+      constexpr std::array kUnits{"s", "ms", "us", "µs", "ns", "min", "h", "sec"};
+      const bool unit = std::find(kUnits.begin(), kUnits.end(), c.unit_text) != kUnits.end();
+      if (by_name ? named : unit) return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+std::vector<double> in_si(const Column& column, const Quantity& quantity) {
+  const std::string place = "column " + in_quotes(column.header.empty() ? column.name : column.header);
+  const std::string_view wanted = quantity.shown.empty() ? quantity.unit : quantity.shown;
+  if (column.unit_text.empty()) {
+    throw InputError(Problem{"", 0, place,
+                             "has no unit, expected one like " + std::string(wanted.empty() ? "1" : wanted) +
+                                 " (name it in the header as " +
+                                 in_quotes(column.name + " [" + std::string(wanted) + "]") + ")"});
+  }
+  Conversion convert;
+  try {
+    convert = conversion(column.unit_text, quantity.unit);
+  } catch (const InputError& e) {
+    throw InputError(Problem{"", 0, place, e.problems().front().message});
+  }
+  std::vector<double> values(column.values.size());
+  // The divisor outside the loop: the same value as convert(x), without a power per sample.
+  const double divisor = convert.decimal && convert.power < 0 ? std::pow(10.0, -convert.power) : 0.0;
+  std::transform(column.values.begin(), column.values.end(), values.begin(),
+                 [&](double x) { return divisor > 0.0 ? x / divisor : x * convert.factor; });
+  return values;
+}
+
+std::string csv_text(const Log& log) {
+  for (const auto& c : log.columns) {
+    if (std::max(c.values.size(), c.texts.size()) == log.rows) continue;
+    throw InputError(Problem{log.source, 0, "column " + in_quotes(c.name),
+                             "has " + std::to_string(c.values.size()) + " samples, expected " +
+                                 std::to_string(log.rows) +
+                                 " as in the longest (columns of different rates have no common table)"});
+  }
+  std::string out;
+  for (const auto& [key, value] : log.metadata) {
+    std::string line = key + ": " + value;
+    for (char& c : line) c = c == '\n' || c == '\r' ? ' ' : c;
+    out += "# " + line + '\n';
+  }
+  for (std::size_t c = 0; c < log.columns.size(); ++c)
+    out += (c > 0 ? "," : "") + header_text(log.columns[c]);
+  out += '\n';
+  out.reserve(out.size() + log.rows * log.columns.size() * 12);
+  std::array<char, 40> buffer{};
+  for (std::size_t r = 0; r < log.rows; ++r) {
+    for (std::size_t c = 0; c < log.columns.size(); ++c) {
+      if (c > 0) out += ',';
+      if (!log.columns[c].texts.empty()) {
+        out += csv_quoted(log.columns[c].texts[r]);
+        continue;
+      }
+      out.append(buffer.data(), std::to_chars(buffer.begin(), buffer.end(), log.columns[c].values.at(r)).ptr);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+void write_csv(const std::string& path, const Log& log) { write_atomically(path, csv_text(log)); }
+
+namespace {
+
+/// Six digits: differences of times carry rounding that nobody wants to read.
+std::string rounded(double x) {
+  std::array<char, 40> buffer{};
+  const auto made = std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::general, 6);
+  return {buffer.begin(), made.ptr};
+}
+
+}  // namespace
+
+TimeCheck check_time(const std::vector<double>& values, const std::string& source, const std::string& name) {
+  const std::string place = "column " + in_quotes(name);
+  if (values.size() < 2) {
+    throw InputError(
+        Problem{source, 0, place, "has " + std::to_string(values.size()) + " rows, expected at least two"});
+  }
+  std::vector<double> steps(values.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i] = values[i + 1] - values[i];
+    if (!(steps[i] > 0.0)) {
+      throw InputError(Problem{source, 0, place,
+                               "row " + std::to_string(i + 2) + ": time " +
+                                   (steps[i] < 0.0    ? "goes back"
+                                    : steps[i] == 0.0 ? "stands still"
+                                                      : "is not a number") +
+                                   ", from " + number_text(values[i]) + " to " + number_text(values[i + 1]) +
+                                   ", expected it to increase (cut the log there, or mend the time column)"});
+    }
+  }
+  TimeCheck result;
+  auto sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  result.sample_time = *middle;
+  if (sorted.size() % 2 == 0)
+    result.sample_time = 0.5 * (*middle + *std::max_element(sorted.begin(), middle));
+
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double ratio = steps[i] / result.sample_time;
+    if (ratio > 1.5) {
+      result.gaps.push_back({i + 2, steps[i]});
+    } else if (std::abs(ratio - 1.0) > result.jitter) {
+      result.jitter = std::abs(ratio - 1.0);
+      result.jitter_row = i + 2;
+    }
+  }
+  if (!result.gaps.empty()) {
+    const auto& first = result.gaps.front();
+    result.notes.push_back("time has " + std::to_string(result.gaps.size()) +
+                           (result.gaps.size() == 1 ? " gap" : " gaps") + ", the first before row " +
+                           std::to_string(first.row) + ": " + rounded(first.duration) + " instead of " +
+                           rounded(result.sample_time));
+  }
+  if (result.jitter > TimeCheck::kJitterTolerance) {
+    result.notes.push_back("time jitters by up to " + number_text(std::round(1000.0 * result.jitter) / 10.0) +
+                           " % of the sample time, most at row " + std::to_string(result.jitter_row));
+  }
+  return result;
+}
+
+}  // namespace stribeck::io

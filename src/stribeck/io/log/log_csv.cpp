@@ -1,0 +1,486 @@
+#include <fast_float/fast_float.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log_formats.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <utility>
+
+namespace stribeck::io::detail {
+
+namespace {
+
+/// One parse of one text.
+class CsvReader {
+ public:
+  CsvReader(std::string_view bytes, std::string source, const CsvDialect& options)
+      : all_(bytes), options_(options) {
+    log_.source = std::move(source);
+  }
+
+  Log read() {
+    check_text(all_, log_.source);
+    std::string_view body = all_;
+    read_header(body);
+    const std::string_view unended = options_.drop_unended_row ? take_unended_row(body) : std::string_view();
+    if (options_.text_columns != TextColumns::kRefuse) find_text_columns(first_row(body));
+    if (separator_ == ' ') {
+      read_rows<true>(body);
+    } else {
+      read_rows<false>(body);
+    }
+    if (options_.text_columns == TextColumns::kKeep) {
+      keep_text_columns();
+    } else {
+      drop_text_columns();
+    }
+    if (dropped_blank_lines_ > 0) {
+      note("lines without any value were left out: " + std::to_string(dropped_blank_lines_));
+    }
+    if (!unended.empty()) {
+      note("the last row (row " + std::to_string(log_.rows + 1) + ", line " +
+           std::to_string(line_number(unended.data())) +
+           ") was left out: it has no line end and may be cut off");
+    }
+    if (log_.rows < 2) {
+      fail(0, log_.rows == 0 ? "has a header but no data rows, expected at least two"
+                             : "has one data row, expected at least two");
+    }
+    return std::move(log_);
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t line, std::string message) const {
+    throw InputError(Problem{log_.source, line, "", std::move(message)});
+  }
+  void note(std::string text) { log_.notes.push_back(std::move(text)); }
+
+  [[nodiscard]] std::size_t line_number(const char* at) const {
+    return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
+  }
+
+  /// A row behind the last line end, which may be cut inside a number: 12.5 would read as 12.
+  static std::string_view take_unended_row(std::string_view& body) {
+    const auto end = body.find_last_of('\n');
+    const auto row = body.substr(end == std::string_view::npos ? 0 : end + 1);
+    if (trimmed(row).empty() || is_comment(row)) return {};
+    body.remove_suffix(row.size());
+    return row;
+  }
+
+  void add_comment(std::string_view line) {
+    const auto text = trimmed(line.substr(std::min(line.find_first_not_of("#% \t"), line.size())));
+    const auto colon = text.find(':');
+    if (colon == std::string_view::npos || colon == 0) return;
+    log_.metadata.emplace_back(as_utf8(trimmed(text.substr(0, colon))),
+                               as_utf8(trimmed(text.substr(colon + 1))));
+  }
+
+  /// First line of the text that is neither blank nor comment.
+  static std::string_view first_row(std::string_view text) {
+    while (!text.empty()) {
+      const auto line = take_line(text);
+      if (!trimmed(line).empty() && !is_comment(line)) return line;
+    }
+    return {};
+  }
+
+  void read_header(std::string_view& body) {
+    if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
+    for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
+
+    std::string_view header;
+    std::string_view last_comment;
+    std::string_view rest = body;
+    while (!rest.empty() && header.empty()) {
+      body = rest;
+      const auto line = take_line(rest);
+      if (trimmed(line).empty()) continue;
+      if (is_comment(line)) {
+        last_comment = line;
+        add_comment(line);
+      } else {
+        header = line;
+      }
+    }
+    if (header.empty()) fail(0, "has no header line, expected names of columns");
+    const std::size_t line = line_number(header.data());
+    if (!options_.names.empty()) {
+      separator_ = best_separator(header, header);
+      const auto cells = split(header, separator_).size();
+      if (cells != options_.names.size()) {
+        fail(line, "got " + std::to_string(cells) + " columns, expected " +
+                       std::to_string(options_.names.size()) + " as named");
+      }
+      if (!is_data(header)) {
+        body = rest;
+        separator_ = best_separator(header, first_row(rest));
+        note("the given names of the columns stand in place of those in line " + std::to_string(line));
+      }
+      std::vector<std::string> names;
+      for (const auto& name : options_.names) names.push_back(header_of(name));
+      set_columns(names, line);
+    } else if (is_data(header)) {
+      // "# t,x" directly above the numbers.
+      separator_ = best_separator(header, header);
+      const auto cells = split(header, separator_).size();
+      std::vector<std::string_view> names;
+      if (!last_comment.empty()) {
+        const auto text = trimmed(
+            last_comment.substr(std::min(last_comment.find_first_not_of("#% \t"), last_comment.size())));
+        names = split(text, separator_);
+        if (names.size() != cells) names = split(text, best_separator(text, header));
+      }
+      if (names.size() != cells || cells < 2) {
+        fail(line,
+             "has no header: the first row holds numbers (put a line with the names of the columns above "
+             "it, or name them in " +
+                 log_.source + ".toml: columns = [\"x mm\", …])");
+      }
+      set_columns({names.begin(), names.end()}, line);
+      note("the names of the columns are taken from the comment above the numbers");
+    } else {
+      for (const char c : header) {
+        if (static_cast<unsigned char>(c) < 0x20 && c != '\t') {
+          fail(line, c == '\r' ? "ends its lines with CR alone, expected LF or CR LF (save it again as text)"
+                               : "holds control characters: not a text file (export it as CSV)");
+        }
+      }
+      body = rest;
+      separator_ = best_separator(header, first_row(rest));
+      const auto names = split(header, separator_);
+      set_columns({names.begin(), names.end()}, line);
+    }
+    decimal_ = decimal_mark(body);
+  }
+
+  static bool is_data(std::string_view line) {
+    for (const char separator : {'\t', ';', ',', ' '}) {
+      const auto cells = split(line, separator);
+      if (std::all_of(cells.begin(), cells.end(), looks_like_number)) return true;
+    }
+    return false;
+  }
+
+  /// The separator under which header and first row have the same number of cells; else one that both
+  /// contain.
+  static char best_separator(std::string_view header, std::string_view row) {
+    constexpr std::array kSeparators{'\t', ';', ',', ' '};
+    for (const char s : kSeparators) {
+      const auto n = split(header, s).size();
+      if (n > 1 && n == split(row, s).size()) return s;
+    }
+    for (const char s : kSeparators) {
+      if (split(header, s).size() > 1 && split(row, s).size() > 1) return s;
+    }
+    for (const char s : {'\t', ';', ','}) {
+      if (split(header, s).size() > 1) return s;
+    }
+    return ',';
+  }
+
+  void set_columns(const std::vector<std::string>& headers, std::size_t line) {
+    if (headers.size() > kMaxColumns) {
+      fail(line, "got " + std::to_string(headers.size()) + " columns, expected at most " +
+                     std::to_string(kMaxColumns));
+    }
+    for (const auto& header : headers) {
+      if (is_utf8(header)) continue;
+      note("the names of the columns are not UTF-8 and are read as Latin-1");
+      break;
+    }
+    std::map<std::string, std::size_t> seen;
+    for (std::size_t i = 0; i < headers.size(); ++i) {
+      std::string header = as_utf8(unquoted(trimmed(headers[i])));
+      if (header.empty()) {
+        header = "column " + std::to_string(i + 1);
+        note("column " + std::to_string(i + 1) + " has no name");
+      }
+      if (const auto [hit, fresh] = seen.emplace(header, i); !fresh) {
+        fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
+                       std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
+      }
+      log_.columns.push_back(column_of(header, log_.notes));
+    }
+    // x_mm and x_um: what is left without the unit is no name.
+    std::map<std::string, int> names;
+    for (const auto& c : log_.columns) ++names[c.name];
+    for (auto& c : log_.columns) {
+      if (names[c.name] > 1) c.name = c.header;
+    }
+  }
+
+  /// A comma is the decimal mark where cells hold commas and the separator is another.
+  [[nodiscard]] char decimal_mark(std::string_view body) const {
+    if (separator_ == ',') return '.';
+    std::string_view rest = body;
+    for (int k = 0; k < 100 && !rest.empty(); ++k) {
+      const auto line = take_line(rest);
+      if (!is_comment(line) && line.find(',') != std::string_view::npos) return ',';
+    }
+    const bool comma = body.find(',') != std::string_view::npos;
+    return comma && body.find('.') == std::string_view::npos ? ',' : '.';
+  }
+
+  void find_text_columns(std::string_view row) {
+    const auto cells = split(row, separator_);
+    if (cells.size() != log_.columns.size()) return;
+    is_text_.resize(cells.size());
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      is_text_[c] = unquoted(cells[c]).empty() || cell_number(cells[c], decimal_) ? 0 : 1;
+    }
+    if (std::count(is_text_.begin(), is_text_.end(), 1) == 0) is_text_.clear();
+    row_texts_.resize(is_text_.size());
+  }
+
+  void drop_text_columns() {
+    for (std::size_t c = is_text_.size(); c-- > 0;) {
+      if (is_text_[c] == 0) continue;
+      note("column " + in_quotes(log_.columns[c].header) + " was left out: it holds text");
+      log_.columns.erase(log_.columns.begin() + static_cast<std::ptrdiff_t>(c));
+    }
+    if (log_.columns.empty()) fail(0, "has no column of numbers");
+  }
+
+  /// A column is text by its first cell; one damaged cell shall not turn numbers into text.
+  void keep_text_columns() {
+    bool utf8 = true;
+    std::size_t kept = 0;
+    for (std::size_t c = 0; c < is_text_.size(); ++c) {
+      if (is_text_[c] == 0) continue;
+      ++kept;
+      auto& column = log_.columns[c];
+      if (column.texts.empty()) continue;
+      const auto numbers =
+          std::count_if(column.texts.begin(), column.texts.end(),
+                        [&](const std::string& text) { return cell_number(text, decimal_).has_value(); });
+      if (2 * static_cast<std::size_t>(numbers) >= column.texts.size()) {
+        fail(0, "row 1, column " + in_quotes(column.header) + ": got " +
+                    in_quotes(as_utf8(column.texts.front())) + ", expected a number as in " +
+                    std::to_string(numbers) + " other rows");
+      }
+      for (auto& text : column.texts) {
+        if (std::any_of(text.begin(), text.end(), [](unsigned char ch) { return ch < 0x20; })) {
+          fail(0, "column " + in_quotes(column.header) + ": the text " + in_quotes(text) +
+                      " holds a control character: damaged, or not a text file");
+        }
+        if (is_utf8(text)) continue;
+        text = as_utf8(text);
+        utf8 = false;
+      }
+    }
+    if (!utf8) note("text cells are not UTF-8 and are read as Latin-1");
+    if (kept == log_.columns.size()) fail(0, "has no column of numbers");
+  }
+
+  /// Reserves from the length of the first lines.
+  void reserve(std::string_view body) {
+    const auto sample = body.substr(0, 1 << 16);
+    const auto lines = std::max<std::ptrdiff_t>(1, std::count(sample.begin(), sample.end(), '\n'));
+    const double rows =
+        static_cast<double>(body.size()) / static_cast<double>(sample.size()) * static_cast<double>(lines);
+    for (std::size_t c = 0; c < log_.columns.size(); ++c) {
+      if (is_text_.empty() || is_text_[c] == 0)
+        log_.columns[c].values.reserve(static_cast<std::size_t>(rows * 1.05) + 16);
+    }
+  }
+
+  template <bool kBlankSeparated>
+  void read_rows(std::string_view body) {
+    if (body.empty()) return;
+    reserve(body);
+    const std::size_t n = log_.columns.size();
+    // Rows go through a block that stays in the cache, then column by column to their place.
+    const std::size_t block_rows = std::max<std::size_t>(16, 16384 / n);
+    std::vector<double> block(n * block_rows);
+    std::size_t filled = 0;
+    const auto flush = [&] {
+      for (std::size_t c = 0; c < n; ++c) {
+        if (!is_text_.empty() && is_text_[c] != 0) continue;
+        const double* from = block.data() + c * block_rows;
+        log_.columns[c].values.insert(log_.columns[c].values.end(), from, from + filled);
+      }
+      filled = 0;
+    };
+
+    const fast_float::parse_options number_format{fast_float::chars_format::general, decimal_};
+    const char separator = separator_;
+    const char* const is_text = is_text_.empty() ? nullptr : is_text_.data();
+    const char* p = body.data();
+    const char* const end = p + body.size();
+    while (p != end) {
+      const char* const line = p;
+      if (*p == '\n' || *p == '\r' || *p == '#' || *p == '%') {
+        const char* const next = end_of_line(p, end);
+        if (*p == '#' || *p == '%') add_comment({p, static_cast<std::size_t>(next - p)});
+        const bool blank = trimmed({p, static_cast<std::size_t>(next - p)}).empty();
+        if (blank || *p != '\r') {
+          p = next == end ? end : next + 1;
+          continue;
+        }
+      }
+      double* out = block.data() + filled;
+      std::size_t column = 0;
+      while (true) {
+        while (p != end && (*p == ' ' || (kBlankSeparated && *p == '\t'))) ++p;
+        const char* after = p;
+        if (is_text != nullptr && is_text[column] != 0) {
+          after = end_of_text<kBlankSeparated>(p, end);
+          if (after == nullptr) break;
+          row_texts_[column] = {p, static_cast<std::size_t>(after - p)};
+        } else {
+          const auto parsed = fast_float::from_chars_advanced(p, end, *out, number_format);
+          if (parsed.ec != std::errc() || !std::isfinite(*out)) break;
+          after = parsed.ptr;
+        }
+        const char* q = after;
+        while (q != end && (*q == ' ' || (kBlankSeparated && *q == '\t'))) ++q;
+        if (++column < n) {
+          if (kBlankSeparated) {
+            if (q == after) break;
+          } else {
+            if (q == end || *q != separator) break;
+            ++q;
+          }
+          p = q;
+          out += block_rows;
+          continue;
+        }
+        if (!kBlankSeparated && q != end && *q == separator) {  // separator at the end of the line
+          do {
+            ++q;
+          } while (q != end && *q == ' ');
+        }
+        if (q != end && *q == '\r') ++q;
+        if (q != end && *q != '\n') break;
+        p = q;
+        column = n + 1;
+        break;
+      }
+      if (column != n + 1) {
+        const auto rest = slow_row(line, end, block.data() + filled, block_rows, log_.rows + 1);
+        p = rest.next;
+        if (!rest.is_row) continue;
+      }
+      if (is_text != nullptr && options_.text_columns == TextColumns::kKeep) keep_row_texts();
+      ++log_.rows;
+      if (p != end) ++p;
+      if (++filled == block_rows) flush();
+    }
+    flush();
+  }
+
+  void keep_row_texts() {
+    for (std::size_t c = 0; c < is_text_.size(); ++c) {
+      if (is_text_[c] != 0) log_.columns[c].texts.push_back(unquoted(trimmed(row_texts_[c])));
+    }
+  }
+
+  /// End of an unquoted text cell; null where the slow way has to look.
+  template <bool kBlankSeparated>
+  const char* end_of_text(const char* p, const char* end) const {
+    for (; p != end && *p != separator_ && *p != '\n' && *p != '\r'; ++p) {
+      if (*p == '"') return nullptr;
+      if (kBlankSeparated && *p == '\t') break;
+    }
+    return p;
+  }
+
+  static const char* end_of_line(const char* p, const char* end) {
+    const void* hit = std::memchr(p, '\n', static_cast<std::size_t>(end - p));
+    return hit == nullptr ? end : static_cast<const char*>(hit);
+  }
+
+  struct SlowRow {
+    const char* next;  ///< end of the line for a row, behind it for a line that was left out
+    bool is_row;
+  };
+
+  /// A row that the fast loop could not read: quotes, plus signs, or something is wrong.
+  SlowRow slow_row(const char* start, const char* end, double* out, std::size_t stride, std::size_t row) {
+    const char* const line_end = end_of_line(start, end);
+    const SlowRow skip{line_end == end ? end : line_end + 1, false};
+    const std::string_view line = trimmed({start, static_cast<std::size_t>(line_end - start)});
+    const std::size_t n = log_.columns.size();
+    if (std::all_of(line.begin(), line.end(),
+                    [&](char c) { return c == separator_ || is_blank(c) || c == '"'; })) {
+      if (!line.empty()) ++dropped_blank_lines_;
+      return skip;
+    }
+    // Leading separators are cells; only the blanks around the line are not.
+    std::string_view raw = line;
+    if (separator_ == '\t') {
+      raw = {start, static_cast<std::size_t>(line_end - start)};
+      if (raw.back() == '\r') raw.remove_suffix(1);
+    }
+    auto cells = split(raw, separator_);
+    const bool last = trimmed({line_end, static_cast<std::size_t>(end - line_end)}).empty();
+    const bool cut = last && line_end == end;
+    const std::string where = "row " + std::to_string(row);
+    // Counted only where it is said: quoted files come here with every row.
+    const auto line_no = [&] { return line_number(start); };
+    if (cells.size() < n && last) {
+      note("the last row (" + where + ", line " + std::to_string(line_no()) + ") was left out: it has " +
+           std::to_string(cells.size()) + " of " + std::to_string(n) + " cells");
+      return skip;
+    }
+    if (cells.size() + 1 == n && separator_ != ' ' && raw.back() == separator_) cells.emplace_back();
+    if (cells.size() != n) {
+      fail(line_no(), where + ": got " + std::to_string(cells.size()) +
+                          (cells.size() == 1 ? " cell" : " cells") + ", expected " + std::to_string(n) +
+                          " as in the header" +
+                          (separator_ == ',' && n > 1 && cells.size() == 2 * n
+                               ? " (a decimal comma? separate columns by ;)"
+                               : ""));
+    }
+    for (std::size_t c = 0; c < n; ++c) {
+      if (!is_text_.empty() && is_text_[c] != 0) {
+        row_texts_[c] = cells[c];
+        continue;
+      }
+      const auto value = cell_number(cells[c], decimal_);
+      if (value && std::isfinite(*value)) {
+        out[c * stride] = *value;
+        continue;
+      }
+      if (cut && c + 1 == n && !value) {
+        note("the last row (" + where + ", line " + std::to_string(line_no()) +
+             ") was left out: it is cut off");
+        return skip;
+      }
+      const std::string place = where + ", column " + in_quotes(log_.columns[c].header) + ": ";
+      if (value)
+        fail(line_no(), place + "got " + in_quotes(trimmed(cells[c])) + ", expected a finite number");
+      if (unquoted(cells[c]).empty()) {
+        fail(line_no(), place + "the cell is blank, expected a number (remove the row or the column)");
+      }
+      fail(line_no(), place + "got " + in_quotes(as_utf8(trimmed(cells[c]))) + ", expected a number" +
+                          (decimal_ == ',' && cells[c].find('.') != std::string_view::npos
+                               ? " with a decimal comma, as in other cells"
+                               : ""));
+    }
+    return {line_end, true};
+  }
+
+  std::string_view all_;
+  const CsvDialect& options_;
+  Log log_;
+  char separator_ = ',';
+  char decimal_ = '.';
+  std::vector<char> is_text_;  ///< 1 for columns of text; empty when there are none
+  std::vector<std::string_view> row_texts_;
+  std::size_t dropped_blank_lines_ = 0;
+};
+
+}  // namespace
+
+Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect) {
+  return CsvReader(text, source, dialect).read();
+}
+
+}  // namespace stribeck::io::detail

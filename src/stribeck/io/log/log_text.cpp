@@ -1,0 +1,586 @@
+#include <fast_float/fast_float.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/units.hpp>
+#include <utility>
+
+namespace stribeck::io::detail {
+
+namespace {
+
+/// Unit written as the last part of a name, x_mm. Only units that logs of machines carry:
+/// "X1_CurrentFeedback" or "run_a" shall not gain one.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixes{{
+    {"s", "s"},
+    {"ms", "ms"},
+    {"us", "us"},
+    {"ns", "ns"},
+    {"m", "m"},
+    {"mm", "mm"},
+    {"um", "um"},
+    {"nm", "nm"},
+    {"N", "N"},
+    {"kN", "kN"},
+    {"V", "V"},
+    {"mV", "mV"},
+    {"A", "A"},
+    {"mA", "mA"},
+    {"Nm", "Nm"},
+    {"mNm", "mNm"},
+    {"W", "W"},
+    {"kW", "kW"},
+    {"rad", "rad"},
+    {"deg", "deg"},
+    {"rev", "rev"},
+    {"rpm", "rpm"},
+    {"pct", "%"},
+    {"percent", "%"},
+    {"Hz", "Hz"},
+    {"kHz", "kHz"},
+    {"kg", "kg"},
+    {"degC", "degC"},
+    {"m_s", "m/s"},
+    {"mm_s", "mm/s"},
+    {"um_s", "um/s"},
+    {"m_min", "m/min"},
+    {"mm_min", "mm/min"},
+    {"m_s2", "m/s2"},
+    {"mm_s2", "mm/s2"},
+    {"m_s3", "m/s3"},
+    {"mm_s3", "mm/s3"},
+    {"rad_s", "rad/s"},
+    {"deg_s", "deg/s"},
+    {"rad_s2", "rad/s2"},
+    {"deg_s2", "deg/s2"},
+    {"N_s", "N/s"},
+    {"N_m", "N m"},
+    {"N_V", "N/V"},
+    {"V_s", "V/s"},
+    {"A_s", "A/s"},
+    {"m_per_s", "m/s"},
+    {"mm_per_s", "mm/s"},
+    {"um_per_s", "um/s"},
+    {"m_per_min", "m/min"},
+    {"mm_per_min", "mm/min"},
+    {"m_per_s2", "m/s2"},
+    {"mm_per_s2", "mm/s2"},
+    {"rad_per_s", "rad/s"},
+    {"deg_per_s", "deg/s"},
+    {"rev_per_s", "rev/s"},
+    {"N_per_V", "N/V"},
+    {"N_per_A", "N/A"},
+}};
+
+/// Units as controls, drives and their tools spell them.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 41> kSpellings{{
+    {"Ampere", "A"},
+    {"Amp", "A"},
+    {"Volt", "V"},
+    {"Grad", "deg"},
+    {"degree", "deg"},
+    {"degrees", "deg"},
+    {"Grad/s", "deg/s"},
+    {"Grad/min", "deg/min"},
+    {"°", "deg"},
+    {"°/s", "deg/s"},
+    {"°/min", "deg/min"},
+    {"°/s²", "deg/s2"},
+    {"1000 mm/min", "m/min"},
+    {"r/min", "rpm"},
+    {"rev/min", "rpm"},
+    {"Umdr/min", "rpm"},
+    {"U/min", "rpm"},
+    {"RPM", "rpm"},
+    {"Rpm", "rpm"},
+    {"Umdr", "rev"},
+    {"Prozent", "%"},
+    {"percent", "%"},
+    {"Incr", "count"},
+    {"incr", "count"},
+    {"Inkr", "count"},
+    {"Inc", "count"},
+    {"inc", "count"},
+    {"INC", "count"},
+    {"pulse", "count"},
+    {"pulses", "count"},
+    {"pls", "count"},
+    {"pls.", "count"},
+    {"qc", "count"},
+    {"counts", "count"},
+    {"Sek", "s"},
+    {"sec", "s"},
+    {"msec", "ms"},
+    {"usec", "us"},
+    {"NM", "N m"},
+    {"-", "1"},
+    {"Mikrometer", "um"},
+}};
+
+}  // namespace
+
+std::string_view trimmed(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return s.substr(first, s.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::string_view take_line(std::string_view& text) {
+  const auto end = std::min(text.find('\n'), text.size());
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+std::vector<std::string_view> split(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  if (separator == ' ') line = trimmed(line);
+  std::size_t start = 0;
+  bool in_quotes = false;
+  int depth = 0;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size()) {
+      const char c = line[i];
+      if (c == '"') in_quotes = !in_quotes;
+      if (in_quotes) continue;
+      if (separator == ' ') {
+        if (c == '[' || c == '(') ++depth;
+        if ((c == ']' || c == ')') && depth > 0) --depth;
+        if (depth > 0 || !is_blank(c)) continue;
+        const auto next = line.find_first_not_of(" \t", i);
+        if (next != std::string_view::npos && (line[next] == '[' || line[next] == '(')) continue;
+        cells.push_back(line.substr(start, i - start));
+        start = next;
+        i = next - 1;
+        continue;
+      }
+      if (c != separator) continue;
+    }
+    cells.push_back(trimmed(line.substr(start, i - start)));
+    start = i + 1;
+  }
+  if (separator != ' ' && cells.size() > 1 && cells.back().empty()) cells.pop_back();  // separator at the end
+  return cells;
+}
+
+std::string unquoted(std::string_view cell) {
+  if (cell.size() < 2 || cell.front() != '"' || cell.back() != '"') return std::string(cell);
+  std::string out(cell.substr(1, cell.size() - 2));
+  for (auto at = out.find("\"\""); at != std::string::npos; at = out.find("\"\"", at + 1)) out.erase(at, 1);
+  return std::string(trimmed(out));
+}
+
+bool is_utf8(std::string_view in) {
+  for (std::size_t i = 0; i < in.size();) {
+    const auto c = static_cast<unsigned char>(in[i]);
+    const std::size_t n = c < 0x80                ? 1
+                          : c >= 0xF0 && c < 0xF8 ? 4
+                          : c >= 0xE0 && c < 0xF0 ? 3
+                          : c >= 0xC2 && c < 0xE0 ? 2
+                                                  : 0;
+    if (n == 0 || i + n > in.size()) return false;
+    for (std::size_t k = 1; k < n; ++k) {
+      if ((static_cast<unsigned char>(in[i + k]) & 0xC0) != 0x80) return false;
+    }
+    i += n;
+  }
+  return true;
+}
+
+std::string as_utf8(std::string_view in) {
+  if (is_utf8(in)) return std::string(in);
+  std::string latin;
+  for (const char raw : in) {
+    const auto c = static_cast<unsigned char>(raw);
+    if (c < 0x80) {
+      latin += raw;
+      continue;
+    }
+    latin += static_cast<char>(0xC0 | (c >> 6));
+    latin += static_cast<char>(0x80 | (c & 0x3F));
+  }
+  return latin;
+}
+
+std::optional<double> cell_number(std::string_view cell, char decimal) {
+  cell = trimmed(cell);
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+    cell = trimmed(cell.substr(1, cell.size() - 2));
+  if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-') cell.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] =
+      fast_float::from_chars_advanced(cell.data(), cell.data() + cell.size(), value,
+                                      fast_float::parse_options{fast_float::chars_format::general, decimal});
+  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
+  return value;
+}
+
+bool looks_like_number(std::string_view cell) {
+  return cell_number(cell, '.').has_value() || cell_number(cell, ',').has_value();
+}
+
+Column column_of(std::string header, std::vector<std::string>& notes) {
+  Column c;
+  c.name = header;
+  for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
+    const auto at = header.rfind(open);
+    if (at == std::string::npos || header.back() != close) continue;
+    const auto inside = std::string(trimmed(std::string_view(header).substr(at + 1, header.size() - at - 2)));
+    const auto before = std::string(trimmed(std::string_view(header).substr(0, at)));
+    const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
+    // "x (1)" is a second copy of x, not a unit.
+    const bool unit = !inside.empty() &&
+                      !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
+                      is_unit(inside);
+    if (dimensionless || unit) {
+      c.name = before.empty() ? header : before;
+      c.unit_text = dimensionless ? "1" : inside;
+    } else if (open == '[' && !inside.empty()) {
+      notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
+    }
+    c.header = std::move(header);
+    return c;
+  }
+  std::size_t longest = 0;
+  for (const auto& [suffix, unit] : kSuffixes) {
+    if (suffix.size() <= longest || header.size() < suffix.size() + 2) continue;
+    const auto at = header.size() - suffix.size();
+    if (header[at - 1] != '_' || header.compare(at, suffix.size(), suffix) != 0) continue;
+    longest = suffix.size();
+    c.name = header.substr(0, at - 1);
+    c.unit_text = unit;
+    c.unit_assumed = suffix.size() == 1;  // "i_A" may be that of axis A
+  }
+  c.header = std::move(header);
+  return c;
+}
+
+std::string inflated(std::string_view bytes, const std::string& source) {
+  z_stream stream{};
+  constexpr int kGzipOnly = 16 + MAX_WBITS;
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK)
+    throw InputError(Problem{source, 0, "", "cannot be decompressed"});
+  std::string out;
+  std::string block(1 << 18, '\0');
+  int state = Z_OK;
+  std::size_t fed = 0;
+  bool after_member = false;
+  while (true) {
+    if (stream.avail_in == 0 && fed < bytes.size()) {
+      // zlib counts with 32 bits.
+      const auto part = std::min<std::size_t>(bytes.size() - fed, 1U << 30);
+      stream.next_in =
+          reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + fed));  // zlib does not write to it
+      stream.avail_in = static_cast<uInt>(part);
+      fed += part;
+    }
+    if (after_member) {
+      if (stream.avail_in == 0 || *stream.next_in != 0x1f)
+        break;  // padding behind the last member is allowed
+      inflateReset(&stream);
+      after_member = false;
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(block.data());
+    stream.avail_out = static_cast<uInt>(block.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    if (state == Z_OK || state == Z_STREAM_END) out.append(block, 0, block.size() - stream.avail_out);
+    // Numbers as text shrink to a half or a tenth; only a file made for it grows without bound.
+    constexpr std::size_t kHarmless = std::size_t{64} << 20;
+    constexpr std::size_t kLargest = std::size_t{4} << 30;
+    if (out.size() > kLargest || (out.size() > kHarmless && out.size() / 250 > bytes.size())) {
+      inflateEnd(&stream);
+      throw InputError(Problem{source, 0, "",
+                               "grows to more than " + std::to_string(out.size() >> 20) + " MB from " +
+                                   std::to_string(bytes.size()) +
+                                   " bytes of gzip: no log does (unpack it first if it is one)"});
+    }
+    after_member = state == Z_STREAM_END;
+    if (state != Z_OK && state != Z_STREAM_END) break;
+  }
+  inflateEnd(&stream);
+  if (state != Z_STREAM_END) {
+    throw InputError(
+        Problem{source, 0, "", "the gzip data are damaged or cut off (compress or copy it again)"});
+  }
+  return out;
+}
+
+bool begins_with(std::string_view text, std::string_view s) {
+  if (text.size() < s.size()) return false;
+  return std::equal(s.begin(), s.end(), text.begin(),
+                    [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+}
+
+std::vector<std::string_view> split_exactly(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  std::size_t start = 0;
+  bool in_quotes = false;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size()) {
+      if (line[i] == '"') in_quotes = !in_quotes;
+      if (in_quotes || line[i] != separator) continue;
+    }
+    cells.push_back(trimmed(line.substr(start, i - start)));
+    start = i + 1;
+  }
+  return cells;
+}
+
+std::string header_of(const std::string& name) {
+  const auto text = trimmed(name);
+  const auto blank = text.rfind(' ');
+  if (text.empty() || text.back() == ']' || text.back() == ')' || blank == std::string_view::npos)
+    return std::string(text);
+  const auto unit = text.substr(blank + 1);
+  if ((unit[0] >= '0' && unit[0] <= '9') || !is_unit(unit)) return std::string(text);
+  return std::string(trimmed(text.substr(0, blank))) + " [" + std::string(unit) + "]";
+}
+
+std::string plain_unit(std::string_view text, std::string_view column, std::vector<std::string>& notes) {
+  std::string unit = as_utf8(unquoted(trimmed(text)));
+  // TwinCAT adds the quantity: "dV (Voltage)", "(None)".
+  if (!unit.empty() && unit.back() == ')') {
+    const auto open = unit.rfind('(');
+    if (open != std::string::npos && (open == 0 || unit[open - 1] == ' ')) {
+      unit = std::string(trimmed(std::string_view(unit).substr(0, open)));
+    }
+  }
+  // The Greek letter instead of the micro sign.
+  for (auto at = unit.find("\u03BC"); at != std::string::npos; at = unit.find("\u03BC")) {
+    unit.replace(at, 2, "\u00B5");
+  }
+  if (unit.empty()) return unit;
+  for (const auto& [spelling, plain] : kSpellings) {
+    if (unit == spelling) return std::string(plain);
+  }
+  const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
+  if ((!number || unit == "1") && is_unit(unit)) return unit;
+  notes.push_back("column " + in_quotes(column) + ": unit " + in_quotes(unit) + " is not known");
+  return {};
+}
+
+void check_text(std::string_view bytes, const std::string& source) {
+  const auto fail = [&](std::size_t line, const char* message) {
+    throw InputError(Problem{source, line, "", message});
+  };
+  if (bytes.empty()) fail(0, "is empty, expected a header line and data rows");
+  if (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF") {
+    fail(0, "is UTF-16 text, expected UTF-8 (save it as \"CSV UTF-8\")");
+  }
+  if (bytes.substr(0, 4) == "PK\x03\x04") {
+    fail(0, "is a zip archive or a spreadsheet, expected CSV text (export it as CSV)");
+  }
+  if (const void* nul = std::memchr(bytes.data(), 0, bytes.size())) {
+    const auto line = 1 + std::count(bytes.data(), static_cast<const char*>(nul), '\n');
+    fail(static_cast<std::size_t>(line), "holds a NUL byte: not a text file (export it as CSV)");
+  }
+}
+
+void check_no_control_characters(std::string_view text, const std::string& source) {
+  const auto hit = std::find_if(text.begin(), text.end(), [](unsigned char c) {
+    return c < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
+  });
+  if (hit == text.end()) return;
+  const auto line = 1 + std::count(text.begin(), hit, '\n');
+  throw InputError(Problem{source, static_cast<std::size_t>(line), "",
+                           "holds a control character: damaged, or not a text file (export it again)"});
+}
+
+void make_names_unique(Log& log) {
+  for (const bool headers : {false, true}) {
+    std::map<std::string, std::size_t> seen;
+    for (auto& c : log.columns) {
+      std::string& name = headers ? c.header : c.name;
+      const std::size_t n = ++seen[name];
+      if (n == 1) continue;
+      std::string fresh = name + " #" + std::to_string(n);
+      while (seen.count(fresh) > 0) fresh += '\'';
+      ++seen[fresh];
+      if (headers) {
+        log.notes.push_back("column " + in_quotes(name) + " stands more than once, one is called " +
+                            in_quotes(fresh));
+      }
+      name = std::move(fresh);
+    }
+  }
+}
+
+void Reader::fail(std::size_t line, std::string message) const {
+  throw InputError(Problem{log_.source, line, "", std::move(message)});
+}
+
+void Reader::add_metadata(std::string_view key, std::string_view value) {
+  log_.metadata.emplace_back(as_utf8(trimmed(key)), as_utf8(unquoted(trimmed(value))));
+}
+
+std::optional<std::size_t> Reader::count(std::string_view text) {
+  text = trimmed(text);
+  std::size_t n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return n;
+}
+
+double Reader::number(std::string_view cell, std::size_t row, std::size_t column, std::string_view name) {
+  if (marks_.size() <= column) marks_.resize(column + 1, 0);
+  char& mark = marks_[column];
+  const auto found = cell.find_first_of(".,");
+  if (found != std::string_view::npos && mark == 0) mark = cell[found];
+  const auto value = cell_number(cell, mark == ',' ? ',' : '.');
+  if (value && std::isfinite(*value)) return *value;
+  const std::string place = "row " + std::to_string(row) + ", column " + in_quotes(name) + ": ";
+  if (unquoted(cell).empty()) {
+    fail(lines_.number(), place + "the cell is blank, expected a number (remove the row or the column)");
+  }
+  fail(lines_.number(),
+       place + "got " + in_quotes(as_utf8(cell)) + ", expected a " + (value ? "finite number" : "number") +
+           (found != std::string_view::npos && cell[found] != mark
+                ? std::string(" with a decimal ") + (mark == ',' ? "comma" : "point") + ", as in other cells"
+                : ""));
+}
+
+double Reader::number_or_absent(std::string_view cell, std::size_t row, std::size_t column,
+                                std::string_view name) {
+  const std::string_view bare = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"'
+                                    ? trimmed(cell.substr(1, cell.size() - 2))
+                                    : cell;
+  if (bare.empty() || (bare.size() == 3 && begins_with(bare, "nan")))
+    return std::numeric_limits<double>::quiet_NaN();
+  return number(cell, row, column, name);
+}
+
+bool Reader::cut(std::size_t row) {
+  if (lines_.ended()) return false;
+  note("the last row (row " + std::to_string(row) + ", line " + std::to_string(lines_.number()) +
+       ") was left out: it has no line end and may be cut off");
+  return true;
+}
+
+void Reader::read_table(char separator) {
+  const std::size_t n = log_.columns.size();
+  std::vector<double> row(n);
+  while (lines_.next()) {
+    const auto line = trimmed(lines_.text());
+    if (line.empty()) continue;
+    if (cut(log_.rows + 1)) break;
+    auto cells = split_exactly(line, separator);
+    while (cells.size() > n && cells.back().empty()) cells.pop_back();  // separator at the end
+    const std::string where = "row " + std::to_string(log_.rows + 1);
+    if (cells.size() < n && lines_.last()) {
+      note("the last row (" + where + ", line " + std::to_string(lines_.number()) +
+           ") was left out: it has " + std::to_string(cells.size()) + " of " + std::to_string(n) + " cells");
+      break;
+    }
+    if (cells.size() != n) {
+      fail(lines_.number(), where + ": got " + std::to_string(cells.size()) +
+                                (cells.size() == 1 ? " cell" : " cells") + ", expected " + std::to_string(n) +
+                                " as in the header (cut the log there, or export it again)");
+    }
+    for (std::size_t c = 0; c < n; ++c) row[c] = number(cells[c], log_.rows + 1, c, log_.columns[c].name);
+    for (std::size_t c = 0; c < n; ++c) log_.columns[c].values.push_back(row[c]);
+    ++log_.rows;
+  }
+}
+
+void Reader::finish() {
+  if (log_.rows < 2) {
+    fail(0, log_.rows == 0 ? "has a header but no data rows, expected at least two"
+                           : "has one data row, expected at least two");
+  }
+  make_names_unique(log_);
+}
+
+void add_groups(Log& log, std::vector<Group> groups, const std::string& time_unit) {
+  const std::size_t first = log.columns.size();
+  std::vector<std::size_t> times;
+  const auto add_time = [&](const std::vector<double>& t) {
+    for (const std::size_t i : times) {
+      if (log.columns[i].values == t) return static_cast<int>(i);
+    }
+    Column c;
+    c.name = times.empty() ? "t" : "t" + std::to_string(times.size() + 1);
+    c.header = c.name;
+    c.unit_text = time_unit;
+    c.values = t;
+    times.push_back(log.columns.size());
+    log.columns.push_back(std::move(c));
+    return static_cast<int>(times.back());
+  };
+  for (Group& group : groups) {
+    for (Column& channel : group.channels) {
+      std::vector<double> t;
+      std::vector<double> values;
+      const bool whole =
+          std::none_of(channel.values.begin(), channel.values.end(), [](double x) { return std::isnan(x); });
+      if (!whole) {
+        for (std::size_t i = 0; i < channel.values.size(); ++i) {
+          if (std::isnan(channel.values[i])) continue;
+          t.push_back(group.t[i]);
+          values.push_back(channel.values[i]);
+        }
+        log.notes.push_back("column " + in_quotes(channel.name) + ": " +
+                            std::to_string(channel.values.size() - values.size()) + " of " +
+                            std::to_string(channel.values.size()) + " samples are absent");
+        channel.values = std::move(values);
+      }
+      if (channel.values.empty()) {
+        log.notes.push_back("column " + in_quotes(channel.name) + " was left out: it holds no samples");
+        continue;
+      }
+      channel.time = add_time(whole ? group.t : t);
+      log.columns.push_back(std::move(channel));
+    }
+  }
+  for (std::size_t c = first; c < log.columns.size(); ++c) {
+    log.rows = std::max(log.rows, log.columns[c].values.size());
+    if (times.size() < 2) log.columns[c].time = -1;
+  }
+  if (times.size() < 2) return;
+  for (const std::size_t i : times) log.columns[i].time = static_cast<int>(i);
+  log.notes.push_back("the channels have " + std::to_string(times.size()) + " different sampling times");
+}
+
+void note_times(Log& log) {
+  std::vector<bool> is_time(log.columns.size(), false);
+  for (const Column& c : log.columns) {
+    if (c.time >= 0) is_time[static_cast<std::size_t>(c.time)] = true;
+  }
+  if (std::none_of(is_time.begin(), is_time.end(), [](bool b) { return b; })) {
+    const int t = time_column(log);
+    if (t >= 0) is_time[static_cast<std::size_t>(t)] = true;
+  }
+  for (std::size_t i = 0; i < log.columns.size(); ++i) {
+    const Column& c = log.columns[i];
+    if (!is_time[i] || c.values.size() < 2) continue;
+    const std::string of = c.name == "t" ? "" : "column " + in_quotes(c.name) + ": ";
+    try {
+      for (std::string& text : check_time(c.values, "", c.name).notes) log.notes.push_back(of + text);
+    } catch (const InputError& e) {
+      log.notes.push_back("column " + in_quotes(c.name) + ": " + e.problems().front().message);
+    }
+  }
+}
+
+void add_time(Log& log, std::vector<double> values, const std::string& unit) {
+  Column t;
+  t.name = "t";
+  t.header = "t";
+  t.unit_text = unit;
+  t.values = std::move(values);
+  for (Column& c : log.columns) {
+    if (c.time >= 0) ++c.time;
+  }
+  log.columns.insert(log.columns.begin(), std::move(t));
+}
+
+}  // namespace stribeck::io::detail

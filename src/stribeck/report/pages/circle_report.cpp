@@ -1,0 +1,262 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/json.hpp>
+#include <stribeck/report/columns.hpp>
+#include <stribeck/report/html.hpp>
+#include <stribeck/report/pages/circle_report.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+using Json = io::Json;
+
+constexpr double kMicro = 1e6;
+
+std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }
+
+std::string direction(const sim::CircleTest& t) {
+  return t.counter_clockwise ? "counter-clockwise" : "clockwise";
+}
+
+/// "circle 2, clockwise (line=9)" as far as there is something to tell apart.
+std::string name_of(const CircleReportInput& input, std::size_t c) {
+  std::string name = direction(input.logs.front().circles[c]);
+  if (c < input.rows.size()) name += ", rows " + input.rows[c];
+  return name;
+}
+
+/// Head and unit of "servo time [clocks]".
+Column column_of(const std::string& head) {
+  const auto open = head.rfind('[');
+  if (open == std::string::npos || head.back() != ']') return {head, "", true};
+  return {clean_text(head.substr(0, head.find_last_not_of(' ', open - 1) + 1)),
+          clean_text(head.substr(open + 1, head.size() - open - 2)), true};
+}
+
+/// A radius at which errors up to `most` are drawn magnified: the circle is the unit circle.
+struct Magnifier {
+  double per_metre = 0.0;
+  double ring = 0.0;  ///< [m]
+
+  explicit Magnifier(double most) {
+    ring = std::pow(10.0, std::floor(std::log10(std::max(most, 1e-9))));
+    for (const double digit : {5.0, 2.0}) {
+      if (digit * ring <= most) {
+        ring *= digit;
+        break;
+      }
+    }
+    per_metre = 0.5 / std::max(most, 1e-9);
+  }
+
+  [[nodiscard]] Series around(const std::vector<double>& angle, const std::vector<double>& error,
+                              std::string label, std::string color, double width) const {
+    Series s{.label = std::move(label), .color = std::move(color), .width = width};
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      const double r = 1.0 + per_metre * error[i];
+      s.x.push_back(r * std::cos(angle[i]));
+      s.y.push_back(r * std::sin(angle[i]));
+    }
+    return s;
+  }
+  void grid(Plot& plot) const {
+    std::vector<double> angle;
+    for (int i = 0; i <= 240; ++i) angle.push_back(2.0 * kPi * i / 240);
+    for (const double e : {-ring, 0.0, ring}) {
+      Series s = around(angle, std::vector<double>(angle.size(), e), "", e == 0.0 ? "#9aa0a6" : "#b6bbc0",
+                        e == 0.0 ? 1.0 : 0.8);
+      s.dashed = e != 0.0;
+      plot.series.push_back(std::move(s));
+    }
+    plot.axes = false;
+    plot.equal_aspect = true;
+    plot.x_range = Range{-1.6, 1.6};
+    plot.y_range = Range{-1.6, 1.6};
+  }
+};
+
+/// The samples in the order of their angle, few enough for a drawing; of several revolutions all.
+struct Drawn {
+  std::vector<double> angle;
+  std::vector<double> error;
+};
+
+Drawn drawn(const sim::CircleTest& t) {
+  std::vector<std::size_t> order(t.angle.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return t.angle[a] < t.angle[b]; });
+  Drawn d;
+  for (const std::size_t i : order) {
+    d.angle.push_back(t.angle[i]);
+    d.error.push_back(t.error[i]);
+  }
+  thin(d.angle, d.error, 500);
+  return d;
+}
+
+void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
+  page.section(name_of(input, c));
+  double most = 0.0;
+  for (const CircleLog& log : input.logs) most = std::max(most, log.circles[c].max_error);
+  const Magnifier common(most);
+  Plot over{.title = "All on one scale", .legend = Legend::kAbove, .width = 620, .height = 660};
+  common.grid(over);
+  Plot along{
+      .x_label = "angle [deg]", .y_label = "radial error [µm]", .x_range = Range{0.0, 360.0}, .x_step = 45.0};
+  std::vector<Plot> own;
+  for (std::size_t i = 0; i < input.logs.size(); ++i) {
+    const CircleLog& log = input.logs[i];
+    const sim::CircleTest& t = log.circles[c];
+    // The first is what the others are measured by: grey.
+    const std::string color = controller_color("", i);
+    const Drawn d = drawn(t);
+    over.series.push_back(common.around(d.angle, d.error, log.label, color, 1.5));
+    Series s{.label = log.label, .color = color, .width = 1.4};
+    for (std::size_t k = 0; k < d.angle.size(); ++k) {
+      s.x.push_back(d.angle[k] * 180.0 / kPi);
+      s.y.push_back(d.error[k] * kMicro);
+    }
+    along.series.push_back(std::move(s));
+    const Magnifier magnifier(t.max_error);
+    Plot p{.title = log.label, .legend = Legend::kNone, .width = 300, .height = 315};
+    magnifier.grid(p);
+    p.notes = {{0.0, 0.12, "max " + micrometres(t.max_error) + " µm", color},
+               {0.0, -0.12, "ring " + short_number(magnifier.ring * kMicro) + " µm", "#444444"}};
+    p.series.push_back(magnifier.around(d.angle, d.error, "", color, 1.4));
+    own.push_back(std::move(p));
+  }
+  page.figure(over,
+              fmt::format("Radial error over the circle, all on one scale. Dashed: {} µm to both sides.",
+                          short_number(common.ring * kMicro)));
+  page.figures(own, own.size() > 3 ? 4 : 3,
+               "Each on its own scale; dashed rings at the error that stands in the middle.");
+  page.figure(along, "The same over the angle.");
+}
+
+}  // namespace
+
+std::string text_table(const CircleReportInput& input) {
+  std::string out;
+  TextColumn label{"control", "", {}, false};
+  std::vector<TextColumn> columns;
+  for (const CircleLog& log : input.logs) label.entries.push_back(clean_text(log.label));
+  columns.push_back(label);
+  for (std::size_t c = 0; c < input.logs.front().circles.size(); ++c) {
+    const std::string group = direction(input.logs.front().circles[c]);
+    TextColumn max{"max", "µm", {}, true, group};
+    TextColumn rms{"RMS", "µm", {}};
+    TextColumn glitch{"glitch", "µm", {}};
+    for (const CircleLog& log : input.logs) {
+      max.entries.push_back(micrometres(log.circles[c].max_error));
+      rms.entries.push_back(micrometres(log.circles[c].rms));
+      glitch.entries.push_back(micrometres(log.circles[c].quadrant_glitch));
+    }
+    columns.insert(columns.end(), {max, rms, glitch});
+  }
+  for (std::size_t b = 0; b < input.beside.size(); ++b) {
+    const Column head = column_of(input.beside[b]);
+    TextColumn column{head.head, head.unit, {}};
+    for (const CircleLog& log : input.logs) column.entries.push_back(clean_text(log.beside[b]));
+    columns.push_back(column);
+  }
+  return lay_out(columns);
+}
+
+nlohmann::ordered_json to_json(const CircleReportInput& input) {
+  Json out;
+  out["schema"] = "stribeck.evaluate/1";
+  out["radius_mm"] = io::number_or_null(input.radius * 1e3);
+  out["logs"] = Json::array();
+  for (const CircleLog& log : input.logs) {
+    Json one{
+        {"label", log.label}, {"file", log.file}, {"beside", Json::object()}, {"circles", Json::array()}};
+    for (std::size_t b = 0; b < input.beside.size(); ++b) one["beside"][input.beside[b]] = log.beside[b];
+    for (std::size_t c = 0; c < log.circles.size(); ++c) {
+      const sim::CircleTest& t = log.circles[c];
+      one["circles"].push_back(
+          {{"rows", c < input.rows.size() ? Json(input.rows[c]) : Json(nullptr)},
+           {"direction", direction(t)},
+           {"revolutions", io::number_or_null(t.revolutions)},
+           {"max_contour_error_um", io::number_or_null(t.max_error * kMicro)},
+           {"quadrant_glitch_um", io::number_or_null(t.quadrant_glitch * kMicro)},
+           {"rms_um", io::number_or_null(t.rms * kMicro)},
+           {"circular_deviation_um", io::number_or_null(t.circular_deviation * kMicro)}});
+    }
+    out["logs"].push_back(std::move(one));
+  }
+  return out;
+}
+
+std::string circle_report(const CircleReportInput& input) {
+  Page page(input.title, "stribeck " + input.version);
+  const CircleLog* best = &input.logs.front();
+  const CircleLog* worst = best;
+  const auto most = [](const CircleLog& log) {
+    double e = 0.0;
+    for (const sim::CircleTest& t : log.circles) e = std::max(e, t.max_error);
+    return e;
+  };
+  for (const CircleLog& log : input.logs) {
+    if (most(log) < most(*best)) best = &log;
+    if (most(log) > most(*worst)) worst = &log;
+  }
+  if (input.logs.size() > 1) {
+    page.lead(fmt::format("Radial error on a circle of {} mm: {} µm with {}, {} µm with {}.",
+                          short_number(input.radius * 1e3), micrometres(most(*worst)), worst->label,
+                          micrometres(most(*best)), best->label));
+  } else {
+    page.lead(fmt::format("Radial error on a circle of {} mm: at most {} µm.",
+                          short_number(input.radius * 1e3), micrometres(most(*best))));
+  }
+  page.warnings(input.warnings);
+  Table table;
+  table.columns = {{"control", "", false}};
+  for (std::size_t c = 0; c < best->circles.size(); ++c) {
+    const std::string which = best->circles[c].counter_clockwise ? "ccw" : "cw";
+    for (const char* head : {"max", "RMS", "glitch", "G"})
+      table.columns.push_back({std::string(head), "µm, " + which, true});
+  }
+  for (const std::string& head : input.beside) table.columns.push_back(column_of(head));
+  for (std::size_t i = 0; i < input.logs.size(); ++i) {
+    const CircleLog& log = input.logs[i];
+    std::vector<Cell> row{Cell{.text = log.label, .color = controller_color("", i)}};
+    for (std::size_t c = 0; c < log.circles.size(); ++c) {
+      const auto cell = [&](double sim::CircleTest::*figure) {
+        const double own = log.circles[c].*figure;
+        bool least = input.logs.size() > 1;
+        for (const CircleLog& other : input.logs) least = least && own <= other.circles[c].*figure;
+        row.push_back(Cell{.text = micrometres(own), .best = least});
+      };
+      cell(&sim::CircleTest::max_error);
+      cell(&sim::CircleTest::rms);
+      cell(&sim::CircleTest::quadrant_glitch);
+      cell(&sim::CircleTest::circular_deviation);
+    }
+    for (const std::string& text : log.beside) row.push_back(Cell{.text = text});
+    table.rows.push_back(std::move(row));
+  }
+  page.table(table);
+  page.remark(
+      "ccw, cw: counter-clockwise, clockwise. max: largest |radial error|. glitch: the same within the "
+      "first 0.15 mm after an axis turned round. G: circular deviation about the least-squares centre (ISO "
+      "230-4). Bold: the smallest.");
+  for (std::size_t c = 0; c < best->circles.size(); ++c) add_circle(page, input, c);
+  page.section("Again");
+  page.code(input.command);
+  return page.html();
+}
+
+void write_circle_report(const std::string& directory, const CircleReportInput& input) {
+  const std::string html = circle_report(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", html);
+}
+
+}  // namespace stribeck::report

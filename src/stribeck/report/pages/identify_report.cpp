@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <stribeck/io/file.hpp>
+#include <stribeck/report/html.hpp>
+#include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/parameters.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+std::string summary(const ident::Result& r, std::string_view axis) {
+  const ShownUnits units = units_of(r);
+  std::string text = fmt::format("{}: {}, from {}", axis.empty() ? "The axis" : fmt::format("Axis {}", axis),
+                                 headline(r), counted(r));
+  if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
+    text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
+                        significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
+  }
+  const double low = r.mass_interval.low * units.per_mass;
+  const double high = r.mass_interval.high * units.per_mass;
+  if (std::isfinite(r.mass)) {
+    text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high),
+                        printed_unit(units.mass));
+  }
+  if (std::isfinite(r.mass) && std::isfinite(low) && std::isfinite(high)) {
+    text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));
+  }
+  text += ".";
+  if (std::isfinite(r.held_out_rms)) {
+    text += fmt::format(" On motion that was not fitted, the model leaves {} {} RMS.",
+                        significant(r.held_out_rms, 3), units.force);
+  }
+  for (const auto& term : r.friction.eccentric) {
+    const bool turns = term.form == friction::EccentricForm::kProportional;
+    text += fmt::format(" A force of {} {} repeats every {} {}{}.", significant(term.amplitude, 3),
+                        units.force, significant(term.period * units.per_position, 4), units.position,
+                        turns ? " and reverses with the direction" : "");
+  }
+  if (std::isfinite(r.break_away_distance)) {
+    text += fmt::format(" After a reversal friction settles over {} {} of travel.",
+                        significant(r.break_away_distance * units.per_fine, 2), units.fine);
+  }
+  std::size_t loose = 0;
+  for (const ident::Parameter& p : r.parameters) loose += p.identifiable ? 0 : 1;
+  if (loose > 0) {
+    text += fmt::format(
+        " {} of {} parameters cannot be told from the data; the curve can be used, they mean nothing alone.",
+        loose, r.parameters.size());
+  }
+  if (!units.physical()) {
+    text += fmt::format(" The log gives no scale: forces stand in {}, positions in {}.", units.force,
+                        units.linear() ? "mm" : units.position);
+  }
+  return text;
+}
+
+/// What is left, seen from every side.
+void residuals(Page& page, const ident::Result& r, bool heading) {
+  std::vector<Plot> plots = residual_plots(r);
+  const bool points = !plots.empty();
+  std::optional<Plot> spectrum = spectrum_plot(r);
+  if (spectrum) plots.push_back(std::move(*spectrum));
+  if (plots.empty()) return;
+  if (heading) page.section("What the model leaves");
+  std::string caption;
+  if (points) {
+    caption =
+        "Measured less modelled force of every row that was fitted, thinned. A band of means that leaves "
+        "zero is a part of friction that the model does not have.";
+  }
+  if (spectrum) {
+    caption += std::string(caption.empty() ? "" : " ") +
+               "Spectrum: a peak is a force that repeats with the position, e.g. once per turn of the "
+               "screw. It is that of the residual before periodic terms; those that the model took are "
+               "marked.";
+  }
+  page.figures(plots, 2, caption);
+}
+
+}  // namespace
+
+std::string headline(const ident::Result& r) {
+  if (r.method == "break-away") return "force and distance of break-away, from slow ramps";
+  if (r.method == "gravity") return "load and friction, from equal speeds both ways";
+  if (r.method == "constant-acceleration") return "mass, from accelerating against braking at equal speed";
+  if (r.model == "cogging") return "forces periodic in position (cogging), from holding at standstill";
+  return fmt::format("{} model by {}", r.model, r.method);
+}
+
+std::string counted(const ident::Result& r) {
+  const char* one = r.method == "break-away" ? "slip" : "row";
+  return fmt::format("{} {}{}", r.rows, one, r.rows == 1 ? "" : "s");
+}
+
+std::string identify_report(const IdentifyReportInput& input) {
+  std::vector<std::string> about;
+  if (!input.source.empty()) about.push_back("from " + input.source);
+  if (!input.version.empty()) about.push_back("stribeck " + input.version);
+  Page page(input.axis.empty() ? "Friction of an axis" : "Friction of axis " + input.axis,
+            joined(about, " · "));
+  bool first = true;
+  for (const ident::Result& r : input.results) {
+    if (!first) page.section("Beside it: " + headline(r));
+    page.lead(summary(r, input.axis));
+    page.list("What this log cannot tell", r.cannot_tell);
+    page.warnings(r.warnings);
+    if (first) page.section("Friction map");
+    FrictionMap map;
+    map.axis = input.axis;
+    map.fit = &r;
+    map.speed = std::max(std::abs(r.velocity_range[0]), std::abs(r.velocity_range[1]));
+    if (r.curve.size() < 2) map.model = r.friction.steady;
+    map.model_label = "fit";
+    for (const ident::Result& other : input.results) {
+      if (&other != &r && other.model == "conventional") map.conventional = other.friction.steady;
+    }
+    page.figures(
+        friction_plots(map), 2,
+        std::string("Left: friction against velocity. Right: the same as difference from the fit, where "
+                    "its 95 % band can be seen. Measured points are thinned.") +
+            (r.friction.eccentric.empty() ? "" : " Terms periodic in position are taken out."));
+    if (first) page.section("Parameters");
+    page.table(parameter_table(r));
+    residuals(page, r, first);
+    if (first && !r.models.empty()) page.section("Choice of the model");
+    if (!r.models.empty()) {
+      page.table(candidate_table(r));
+      page.remark(
+          "The simplest model within one standard error of the best on motion that was not fitted is "
+          "chosen.");
+    }
+    first = false;
+  }
+  if (!input.command.empty()) {
+    page.section("How to make this page again");
+    page.code(input.command);
+  }
+  return page.html();
+}
+
+void write_identify_report(const std::string& directory, const IdentifyReportInput& input) {
+  const std::string page = identify_report(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", page);
+}
+
+}  // namespace stribeck::report

@@ -1,0 +1,48 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stribeck/report/pages/identify_report.hpp>
+#include <stribeck/report/table.hpp>
+
+namespace stribeck::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// What break-away hands back: no model, no mass.
+ident::Result slips() {
+  ident::Result r;
+  r.method = "break-away";
+  r.model = "none";
+  r.mass = std::numeric_limits<double>::quiet_NaN();
+  r.rows = 8;
+  r.parameters.push_back({"break_away_positive", 1200.0, "N", "N", 1150.0, 1250.0, true});
+  return r;
+}
+
+TEST(IdentifyReport, SaysInPlainWordsWhatWasDetermined) {
+  ident::Result r = slips();
+  EXPECT_THAT(text_table(r, "x"),
+              StartsWith("axis x: force and distance of break-away, from slow ramps, 8 slips\n"));
+  const std::string page = identify_report({"x", {r}, "log.csv", "", ""});
+  EXPECT_THAT(page, HasSubstr("Axis x: force and distance of break-away, from slow ramps, from 8 slips."));
+  EXPECT_THAT(page, Not(HasSubstr("Mass")));  // it is not known
+  r.rows = 1;
+  EXPECT_EQ(counted(r), "1 slip");
+  r.method = "gravity";
+  EXPECT_EQ(headline(r), "load and friction, from equal speeds both ways");
+  EXPECT_EQ(counted(r), "1 row");
+  r.method = "constant-acceleration";
+  EXPECT_THAT(headline(r), StartsWith("mass, "));
+  r.method = "position-map";
+  r.model = "cogging";
+  EXPECT_THAT(headline(r), HasSubstr("cogging"));
+  r.model = "conventional";
+  EXPECT_EQ(headline(r), "conventional model by position-map");
+}
+
+}  // namespace
+}  // namespace stribeck::report

@@ -1,0 +1,529 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/json.hpp>
+#include <stribeck/report/columns.hpp>
+#include <stribeck/report/pages/reproduction.hpp>
+#include <stribeck/report/plot/contour_plots.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/cutting_estimate.hpp>
+
+namespace stribeck::report {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMicro = 1e6;
+constexpr double kDetail = 0.5;
+
+using Figure = double sim::Metrics::*;
+
+/// In the unit that people read.
+struct Scale {
+  double factor;
+  const char* unit;
+};
+Scale scale_of(Figure figure) {
+  if (figure == &sim::Metrics::mean_abs_ui || figure == &sim::Metrics::power) return {1.0, "W"};
+  if (figure == &sim::Metrics::input_variation) return {1e3, "mV"};
+  return {kMicro, "µm"};
+}
+
+const sim::CompareRow* find_row(const sim::CompareResult& result, std::string_view id, std::size_t travel) {
+  for (const sim::CompareRow& r : result.rows) {
+    if (r.controller.id == id && r.travel == travel) return &r;
+  }
+  return nullptr;
+}
+
+struct MeanAndSpread {
+  double mean = kNaN;
+  double spread = kNaN;
+};
+MeanAndSpread mean_and_spread(const std::vector<double>& values) {
+  const double n = static_cast<double>(values.size());
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  MeanAndSpread m{sum / n, kNaN};
+  if (values.size() < 2) return m;
+  double square = 0.0;
+  for (const double v : values) square += (v - m.mean) * (v - m.mean);
+  m.spread = std::sqrt(square / (n - 1.0));
+  return m;
+}
+
+ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& result) {
+  ReproducedFigure f;
+  f.what = claim.what;
+  f.of = "(" + claim.controller + ")";
+  f.source = claim.source;
+  if (result.spec.travels.size() > 1) f.what += ", " + result.spec.travels[claim.travel].pace_in_words();
+  const sim::CompareRow* row = find_row(result, claim.controller, claim.travel);
+  const sim::CompareRow* against =
+      claim.against.empty() ? nullptr : find_row(result, claim.against, claim.travel);
+  if (row == nullptr || (!claim.against.empty() && against == nullptr)) {
+    f.printed = f.ours = f.low = f.high = kNaN;
+    return f;
+  }
+  const Scale scale = scale_of(claim.figure);
+  MeanAndSpread ours{row->mean.*claim.figure * scale.factor, row->spread.*claim.figure * scale.factor};
+  f.unit = scale.unit;
+  f.printed = claim.printed * scale.factor;
+  if (against != nullptr) {
+    std::vector<double> changes;
+    for (std::size_t i = 0; i < row->trials.size(); ++i)
+      changes.push_back(100.0 * (row->trials[i].*claim.figure / (against->trials[i].*claim.figure) - 1.0));
+    ours.spread = mean_and_spread(changes).spread;
+    // Change of the means over the trials, as the thesis forms it.
+    ours.mean = 100.0 * (row->mean.*claim.figure / (against->mean.*claim.figure) - 1.0);
+    f.against = "(" + claim.against + ")";
+    f.unit = "%";
+    f.printed = 100.0 * claim.printed;
+    f.digits = 1;
+  }
+  f.ours = ours.mean;
+  f.low = ours.mean - ours.spread;
+  f.high = ours.mean + ours.spread;
+  return f;
+}
+
+/// The quadrant ratio is what goes beyond the thesis, which prints none.
+Table measured_table(const sim::CompareResult& result, bool with_quadrants) {
+  const bool one_axis = result.axes.size() == 1;
+  const bool quadrants = with_quadrants && !one_axis &&
+                         std::any_of(result.rows.begin(), result.rows.end(),
+                                     [](const auto& r) { return std::isfinite(r.mean.quadrant_ratio); });
+  const bool current = std::any_of(result.rows.begin(), result.rows.end(),
+                                   [](const auto& r) { return std::isfinite(r.mean.mean_abs_ui); });
+  Table t{"", {{"controller", "", false}}, {}};
+  if (result.spec.travels.size() > 1) t.columns.push_back({"motion", "", false});
+  t.columns.push_back({one_axis ? "max |e|" : "max", "µm"});
+  if (!one_axis) t.columns.push_back({"glitch", "µm"});
+  if (quadrants) t.columns.push_back({"quadrant ratio"});
+  t.columns.push_back({"RMS", "µm"});
+  t.columns.push_back({one_axis ? "mean |e|" : "mean |ε|", "µm"});
+  t.columns.push_back({"mean |Δu|", "mV"});
+  if (current) t.columns.push_back({"mean |u·i|", "W"});
+  const bool tool_axis = std::any_of(result.rows.begin(), result.rows.end(), [](const auto& r) {
+    return std::isfinite(r.mean.max_orientation_error);
+  });
+  if (tool_axis) {
+    t.columns.push_back({"orientation max", "µrad"});
+    t.columns.push_back({"orientation mean", "µrad"});
+  }
+  for (std::size_t k = 0; k < result.rows.size(); ++k) {
+    const sim::CompareRow& r = result.rows[k];
+    const auto cell = [&](Figure f, double scale, int digits = 2) {
+      Cell c{decimals(r.mean.*f * scale, digits)};
+      if (std::isfinite(r.spread.*f)) c.spread = "± " + decimals(r.spread.*f * scale, digits);
+      return c;
+    };
+    std::vector<Cell> row{{"(" + r.controller.id + ") " + r.controller.label, "", "", false,
+                           controller_color(r.controller.id, k)}};
+    if (result.spec.travels.size() > 1) row.push_back({result.spec.travels[r.travel].pace_in_words()});
+    row.push_back(cell(&sim::Metrics::max_contour_error, kMicro));
+    if (!one_axis) row.push_back(cell(&sim::Metrics::quadrant_glitch, kMicro));
+    if (quadrants) row.push_back(cell(&sim::Metrics::quadrant_ratio, 1.0));
+    row.push_back(cell(&sim::Metrics::rms, kMicro));
+    row.push_back(cell(&sim::Metrics::mean_abs, kMicro));
+    row.push_back(cell(&sim::Metrics::input_variation, 1e3, 1));
+    if (current) row.push_back(cell(&sim::Metrics::mean_abs_ui, 1.0));
+    if (tool_axis) {
+      row.push_back(cell(&sim::Metrics::max_orientation_error, kMicro, 1));
+      row.push_back(cell(&sim::Metrics::mean_orientation_error, kMicro, 1));
+    }
+    t.rows.push_back(std::move(row));
+  }
+  return t;
+}
+
+/// Errors along and across the path over time, figures 3.17 and 3.18, those of each scale together.
+std::vector<Plot> local_errors(const sim::CompareResult& result, std::size_t travel) {
+  const Rows rows = rows_of(result, travel);
+  std::vector<Plot> plots;
+  for (const ScaleGroup& group : scale_groups(rows)) {
+    for (std::size_t direction = 0; direction < 2; ++direction) {
+      Plot p;
+      p.title = direction == 0 ? "Tangential error" : "Normal error";
+      if (group.rows.size() < rows.size()) p.title += ": " + names_of(group.rows, rows);
+      p.x_label = "time [s]";
+      p.y_label = "error [µm]";
+      p.width = 560;
+      p.height = 300;
+      p.detail = kDetail;
+      for (const sim::CompareRow* r : group.rows) {
+        Series s;
+        s.label = name_of(*r);
+        s.color = color_of(*r, rows);
+        s.width = 1.0;
+        for (const sim::ContourSample& x : r->trace) {
+          if (!x.scored) continue;
+          s.x.push_back(x.time);
+          s.y.push_back(x.local[direction] * kMicro);
+        }
+        p.series.push_back(std::move(s));
+      }
+      plots.push_back(std::move(p));
+    }
+  }
+  return plots;
+}
+
+/// One bar for each trial and controller; `some` are all of the travel or those of the finer scales.
+Plot bars(const Rows& some, const Rows& all, Figure figure, const char* title, const std::string& label) {
+  Plot p;
+  p.title = title;
+  if (some.size() < all.size()) p.title += ": " + names_of(some, all) + " alone";
+  p.x_label = "trial";
+  p.y_label = label;
+  p.width = 560;
+  p.height = 280;
+  const double width = 0.8 / static_cast<double>(std::max<std::size_t>(some.size(), 1));
+  double top = 0.0;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    Series s;
+    s.label = name_of(*some[i]);
+    s.color = color_of(*some[i], all);
+    s.style = Style::kBars;
+    s.width = width;
+    for (std::size_t k = 0; k < some[i]->trials.size(); ++k) {
+      s.x.push_back(static_cast<double>(k) + 1.0 +
+                    width * (static_cast<double>(i) - 0.5 * static_cast<double>(some.size() - 1)));
+      s.y.push_back(some[i]->trials[k].*figure * scale_of(figure).factor);
+      if (std::isfinite(s.y.back())) top = std::fmax(top, s.y.back());
+    }
+    p.series.push_back(std::move(s));
+  }
+  p.y_range = Range{0.0, 1.1 * std::max(top, 1e-9)};
+  p.x_step = 1.0;
+  return p;
+}
+
+std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
+  return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
+}
+
+/// "×0.92": ours over print.
+double ratio(const ReproducedFigure& f) { return f.ours / f.printed; }
+
+std::string shown(double value, const ReproducedFigure& f) { return decimals(value, f.digits); }
+
+std::string with_spread(const ReproducedFigure& f) {
+  std::string text = shown(f.ours, f);
+  if (std::isfinite(f.low) && std::isfinite(f.high))
+    text += fmt::format(" [{}, {}]", shown(f.low, f), shown(f.high, f));
+  return text;
+}
+
+std::string name_of(const ReproducedFigure& f) {
+  return f.against.empty() ? f.of : fmt::format("{} against {}", f.of, f.against);
+}
+
+std::string heading(const ReproducedSection& s) {
+  return s.setting.empty() ? s.id + ": " + s.title : fmt::format("{}: {} ({})", s.id, s.title, s.setting);
+}
+
+Table figure_table(const ReproducedSection& s) {
+  Table t{"Print beside result",
+          {{"figure", "", false},
+           {"of", "", false},
+           {"print"},
+           {"ours"},
+           {"ratio"},
+           {"unit", "", false},
+           {"source", "", false}},
+          {}};
+  for (const ReproducedFigure& f : s.figures) {
+    Cell ours{shown(f.ours, f)};
+    if (std::isfinite(f.low) && std::isfinite(f.high))
+      ours.spread = fmt::format("[{}, {}]", shown(f.low, f), shown(f.high, f));
+    t.rows.push_back({{f.what},
+                      {name_of(f)},
+                      {shown(f.printed, f)},
+                      ours,
+                      {decimals(ratio(f), 2)},
+                      {printed_unit(f.unit)},
+                      {f.source}});
+  }
+  return t;
+}
+
+/// Text inside a Markdown table.
+std::string cell_text(std::string_view text) {
+  std::string out;
+  for (const char c : clean_text(text)) {
+    if (c == '|') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+constexpr const char* kIntroduction =
+    "What was printed in the thesis beside what comes out on the virtual machines that stand in for its "
+    "hardware. The compensators get what was identified from logs of the virtual machine, or the printed "
+    "parameters where a setting says so. The pre-sliding stiffness of the biaxial table is not printed: it "
+    "is fitted to rows (a) and (b) of Tables 3.1 and 3.2 only (docs/theory/plant.md), which say nothing "
+    "about its damping and the noise; every other row is a prediction. Brackets: one standard deviation "
+    "over the trials to both sides, or a 95 % interval for identified parameters. A figure that is not "
+    "reached is shown as it is.";
+
+}  // namespace
+
+ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setting& setting,
+                             const sim::CompareResult& result, std::string parameters) {
+  ReproducedSection s;
+  s.id = experiment.id;
+  s.title = experiment.title;
+  s.source = experiment.source;
+  s.setting = setting.name;
+  s.machine = result.machine;
+  s.parameters = std::move(parameters);
+  s.remarks = experiment.remarks;
+  for (const sim::Claim& c : setting.claims) s.figures.push_back(of_claim(c, result));
+  s.table = measured_table(result, experiment.id.starts_with("beyond-"));
+  for (const sim::CompareRow& r : result.rows) {
+    const auto& cutting = result.spec.travels[r.travel].cutting;
+    if (!cutting || r.trace.empty()) continue;
+    const sim::CuttingFigures c = sim::cutting_figures(r.trace, *cutting);
+    s.remarks.push_back(
+        fmt::format("Cutting force against the feed under ({}), true / estimated from what the control "
+                    "knows: mean {} / {} N, once per turn {} / {} N, once per tooth {} / {} N; error of "
+                    "the estimate {} N RMS of {} N.",
+                    r.controller.id, decimals(c.truth.mean, 1), decimals(c.estimate.mean, 1),
+                    decimals(c.truth.turn, 1), decimals(c.estimate.turn, 1), decimals(c.truth.tooth, 1),
+                    decimals(c.estimate.tooth, 1), decimals(c.rms_error, 1), decimals(c.rms_truth, 1)));
+  }
+  const bool current = std::any_of(result.rows.begin(), result.rows.end(),
+                                   [](const auto& r) { return std::isfinite(r.mean.mean_abs_ui); });
+  for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
+    const std::string pace = result.spec.travels[travel].pace_in_words();
+    const Rows rows = rows_of(result, travel);
+    // All experiments on one page: half the points of a line make it two thirds of the size.
+    const TraceLook look = rows.size() > 3 ? TraceLook{560, 300, kDetail, false, true}
+                                           : TraceLook{920, 300, kDetail, true, true};
+    const ScaledPlots over_time = time_plots(result, travel, look);
+    s.plots.emplace_back(over_time.plots, with_scales("Scored part of the first trial.", over_time));
+    if (result.axes.size() > 1) {
+      const ScaledPlots over_path = path_plots(result, travel, look);
+      s.plots.emplace_back(
+          over_path.plots,
+          with_scales("Last scored lap of the first trial, over the path. Vertical lines: an axis reverses.",
+                      over_path));
+    }
+    if (result.axes.size() == 2 && result.spec.travels[travel].pace == path::Pace::kRate)
+      s.plots.emplace_back(local_errors(result, travel),
+                           "Tracking error along and across the path, first trial.");
+    const std::string label = error_name(result) + " [µm]";
+    std::vector<Plot> trials;
+    const auto errors = [&](const Rows& some) {
+      trials.push_back(bars(some, rows, &sim::Metrics::max_contour_error, "Maximum", label));
+      trials.push_back(bars(some, rows, &sim::Metrics::mean_abs, "Mean", label));
+    };
+    errors(rows);
+    for (const Rows& fine : finer_rows(rows)) errors(fine);
+    if (current) trials.push_back(bars(rows, rows, &sim::Metrics::mean_abs_ui, "Power", "mean |u·i| [W]"));
+    trials.push_back(bars(rows, rows, &sim::Metrics::input_variation, "Control input", "mean |Δu| [mV]"));
+    s.plots.emplace_back(std::move(trials), "Trial by trial, " + pace + ".");
+  }
+  return s;
+}
+
+namespace {
+
+/// Whether there is anything to compare with.
+bool has_print(const ReproducedSection& s) {
+  return std::any_of(s.figures.begin(), s.figures.end(),
+                     [](const ReproducedFigure& f) { return std::isfinite(f.printed); });
+}
+
+/// A table as text, spread behind the figures where there is room for it.
+std::string as_text(const Table& table, bool spread = true) {
+  constexpr std::size_t kGap = 2;
+  std::vector<TextColumn> columns;
+  std::size_t width = 0;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const Column& c = table.columns[i];
+    TextColumn column{c.head, c.unit, {}, c.number};
+    std::size_t widest = std::max(text_width(c.head), text_width(c.unit));
+    for (const auto& row : table.rows) {
+      const Cell& cell = row[i];
+      column.entries.push_back(
+          clean_text(cell.spread.empty() || !spread ? cell.text : cell.text + ' ' + cell.spread));
+      widest = std::max(widest, text_width(column.entries.back()));
+    }
+    width += widest + kGap;
+    columns.push_back(std::move(column));
+  }
+  if (spread && width > kTableWidth + kGap) return as_text(table, false);
+  return lay_out(std::move(columns));
+}
+
+}  // namespace
+
+std::string reproduction_html(const ReproductionInput& input) {
+  const bool any = std::any_of(input.sections.begin(), input.sections.end(), has_print);
+  Page page(any ? "The thesis reproduced" : "Beyond the thesis",
+            fmt::format("{}seed {}{}", input.trials > 0 ? fmt::format("{} trials · ", input.trials) : "",
+                        input.seed, input.version.empty() ? "" : " · stribeck " + input.version));
+  if (any) page.lead(kIntroduction);
+  Table all{"All printed figures",
+            {{"experiment", "", false},
+             {"figure", "", false},
+             {"of", "", false},
+             {"print"},
+             {"ours"},
+             {"ratio"},
+             {"unit", "", false}},
+            {}};
+  for (const ReproducedSection& s : input.sections) {
+    if (!has_print(s)) continue;
+    for (const ReproducedFigure& f : s.figures) {
+      Cell ours{shown(f.ours, f)};
+      if (std::isfinite(f.low) && std::isfinite(f.high))
+        ours.spread = fmt::format("[{}, {}]", shown(f.low, f), shown(f.high, f));
+      all.rows.push_back({{s.id, "", s.setting},
+                          {f.what},
+                          {name_of(f)},
+                          {shown(f.printed, f)},
+                          ours,
+                          {decimals(ratio(f), 2)},
+                          {printed_unit(f.unit)}});
+    }
+  }
+  if (any) page.details("All printed figures in one table", [&] { page.table(all); });
+  for (const ReproducedSection& s : input.sections) {
+    page.section(heading(s));
+    page.remark(fmt::format("Thesis {}. Machine: {}.{}", s.source, s.machine,
+                            s.parameters.empty() ? "" : " Compensators: " + s.parameters + "."));
+    if (has_print(s)) page.table(figure_table(s));
+    if (!s.table.columns.empty()) page.table(s.table);
+    page.list("", s.remarks);
+    for (const auto& [plots, caption] : s.plots) page.figures(plots, plots.size() > 1 ? 2 : 1, caption);
+  }
+  if (!input.command.empty()) {
+    page.section("How to make this page again");
+    page.code(input.command);
+  }
+  return page.html();
+}
+
+void write_reproduction(const std::string& directory, const ReproductionInput& input) {
+  const std::string page = reproduction_html(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", page);
+}
+
+std::string reproduction_markdown(const ReproductionInput& input) {
+  std::string out = "# The thesis reproduced\n\n";
+  out += fmt::format("Made by `{}`; continuous integration makes it again and compares. {}\n",
+                     input.command.empty() ? "stribeck reproduce all" : input.command, kIntroduction);
+  for (const ReproducedSection& s : input.sections) {
+    out += fmt::format("\n## {}\n\nThesis {}. Machine: {}.{}\n", heading(s), s.source, s.machine,
+                       s.parameters.empty() ? "" : " Compensators: " + s.parameters + ".");
+    if (has_print(s)) {
+      out += "\n| figure | of | print | ours | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
+      for (const ReproducedFigure& f : s.figures) {
+        out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what), cell_text(name_of(f)),
+                           shown(f.printed, f), with_spread(f), decimals(ratio(f), 2), cell_text(f.unit),
+                           cell_text(f.source));
+      }
+    }
+    if (!s.table.columns.empty()) {
+      std::string head = "|";
+      std::string rule = "|";
+      for (const Column& c : s.table.columns) {
+        head += " " + cell_text(c.head) + (c.unit.empty() ? "" : " [" + c.unit + "]") + " |";
+        rule += "---|";
+      }
+      out += "\n" + head + "\n" + rule + "\n";
+      for (const auto& row : s.table.rows) {
+        out += "|";
+        for (const Cell& c : row)
+          out += " " + cell_text(c.text) + (c.spread.empty() ? "" : " " + c.spread) + " |";
+        out += "\n";
+      }
+    }
+    if (!s.remarks.empty()) out += "\n";
+    for (const std::string& r : s.remarks) out += "- " + clean_text(r) + "\n";
+  }
+  return out;
+}
+
+nlohmann::ordered_json reproduction_json(const ReproductionInput& input) {
+  using io::Json;
+  using io::number_or_null;
+  Json out;
+  out["schema"] = "stribeck.reproduce/1";
+  out["seed"] = input.seed;
+  out["trials"] = input.trials;
+  Json sections = Json::array();
+  for (const ReproducedSection& s : input.sections) {
+    Json one;
+    one["id"] = s.id;
+    one["title"] = s.title;
+    one["source"] = s.source;
+    one["setting"] = s.setting;
+    one["machine"] = s.machine;
+    one["parameters"] = s.parameters;
+    Json figures = Json::array();
+    for (const ReproducedFigure& f : s.figures) {
+      figures.push_back({{"what", f.what},
+                         {"of", f.of},
+                         {"against", f.against.empty() ? Json(nullptr) : Json(f.against)},
+                         {"unit", f.unit},
+                         {"printed", number_or_null(f.printed)},
+                         {"ours", number_or_null(f.ours)},
+                         {"spread", Json::array({number_or_null(f.low), number_or_null(f.high)})},
+                         {"ratio", number_or_null(ratio(f))},
+                         {"source", f.source}});
+    }
+    one["figures"] = std::move(figures);
+    Json columns = Json::array();
+    for (const Column& c : s.table.columns)
+      columns.push_back(c.unit.empty() ? c.head : c.head + " [" + c.unit + "]");
+    Json rows = Json::array();
+    for (const auto& row : s.table.rows) {
+      Json cells = Json::array();
+      for (const Cell& c : row) cells.push_back(c.text);
+      rows.push_back(std::move(cells));
+    }
+    one["table"] = {{"columns", std::move(columns)}, {"rows", std::move(rows)}};
+    one["remarks"] = s.remarks;
+    sections.push_back(std::move(one));
+  }
+  out["sections"] = std::move(sections);
+  return out;
+}
+
+std::string reproduction_text(const ReproductionInput& input) {
+  std::string out;
+  for (const ReproducedSection& s : input.sections) {
+    if (!out.empty()) out += '\n';
+    out += clean_text(heading(s)) + '\n';
+    if (!has_print(s)) {
+      out += s.table.columns.empty() ? "  nothing printed to compare with\n" : as_text(s.table);
+      continue;
+    }
+    TextColumn what{"", "", {}, false};
+    TextColumn of{"", "", {}, false};
+    TextColumn print{"print", "", {}};
+    TextColumn ours{"ours", "", {}};
+    TextColumn times{"ratio", "", {}};
+    TextColumn unit{"", "", {}, false};
+    for (const ReproducedFigure& f : s.figures) {
+      what.entries.push_back(clean_text(f.what));
+      of.entries.push_back(clean_text(name_of(f)));
+      print.entries.push_back(shown(f.printed, f));
+      ours.entries.push_back(shown(f.ours, f));
+      times.entries.push_back(decimals(ratio(f), 2));
+      unit.entries.push_back(clean_text(f.unit));
+    }
+    out += lay_out({what, of, print, ours, times, unit});
+  }
+  return out;
+}
+
+}  // namespace stribeck::report

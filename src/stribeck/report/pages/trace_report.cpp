@@ -1,0 +1,52 @@
+#include <array>
+#include <stribeck/io/file.hpp>
+#include <stribeck/report/html.hpp>
+#include <stribeck/report/pages/trace_report.hpp>
+#include <stribeck/report/plot/plot.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+constexpr std::array<const char*, 8> kColors{"#0072b2", "#d55e00", "#009e73", "#888888",
+                                             "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+
+}  // namespace
+
+std::string trace_report(const TraceReportInput& input) {
+  Page page(input.title, "stribeck " + input.version);
+  page.lead(input.summary);
+  page.section("Columns over time");
+  std::vector<Plot> plots;
+  for (const TraceColumn& c : input.columns) {
+    const std::string label = c.quantity + (c.quantity.empty() ? "" : " ") + "[" + printed_unit(c.unit) + "]";
+    Plot* plot = nullptr;
+    for (Plot& p : plots) {
+      if (p.y_label == label) plot = &p;
+    }
+    if (plot == nullptr) {
+      plot = &plots.emplace_back();
+      plot->x_label = "time [s]";
+      plot->y_label = label;
+    }
+    plot->description += (plot->description.empty() ? "" : ", ") + c.name;
+    Series series;
+    series.label = c.name;
+    series.x = input.time;
+    series.y = c.values;
+    series.color = kColors[plot->series.size() % kColors.size()];
+    plot->series.push_back(std::move(series));
+  }
+  for (const Plot& p : plots) page.figure(p, "");
+  page.section("How to make this page again");
+  page.code(input.command);
+  return page.html();
+}
+
+void write_trace_report(const std::string& directory, const TraceReportInput& input) {
+  const std::string html = trace_report(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", html);
+}
+
+}  // namespace stribeck::report

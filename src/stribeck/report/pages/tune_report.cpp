@@ -1,0 +1,291 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/json.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/report/columns.hpp>
+#include <stribeck/report/html.hpp>
+#include <stribeck/report/pages/tune_report.hpp>
+#include <stribeck/report/table.hpp>
+#include <stribeck/report/text.hpp>
+#include <vector>
+
+namespace stribeck::report {
+namespace {
+
+using io::Json;
+using io::number_or_null;
+
+constexpr double kDegrees = 180.0 / kPi;
+
+double decibels(double factor) { return 20.0 * std::log10(factor); }
+
+std::string arrow(const std::string& a, const std::string& b) { return a + " → " + b; }
+
+/// A figure of a travel before and after; what could not be run is "–".
+std::string figure(const sim::TunedController& c, std::size_t travel, double sim::Metrics::*which,
+                   double scale) {
+  const auto one = [&](const std::vector<sim::TravelScore>& scores) {
+    return travel < scores.size() ? decimals(scores[travel].mean.*which * scale, 2) : std::string("–");
+  };
+  return arrow(one(c.before), one(c.after));
+}
+
+std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
+
+/// What the nearest gains have and what is asked, of the limit that they miss most.
+std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
+  const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
+    return fmt::format("{} {}, asked are {}", what, nearest, asked);
+  };
+  switch (m.limit) {
+    case sim::Limit::kPhaseMargin:
+      return pair("a phase margin of", degrees(m.nearest), degrees(m.asked));
+    case sim::Limit::kGainMargin:
+      return pair("a gain margin of", decimals(decibels(m.nearest), 2) + " dB",
+                  decimals(decibels(m.asked), 2) + " dB");
+    case sim::Limit::kDelayMargin:
+      return pair("a delay margin of", decimals(m.nearest, 2), short_number(m.asked) + " control periods");
+    case sim::Limit::kInputVariation:
+      return fmt::format("a mean |Δu| of {} mV at {}, asked are at most {} mV less {} % for other noise",
+                         significant(m.nearest * 1e3, 4), spec.compare.travels[m.travel].pace_in_words(),
+                         significant(m.asked * 1e3, 4), short_number(100.0 * sim::kKeptBack));
+    case sim::Limit::kPath:
+      return "all limits kept, but the path is lost";
+    case sim::Limit::kStability:
+      break;
+  }
+  return "an unstable loop";
+}
+
+/// An arrow to what was found; "–" where nothing was.
+std::string margin(const sim::TunedController& c, double start, double tuned, int digits) {
+  return arrow(decimals(start, digits), c.found() ? decimals(tuned, digits) : "–");
+}
+
+std::string limits_in_words(const sim::TuneResult& r, const sim::TuneSpec& spec) {
+  std::vector<std::string> variation;
+  for (const double v : r.variation_limit) variation.push_back(significant(v * 1e3, 4) + " mV");
+  return fmt::format(
+      "phase margin {} deg, gain margin {} dB, {} more control period{} of delay, mean |Δu| {}{}",
+      short_number(spec.limits.phase_margin * kDegrees), short_number(decibels(spec.limits.gain_margin)),
+      short_number(spec.limits.delay_margin), spec.limits.delay_margin == 1.0 ? "" : "s", listed(variation),
+      r.reference.empty() ? std::string() : " as of (" + clean_text(r.reference) + ") at its own gains");
+}
+
+std::string shown(double si, const Quantity& q) {
+  return significant(si * io::unit_factor(q.unit, q.shown), 4);
+}
+
+std::string method_in_words(const sim::TuneSpec& spec) {
+  return fmt::format(
+      "{} evaluations for each controller, {} trial{} each; reported: {} trial{} of other noise",
+      spec.evaluations, spec.search_trials, spec.search_trials == 1 ? "" : "s", spec.compare.trials,
+      spec.compare.trials == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string why_none(const sim::TunedController& c, const sim::TuneSpec& spec) {
+  if (!c.refused.empty()) return clean_text(c.refused);
+  if (!c.miss) return {};
+  return fmt::format("none found in {} tries{}; the nearest gains have {}", c.tries,
+                     c.miss->other_noise ? ", other noise breaks a limit" : "", in_words(*c.miss, spec));
+}
+
+std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec) {
+  std::string out =
+      "Limits: " + limits_in_words(result, spec) + ".\nSearch: " + method_in_words(spec) + ".\n";
+  {
+    TextColumn id{"", "", {}, false};
+    id.least = kLongestId;
+    TextColumn label{"controller", "", {}, false};
+    TextColumn phase{"phase", "deg", {}};
+    TextColumn gain{"gain", "dB", {}};
+    TextColumn delay{"delay", "periods", {}};
+    for (const sim::TunedController& c : result.controllers) {
+      const auto& a = c.start_margins;
+      const auto& b = c.tuned_margins;
+      id.entries.push_back(clean_text(c.start.id));
+      label.entries.push_back(clean_text(c.start.label));
+      phase.entries.push_back(margin(c, a.phase * kDegrees, b.phase * kDegrees, 1));
+      gain.entries.push_back(margin(c, decibels(a.gain), decibels(b.gain), 1));
+      delay.entries.push_back(margin(c, a.delay / result.period, b.delay / result.period, 2));
+    }
+    out += "\nMargins of the loop\n" + lay_out({id, label, phase, gain, delay});
+  }
+  for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
+    TextColumn id{"", "", {}, false};
+    id.least = kLongestId;
+    TextColumn label{"controller", "", {}, false};
+    TextColumn max{"max", "µm", {}};
+    TextColumn rms{"RMS", "µm", {}};
+    TextColumn variation{"mean |Δu|", "mV", {}};
+    for (const sim::TunedController& c : result.controllers) {
+      id.entries.push_back(clean_text(c.start.id));
+      label.entries.push_back(clean_text(c.start.label));
+      max.entries.push_back(figure(c, t, &sim::Metrics::max_contour_error, 1e6));
+      rms.entries.push_back(figure(c, t, &sim::Metrics::rms, 1e6));
+      variation.entries.push_back(figure(c, t, &sim::Metrics::input_variation, 1e3));
+    }
+    out += fmt::format("\n{}, at its own gains → tuned\n", spec.compare.travels[t].pace_in_words()) +
+           lay_out({id, label, max, rms, variation});
+  }
+  TextColumn id{"", "", {}, false};
+  id.least = kLongestId;
+  TextColumn name{"gain", "", {}, false};
+  TextColumn start{"own", "", {}};
+  TextColumn tuned{"tuned", "", {}};
+  TextColumn unit{"unit", "", {}, false};
+  for (const sim::TunedController& c : result.controllers) {
+    for (const sim::TunedGain& g : c.gains) {
+      id.entries.push_back(clean_text(c.start.id));
+      name.entries.push_back(g.name);
+      start.entries.push_back(shown(g.start, g.quantity));
+      tuned.entries.push_back(shown(g.tuned, g.quantity));
+      unit.entries.emplace_back(g.quantity.shown);
+    }
+  }
+  if (!id.entries.empty()) out += '\n' + lay_out({id, name, start, tuned, unit});
+  for (const std::string& warning : travel_warnings(spec.compare)) out += "Warning: " + warning + ".\n";
+  for (const sim::TunedController& c : result.controllers) {
+    if (!c.before_refused.empty())
+      out += fmt::format("({}) at its own gains: {}\n", clean_text(c.start.id), clean_text(c.before_refused));
+    if (!c.found()) out += fmt::format("({}): {}\n", clean_text(c.start.id), why_none(c, spec));
+  }
+  return out;
+}
+
+nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec) {
+  const auto margins = [&](const sim::LoopMargins& m) {
+    return Json{{"stable", m.stable},
+                {"phase_deg", number_or_null(m.phase * kDegrees)},
+                {"gain_dB", number_or_null(decibels(m.gain))},
+                {"delay_periods", number_or_null(m.delay / result.period)},
+                {"modulus", number_or_null(m.modulus)},
+                {"crossover_rad_per_s", number_or_null(m.crossover)}};
+  };
+  const auto figures = [](const std::vector<sim::TravelScore>& scores, std::size_t t) {
+    if (t >= scores.size()) return Json(nullptr);
+    const sim::Metrics& m = scores[t].mean;
+    return Json{{"max_contour_error_um", number_or_null(m.max_contour_error * 1e6)},
+                {"quadrant_glitch_um", number_or_null(m.quadrant_glitch * 1e6)},
+                {"rms_um", number_or_null(m.rms * 1e6)},
+                {"input_variation_V", number_or_null(m.input_variation)},
+                {"power_W", number_or_null(m.power)}};
+  };
+  Json out;
+  out["schema"] = "stribeck.tune/1";
+  out["machine"] = result.machine;
+  out["seed"] = spec.compare.seed;
+  out["trials"] = spec.compare.trials;
+  out["evaluations"] = spec.evaluations;
+  out["limits"] = {{"phase_margin_deg", number_or_null(spec.limits.phase_margin * kDegrees)},
+                   {"gain_margin_dB", number_or_null(decibels(spec.limits.gain_margin))},
+                   {"delay_margin_periods", number_or_null(spec.limits.delay_margin)},
+                   {"input_variation_V", io::numbers(result.variation_limit)},
+                   {"reference", result.reference.empty() ? Json(nullptr) : Json(result.reference)}};
+  out["controllers"] = Json::array();
+  for (const sim::TunedController& c : result.controllers) {
+    Json one;
+    one["controller"] = c.start.id;
+    one["label"] = c.start.label;
+    one["missed"] = c.found() ? Json(nullptr) : Json(why_none(c, spec));
+    one["tries"] = c.tries;
+    one["gains"] = Json::array();
+    for (const sim::TunedGain& g : c.gains) {
+      const double factor = io::unit_factor(g.quantity.unit, g.quantity.shown);
+      one["gains"].push_back({{"name", g.name},
+                              {"unit", std::string(g.quantity.shown)},
+                              {"start", number_or_null(g.start * factor)},
+                              {"tuned", number_or_null(g.tuned * factor)}});
+    }
+    one["margins"] = {{"start", margins(c.start_margins)},
+                      {"tuned", c.found() ? margins(c.tuned_margins) : Json(nullptr)}};
+    one["rows"] = Json::array();
+    for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
+      one["rows"].push_back({{"travel", spec.compare.travels[t].pace_in_words()},
+                             {"start", figures(c.before, t)},
+                             {"tuned", figures(c.after, t)}});
+    }
+    out["controllers"].push_back(std::move(one));
+  }
+  out["warnings"] = travel_warnings(spec.compare);
+  return out;
+}
+
+std::string tune_report(const TuneReportInput& input) {
+  const sim::TuneResult& r = input.result;
+  Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
+  page.lead("Every controller at its best gains under the same limits: " + limits_in_words(r, input.spec) +
+            ".");
+  page.paragraph("One search for all: " + method_in_words(input.spec) +
+                 ". Compensators: " + input.parameters + ".");
+  for (std::size_t t = 0; t < input.spec.compare.travels.size(); ++t) {
+    page.section(input.spec.compare.travels[t].pace_in_words());
+    Table table;
+    table.columns = {{"", "", false},
+                     {"controller", "", false},
+                     {"max", "µm, own → tuned", true},
+                     {"RMS", "µm, own → tuned", true},
+                     {"mean |Δu|", "mV, own → tuned", true}};
+    for (const sim::TunedController& c : r.controllers) {
+      table.rows.push_back({{c.start.id},
+                            {c.start.label},
+                            {figure(c, t, &sim::Metrics::max_contour_error, 1e6)},
+                            {figure(c, t, &sim::Metrics::rms, 1e6)},
+                            {figure(c, t, &sim::Metrics::input_variation, 1e3)}});
+    }
+    page.table(table);
+  }
+  page.section("Margins of the loop");
+  Table margins;
+  margins.columns = {{"", "", false},
+                     {"controller", "", false},
+                     {"phase", "deg, own → tuned", true},
+                     {"gain", "dB, own → tuned", true},
+                     {"delay", "periods, own → tuned", true}};
+  for (const sim::TunedController& c : r.controllers) {
+    const auto& a = c.start_margins;
+    const auto& b = c.tuned_margins;
+    margins.rows.push_back({{c.start.id},
+                            {c.start.label},
+                            {margin(c, a.phase * kDegrees, b.phase * kDegrees, 1)},
+                            {margin(c, decibels(a.gain), decibels(b.gain), 1)},
+                            {margin(c, a.delay / r.period, b.delay / r.period, 2)}});
+  }
+  page.table(margins);
+  page.remark("Below zero: unstable, and how far from the border.");
+  page.section("Gains");
+  Table gains;
+  gains.columns = {
+      {"", "", false}, {"gain", "", false}, {"own", "", true}, {"tuned", "", true}, {"unit", "", false}};
+  std::vector<std::string> warnings = travel_warnings(input.spec.compare);
+  for (const sim::TunedController& c : r.controllers) {
+    for (const sim::TunedGain& g : c.gains) {
+      gains.rows.push_back({{c.start.id},
+                            {g.name},
+                            {shown(g.start, g.quantity)},
+                            {shown(g.tuned, g.quantity)},
+                            {std::string(g.quantity.shown)}});
+    }
+    if (!c.before_refused.empty())
+      warnings.push_back("(" + c.start.id + ") at its own gains: " + c.before_refused);
+    if (!c.found()) warnings.push_back("(" + c.start.id + "): " + why_none(c, input.spec));
+  }
+  page.table(gains);
+  page.warnings(warnings);
+  page.section("Again");
+  page.code(input.command);
+  return page.html();
+}
+
+void write_tune_report(const std::string& directory, const TuneReportInput& input) {
+  const std::string html = tune_report(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", html);
+}
+
+}  // namespace stribeck::report

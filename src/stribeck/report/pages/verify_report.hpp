@@ -1,0 +1,56 @@
+#pragma once
+/// Identified models on motion that they have not seen (ident/replay.hpp): table, numbers for programs, and the
+/// page with measured beside predicted velocity of every model, reversals close up, and the closed loop.
+///
+///   json   {"schema": "stribeck.verify/1", "axis", "force_unit", "position_unit", "parts": [{"log", "rows",
+///           "duration_s", "restarts", "models": [{"file", "open_loop": {"velocity_rms_mm_per_s",
+///           "velocity_relative_percent", "position_rms_um", "position_max_um", "rows_outside_range"},
+///           "open_loop_free": {the same}, "closed_loop": {the same, "force_rms_N", "force_relative_percent"}
+///           or null}]}], "warnings": [...]}
+///
+/// "open_loop" starts anew at every reversal. Keys with a unit that does not hold are null and the number
+/// stands beside them, as in identify (json.hpp).
+///
+/// Source: thesis §2.6, figs 2.30 and 2.31.
+/// Real time: no.
+/// Errors: io::InputError of files and of gnuplot.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <stribeck/ident/replay/replay.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+struct VerifiedModel {
+  std::string name = {};  ///< axis file, as the user named it
+  ident::OpenLoop open = {};
+  std::optional<ident::Replay> closed = {};
+};
+
+/// One record; a log that was cut at gaps has several.
+struct VerifiedPart {
+  ident::Record record = {};
+  std::vector<VerifiedModel> models = {};
+};
+
+struct VerifyReportInput {
+  std::string axis = {};
+  std::vector<VerifiedPart> parts = {};
+  std::vector<std::string> warnings = {};
+  std::string source = {};  ///< log, as the user named it
+  std::string command = {};
+  std::string version = {};
+};
+
+std::string text_table(const VerifyReportInput& input);
+
+nlohmann::ordered_json to_json(const VerifyReportInput& input);
+
+std::string verify_report(const VerifyReportInput& input);
+
+/// Writes directory/index.html; makes the directory.
+void write_verify_report(const std::string& directory, const VerifyReportInput& input);
+
+}  // namespace stribeck::report

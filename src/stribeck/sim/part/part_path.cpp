@@ -1,0 +1,572 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stribeck/path/frame.hpp>
+#include <stribeck/sim/part/part_path.hpp>
+
+namespace stribeck::sim {
+namespace {
+
+using path::FeedPhase;
+using path::Segment;
+using path::SegmentKind;
+using path::SpeedRamp;
+
+/// Shorter moves have no direction.
+constexpr double kNoWay = 1e-10;
+
+template <std::size_t N>
+Vec<double, N> narrowed(const Vec<double, 3>& v) {
+  Vec<double, N> r;
+  for (std::size_t i = 0; i < N; ++i) r[i] = v[i];
+  return r;
+}
+
+template <std::size_t N>
+Segment<N> line(const Vec<double, 3>& from, const Vec<double, 3>& to) {
+  const Vec<double, N> way = narrowed<N>(to) - narrowed<N>(from);
+  Segment<N> s;
+  s.length = s.extent = norm(way);
+  s.c[0] = narrowed<N>(from);
+  if (s.length > 0.0) s.c[1] = (1.0 / s.length) * way;
+  return s;
+}
+
+template <std::size_t N>
+Segment<N> arc(const Vec<double, 3>& from, const PartMove& move) {
+  // Ends where it began, but for rounding of the numbers themselves: once around.
+  constexpr double kOnceAround = 1e-12;
+  const Vec<double, 3>& n = move.normal;
+  const auto in_plane = [&](const Vec<double, 3>& p) {
+    const auto d = p - move.centre;
+    return d - dot(d, n) * n;
+  };
+  const auto first = in_plane(from);
+  const auto last = in_plane(move.to);
+  const double r0 = norm(first);
+  if (!(r0 > kNoWay)) return line<N>(from, move.to);
+  const auto u = (1.0 / r0) * first;
+  const auto v = path::cross(n, u);
+  double angle = std::atan2(dot(last, v), dot(last, u));
+  const double side = move.turns < 0 ? -1.0 : 1.0;
+  angle *= side;
+  if (angle < kOnceAround) angle += 2.0 * kPi;
+  angle += 2.0 * kPi * (std::abs(move.turns) - 1);
+  const double lift = dot(move.to - from, n);
+  Segment<N> s;
+  s.kind = SegmentKind::kArc;
+  s.radius = r0;
+  s.growth = norm(last) - r0;
+  // Rounded ends: to rounding of the numbers themselves it is a circle.
+  if (std::abs(s.growth) < 1e-14) s.growth = 0.0;
+  s.angle = side * angle;
+  s.length = std::hypot((r0 + 0.5 * s.growth) * angle, lift);
+  // The place of the centre along the normal is that of the start.
+  s.c[0] = narrowed<N>(from - first);
+  s.c[1] = narrowed<N>(u);
+  s.c[2] = narrowed<N>(v);
+  s.c[3] = narrowed<N>(lift * n);
+  s.extent = s.distance(s.length);
+  return s;
+}
+
+template <std::size_t N>
+struct Leg {
+  Segment<N> segment;
+  PartMove end;            ///< what happens at its end
+  double cut_begin = 0.0;  ///< taken off by the corners
+  double cut_end = 0.0;
+  Segment<N> corner;   ///< at its end, if cut_end > 0
+  bool stops = false;  ///< at its end
+};
+
+/// How far the corner is from the programmed path, and that from the corner.
+template <std::size_t N>
+double deviation_of(const Segment<N>& before, const Segment<N>& after, const Segment<N>& corner) {
+  constexpr int kPoints = 12;
+  const Vec<double, N> at = before.point(before.length);
+  double worst = norm(at - corner.point(corner.nearest(at, 0.5 * corner.length)));
+  for (int i = 1; i < kPoints; ++i) {
+    const Vec<double, N> p = corner.point(corner.length * i / kPoints);
+    const double to_before = norm(p - before.point(before.nearest(p, before.length)));
+    const double to_after = norm(p - after.point(after.nearest(p, 0.0)));
+    worst = std::max(worst, std::min(to_before, to_after));
+  }
+  return worst;
+}
+
+/// Whether two segments meet without a jump of direction or curvature, to rounding.
+template <std::size_t N>
+bool smooth(const Segment<N>& before, const Segment<N>& after) {
+  const auto a = before.template derivatives<2>(before.length);
+  const auto b = after.template derivatives<2>(0.0);
+  return norm(a[1] - b[1]) < 1e-9 && norm(a[2] - b[2]) < 1e-9 * (norm(a[2]) + norm(b[2])) + 1e-12;
+}
+
+/// Rounds the end of a leg, or makes it a stop. Returns the deviation.
+template <std::size_t N>
+double join(Leg<N>& leg, Leg<N>& next) {
+  constexpr double kSharpest = 0.25881904510252074;  // cos(150°/2)
+  constexpr double kCornerShare = 35.0 / 128.0;      // of d·sin(θ/2), as in polyline.hpp
+  constexpr double kMostTurn = 0.5;                  // of an arc within a corner [rad]
+  if (leg.end.junction == Junction::kStop) {
+    leg.stops = true;
+    return 0.0;
+  }
+  const Segment<N>& before = leg.segment;
+  const Segment<N>& after = next.segment;
+  if (smooth(before, after)) return 0.0;
+  const Vec<double, N> t0 = before.template derivatives<1>(before.length)[1];
+  const Vec<double, N> t1 = after.template derivatives<1>(0.0)[1];
+  const double sine = 0.5 * norm(t1 - t0);
+  const double cosine = 0.5 * norm(t1 + t0);
+  double tolerance = leg.end.tolerance;
+  bool stop = cosine < kSharpest;
+  if (leg.end.junction == Junction::kExact) {
+    stop = stop || sine > std::sin(0.5 * kPi / 180.0);
+    tolerance = kExactTolerance;
+  }
+  if (stop || !(tolerance > 0.0)) {
+    leg.stops = true;
+    return 0.0;
+  }
+  double d = 0.5 * std::min(before.length, after.length);
+  for (const Segment<N>* s : {&before, &after}) {
+    if (s->kind == SegmentKind::kArc) d = std::min(d, kMostTurn * s->length / std::abs(s->angle));
+  }
+  double off = 0.0;
+  const bool straight = before.kind == SegmentKind::kLine && after.kind == SegmentKind::kLine;
+  if (straight) d = std::min(d, tolerance / (kCornerShare * sine));
+  for (int i = 0; i < 40; ++i) {
+    leg.corner = path::make_corner(before, before.length - d, after, d);
+    off = straight ? kCornerShare * d * sine : deviation_of(before, after, leg.corner);
+    if (off <= tolerance * (1.0 + 1e-9)) break;
+    // The deviation grows with d, or with its square where only the curvature jumps.
+    d *= std::clamp(0.98 * std::sqrt(tolerance / off), 0.1, 0.95);
+  }
+  if (off > tolerance * (1.0 + 1e-9)) {
+    leg.stops = true;
+    return 0.0;
+  }
+  leg.corner.extent = leg.corner.distance(leg.corner.length);
+  leg.cut_end = d;
+  next.cut_begin = d;
+  return off;
+}
+
+/// The part of a segment from x0 to x1.
+template <std::size_t N>
+Segment<N> trimmed(const Segment<N>& s, double x0, double x1) {
+  Segment<N> r = s;
+  r.length = x1 - x0;
+  if (s.kind == SegmentKind::kLine) {
+    r.c[0] = s.point(x0);
+    r.extent = r.length;
+    return r;
+  }
+  const double share = r.length / s.length;
+  const double turned = s.angle * x0 / s.length;
+  r.angle = s.angle * share;
+  r.growth = s.growth * share;
+  r.radius = s.radius + s.growth * x0 / s.length;
+  r.c[0] = s.c[0] + (x0 / s.length) * s.c[3];
+  r.c[1] = std::cos(turned) * s.c[1] + std::sin(turned) * s.c[2];
+  r.c[2] = std::cos(turned) * s.c[2] - std::sin(turned) * s.c[1];
+  r.c[3] = share * s.c[3];
+  r.extent = r.distance(r.length);
+  return r;
+}
+
+/// Least speed and limits over any range of segments: a tree of minima.
+class Minima {
+ public:
+  explicit Minima(const std::vector<SegmentLimits>& of) : of_(of), size_(of.size()) {
+    slowest_.resize(2 * size_);
+    weakest_.resize(2 * size_);
+    for (std::size_t i = 0; i < size_; ++i) {
+      slowest_[size_ + i] = i;
+      weakest_[size_ + i] = of[i];
+    }
+    for (std::size_t i = size_; i-- > 1;) {
+      slowest_[i] = slower(slowest_[2 * i], slowest_[2 * i + 1]);
+      weakest_[i] = weaker(weakest_[2 * i], weakest_[2 * i + 1]);
+    }
+  }
+  [[nodiscard]] double speed(std::size_t i) const { return of_[i].speed; }
+  /// The slowest of [first, last), the first of equals.
+  [[nodiscard]] std::size_t slowest(std::size_t first, std::size_t last) const {
+    std::size_t best = first;
+    each(first, last, [&](std::size_t node) { best = slower(best, slowest_[node]); });
+    return best;
+  }
+  [[nodiscard]] SegmentLimits weakest(std::size_t first, std::size_t last) const {
+    SegmentLimits all = of_[first];
+    each(first, last, [&](std::size_t node) { all = weaker(all, weakest_[node]); });
+    return all;
+  }
+
+ private:
+  [[nodiscard]] std::size_t slower(std::size_t a, std::size_t b) const {
+    const double va = of_[a].speed;
+    const double vb = of_[b].speed;
+    return vb < va || (vb == va && b < a) ? b : a;
+  }
+  static SegmentLimits weaker(const SegmentLimits& a, const SegmentLimits& b) {
+    return {std::min(a.speed, b.speed), std::min(a.acceleration, b.acceleration), std::min(a.jerk, b.jerk)};
+  }
+  template <class F>
+  void each(std::size_t first, std::size_t last, F&& f) const {
+    for (first += size_, last += size_; first < last; first /= 2, last /= 2) {
+      if (first % 2 == 1) f(first++);
+      if (last % 2 == 1) f(--last);
+    }
+  }
+
+  const std::vector<SegmentLimits>& of_;
+  std::size_t size_;
+  std::vector<std::size_t> slowest_;
+  std::vector<SegmentLimits> weakest_;
+};
+
+/// Plans the feed over segments and writes it as phases.
+class FeedPlanner {
+ public:
+  FeedPlanner(const std::vector<SegmentLimits>& limits, const std::vector<double>& begin,
+              std::vector<FeedPhase>& phases)
+      : minima_(limits), begin_(begin), phases_(phases) {}
+
+  /// From rest at the first of [first, last) to rest at the end of the last.
+  void run(std::size_t first, std::size_t last) {
+    todo_.push_back({first, last, 0.0, 0.0});
+    while (!todo_.empty()) {
+      const Stretch next = todo_.back();
+      todo_.pop_back();
+      plan(next);
+    }
+  }
+  void dwell(double seconds, double s) {
+    if (!(seconds > 0.0)) return;
+    phases_.push_back({time_, s, 0.0, 0.0, 0.0});
+    time_ += seconds;
+  }
+  [[nodiscard]] double time() const { return time_; }
+
+ private:
+  struct Stretch {
+    std::size_t first;
+    std::size_t last;
+    double from;  ///< speed at its ends [m/s]
+    double to;
+    /// Of the ramps: at most these, where a ramp has been found to pass slower segments slowly enough.
+    double acceleration = std::numeric_limits<double>::infinity();
+    double jerk = std::numeric_limits<double>::infinity();
+  };
+
+  /// Invariants: a ramp between both end speeds fits into the stretch; going up at once to the highest of both and of the
+  /// slowest segment, and down as late as possible, passes every segment at its speed or slower.
+  void plan(const Stretch& r) {
+    SegmentLimits w = minima_.weakest(r.first, r.last);
+    w.acceleration = std::min(w.acceleration, r.acceleration);
+    w.jerk = std::min(w.jerk, r.jerk);
+    const double way = begin_[r.last] - begin_[r.first];
+    w.speed = std::max({w.speed, r.from, r.to});
+    double top = path::reachable_between(r.from, r.to, way, w.speed, w.acceleration, w.jerk);
+    if (top < w.speed || r.last - r.first == 1) return emit(r, top, w);
+    // Up to the slowest segment that is reached at that speed: those in the ramps may be slower.
+    for (;;) {
+      const double risen = begin_[r.first] + SpeedRamp(r.from, top, w.acceleration, w.jerk).way();
+      const double falls = begin_[r.last] - SpeedRamp(top, r.to, w.acceleration, w.jerk).way();
+      const std::size_t enters = segment_at(risen, r);
+      const std::size_t k = minima_.slowest(enters, segment_at(falls, r) + 1);
+      const double next = minima_.speed(k);
+      if (next <= top) return cross(r, k, top, risen, falls, w);
+      const double higher = path::reachable_between(r.from, r.to, way, next, w.acceleration, w.jerk);
+      const Slow slow = too_slow(r, higher, w);
+      if (slow.segment != kNone) return split(r, slow, top, w);
+      top = higher;
+      if (higher < next) return emit(r, top, w);
+    }
+  }
+
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  /// The segment of a stretch at a way.
+  [[nodiscard]] std::size_t segment_at(double s, const Stretch& r) const {
+    const auto first = begin_.begin() + static_cast<std::ptrdiff_t>(r.first);
+    const auto last = begin_.begin() + static_cast<std::ptrdiff_t>(r.last);
+    const auto it = std::upper_bound(first, last, s);
+    return r.first + static_cast<std::size_t>(std::max<std::ptrdiff_t>(it - first, 1) - 1);
+  }
+
+  /// A segment that a ramp would pass too fast; kNone: none.
+  struct Slow {
+    std::size_t segment = kNone;
+    bool rising = false;
+  };
+
+  /// Of the ramps up to a speed at the beginning of a stretch and down from it at the end: the segment nearest to that end.
+  [[nodiscard]] Slow too_slow(const Stretch& r, double top, const SegmentLimits& w) const {
+    const SpeedRamp up(r.from, top, w.acceleration, w.jerk);
+    const SpeedRamp down(r.to, top, w.acceleration, w.jerk);
+    const double s0 = begin_[r.first];
+    const double s1 = begin_[r.last];
+    for (std::size_t i = r.first; i < r.last && begin_[i] < s0 + up.way(); ++i) {
+      const double there = std::min(begin_[i + 1] - s0, up.way());
+      if (minima_.speed(i) < top && path::speed_after(up, there) > minima_.speed(i)) return {i, true};
+    }
+    for (std::size_t i = r.last; i-- > r.first && begin_[i + 1] > s1 - down.way();) {
+      const double there = std::min(s1 - begin_[i], down.way());
+      if (minima_.speed(i) < top && path::speed_after(down, there) > minima_.speed(i)) return {i, false};
+    }
+    return {};
+  }
+
+  /// Segment k at constant speed, as far as the ramps leave it, and what lies before and behind it on its own.
+  void cross(const Stretch& r, std::size_t k, double c, double risen, double falls, const SegmentLimits& w) {
+    const bool before = k > r.first && risen <= begin_[k];
+    const bool behind = k + 1 < r.last && falls >= begin_[k + 1];
+    if (!before && !behind) return emit(r, c, w);
+    if (behind) push(k + 1, r.last, c, r.to, w);
+    push(before ? k : r.first, behind ? k + 1 : r.last, before ? c : r.from, behind ? c : r.to, w);
+    if (before) push(r.first, k, r.from, c, w);
+  }
+
+  /// A segment is in the way of a ramp to more than `top`: the ramp is interrupted at the far end of that segment, as seen from
+  /// the end of the stretch that it begins at. Where that does not fit: as a whole, at `top`.
+  void split(const Stretch& r, const Slow& slow, double top, SegmentLimits w) {
+    const double s0 = begin_[r.first];
+    const double s1 = begin_[r.last];
+    const std::size_t border = slow.rising ? slow.segment + 1 : slow.segment;
+    w.speed = top;
+    if (border == r.first || border == r.last) return emit(r, top, w);
+    const double most = minima_.speed(slow.segment);
+    const double near_way = slow.rising ? begin_[border] - s0 : s1 - begin_[border];
+    double v = path::reachable(slow.rising ? r.from : r.to, near_way, most, w.acceleration, w.jerk);
+    const auto rest = [&](double speed) {
+      return slow.rising ? Stretch{border, r.last, speed, r.to} : Stretch{r.first, border, r.from, speed};
+    };
+    // Above `top` nothing has been looked at yet on the other side.
+    if (v > top && too_slow(rest(v), v, w).segment != kNone) v = top;
+    if (v > most || v < (slow.rising ? r.from : r.to)) return emit(r, top, w);
+    const auto fits = [&](const Stretch& part) {
+      return SpeedRamp(part.from, part.to, w.acceleration, w.jerk).way() <=
+             begin_[part.last] - begin_[part.first];
+    };
+    if (!fits(rest(v))) return emit(r, top, w);
+    push(border, r.last, v, r.to, w);
+    push(r.first, border, r.from, v, w);
+  }
+
+  /// To be planned next, with the limits of the ramps found so far where these pass slower segments.
+  void push(std::size_t first, std::size_t last, double from, double to, const SegmentLimits& w) {
+    Stretch part{first, last, from, to};
+    if (minima_.weakest(first, last).speed < std::max(from, to)) {
+      part.acceleration = w.acceleration;
+      part.jerk = w.jerk;
+    }
+    todo_.push_back(part);
+  }
+
+  void emit(const Stretch& r, double top, const SegmentLimits& w) {
+    const double s0 = begin_[r.first];
+    const double s1 = begin_[r.last];
+    const SpeedRamp up(r.from, top, w.acceleration, w.jerk);
+    const SpeedRamp down(top, r.to, w.acceleration, w.jerk);
+    const double cruise = std::max(s1 - s0 - up.way() - down.way(), 0.0);
+    const auto add = [&](const SpeedRamp& ramp, double s) {
+      const auto p = ramp.phases(time_, s);
+      if (ramp.jerk_time > 0.0) phases_.push_back(p[0]);
+      if (ramp.hold_time > 0.0) phases_.push_back(p[1]);
+      if (ramp.jerk_time > 0.0) phases_.push_back(p[2]);
+      time_ += ramp.duration();
+    };
+    add(up, s0);
+    if (cruise > 0.0) {
+      phases_.push_back({time_, s0 + up.way(), top, 0.0, 0.0});
+      time_ += cruise / top;
+    }
+    add(down, s1 - down.way());
+  }
+
+  Minima minima_;
+  const std::vector<double>& begin_;  ///< way at the beginning of every segment, and at the end of the last
+  std::vector<FeedPhase>& phases_;
+  std::vector<Stretch> todo_;
+  double time_ = 0.0;
+};
+
+}  // namespace
+
+template <std::size_t N>
+path::PathPoint<N> PartMotion<N>::at(double time) noexcept {
+  constexpr double kCorner = 0.5;  // cosine; as in motion_frame.hpp
+  const path::SpeedLaw::Point law = part_.feed.at(time);
+  const auto& segments = part_.segments;
+  while (segment_ + 1 < segments.size() && law.s >= segments[segment_ + 1].way) ++segment_;
+  const Segment<N>& s = segments[segment_];
+  const double x = s.place(law.s - s.way);
+  const auto q = s.point(Taylor<4>::variable(x));
+  const Taylor<3> stretch = norm(path::differentiated<3, 1>(q));
+  const Taylor<2> inverse = Taylor<2>(1.0) / path::shortened<2>(stretch);
+  const double rate = law.speed * inverse.c[0];
+  const double rate2 = (law.acceleration - rate * rate * stretch.c[1]) * inverse.c[0];
+  const Vec<double, N> q1 = path::detail::derivative_of<1>(q);
+  const Vec<double, N> q2 = path::detail::derivative_of<2>(q);
+  path::PathPoint<N> r;
+  r.phi = s.begin + x;
+  r.position = path::detail::derivative_of<0>(q);
+  r.velocity = rate * q1;
+  r.acceleration = rate * rate * q2 + rate2 * q1;
+  const Vec<double, N> t = inverse.c[0] * q1;
+  rt_ = started_ && dot(t, rt_[0]) > kCorner ? path::transport(rt_, position_, r.position, t)
+                                             : path::first_frame(t, q2);
+  started_ = true;
+  position_ = r.position;
+  const path::Frame<N> f = path::transported_frame(q, inverse, rt_);
+  r.frame = f.rt;
+  for (std::size_t i = 0; i < N; ++i) {
+    r.frame_rate[i] = rate * f.first[i];
+    r.frame_acceleration[i] = rate * rate * f.second[i] + rate2 * f.first[i];
+  }
+  return r;
+}
+
+template <std::size_t N>
+SegmentLimits limits_on(const Segment<N>& segment, double feed, const PartLimits<N>& limits) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  // Shares of acceleration and jerk that the curve alone may take at the highest speed; along a circle 0.8 across leaves
+  // 0.6 along the path.
+  constexpr double kAcross = 0.8;
+  constexpr double kCurveJerk = 0.6;
+  constexpr double kMixedJerk = 0.25;
+  if (segment.kind == SegmentKind::kLine) {
+    SegmentLimits r{feed, kNone, kNone};
+    for (std::size_t i = 0; i < N; ++i) {
+      const double t = std::abs(segment.c[1][i]);
+      r.speed = std::min(r.speed, limits.speed[i] / t);
+      r.acceleration = std::min(r.acceleration, limits.acceleration[i] / t);
+      r.jerk = std::min(r.jerk, limits.jerk[i] / t);
+    }
+    return r;
+  }
+  // Between two places the derivatives are larger by less than this.
+  const bool is_arc = segment.kind == SegmentKind::kArc;
+  const int places = is_arc ? 64 : 40;
+  const double margin = is_arc ? 1.005 : 1.03;
+  const double range = is_arc && std::abs(segment.angle) > 2.0 * kPi
+                           ? segment.length * 2.0 * kPi / std::abs(segment.angle)
+                           : segment.length;
+  std::vector<std::array<Vec<double, N>, 3>> d;
+  d.reserve(static_cast<std::size_t>(places) + 1);
+  for (int k = 0; k <= places; ++k) {
+    const auto q = segment.point(Taylor<3>::variable(range * k / places));
+    const auto first = path::differentiated<2, 1>(q);
+    const Taylor<2> inverse = Taylor<2>(1.0) / norm(first);
+    const auto t = inverse * first;
+    const auto bend = path::shortened<1>(inverse) * path::differentiated<1, 1>(t);
+    const Vec<double, N> third = inverse.c[0] * path::detail::derivative_of<1>(bend);
+    d.push_back({path::detail::derivative_of<0>(t), path::detail::derivative_of<0>(bend), third});
+    for (Vec<double, N>& v : d.back()) {
+      for (std::size_t i = 0; i < N; ++i) v[i] = margin * std::abs(v[i]);
+    }
+  }
+  SegmentLimits r{feed, kNone, kNone};
+  for (const auto& p : d) {
+    for (std::size_t i = 0; i < N; ++i) {
+      r.speed =
+          std::min({r.speed, limits.speed[i] / p[0][i], std::sqrt(kAcross * limits.acceleration[i] / p[1][i]),
+                    std::cbrt(kCurveJerk * limits.jerk[i] / p[2][i])});
+    }
+  }
+  const double c = r.speed;
+  for (const auto& p : d) {
+    for (std::size_t i = 0; i < N; ++i) {
+      r.acceleration = std::min({r.acceleration, (limits.acceleration[i] - p[1][i] * c * c) / p[0][i],
+                                 kMixedJerk * limits.jerk[i] / (3.0 * p[1][i] * c)});
+    }
+  }
+  for (const auto& p : d) {
+    for (std::size_t i = 0; i < N; ++i) {
+      const double left = limits.jerk[i] - p[2][i] * c * c * c - 3.0 * p[1][i] * c * r.acceleration;
+      r.jerk = std::min(r.jerk, left / p[0][i]);
+    }
+  }
+  return r;
+}
+
+template <std::size_t N>
+std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std::vector<PartMove>& moves,
+                                         const PartLimits<N>& limits) {
+  auto part = std::make_shared<Part<N>>();
+  std::vector<Leg<N>> legs;
+  Vec<double, 3> here = start;
+  for (const PartMove& m : moves) {
+    Leg<N> leg;
+    leg.segment = m.arc ? arc<N>(here, m) : line<N>(here, m.to);
+    leg.end = m;
+    here = m.to;
+    if (leg.segment.length > kNoWay) {
+      legs.push_back(std::move(leg));
+    } else if (!legs.empty() && m.junction == Junction::kStop) {
+      // A move without a way asks for what it asks at the end of the last one.
+      legs.back().end.junction = Junction::kStop;
+      legs.back().end.dwell += m.dwell;
+    }
+  }
+  if (legs.empty()) return nullptr;
+  for (std::size_t i = 0; i + 1 < legs.size(); ++i) {
+    const double off = join<N>(legs[i], legs[i + 1]);
+    part->summary.deviation = std::max(part->summary.deviation, off);
+    part->summary.corners += legs[i].cut_end > 0.0 ? 1 : 0;
+    part->summary.stops += legs[i].stops ? 1 : 0;
+  }
+  legs.back().stops = true;
+  part->summary.moves = legs.size();
+  for (const Leg<N>& leg : legs) {
+    const bool slower = limits_on<N>(leg.segment, leg.end.feed, limits).speed < leg.end.feed * (1.0 - 1e-9);
+    if (slower && std::isfinite(leg.end.feed)) ++part->summary.limited;
+  }
+
+  std::vector<SegmentLimits> segment_limits;
+  std::vector<double> begin{0.0};
+  std::vector<std::pair<std::size_t, double>> stops;  // after how many segments, for how long
+  double phi = 0.0;
+  const auto add = [&](Segment<N> s, double feed) {
+    s.begin = phi;
+    s.way = begin.back();
+    phi += s.length;
+    begin.push_back(s.way + s.extent);
+    segment_limits.push_back(limits_on<N>(s, feed, limits));
+    part->segments.push_back(std::move(s));
+  };
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const Leg<N>& leg = legs[i];
+    const double end = leg.segment.length - leg.cut_end;
+    if (end - leg.cut_begin > 1e-12) add(trimmed(leg.segment, leg.cut_begin, end), leg.end.feed);
+    if (leg.cut_end > 0.0) add(leg.corner, std::min(leg.end.feed, legs[i + 1].end.feed));
+    if (leg.stops) stops.emplace_back(part->segments.size(), leg.end.dwell);
+  }
+  FeedPlanner planner(segment_limits, begin, part->phases);
+  std::size_t first = 0;
+  for (const auto& [last, dwell] : stops) {
+    planner.run(first, last);
+    planner.dwell(dwell, begin[last]);
+    first = last;
+  }
+  part->path = path::SegmentPath<N>(part->segments);
+  part->feed = path::FeedProfile(part->phases, planner.time(), begin.back());
+  part->summary.length = begin.back();
+  part->summary.duration = planner.time();
+  return part;
+}
+
+#define STRIBECK_INSTANTIATE(N)                                                                             \
+  template class PartMotion<N>;                                                                             \
+  template SegmentLimits limits_on<N>(const path::Segment<N>&, double, const PartLimits<N>&);               \
+  template std::shared_ptr<const Part<N>> plan_part<N>(const Vec<double, 3>&, const std::vector<PartMove>&, \
+                                                       const PartLimits<N>&);
+STRIBECK_INSTANTIATE(2)
+STRIBECK_INSTANTIATE(3)
+#undef STRIBECK_INSTANTIATE
+
+}  // namespace stribeck::sim

@@ -1,0 +1,88 @@
+#pragma once
+/// A path as an experiment travels it, and the motion sampled from it once for every run on it.
+///
+/// A travel begins at rest on the path, reaches its law within the run-in, keeps it, and runs out; what lies between is scored,
+/// less the laps to settle. A part program is travelled with its own feed from rest to rest, and scored from end to end.
+/// A cutting force may act on the way.
+/// Real time: no.
+
+#include <optional>
+#include <stribeck/path/contour_error.hpp>
+#include <stribeck/path/curve.hpp>
+#include <stribeck/path/five_axis.hpp>
+#include <stribeck/path/fourier.hpp>
+#include <stribeck/path/reference.hpp>
+#include <stribeck/sim/cutting_force.hpp>
+#include <stribeck/sim/part/part_path.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace stribeck::sim {
+
+using AnyPath = std::variant<path::Curve, path::Fourier<1>, path::Fourier<2>, path::Fourier<3>,
+                             path::Fourier<5>, path::ConeFrustum, PartPath<2>, PartPath<3>>;
+
+/// How the derivatives of the frame reach a controller.
+enum class FrameDerivatives { kExact, kDifferenced };
+
+struct Travel {
+  AnyPath path;
+  std::string name;  ///< in words, "circle of 10 mm"
+  path::Pace pace = path::Pace::kSpeed;
+  double speed =
+      0.0;  ///< along the path [m/s], or of its parameter [1/s] with Pace::kRate; the mean of a part
+  double laps = 2.0;    ///< under the law, scored
+  double run_in = 1.0;  ///< [s]
+  path::FrameKind frame = path::FrameKind::kTransported;
+  FrameDerivatives frame_derivatives = FrameDerivatives::kExact;
+  std::optional<CuttingForce> cutting;
+  std::string note;          ///< more that a user should know of it, in lines; empty: nothing
+  double settle_laps = 0.0;  ///< under the law before the scored ones, for what adapts to have settled
+
+  [[nodiscard]] std::size_t axes() const {
+    return std::visit([](const auto& p) { return std::decay_t<decltype(p)>::kAxes; }, path);
+  }
+  /// Length of one lap, in what the law is a law of.
+  [[nodiscard]] double lap() const {
+    return std::visit(
+        [&](const auto& p) { return pace == path::Pace::kRate ? p.period() : path::lap_length(p); }, path);
+  }
+  /// Not of a part.
+  [[nodiscard]] path::SpeedLaw law() const { return {speed, run_in, (settle_laps + laps) * lap()}; }
+  /// What was planned for a part program; null for other paths.
+  [[nodiscard]] const PartSummary* part() const;
+  /// From rest to rest [s].
+  [[nodiscard]] double duration() const;
+  /// Along the path [m/s]; NaN where it is not constant.
+  [[nodiscard]] double constant_speed() const;
+  /// How fast, in words: "9.5 mm/s", "one lap in 7.39 s" or "its programmed feed".
+  [[nodiscard]] std::string pace_in_words() const;
+};
+
+/// Samples of a travel.
+template <std::size_t N>
+struct Route {
+  std::vector<path::PathPoint<N>> points;
+  std::vector<Vec<double, N>>
+      cutting;  ///< against +x, mean over the period from each point on [N]; empty: none
+  AnyPath path;
+  double scored_from = 0.0;  ///< [s]
+  double scored_to = 0.0;    ///< [s]
+  double first_lap = 0.0;    ///< run-in and one lap: every reversal there is; of a part the first minute [s]
+  double lap = 0.0;          ///< range of the path's parameter after which it repeats; NaN: it never does
+  double size = 0.0;         ///< greatest distance from the first point [m]
+};
+
+/// travel.axes() must be N.
+template <std::size_t N>
+Route<N> sample(const Travel& travel, double period);
+
+}  // namespace stribeck::sim
+
+template <>
+struct stribeck::EnumNames<stribeck::sim::FrameDerivatives> {
+  static constexpr std::array names{
+      std::pair{stribeck::sim::FrameDerivatives::kExact, std::string_view{"exact"}},
+      std::pair{stribeck::sim::FrameDerivatives::kDifferenced, std::string_view{"differenced"}}};
+};

@@ -1,0 +1,86 @@
+#pragma once
+/// How controllers do on machines that are not the one that was identified.
+///
+/// Machine i of a seed (variation.hpp) runs every controller on every travel. Controllers are built once, from the nominal
+/// machine and what was identified of it; the machines alone differ. A machine has its own noise, the same for
+/// all controllers.
+///
+///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
+///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
+///           result, not an error.
+///
+/// Quantiles interpolate between order statistics, Q(p) = x_k + (h − k)(x_{k+1} − x_k) with h = p(n − 1); a lost run counts as
+/// infinite.
+///
+/// Sub-steps are as many as the fastest rate of the machine asks for; choose_substeps() would cost more than the runs. Measured
+/// on 40 machines: docs/theory/robustness.md.
+/// Real time: no. Errors: Refused when a spec means nothing.
+
+#include <functional>
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/study/variation.hpp>
+
+namespace stribeck::sim {
+
+struct RobustnessSpec {
+  std::vector<Travel> travels;
+  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's; empty: the first ones
+  std::vector<ControllerSpec> controllers;
+  Variation variation;
+  std::uint32_t machines = 100;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: as many as the computer has
+};
+
+/// One controller on one machine.
+struct RobustRun {
+  Metrics metrics;
+  double limited = 0.0;  ///< share of the ticks and axes at the limit of the drive
+  bool lost = false;
+};
+
+/// One controller on one travel.
+struct RobustRow {
+  ControllerSpec controller;
+  std::size_t travel = 0;  ///< index into the spec's travels
+  RobustRun nominal;       ///< on the machine that was identified
+  std::vector<RobustRun> runs;
+};
+
+struct RobustnessResult {
+  std::string machine;
+  RobustnessSpec spec;
+  std::vector<std::string> axes;
+  std::vector<std::vector<Deviation>> deviations;  ///< by machine, then by axis
+  std::vector<RobustRow> rows;                     ///< travel by travel, controller by controller
+};
+
+/// knowledge is that of the nominal machine, by its axes. progress(done, all) may be called from any thread, one call at a time.
+RobustnessResult robustness(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
+                            const RobustnessSpec& spec,
+                            const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+struct Quantiles {
+  double median = 0.0;
+  double p90 = 0.0;
+  double p99 = 0.0;
+  double worst = 0.0;
+};
+
+/// p in [0, 1]; NaN for no values.
+double quantile(std::vector<double> values, double p);
+Quantiles quantiles(std::vector<double> values);
+
+/// A figure of every machine, infinite where the loop was lost.
+std::vector<double> figures(const RobustRow& row, double Metrics::*figure);
+/// The same over that of another controller on the same machine; 0 where only the other was lost.
+std::vector<double> ratios(const RobustRow& row, const RobustRow& reference, double Metrics::*figure);
+std::size_t lost(const RobustRow& row);
+
+/// V2 on a circle of 10 mm at 3 and 9.5 mm/s, scored on the third revolution.
+RobustnessSpec robust_biaxial();
+
+/// Controllers of the robustness experiment; the first is the one that the others are measured against.
+std::vector<ControllerSpec> robust_controllers();
+
+}  // namespace stribeck::sim

@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <boost/random/mersenne_twister.hpp>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <stribeck/sim/contour_run.hpp>
+#include <stribeck/sim/study/variation.hpp>
+#include <type_traits>
+
+namespace stribeck::sim {
+namespace {
+
+/// Numbers of one axis of one machine.
+class Draws {
+ public:
+  Draws(std::uint64_t seed, std::uint32_t machine, std::uint32_t axis) {
+    // The last word keeps the stream apart from that of the force noise (plant/noise.hpp).
+    constexpr std::uint32_t kVariation = 0x76617279;
+    std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), machine,
+                           axis, kVariation};
+    generator_.seed(sequence);
+  }
+
+  /// Uniform in [0, 1): 53 random bits, the same on every platform.
+  double share() { return static_cast<double>(generator_() >> 11) * 0x1p-53; }
+  double within(const std::array<double, 2>& range) { return range[0] + (range[1] - range[0]) * share(); }
+  double within_log(const std::array<double, 2>& range) {
+    return range[0] * std::pow(range[1] / range[0], share());
+  }
+  /// 1 ± width.
+  double factor(double width) { return 1.0 + width * (2.0 * share() - 1.0); }
+
+ private:
+  boost::random::mt19937_64 generator_;
+};
+
+void scale(friction::Conventional<double>& map, double factor) {
+  map.alpha0 *= factor;
+  map.alpha2 *= factor;
+  if (map.stribeck) map.stribeck->alpha1 *= factor;
+}
+
+void scale(friction::Gaussian<double>& map, double factor) {
+  for (auto* branch : {&map.positive, &map.negative}) {
+    branch->eta0 *= factor;
+    branch->eta1 *= factor;
+    for (auto& term : branch->gaussians) term.a *= factor;
+  }
+}
+
+void stiffen(friction::Static&, double) {}
+void stiffen(friction::LuGre<double>& law, double factor) {
+  law.sigma0 *= factor;
+  law.sigma1 *= std::sqrt(factor);
+}
+void stiffen(friction::Gms<double>& law, double factor) {
+  for (auto& element : law.elements) element.stiffness *= factor;
+  law.damping_coefficient *= std::sqrt(factor);
+}
+
+/// Mean of both directions [N].
+double level_at_rest(const friction::Model& model) {
+  constexpr double kAtRest = 1e-12;
+  return 0.5 * (model.parts(kAtRest, 0.0).level + model.parts(-kAtRest, 0.0).level);
+}
+
+template <class T>
+void check_fields(const T& owner) {
+  const auto refuse = [](std::string_view key, const std::string& message) {
+    throw Refused("variation." + std::string(key) + ": " + message);
+  };
+  for_each_field<T>([&](const auto& f) {
+    const auto& member = owner.*f.member;
+    using M = std::decay_t<decltype(member)>;
+    const auto check_number = [&](double x) {
+      if (f.quantity.permits(x)) return;
+      char text[96];
+      std::snprintf(text, sizeof text, "got %.6g, expected %s %.6g and at most %.6g", x,
+                    f.quantity.min_excluded ? "above" : "at least", f.quantity.min, f.quantity.max);
+      refuse(f.name, text);
+    };
+    if constexpr (std::is_arithmetic_v<M>) {
+      check_number(static_cast<double>(member));
+    } else if constexpr (std::is_same_v<M, std::array<double, 2>>) {
+      for (const double x : member) check_number(x);
+    } else if (member) {
+      check_fields(*member);
+    }
+  });
+  owner.validate([&](std::string_view key, const char* message) { refuse(key, message); });
+}
+
+}  // namespace
+
+Deviation draw(const Variation& variation, std::uint64_t seed, std::uint32_t machine, std::uint32_t axis) {
+  Draws draws(seed, machine, axis);
+  Deviation d;
+  d.friction = draws.factor(variation.friction);
+  d.stiffness = draws.factor(variation.stiffness);
+  d.mass = draws.factor(variation.mass);
+  d.delay = static_cast<int>(draws.share() * (variation.delay + 1));
+  d.encoder = draws.within_log({1.0, variation.encoder});
+  const AxialModeVariation modes = variation.axial_mode.value_or(AxialModeVariation{});
+  const bool has_mode = draws.share() < modes.probability;
+  const plant::AxialMode mode{draws.within_log(modes.frequency), draws.within(modes.damping_ratio),
+                              draws.within(modes.table_share)};
+  if (has_mode && variation.axial_mode) d.axial_mode = mode;
+  const double amplitude = variation.periodic * draws.share();
+  const PeriodicDeviation periodic{amplitude, draws.within(variation.periodic_period),
+                                   2.0 * kPi * draws.share()};
+  if (variation.periodic > 0.0) d.periodic = periodic;
+  const double fall = variation.warming * draws.share();
+  const plant::Warming warming{-fall, draws.within(variation.warming_time)};
+  if (variation.warming > 0.0) d.warming = warming;
+  return d;
+}
+
+plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& deviation) {
+  plant::AxisParams p = nominal;
+  std::visit([&](auto& map) { scale(map, deviation.friction); }, p.friction.steady);
+  for (auto& term : p.friction.eccentric) {
+    if (term.form == friction::EccentricForm::kProportional) term.amplitude *= deviation.friction;
+  }
+  std::visit([&](auto& law) { stiffen(law, deviation.stiffness); }, p.friction.dynamics);
+  p.mass *= deviation.mass;
+  if (p.rotor_inertia) *p.rotor_inertia *= deviation.mass;
+  p.delay_periods += deviation.delay;
+  if (p.delay_periods > 8) throw Refused("variation.delay: with that of the machine above 8 control periods");
+  p.encoder.resolution *= deviation.encoder;
+  if (deviation.axial_mode) p.axial_mode = deviation.axial_mode;
+  if (deviation.periodic) {
+    if (p.friction.eccentric.size() == friction::kMaxEccentricTerms)
+      throw Refused(
+          "variation.periodic: the machine has four periodic terms already, and no place for one more");
+    p.friction.eccentric.push_back({deviation.periodic->share * level_at_rest(p.friction),
+                                    deviation.periodic->period, deviation.periodic->phase,
+                                    friction::EccentricForm::kAdditive});
+  }
+  if (deviation.warming) p.warming = deviation.warming;
+  return p;
+}
+
+Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t seed, std::uint32_t machine) {
+  check(variation);
+  Machine m = nominal;
+  for (std::uint32_t i = 0; i < m.axes.size(); ++i) {
+    plant::AxisParams& p = m.axes[i].second.plant;
+    p = deviated(p, draw(variation, seed, machine, i));
+  }
+  return m;
+}
+
+std::vector<std::string> variation_factors() {
+  return {"friction", "stiffness", "mass", "delay", "encoder", "axial_mode", "periodic", "warming"};
+}
+
+Variation vary_only(std::string_view factor) {
+  const auto factors = variation_factors();
+  if (std::find(factors.begin(), factors.end(), factor) == factors.end())
+    throw Refused("variation: there is no factor " + std::string(factor));
+  const Variation all;
+  Variation one = Variation::none();
+  for_each_field<Variation>([&](const auto& f) {
+    if (f.name == factor) one.*f.member = all.*f.member;
+  });
+  return one;
+}
+
+void check(const Variation& variation) { check_fields(variation); }
+
+}  // namespace stribeck::sim
