@@ -17,8 +17,7 @@ int main() {
   for (const double v : {0.5e-3, 5e-3, 9.5e-3})
     std::printf("%4.1f mm/s   %.1f N\n", v * 1e3, steady_force(map, v));
 
-  // The first micrometres after a start, at 1 mm/s and a millisecond per step: friction builds up over the
-  // way.
+  // The first micrometres after a start, at 1 mm/s and a millisecond per step: friction builds up with the distance.
   const LuGre<double> law{3e8, 600e3, 0.05e-3};
   LuGre<double>::State bristle;
   for (int k = 1; k <= 10; ++k) std::printf("%4d um   %.1f N\n", k, law.step(map, bristle, 1e-3, 0.0, 1e-3));
