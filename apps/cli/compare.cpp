@@ -4,10 +4,7 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/machines.hpp>
-#include <apps/cli/parameters.hpp>
-#include <apps/cli/part_program.hpp>
-#include <apps/cli/path_options.hpp>
+#include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
@@ -16,6 +13,11 @@
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/part_program.hpp>
+#include <stribeck/workflow/path_options.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -54,11 +56,11 @@ std::span<const report::PrintedTable> printed_for(const Options& o, const std::s
 
 /// Logs and axis files beside the page, so that the way from log to model can be walked again with identify.
 void write_evidence(const std::string& directory, const sim::Machine& machine, const Parameters& parameters) {
-  for (std::size_t i = 0; i < parameters.learned.size(); ++i) {
+  for (std::size_t i = 0; i < parameters.axes.size(); ++i) {
     const std::string& name = machine.axes[i].first;
-    const Learned& l = parameters.learned[i];
+    const CommissionedAxis& l = parameters.axes[i];
     for (const auto& [file, log] : l.logs) io::write_csv(directory + "/" + file, as_log(log));
-    for (const LearnedModel& m : l.models) {
+    for (const CommissionedModel& m : l.models) {
       const std::string origin = "Identified by stribeck " STRIBECK_VERSION " on the machine \"" +
                                  machine.name + "\", axis " + name + ", from " +
                                  report::joined(m.sources, " and ") + ".";
@@ -97,8 +99,8 @@ int compare(const Options& o) {
     for (const std::size_t i : sim::chosen_axes(machine, spec)) {
       report::AxisEvidence evidence;
       evidence.knowledge = parameters.knowledge[i];
-      if (!parameters.learned.empty()) {
-        for (const LearnedModel& m : parameters.learned[i].models)
+      if (!parameters.axes.empty()) {
+        for (const CommissionedModel& m : parameters.axes[i].models)
           evidence.models.push_back({m.kind, m.result});
       }
       evidence.truth = machine.axes[i].second.plant.friction;

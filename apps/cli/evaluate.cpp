@@ -12,11 +12,13 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/log_record.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/report/pages/circle_report.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {

@@ -8,11 +8,13 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
+#include <apps/cli/trace_page.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -128,8 +130,8 @@ int excite(const Options& o) {
   check_options(o);
   check_distinct({o.machine, o.known}, {o.output, o.gcode, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
-  check_writable(o.output);
-  check_writable(o.gcode);
+  io::check_writable(o.output);
+  io::check_writable(o.gcode);
   const sim::Machine machine = load_machine(o.machine);
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
   const ident::Excitation e = [&] {

@@ -9,8 +9,6 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/export.hpp>
-#include <apps/cli/learn.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/io/file.hpp>
@@ -18,8 +16,17 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
+#include <stribeck/targets/linuxcnc/configuration.hpp>
+#include <stribeck/targets/linuxcnc/hal_lines.hpp>
+#include <stribeck/targets/linuxcnc/limits.hpp>
+#include <stribeck/targets/linuxcnc/lincurve.hpp>
+#include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
+
+using namespace targets::linuxcnc;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -123,7 +130,7 @@ std::string tables(const Options& o, Json& json, std::string& words) {
     body += lincurve_lines(names[i], table);
     words += fmt::format("{}: {}.\n", names[i], worth);
     Json point = Json::array();
-    for (const ident::Corner& c : table.table.corners) point.push_back({c.x, c.y});
+    for (const Corner& c : table.table.corners) point.push_back({c.x, c.y});
     json.push_back({{"name", names[i]},
                     {"file", o.files[i]},
                     {"max_error_N", table.max_error},
@@ -178,7 +185,7 @@ std::vector<friction::AxisModel> models_of(const Options& o, const sim::Machine&
   sim::parallel_for(
       open.size(), 0, [] { return 0; },
       [&](int&, std::size_t k) {
-        models[open[k]] = learn_axis(machine, open[k], needs, 1).knowledge.whole.value();
+        models[open[k]] = commission_axis(machine, open[k], needs, 1).knowledge.whole.value();
       });
   return models;
 }
@@ -303,7 +310,7 @@ int export_to(const Options& o) {
   check_distinct(inputs, {o.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   if (folder) return export_configuration(o, load_machine(o.files.front()));
-  check_writable(o.output);
+  io::check_writable(o.output);
   Json json = {{"schema", "stribeck.export/1"}, {"to", o.to}, {"file", o.output}};
   std::string words;
   const std::string text = machine      ? plants(o, load_machine(o.files.front()))

@@ -13,9 +13,7 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/inspect.hpp>
-#include <apps/cli/learn.hpp>
-#include <apps/cli/log_record.hpp>
+#include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/methods/break_away.hpp>
@@ -31,6 +29,10 @@
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/table.hpp>
+#include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/inspect.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -407,7 +409,7 @@ int identify(const Options& o) {
   }
   check_distinct(o.logs, {o.output, page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
-  check_writable(o.output);
+  io::check_writable(o.output);
   if (o.inspect) return inspect_logs(o);
   const Input in = read_logs(o);
   Identified identified = identify_records(o, in);
@@ -415,7 +417,7 @@ int identify(const Options& o) {
   // Constant speeds, standstill and ramps say nothing about the mass; the result says so.
   const bool without_mass = result.method == "jog" || result.method == "position-map" ||
                             result.method == "break-away" || result.method == "gravity";
-  if (!without_mass || std::isfinite(result.mass)) refuse_nonsense(result, in.sources);
+  if (!without_mass || std::isfinite(result.mass)) require_determined(result, in.sources);
   warn_of_records(in.records, o.method, result.warnings);
   result.warnings.insert(result.warnings.begin(), in.notes.begin(), in.notes.end());
   const std::string& axis = o.log.axis;

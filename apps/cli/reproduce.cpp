@@ -8,16 +8,18 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/learn.hpp>
-#include <apps/cli/machines.hpp>
-#include <apps/cli/path_options.hpp>
-#include <apps/cli/reproduce_ident.hpp>
-#include <apps/cli/reproduce_robustness.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/reproduce/identification.hpp>
+#include <stribeck/workflow/reproduce/robustness.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -85,7 +87,7 @@ std::map<std::string, Known> learn(const std::vector<const sim::Experiment*>& ch
       jobs.size(), o.threads, [] { return 0; },
       [&](int&, std::size_t i) {
         Known& k = *jobs[i].known;
-        k.identified[jobs[i].axis] = learn_axis(k.machine, jobs[i].axis, k.needs, o.seed).knowledge;
+        k.identified[jobs[i].axis] = commission_axis(k.machine, jobs[i].axis, k.needs, o.seed).knowledge;
       },
       [&](std::size_t done, std::size_t count) { progress(done, count); });
   return all;
@@ -206,7 +208,7 @@ int reproduce(const Options& o) {
   check_distinct(inputs, {page_of(o.common), o.common.json, o.markdown});
   const std::string expected = o.check.empty() ? std::string() : io::read_text(o.check);
   const OutputFolder page_folder = check_outputs(o.common);
-  check_writable(o.markdown);
+  io::check_writable(o.markdown);
   const auto all = sim::experiments();
   std::vector<const sim::Experiment*> chosen;
   std::vector<std::string> identification;

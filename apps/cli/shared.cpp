@@ -70,24 +70,6 @@ void say(const Common& common, const std::string& text) {
 
 sim::Machine load_machine(const std::string& path) { return io::read_toml<sim::Machine>(path); }
 
-std::size_t axis_index(const sim::Machine& machine, const std::string& path, const std::string& axis) {
-  std::string names;
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    if (machine.axes[i].first == axis) return i;
-    names += (names.empty() ? "" : ", ") + machine.axes[i].first;
-  }
-  throw io::InputError(
-      {path, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
-}
-
-double option_si(const std::string& option, const std::string& text, const Quantity& quantity) {
-  try {
-    return io::to_si(text, quantity);
-  } catch (const io::InputError& e) {
-    refuse_option(option, e.problems().front().message);
-  }
-}
-
 void refuse_empty_options(CLI::App& verb) {
   for (CLI::Option* option : verb.get_options()) {
     if (option->get_expected_min() == 0) continue;  // a flag
@@ -97,43 +79,6 @@ void refuse_empty_options(CLI::App& verb) {
                  : std::string();
     });
   }
-}
-
-void refuse_option(const std::string& option, const std::string& message) {
-  throw io::InputError(io::Problem{{}, 0, option, message});
-}
-
-void check_writable(const std::string& path) {
-  if (path.empty()) return;
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    throw io::InputError({path, 0, {}, "is a directory, expected the name of a file to write"});
-  }
-  fs::path folder = fs::path(path).parent_path();
-  if (folder.empty()) folder = ".";
-  if (!fs::is_directory(folder, ignored)) {
-    throw io::InputError(
-        {path,
-         0,
-         {},
-         fmt::format("cannot be written: no folder {} (make it first)", io::in_quotes(folder.string()))});
-  }
-  if (access(folder.c_str(), W_OK) != 0) {
-    throw io::InputError({path, 0, {}, fmt::format("cannot be written: {}", std::strerror(errno))});
-  }
-}
-
-std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
-                                           const std::string& expected) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    refuse_option(option, fmt::format("got {}, expected {}", io::in_quotes(text), expected));
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-std::pair<std::string, std::string> axis_and_file(const std::string& text) {
-  return halves("--axis-file", text, "AXIS=FILE, e.g. x=x.toml");
 }
 
 void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
@@ -189,7 +134,7 @@ void OutputFolder::remove_empty() noexcept {
 OutputFolder check_outputs(const Common& common) {
   // The report's folder may be the one the JSON goes to; make it first.
   OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);
-  check_writable(common.json);
+  io::check_writable(common.json);
   return page;
 }
 

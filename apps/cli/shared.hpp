@@ -4,18 +4,19 @@
 #include <chrono>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <stribeck/core/fields.hpp>
-#include <stribeck/io/error.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace CLI {
 class App;
 }
 
+namespace stribeck::workflow {}
+
 namespace stribeck::cli {
+
+using namespace workflow;  // a verb reads its options and hands them to the workflow
 
 struct Common {
   std::string json;    ///< file for programs; empty: none
@@ -54,33 +55,14 @@ void say(const Common& common, const std::string& text);
 
 sim::Machine load_machine(const std::string& path);
 
-/// Index of the axis in the machine; throws with the names there are.
-std::size_t axis_index(const sim::Machine& machine, const std::string& path, const std::string& axis);
-
-/// An option's value with its unit, in SI; errors name the option.
-double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
-
 /// Refuses empty texts for every option of the verb, which would count as not given.
 void refuse_empty_options(CLI::App& verb);
-
-/// Something is wrong with an option.
-[[noreturn]] void refuse_option(const std::string& option, const std::string& message);
-
-/// Left and right of the first "=" of an option's text, both there; else refused with what is `expected`.
-std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
-                                           const std::string& expected);
-/// The same of --axis-file: axis and file.
-std::pair<std::string, std::string> axis_and_file(const std::string& text);
 
 /// Refuses outputs that are the same file as an input or as each other.
 void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
 /// The file that --report writes; empty: none.
 std::string page_of(const Common& common);
-
-/// Fails early when a result could not be written at the end: checks the folder of every path that is not
-/// empty.
-void check_writable(const std::string& path);
 
 /// A folder for results, made with those above it before the work begins. Those that it made and that nothing was written to go
 /// away with it, so that a command that fails leaves none behind.

@@ -6,16 +6,20 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/machines.hpp>
-#include <apps/cli/parameters.hpp>
-#include <apps/cli/part_program.hpp>
-#include <apps/cli/path_options.hpp>
+#include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
+#include <apps/cli/trace_page.hpp>
+#include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/part_program.hpp>
+#include <stribeck/workflow/path_options.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -223,7 +227,7 @@ int simulate(const Options& o) {
   if (!o.reference.empty() && !o.experiment.empty())
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
   const OutputFolder page_folder = check_outputs(o.common);
-  check_writable(o.output);
+  io::check_writable(o.output);
   const sim::Machine machine = load_machine(o.machine);
   return o.reference.empty() ? run_path(o, machine) : play_reference(o, machine);
 }

@@ -7,16 +7,18 @@
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
-#include <apps/cli/machines.hpp>
-#include <apps/cli/parameters.hpp>
-#include <apps/cli/part_program.hpp>
-#include <apps/cli/path_options.hpp>
+#include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/part_program.hpp>
+#include <stribeck/workflow/path_options.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -144,7 +146,7 @@ int tune(Options o) {
   const OutputFolder tuned_folder = o.out.empty() || is_file(o.out) ? OutputFolder() : OutputFolder(o.out);
   check_distinct(inputs, outputs);
   const OutputFolder page_folder = check_outputs(o.common);
-  if (is_file(o.out)) check_writable(o.out);
+  if (is_file(o.out)) io::check_writable(o.out);
   check_travel(machine, o.machine, spec.compare);
   sim::CompareSpec needed = spec.compare;
   if (!spec.limits.input_variation) needed.controllers.push_back(*spec.reference);

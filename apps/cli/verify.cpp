@@ -9,12 +9,14 @@
 #include <vector>
 
 #include <apps/cli/commands.hpp>
-#include <apps/cli/log_record.hpp>
+#include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/verify_report.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {

@@ -1,11 +1,11 @@
 /// The main job on the biaxial table, judged by the figures that were agreed for it. Every bound is two-sided
 /// where a wrong metric could slip under a one-sided one.
 
-#include <apps/cli/learn.hpp>
-#include <apps/cli/shared.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/commission.hpp>
 
 #include "../cli/command.hpp"
 
@@ -75,11 +75,11 @@ struct Recovery {
 /// Identifies one axis over seeds 1-20 and compares with the truth at 18 speeds of each direction, 0.5 to 9
 /// mm/s.
 Recovery recover(std::size_t axis) {
-  const sim::Machine machine = cli::load_machine(kMachine);
+  const sim::Machine machine = io::read_toml<sim::Machine>(kMachine);
   const auto& plant = machine.axes[axis].second.plant;
   Recovery r;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const cli::Learned l = cli::learn_axis(machine, axis, {.gaussian = true}, seed);
+    const workflow::CommissionedAxis l = workflow::commission_axis(machine, axis, {.gaussian = true}, seed);
     const ident::Result& learned = *l.find("gaussian");
     r.worst_mass = std::max(r.worst_mass, std::abs(learned.mass / plant.mass - 1.0));
     int inside = 0;

@@ -1,12 +1,12 @@
 /// What the controllers that go beyond the thesis must reach, on seeds that nobody tuned with.
 
 #include <algorithm>
-#include <apps/cli/learn.hpp>
-#include <apps/cli/machines.hpp>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stribeck/sim/study/robustness.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/commission.hpp>
 #include <vector>
 
 #include "../cli/command.hpp"
@@ -93,7 +93,7 @@ TEST(Quadrant, WhatAdaptationFoundIsSaid) {
 }
 
 TEST(Quadrant, AModelHalfAgainTooHighIsTakenDownShownAndDrivesNoLimitCycle) {
-  const sim::Machine machine = cli::built_in_machine("biaxial-table");
+  const sim::Machine machine = workflow::built_in_machine("biaxial-table");
   const sim::RobustnessSpec drawn = sim::robust_biaxial();
   sim::CompareSpec spec;
   spec.travels = drawn.travels;
@@ -104,7 +104,8 @@ TEST(Quadrant, AModelHalfAgainTooHighIsTakenDownShownAndDrivesNoLimitCycle) {
   }
   std::vector<sim::AxisKnowledge> knowledge;
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
-    knowledge.push_back(cli::learn_axis(machine, i, cli::Needs::of(spec.controllers), 1000).knowledge);
+    knowledge.push_back(
+        workflow::commission_axis(machine, i, workflow::Needs::of(spec.controllers), 1000).knowledge);
   for (sim::AxisKnowledge& k : knowledge) {
     auto& map = std::get<friction::Gaussian<double>>(k.whole->friction.steady);
     for (auto* branch : {&map.positive, &map.negative}) {
@@ -131,7 +132,7 @@ TEST(Quadrant, AModelHalfAgainTooHighIsTakenDownShownAndDrivesNoLimitCycle) {
 }
 
 TEST(Robustness, TheDefaultStaysFarBelowTheThesisOnMachinesThatAreNotTheOneIdentified) {
-  const sim::Machine machine = cli::built_in_machine("biaxial-table");
+  const sim::Machine machine = workflow::built_in_machine("biaxial-table");
   sim::RobustnessSpec spec = sim::robust_biaxial();
   std::erase_if(spec.controllers, [](const sim::ControllerSpec& c) { return c.id != "f" && c.id != "h"; });
   ASSERT_EQ(spec.controllers.size(), 2U);
@@ -139,7 +140,8 @@ TEST(Robustness, TheDefaultStaysFarBelowTheThesisOnMachinesThatAreNotTheOneIdent
   spec.seed = 1000;
   std::vector<sim::AxisKnowledge> knowledge;
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
-    knowledge.push_back(cli::learn_axis(machine, i, cli::Needs::of(spec.controllers), spec.seed).knowledge);
+    knowledge.push_back(
+        workflow::commission_axis(machine, i, workflow::Needs::of(spec.controllers), spec.seed).knowledge);
   const sim::RobustnessResult result = sim::robustness(machine, knowledge, spec);
   for (std::size_t i = 0; i + 1 < result.rows.size(); i += 2) {
     const auto f = sim::quantiles(sim::figures(result.rows[i], &sim::Metrics::max_contour_error));

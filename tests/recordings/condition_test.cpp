@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <apps/cli/inspect.hpp>
-#include <apps/cli/log_record.hpp>
 #include <cmath>
 #include <stribeck/ident/log/condition.hpp>
+#include <stribeck/workflow/inspect.hpp>
+#include <stribeck/workflow/log_record.hpp>
 #include <string>
 #include <tests/recordings/recording.hpp>
 #include <vector>
@@ -19,8 +19,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-ident::Conditioned cleaned(const std::string& path, const cli::LogOptions& options = {}) {
-  return cli::condition_log(cli::read_log(path, options), options);
+ident::Conditioned cleaned(const std::string& path, const workflow::LogOptions& options = {}) {
+  return workflow::condition_log(workflow::read_log(path, options), options);
 }
 
 std::vector<std::string> kinds(const ident::Conditioned& c) {
@@ -121,13 +121,13 @@ TEST(Conditioning, SiemensSignAndGap) {
   EXPECT_EQ(cleaned(flat, {.axis = "2"}).records[1].x.size(),
             cleaned(log, {.axis = "Y1"}).records[1].x.size());
   // Six axes: one must be named.
-  EXPECT_THAT(cli::inspect(cli::read_log(log, {}), {}).text, HasSubstr("--axis"));
+  EXPECT_THAT(workflow::inspect(workflow::read_log(log, {}), {}).text, HasSubstr("--axis"));
 }
 
 TEST(Conditioning, UmichIsTooCoarseForPreSliding) {
   STRIBECK_RECORDING(log, "umich_cnc_mill/experiment_01.csv");
   for (const std::string axis : {"X1", "Y1"}) {
-    cli::LogOptions options;
+    workflow::LogOptions options;
     options.axis = axis;
     options.sample_time = "100 ms";
     options.maps = {"x=" + axis + "_ActualPosition mm", "v=" + axis + "_ActualVelocity mm/s",
@@ -143,7 +143,7 @@ TEST(Conditioning, UmichIsTooCoarseForPreSliding) {
 TEST(Conditioning, ArmHasTwoDays) {
   STRIBECK_RECORDING(log, "dd_arm/const_velocity.csv");
   for (const std::string joint : {"1", "2"}) {
-    cli::LogOptions options;
+    workflow::LogOptions options;
     options.axis = joint;
     options.runs = {"run"};
     const ident::Conditioned c = cleaned(log, options);
@@ -159,7 +159,7 @@ TEST(Conditioning, ArmHasTwoDays) {
     EXPECT_EQ(c.records[0].force_unit, "N m");
   }
   // One day alone is not warned of: the runs from 5 deg/s on.
-  cli::LogOptions options;
+  workflow::LogOptions options;
   options.axis = "1";
   options.runs = {"run"};
   options.keep = {"mixed-runs"};
@@ -169,7 +169,7 @@ TEST(Conditioning, ArmHasTwoDays) {
 TEST(Conditioning, ScrewDrivesAreRunsWithoutPosition) {
   STRIBECK_RECORDING(log, "screw_drives/screw_drives.csv");
   for (const auto& [drive, runs] : {std::pair{"1", 16U}, {"2", 16U}, {"3", 24U}}) {
-    cli::LogOptions options;
+    workflow::LogOptions options;
     options.where = {std::string("drive=") + drive, "test=steady"};
     options.runs = {"set_rpm"};
     const ident::Conditioned c = cleaned(log, options);
@@ -180,7 +180,7 @@ TEST(Conditioning, ScrewDrivesAreRunsWithoutPosition) {
     EXPECT_EQ(c.records[0].position_unit, "rad");
   }
   // Without a choice three drives would be one: said, with the columns that tell them apart.
-  const cli::LoggedAxis all = cli::logged_axis(cli::read_log(log, {}), {});
+  const workflow::LoggedAxis all = workflow::logged_axis(workflow::read_log(log, {}), {});
   EXPECT_THAT(all.notes, Contains(AllOf(HasSubstr("drive"), HasSubstr("set_rpm"), HasSubstr("--where"))));
 }
 
@@ -190,7 +190,7 @@ TEST(Conditioning, DrivesOfOtherFormats) {
   EXPECT_THAT(kinds(a), ElementsAre("no-position"));
   EXPECT_EQ(a.records[0].force_unit, "%");
   STRIBECK_RECORDING(mr, "log_formats/mitsubishi_mr_configurator2.csv");
-  cli::LogOptions options;
+  workflow::LogOptions options;
   options.lead = "20 mm";  // README of the recording
   const ident::Conditioned b = cleaned(mr, options);
   EXPECT_EQ(b.records[0].position_unit, "m");

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <apps/cli/log_record.hpp>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/log_record.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
@@ -35,9 +35,9 @@ constexpr double kHold = -0.5;               // rows: a commanded force under it
 constexpr std::size_t kCycles = 4;           // the last one ends 0.12 s early
 
 ident::Record emps(const std::string& log) {
-  cli::LogOptions options;
+  workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
-  return cli::make_record(io::read_csv(log), options);
+  return workflow::make_record(io::read_csv(log), options);
 }
 
 ident::Record rows(const ident::Record& whole, std::size_t from, std::size_t to) {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <apps/cli/log_record.hpp>
 #include <nlohmann/json.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/log_record.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
@@ -16,9 +16,9 @@ constexpr double kGain = 35.15065188248547;
 const ident::ReplayController kEmps{ident::CascadeLaw{160.18, 243.45 * kGain, {}, 0.0, 0.0, 2}, 10.0 * kGain};
 
 ident::Record emps(const std::string& log) {
-  cli::LogOptions options;
+  workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
-  return cli::make_record(io::read_csv(log), options);
+  return workflow::make_record(io::read_csv(log), options);
 }
 
 friction::AxisModel published() {

@@ -144,4 +144,15 @@ void make_directory(const std::string& path) {
   fail(path, "cannot be made a directory: " + (error ? error.message() : reason(ENOTDIR)));
 }
 
+void check_writable(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) fail(path, "is a directory, expected the name of a file to write");
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, ignored))
+    fail(path, "cannot be written: no folder " + in_quotes(folder.string()) + " (make it first)");
+  if (access(folder.c_str(), W_OK) != 0) fail(path, "cannot be written: " + reason(errno));
+}
+
 }  // namespace stribeck::io

@@ -31,6 +31,9 @@ std::string read_text(const std::string& path);
 /// What is not an ordinary file (a pipe, a terminal) is written to directly.
 void write_atomically(const std::string& path, std::string_view bytes);
 
+/// Fails early when a result could not be written at the end: checks the folder of a path that is not empty.
+void check_writable(const std::string& path);
+
 /// Makes the directory and those above it; one that exists is kept.
 void make_directory(const std::string& path);
 

@@ -1,0 +1,121 @@
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <apps/cli/expected.hpp>
+#include <apps/cli/option_groups.hpp>
+#include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/path_options.hpp>
+
+namespace stribeck::cli {
+
+using namespace workflow;
+
+namespace {
+
+template <NamedEnum E>
+CLI::Validator names_of() {
+  std::vector<std::string> names;
+  for (const auto& [value, name] : EnumNames<E>::names) names.emplace_back(name);
+  return one_of(std::move(names));
+}
+
+}  // namespace
+
+void add_log_options(CLI::App& verb, LogOptions& o) {
+  verb.add_option("--axis", o.axis,
+                  "Name of the axis; a log of several axes has columns like x_NAME or NAME_ActualPosition")
+      ->type_name("NAME");
+  verb.add_option("--map", o.maps,
+                  "Which column is what, repeatable: quantity=\"column unit\", e.g. x=\"Istposition mm\"")
+      ->type_name("MAP");
+  verb.add_option(
+          "--gain", o.gain,
+          "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"; left out: the log's own unit")
+      ->type_name("GAIN");
+  verb.add_option("--lead", o.lead,
+                  "Travel per turn of the motor, e.g. \"5 mm\": angles become positions, torque force")
+      ->type_name("LEAD");
+  verb.add_option("--where", o.where, "Only rows with this value, repeatable")->type_name("COLUMN=VALUE");
+  verb.add_option("--runs", o.runs, "A change in this column begins a new run, repeatable")
+      ->type_name("COLUMN");
+  verb.add_option("--sample-time", o.sample_time,
+                  "Time between rows of a log without a time column, e.g. \"100 ms\"")
+      ->type_name("TIME");
+  verb.add_option("--keep", o.keep,
+                  "Leave findings of this kind alone, repeatable (--inspect shows the kinds)")
+      ->type_name("KIND");
+  verb.add_option("--map-file", o.map_file,
+                  "TOML file with map, axis, gain, lead, where, runs, sample_time, keep")
+      ->type_name("MAP.toml");
+}
+
+void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
+  verb.add_option(
+          "--parameters", options.source,
+          "Parameters of the compensators: identified (from logs recorded here) or thesis (as printed)")
+      ->check(one_of({"identified", "thesis"}))
+      ->capture_default_str();
+  verb.add_option(
+          "--axis-file", options.axis_files,
+          "Axis file that identify wrote, for one axis; repeat for more axes or for a second kind of model")
+      ->type_name("AXIS=FILE");
+}
+
+void add_path_options(CLI::App& verb, PathOptions& o) {
+  const std::size_t before = verb.get_options().size();
+  const auto path_or_program = [](std::string& text) {
+    if (text.find('.') != std::string::npos || text.find('/') != std::string::npos) return std::string();
+    const std::string refused = names_of<path::Shape>()(text);
+    return refused.empty() ? refused : refused + ", nor a G-code file like part.ngc";
+  };
+  verb.add_option("--path", o.path,
+                  "circle, eight, trifolium, or a G-code file (read by LinuxCNC's interpreter)")
+      ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc"))
+      ->capture_default_str();
+  verb.add_option("--size", o.size, "Radius of the circle, half width of the others")
+      ->type_name("LENGTH")
+      ->capture_default_str();
+  verb.add_option("--laps", o.laps, "Laps at constant speed, which are scored")
+      ->check(number_from(0.25, 1000.0))
+      ->capture_default_str();
+  verb.add_option("--omega-t", o.omega_t, "Double pole of the loop along the path")
+      ->type_name("RATE")
+      ->capture_default_str();
+  verb.add_option("--omega-n", o.omega_n, "Double pole of the loop across the path")
+      ->type_name("RATE")
+      ->capture_default_str();
+  verb.add_option("--observer-pole", o.observer_pole, "Both poles of the disturbance observer")
+      ->type_name("RATE")
+      ->capture_default_str();
+  verb.add_option("--observer", o.observer, "Observer of the controllers (d) to (f): disturbance or kalman")
+      ->check(one_of({"disturbance", "kalman"}))
+      ->capture_default_str();
+  verb.add_option("--error-rate", o.error_rate,
+                  "Rate of the tracking error: difference-of-error, or late for comparison")
+      ->check(names_of<control::ErrorRate>())
+      ->capture_default_str();
+  verb.add_option("--acceleration", o.acceleration,
+                  "Part program: acceleration of every axis; left out: the limit of the machine, the most")
+      ->type_name("ACCELERATION");
+  verb.add_option("--jerk", o.jerk,
+                  "Part program: jerk of every axis; left out: the limit of the machine, or its "
+                  "acceleration in 0.1 s")
+      ->type_name("JERK");
+  verb.add_option("--corner-tolerance", o.corner_tolerance,
+                  "Part program: how far corners may be rounded where G64 P does not say")
+      ->type_name("LENGTH")
+      ->capture_default_str();
+  verb.add_option("--accuracy", o.accuracy,
+                  "Accuracy of the simulated contour error, which decides the sub-steps")
+      ->type_name("LENGTH")
+      ->capture_default_str();
+  const auto all = verb.get_options();
+  for (std::size_t i = before; i < all.size(); ++i)
+    all[i]->each([&o](const std::string&) { o.given = true; });
+}
+
+}  // namespace stribeck::cli

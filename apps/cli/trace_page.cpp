@@ -1,0 +1,42 @@
+#include <array>
+#include <utility>
+
+#include <apps/cli/commands.hpp>
+#include <apps/cli/trace_page.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/report/pages/trace_report.hpp>
+
+namespace stribeck::cli {
+namespace {
+
+/// What the columns of our own logs are, by the first part of their names.
+std::string quantity_of(const std::string& column) {
+  static constexpr std::array kNames{std::pair{"contour_error", "contour error"},
+                                     std::pair{"e", "tracking error"},
+                                     std::pair{"r", "position"},
+                                     std::pair{"x", "position"},
+                                     std::pair{"table", "position"},
+                                     std::pair{"u", "control input"},
+                                     std::pair{"f", "force"},
+                                     std::pair{"friction", "force"}};
+  for (const auto& [name, quantity] : kNames) {
+    if (column == name || column.rfind(std::string(name) + "_", 0) == 0) return quantity;
+  }
+  return {};
+}
+
+}  // namespace
+
+void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+                const std::string& summary) {
+  if (directory.empty()) return;
+  report::TraceReportInput input{
+      title, summary, typed_command(), STRIBECK_VERSION, log.columns.front().values, {}};
+  for (std::size_t i = 1; i < log.columns.size(); ++i) {
+    const io::Column& c = log.columns[i];
+    input.columns.push_back({c.name, c.unit_text, c.values, quantity_of(c.name)});
+  }
+  report::write_trace_report(directory, input);
+}
+
+}  // namespace stribeck::cli

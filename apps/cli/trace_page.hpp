@@ -1,0 +1,17 @@
+#pragma once
+/// The page of a run that a verb has made: its columns over time.
+/// Real time: no.
+
+#include <string>
+
+namespace stribeck::io {
+struct Log;
+}
+
+namespace stribeck::cli {
+
+/// Writes a page of a log's columns over time; nothing when `directory` is empty.
+void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+                const std::string& summary);
+
+}  // namespace stribeck::cli

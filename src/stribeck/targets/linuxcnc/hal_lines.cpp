@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+#include <stribeck/stribeck.h>
+#include <algorithm>
+#include <cstdint>
+
+#include <capi/parameters.hpp>
+#include <stribeck/targets/linuxcnc/hal_lines.hpp>
+
+namespace stribeck::targets::linuxcnc {
+namespace {
+
+/// HAL's spelling of a parameter's name.
+std::string hal_name(std::string_view name) {
+  std::string out(name);
+  std::replace(out.begin(), out.end(), '_', '-');
+  return out;
+}
+
+/// Every parameter that a struct holds.
+template <class T>
+std::string setp_all(const std::string& component, const T& value) {
+  std::string out;
+  capi::Name name;
+  capi::values_of(name, value, "",
+                  [&](std::string_view key, double x, std::string_view, std::string_view word) {
+                    out += setp(component, key, x, word);
+                  });
+  return out;
+}
+
+/// A parameter that is a choice, and what else there is to choose.
+std::string choice(const std::string& component, const char* parameter, std::size_t index) {
+  std::string words;
+  std::string chosen;
+  const char* word = nullptr;
+  for (std::uint32_t i = 0; (word = stribeck_controller_parameter_word(parameter, i)) != nullptr; ++i) {
+    if (i == index) chosen = word;
+    words += fmt::format("{}{} {}", i == 0 ? "" : ", ", i, word);
+  }
+  return setp(component, parameter, static_cast<double>(index), fmt::format("{} ({})", chosen, words));
+}
+
+}  // namespace
+
+std::string setp(const std::string& component, std::string_view parameter, double value,
+                 std::string_view word) {
+  std::string line = fmt::format("setp {}.{} {}", component, hal_name(parameter), value);
+  if (!word.empty()) line += fmt::format("  # {}", word);
+  return line + '\n';
+}
+
+std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
+                             const std::string& feedforward) {
+  const bool bristles = !std::holds_alternative<friction::Static>(model.friction.dynamics);
+  const std::string word = !feedforward.empty() ? feedforward : bristles ? "dynamic" : "reversal";
+  const auto which = std::find(kFeedforward.begin(), kFeedforward.end(), word) - kFeedforward.begin();
+  return setp(name, "omega", omega) + choice(name, "law", 0) +
+         choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
+         setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
+         setp(name, "guarded", 1.0) + setp_all(name, model);
+}
+
+std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
+  return setp_all(name, axis.plant);
+}
+
+}  // namespace stribeck::targets::linuxcnc

@@ -1,0 +1,44 @@
+#pragma once
+/// The continuous polyline with few corners that is nearest to a curve, in the sense of the largest error: what a control with a
+/// table of a few points can do at best.
+///
+///   polyline_within    the fewest pieces with |p(x_i) − y_i| ≤ tolerance
+///   nearest_polyline   the smallest largest error of so many pieces, by bisection over the tolerance, to a millionth of the height
+///
+/// Corners are free in x and y. The band y ± tolerance is a tunnel; each piece goes as far through it as a straight line can. The
+/// line that goes furthest separates what one piece more can reach from what it cannot, so that the next begins on it, from the place on
+/// where it last touches the wall that it leaves through. Nothing shorter exists. Samples stand for the curve; between
+/// two of them a corner may be further off.
+///
+/// Source: Suri 1986, Computer Vision, Graphics, and Image Processing 35 (paths with fewest links in a polygon).
+/// Not modelled: jumps (a curve on each side), noise.
+/// Real time: no.
+/// Errors: std::invalid_argument when x does not ascend, sizes differ, or there are fewer than two samples.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace stribeck::targets::linuxcnc {
+
+struct Corner {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+struct Polyline {
+  std::vector<Corner> corners;  ///< both ends included
+  double largest_error = 0.0;   ///< at the samples
+
+  /// Value at x; beyond the ends that of the end.
+  [[nodiscard]] double at(double x) const noexcept;
+};
+
+/// Nothing when it takes more than `pieces`.
+std::optional<Polyline> polyline_within(std::span<const double> x, std::span<const double> y,
+                                        double tolerance, std::size_t pieces);
+
+Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, std::size_t pieces);
+
+}  // namespace stribeck::targets::linuxcnc

@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+#include <array>
+#include <cmath>
+
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/workflow/commission.hpp>
+#include <utility>
+
+namespace stribeck::workflow {
+
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                         int periods, const std::optional<ident::RoughDrive>& known) {
+  const sim::MachineAxis& a = machine.axes[axis].second;
+  const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration,
+                             a.force_limit()};
+  const sim::Commissioning& c = a.commissioning;
+  if (method == "pulses") {
+    ident::PulseDesign pulses;
+    pulses.start = 0.5 * (limits.travel_min + limits.travel_max);
+    return ident::design_pulses(limits, known.value_or(ident::RoughDrive{c.mass, c.friction, 0.0}),
+                                machine.sample_time, pulses);
+  }
+  if (method == "jog") {
+    ident::JogDesign jog;
+    jog.start = 0.5 * (limits.travel_min + limits.travel_max);
+    jog.speeds = ident::jog_speeds(ident::fastest_jog(limits, machine.sample_time, jog));
+    return ident::design_jog(limits, machine.sample_time, jog);
+  }
+  if (method == "position-sine") {
+    ident::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};
+    sine.from_middle = true;
+    return ident::design_sine(limits, machine.sample_time, sine);
+  }
+  return ident::design_sine(limits, machine.sample_time,
+                            {c.sine_offset + c.sine_amplitude, c.sine_amplitude, c.sine_frequency, periods});
+}
+
+sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
+                    const std::vector<double>& force, std::uint64_t seed) {
+  if (!reference.empty()) return sim::record_closed_loop(machine, axis, reference, seed);
+  const auto& limits = machine.axes[axis].second.limits;
+  return sim::record_open_loop(machine, axis, force, 0.5 * (limits.travel_min + limits.travel_max), seed);
+}
+
+io::Log as_log(const sim::Recording& recording) {
+  io::Log log;
+  log.rows = recording.t.size();
+  const auto add = [&](const char* name, const char* unit, const std::vector<double>& si, double scale) {
+    if (si.empty()) return;
+    io::Column column{name, unit, {}};
+    column.values.reserve(si.size());
+    for (const double v : si) column.values.push_back(v / scale);
+    log.columns.push_back(std::move(column));
+  };
+  add("t", "s", recording.t, 1.0);
+  add("r", "mm", recording.r, 1e-3);
+  add("x", "mm", recording.x, 1e-3);
+  add("u", "V", recording.u, 1.0);
+  add("f", "N", recording.f, 1.0);
+  return log;
+}
+
+ident::Record as_record(const sim::Recording& recording, const std::string& source) {
+  ident::Record record;
+  record.source = source;
+  record.sample_time = recording.period;
+  record.t = recording.t;
+  record.r = recording.r;
+  record.x = recording.x;
+  record.f = recording.f;
+  record.loop = recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed;
+  return record;
+}
+
+void require_determined(const ident::Result& result, const std::string& source) {
+  if (!std::isfinite(result.mass)) {
+    throw ident::Refused(
+        fmt::format("{}: no mass comes out of these data: force and motion do not belong together", source));
+  }
+  if (!(result.mass > 0.0)) {
+    throw ident::Refused(
+        fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
+                    "opposite signs, or columns are exchanged (see --map and --gain)",
+                    source, result.mass * 1e-3));
+  }
+  if (!(result.mass_interval.low > 0.0)) {
+    throw ident::Refused(fmt::format(
+        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
+        "log has too little acceleration (add a log of pulses), or its columns are not what they are called",
+        source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
+  }
+  for (const ident::CurvePoint& p : result.curve) {
+    if (!std::isfinite(p.friction))
+      throw ident::Refused(fmt::format("{}: no friction comes out of these data", source));
+  }
+}
+
+friction::AxisModel as_model(const ident::Result& result) {
+  friction::AxisModel model;
+  model.mass = result.mass;
+  model.load = result.load;
+  model.delay = result.delay;
+  model.friction = result.friction;
+  return model;
+}
+
+const ident::Result* CommissionedAxis::find(std::string_view kind) const {
+  for (const CommissionedModel& m : models) {
+    if (m.kind == kind) return &m.result;
+  }
+  return nullptr;
+}
+
+Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
+  Needs n;
+  using enum sim::FrictionUse;
+  for (const sim::ControllerSpec& c : controllers) {
+    n.conventional = n.conventional || c.friction == kConventional || c.friction == kViscous;
+    n.gaussian = n.gaussian || c.friction == kGaussian;
+    n.eccentric = n.eccentric || c.friction == kEccentric || c.friction == kNominal;
+    n.whole = n.whole || c.friction == kWhole;
+  }
+  // A controller without friction compensation still needs a mass.
+  if (!n.gaussian && !n.eccentric && !n.whole) n.conventional = true;
+  return n;
+}
+
+CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
+                                 std::uint64_t seed) {
+  const std::string& name = machine.axes[axis].first;
+  CommissionedAxis l;
+  const auto add = [&](const std::string& method, const ident::Excitation& e) {
+    l.logs.emplace_back(name + "-" + method + ".csv", play(machine, axis, e.r, e.force, seed));
+    return as_record(l.logs.back().second, l.logs.back().first);
+  };
+  const auto keep = [&](const char* kind, const std::vector<ident::Record>& records,
+                        const ident::Result& result) {
+    CommissionedModel m{kind, {}, result};
+    for (const ident::Record& r : records) m.sources.push_back(r.source);
+    require_determined(result, records.front().source);
+    l.models.push_back(std::move(m));
+    return as_model(result);
+  };
+  // A first run only tells how hard to push in the second, which then covers the speeds that the axis may
+  // have.
+  const ident::Excitation first = design(machine, axis, "pulses", 0);
+  const ident::Record tried =
+      as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
+  const ident::RoughDrive drive = ident::rough_drive(ident::identify_least_squares_a({tried}).result);
+  const ident::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
+  // As the thesis does: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The machine decides, not
+  // what else is asked for.
+  const bool by_jogs = machine.axes.size() > 2;
+  if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
+    // Pulses give the mass once the bristles and the sine are part of the fit; without them it comes out some per cent low.
+    const ident::Record turns =
+        add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
+    const ident::Result whole = ident::identify_drive({pulses, turns}, {});
+    l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
+    if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
+    if (needs.conventional && by_jogs) {
+      const ident::Record jogs = add("jog", design(machine, axis, "jog", 0));
+      ident::JogOptions conventional;
+      conventional.gaussians = false;
+      conventional.mass = whole.mass;
+      ident::Result jogged = ident::identify_jog({jogs}, conventional).result;
+      // By direction a jog cannot tell a load from friction; the other logs can. The force stays the same.
+      if (auto* map = std::get_if<friction::Gaussian<double>>(&jogged.friction.steady);
+          map != nullptr && jogged.load == 0.0) {
+        map->positive.eta0 -= whole.load;
+        map->negative.eta0 -= whole.load;
+        jogged.load = whole.load;
+      }
+      l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged);
+      // (2.9) has no term periodic in position, though a fit of the jogs finds it and is the better for it.
+      l.knowledge.conventional->friction.eccentric = {};
+    }
+  }
+  if (needs.conventional && !by_jogs) {
+    l.knowledge.conventional =
+        keep("conventional", {pulses}, ident::identify_least_squares_a({pulses}).result);
+  }
+  if (needs.gaussian || (needs.whole && !by_jogs)) {
+    const ident::Record sine = add("sine", design(machine, axis, "sine", kSinePeriods));
+    if (needs.gaussian)
+      l.knowledge.gaussian = keep("gaussian", {pulses, sine}, ident::identify_velocity_map({pulses, sine}));
+    if (needs.whole && !by_jogs)
+      l.knowledge.whole = keep("whole", {pulses, sine}, ident::identify_drive({pulses, sine}, {}));
+  }
+  return l;
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,67 @@
+#pragma once
+/// The whole way from an unknown axis of a virtual machine to the models its compensators use: excite,
+/// record, identify. Nothing but the commissioning data of the machine file and the logs goes into the
+/// models.
+
+#include <cstdint>
+#include <optional>
+#include <stribeck/ident/excitation/excitation.hpp>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/recording.hpp>
+
+namespace stribeck::workflow {
+
+/// A model of an axis, what it was identified from, and the result with its intervals.
+struct CommissionedModel {
+  std::string kind;                  ///< "conventional", "gaussian", "eccentric" or "whole"
+  std::vector<std::string> sources;  ///< names of the logs, which CommissionedAxis::logs holds
+  ident::Result result;
+};
+
+/// What was recorded of one axis and what came out of it.
+struct CommissionedAxis {
+  std::vector<std::pair<std::string, sim::Recording>> logs;  ///< by file name
+  std::vector<CommissionedModel> models;
+  sim::AxisKnowledge knowledge;
+
+  [[nodiscard]] const ident::Result* find(std::string_view kind) const;
+};
+
+/// Which models a set of controllers needs.
+struct Needs {
+  bool conventional = false;
+  bool gaussian = false;
+  bool eccentric = false;
+  bool whole = false;
+
+  static Needs of(const std::vector<sim::ControllerSpec>& controllers);
+};
+
+/// Periods of the sine that the main job records.
+inline constexpr int kSinePeriods = 8;
+/// Periods of the sine about the middle, for the position map.
+inline constexpr int kPositionPeriods = 4;
+
+/// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
+ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                         int periods, const std::optional<ident::RoughDrive>& known = {});
+/// Plays an excitation on the virtual machine.
+sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
+                    const std::vector<double>& force, std::uint64_t seed);
+/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, numbers that are not finite.
+void require_determined(const ident::Result& result, const std::string& source);
+/// What goes into an axis file.
+friction::AxisModel as_model(const ident::Result& result);
+/// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one;
+/// the whole model, bristles included, comes from the pulses and whichever sine the machine has;
+/// the conventional model comes from pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.
+CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
+                                 std::uint64_t seed);
+
+/// A recording as a log file has it.
+io::Log as_log(const sim::Recording& recording);
+ident::Record as_record(const sim::Recording& recording, const std::string& source);
+
+}  // namespace stribeck::workflow

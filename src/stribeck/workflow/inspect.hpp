@@ -1,0 +1,23 @@
+#pragma once
+/// What a log holds and what could be identified from it, for `identify --inspect LOG`. Nothing is identified,
+/// nothing is refused: why a log cannot be used is part of the answer.
+///
+///   {"schema": "stribeck.inspect/1", "file", "format", "rows", "columns": [{"name", "unit", "rows", "min", "max"}],
+///    "metadata", "notes", "axis": {"quantity": "column"}, "sampling", "motion", "findings": [{"kind", "text", "row",
+///    "time_s", "repaired"}], "records", "can_tell", "cannot_tell", "refused"}
+
+#include <nlohmann/json.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <string>
+
+namespace stribeck::workflow {
+
+struct Inspection {
+  std::string text;  ///< for people
+  nlohmann::ordered_json json;
+  bool usable = false;  ///< records came out of it
+};
+
+Inspection inspect(const io::Log& log, const LogOptions& options);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,222 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/inspect.hpp>
+#include <stribeck/workflow/log_record.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+/// A CSV log of an axis with friction, one row per millisecond; columns as the header says.
+std::string csv(const std::string& header, const std::vector<std::string>& what, std::size_t rows = 3000) {
+  std::string out = header + "\n";
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double t = 1e-3 * static_cast<double>(k);
+    const double w = 2.0 * std::numbers::pi;
+    const double x = 0.05 * std::sin(w * t);
+    const double v = 0.05 * w * std::cos(w * t);
+    const double f = -50.0 * w * w * x + 30.0 * v + (v > 0.0 ? 10.0 : -10.0) + 0.3 * std::sin(997.0 * t * t);
+    for (std::size_t c = 0; c < what.size(); ++c) {
+      double value = 0.0;
+      if (what[c] == "t") value = t;
+      if (what[c] == "x_mm") value = 1e3 * x;
+      if (what[c] == "v_mm_min") value = 6e4 * v;
+      if (what[c] == "turns_deg") value = 360.0 * x / 0.005;
+      if (what[c] == "rpm") value = 60.0 * v / 0.005;
+      if (what[c] == "f") value = f;
+      if (what[c] == "volts") value = f / 1048.0;
+      if (what[c] == "torque") value = f * 0.005 / (2.0 * std::numbers::pi);
+      if (what[c] == "percent") value = 100.0 * f / 500.0;
+      if (what[c] == "part") value = static_cast<double>(k / 1000);
+      out += (c > 0 ? "," : "") + std::to_string(value);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+io::Log log_of(const std::string& text) { return io::parse_log(text, "log.csv"); }
+
+ident::RawLog axis_of(const std::string& text, const workflow::LogOptions& options = {}) {
+  return workflow::logged_axis(log_of(text), options).runs.at(0);
+}
+
+std::string refusal(const std::string& text, const workflow::LogOptions& options = {}) {
+  try {
+    static_cast<void>(workflow::logged_axis(log_of(text), options));
+  } catch (const io::InputError& e) {
+    return e.problems().front().text();
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+constexpr std::size_t kRow = 123;
+double x_at() { return 0.05 * std::sin(2.0 * std::numbers::pi * 0.123); }
+
+TEST(LogRecord, NamesOfTheControls) {
+  struct Case {
+    std::string header;
+    std::string axis;
+  };
+  for (const Case& c : {Case{"t [s],x [mm],f [N]", ""},
+                        {"t [s],x_y [mm],f_y [N]", "y"},
+                        {"t_s,pos_act_mm,force_N", ""},
+                        {"t [s],s ist/Y [mm],Kraft/Y [N]", ""},
+                        {"t [s],Istposition [mm],Kraft [N]", "x"},
+                        {"t [s],Y1_ActualPosition [mm],Y1_Force [N]", "y"},
+                        {"t [s],ActPos [mm],F [N]", ""}}) {
+    const ident::RawLog raw = axis_of(csv(c.header, {"t", "x_mm", "f"}), {.axis = c.axis});
+    ASSERT_EQ(raw.x.y.size(), 3000U) << c.header;
+    EXPECT_NEAR(raw.x.y[kRow], x_at(), 1e-8) << c.header;
+    EXPECT_EQ(raw.force_unit, "N") << c.header;
+    EXPECT_EQ(raw.position_unit, "m") << c.header;
+  }
+}
+
+TEST(LogRecord, TwoCandidatesAreRefused) {
+  EXPECT_THAT(
+      refusal(csv("t [s],x [mm],pos [mm],f [N]", {"t", "x_mm", "x_mm", "f"})),
+      AllOf(HasSubstr("2 columns"), HasSubstr("x [mm]"), HasSubstr("pos [mm]"), HasSubstr("--map x=")));
+  EXPECT_THAT(
+      refusal(csv("t [s],X1_ActualPosition [mm],Y1_ActualPosition [mm],f [N]", {"t", "x_mm", "x_mm", "f"})),
+      AllOf(HasSubstr("several axes"), HasSubstr("x1, y1"), HasSubstr("--axis")));
+  const std::string two = csv("t [s],x [mm],pos [mm],f [N]", {"t", "part", "x_mm", "f"});
+  EXPECT_NEAR(axis_of(two, {.maps = {"x=pos"}}).x.y[kRow], x_at(), 1e-8);
+  EXPECT_NEAR(axis_of(two, {.maps = {"x=pos cm"}}).x.y[kRow], 10.0 * x_at(), 1e-7);
+}
+
+// A unit may be put right, but not make another quantity of a column whose unit stands in the file.
+TEST(LogRecord, UnitsOfMaps) {
+  const std::string text = csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"});
+  EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}), AllOf(HasSubstr("--map"), HasSubstr("stands in mm")));
+  EXPECT_THAT(refusal(text, {.maps = {"force=x N"}}), HasSubstr("no N"));
+  EXPECT_NEAR(axis_of(text, {.maps = {"x=x m"}}).x.y[kRow], 1e3 * x_at(), 1e-5);
+  // Units that the file does not hold, and a letter that may be the axis.
+  const std::string capture = csv("CYCLE,ENC_POS|1,CURRENT|1", {"t", "x_mm", "f"});
+  EXPECT_EQ(workflow::logged_axis(io::parse_log(capture, "log.csv", {.sample_time = 1e-3}),
+                                  {.maps = {"x=ENC_POS|1 deg"}})
+                .runs[0]
+                .position_unit,
+            "rad");
+  EXPECT_EQ(
+      axis_of(csv("t [s],x [mm],Kraft_A", {"t", "x_mm", "f"}), {.maps = {"force=Kraft_A N"}}).force_unit,
+      "N");
+}
+
+TEST(LogRecord, ScalesOfTheForce) {
+  const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
+  const std::string volts = csv("t [s],x [mm],u [V]", {"t", "x_mm", "volts"});
+  EXPECT_NEAR(axis_of(volts, {.gain = "1048 N/V"}).f.y[kRow], f, 1e-2);  // six decimals in the file
+  const workflow::LoggedAxis own = workflow::logged_axis(log_of(volts), {});
+  EXPECT_EQ(own.runs[0].force_unit, "V");
+  EXPECT_NEAR(own.runs[0].f.y[kRow], f / 1048.0, 1e-6);
+  EXPECT_THAT(own.notes, Contains(AllOf(HasSubstr("scale of the force is not known"), HasSubstr("--gain"))));
+  EXPECT_THAT(refusal(volts, {.gain = "10 N/A"}),
+              AllOf(HasSubstr("--gain"), HasSubstr("10 N/A"), HasSubstr("N/V")));
+  const std::string torque = csv("t [s],x [mm],torque [Nm]", {"t", "x_mm", "torque"});
+  EXPECT_EQ(axis_of(torque).force_unit, "N m");
+  EXPECT_NEAR(axis_of(torque, {.lead = "5 mm"}).f.y[kRow], f, 1e-3);
+  EXPECT_NEAR(axis_of(torque, {.gain = "1256.637061 1/m"}).f.y[kRow], f, 1e-3);
+  const std::string percent = csv("t [s],x [mm],torque [%]", {"t", "x_mm", "percent"});
+  EXPECT_EQ(axis_of(percent).force_unit, "%");
+  EXPECT_NEAR(axis_of(percent).f.y[kRow], f / 5.0, 1e-5);
+  EXPECT_NEAR(axis_of(percent, {.gain = "500 N"}).f.y[kRow], f, 1e-4);  // at 100 %
+  // Two sources: the unit of the gain chooses.
+  const std::string both = csv("t [s],x [mm],i [A],u [V]", {"t", "x_mm", "f", "volts"});
+  EXPECT_NEAR(axis_of(both, {.gain = "1048 N/V"}).f.y[kRow], f, 1e-2);
+  EXPECT_EQ(axis_of(both).force_unit, "A");
+}
+
+TEST(LogRecord, TurningAxes) {
+  const std::string text =
+      csv("t [s],pos [deg],velocity [rpm],torque [Nm]", {"t", "turns_deg", "rpm", "torque"});
+  const ident::RawLog angle = axis_of(text);
+  EXPECT_EQ(angle.position_unit, "rad");
+  EXPECT_EQ(angle.force_unit, "N m");
+  EXPECT_NEAR(angle.x.y[kRow], x_at() / 0.005 * 2.0 * std::numbers::pi, 1e-6);
+  const ident::RawLog straight = axis_of(text, {.lead = "5 mm"});
+  EXPECT_EQ(straight.position_unit, "m");
+  EXPECT_EQ(straight.force_unit, "N");
+  EXPECT_NEAR(straight.x.y[kRow], x_at(), 1e-8);
+  EXPECT_NEAR(straight.v.y[kRow], 0.05 * 2.0 * std::numbers::pi * std::cos(2.0 * std::numbers::pi * 0.123),
+              1e-8);
+  EXPECT_THAT(refusal(csv("t [s],x [mm],velocity [rpm],f [N]", {"t", "x_mm", "rpm", "f"})),
+              HasSubstr("--lead"));
+}
+
+TEST(LogRecord, RowsAndRuns) {
+  const std::string text = csv("t [s],part,x [mm],f [N]", {"t", "part", "x_mm", "f"});
+  const ident::RawLog one = axis_of(text, {.where = {"part=1"}});
+  EXPECT_EQ(one.x.y.size(), 1000U);
+  EXPECT_EQ(one.row.front(), 1001U);
+  EXPECT_NEAR(one.x.t.front(), 1.0, 1e-9);
+  const workflow::LoggedAxis runs = workflow::logged_axis(log_of(text), {.runs = {"part"}});
+  ASSERT_EQ(runs.runs.size(), 3U);
+  EXPECT_THAT(runs.runs[2].source, HasSubstr("part=2"));
+  EXPECT_EQ(runs.runs[2].x.y.size(), 1000U);
+  EXPECT_THAT(refusal(text, {.where = {"part=7"}}), AllOf(HasSubstr("--where"), HasSubstr("no row")));
+  EXPECT_THAT(refusal(text, {.where = {"teil=1"}}), AllOf(HasSubstr("--where"), HasSubstr("teil")));
+  EXPECT_THAT(refusal(text, {.where = {"part=one"}}), HasSubstr("a number"));
+  EXPECT_THAT(refusal(text, {.runs = {"parts"}}), AllOf(HasSubstr("--runs"), HasSubstr("part")));
+}
+
+TEST(LogRecord, MapFileSaysTheSame) {
+  const Folder folder;
+  const std::string map = folder.write("map.toml",
+                                       "map = [\"x=weg mm\", \"current=i_motor A\"]\ngain = \"2 N/A\"\n"
+                                       "keep = [\"unsigned\"]\n");
+  const std::string text = csv("t [s],weg,i_motor", {"t", "x_mm", "f"});
+  workflow::LogOptions options;
+  options.map_file = map;
+  const ident::RawLog raw = axis_of(text, options);
+  EXPECT_NEAR(raw.x.y[kRow], x_at(), 1e-8);
+  const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
+  EXPECT_NEAR(raw.f.y[kRow], 2.0 * f, 1e-4);
+  options.gain = "3 N/A";  // the command line goes first
+  EXPECT_NEAR(axis_of(text, options).f.y[kRow], 3.0 * f, 1e-4);
+  options.map_file = folder.write("bad.toml", "maps = [\"x=weg mm\"]\n");
+  EXPECT_THAT(refusal(text, options), AllOf(HasSubstr("maps"), HasSubstr("map")));
+}
+
+TEST(Inspect, SaysWhatALogHolds) {
+  std::string text = csv("t [s],x [mm],u [V]", {"t", "x_mm", "volts"});
+  const workflow::Inspection good = workflow::inspect(log_of(text), {});
+  EXPECT_TRUE(good.usable);
+  EXPECT_THAT(good.text, AllOf(HasSubstr("CSV, 3000 rows"), HasSubstr("x         x [mm]"),
+                               HasSubstr("1 ms between rows"), HasSubstr("none: the log is used as it is"),
+                               HasSubstr("Can be identified")));
+  EXPECT_EQ(good.json["schema"], "stribeck.inspect/1");
+  EXPECT_EQ(good.json["records"].size(), 1U);
+  EXPECT_EQ(good.json["motion"]["force_unit"], "V");
+  EXPECT_TRUE(good.json["refused"].is_null());
+  // A gap is found with its row, and the log is used in two pieces.
+  std::size_t from = 0;
+  for (int line = 0; line <= 1000; ++line) from = text.find('\n', from) + 1;
+  std::size_t to = from;
+  for (int line = 0; line < 200; ++line) to = text.find('\n', to) + 1;
+  text.erase(from, to - from);
+  const workflow::Inspection gap = workflow::inspect(log_of(text), {});
+  EXPECT_THAT(gap.text, AllOf(HasSubstr("gap: row 1001"), HasSubstr("2 records")));
+  EXPECT_EQ(gap.json["findings"][0]["row"], 1001);
+  EXPECT_EQ(gap.json["findings"][0]["repaired"], true);
+  // What cannot be used is no error but an answer.
+  const workflow::Inspection none =
+      workflow::inspect(log_of(csv("t [s],a [mm],b [N]", {"t", "x_mm", "f"})), {});
+  EXPECT_FALSE(none.usable);
+  EXPECT_THAT(none.text, AllOf(HasSubstr("Cannot be used"), HasSubstr("--map x=")));
+  EXPECT_FALSE(none.json["refused"].is_null());
+}
+
+}  // namespace
+}  // namespace stribeck::test

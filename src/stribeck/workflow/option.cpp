@@ -1,0 +1,43 @@
+#include <fmt/format.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+
+void refuse_option(const std::string& option, const std::string& message) {
+  throw io::InputError(io::Problem{{}, 0, option, message});
+}
+
+double option_si(const std::string& option, const std::string& text, const Quantity& quantity) {
+  try {
+    return io::to_si(text, quantity);
+  } catch (const io::InputError& e) {
+    refuse_option(option, e.problems().front().message);
+  }
+}
+
+std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
+                                           const std::string& expected) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    refuse_option(option, fmt::format("got {}, expected {}", io::in_quotes(text), expected));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::pair<std::string, std::string> axis_and_file(const std::string& text) {
+  return halves("--axis-file", text, "AXIS=FILE, e.g. x=x.toml");
+}
+
+std::size_t axis_index(const sim::Machine& machine, const std::string& file, const std::string& axis) {
+  std::string names;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    if (machine.axes[i].first == axis) return i;
+    names += (names.empty() ? "" : ", ") + machine.axes[i].first;
+  }
+  throw io::InputError(
+      {file, 0, "axes", fmt::format("no axis {}, the machine has {}", io::in_quotes(axis), names)});
+}
+
+}  // namespace stribeck::workflow

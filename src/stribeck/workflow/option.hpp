@@ -1,0 +1,32 @@
+#pragma once
+/// Texts that a user gave for a setting, be it an option of the command or an argument of a caller: read with
+/// their unit, or refused.
+///
+/// Real time: no.
+/// Errors: InputError whose place is the name of the option ("--gain").
+
+#include <cstddef>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/sim/machine.hpp>
+#include <string>
+#include <utility>
+
+namespace stribeck::workflow {
+
+/// Something is wrong with an option.
+[[noreturn]] void refuse_option(const std::string& option, const std::string& message);
+
+/// An option's value with its unit, in SI.
+double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
+
+/// Left and right of the first "=" of an option's text, both there; else refused with what is `expected`.
+std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
+                                           const std::string& expected);
+/// The same of --axis-file: axis and file.
+std::pair<std::string, std::string> axis_and_file(const std::string& text);
+
+/// Index of the axis in the machine that was read from `file`; throws with the names there are.
+std::size_t axis_index(const sim::Machine& machine, const std::string& file, const std::string& axis);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <stribeck/io/gcode/interpreter.hpp>
+#include <stribeck/report/table.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/part_program.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+Vec<double, 3> as_vector(const std::array<double, 3>& p) { return {{p[0], p[1], p[2]}}; }
+
+std::vector<sim::PartMove> as_moves(const std::vector<io::CanonicalMove>& from, double tolerance) {
+  std::vector<sim::PartMove> moves;
+  moves.reserve(from.size());
+  for (const io::CanonicalMove& c : from) {
+    sim::PartMove m;
+    m.to = as_vector(c.to);
+    m.arc = c.arc;
+    m.centre = as_vector(c.centre);
+    m.normal = as_vector(c.normal);
+    m.turns = c.turns;
+    m.feed = c.feed;
+    m.dwell = c.dwell;
+    m.tolerance = c.tolerance.value_or(tolerance);
+    if (c.waits || c.control == io::PathControl::kExactStop) {
+      m.junction = sim::Junction::kStop;
+    } else if (c.control == io::PathControl::kExactPath) {
+      m.junction = sim::Junction::kExact;
+    }
+    moves.push_back(m);
+  }
+  return moves;
+}
+
+/// Where an axis stands before the program: where it is homed, 0, or the middle of a travel without it (as `export` writes HOME).
+double home_of(const sim::AxisLimits& l) {
+  return l.travel_min <= 0.0 && l.travel_max >= 0.0 ? 0.0 : 0.5 * (l.travel_min + l.travel_max);
+}
+
+/// The interpreter believes that every axis begins at 0. One that cannot stays at its home until a move takes it away from 0, as it
+/// would on the machine. Returns the homes.
+Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machine& machine,
+                             const std::vector<std::size_t>& axes, const std::string& file,
+                             std::string& note) {
+  constexpr double kStill = 5e-6;  // sums of offsets and places as they are printed, in inches at worst
+  Vec<double, 3> home;
+  std::vector<std::string> names;
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto& [name, axis] = machine.axes[axes[i]];
+    home[i] = home_of(axis.limits);
+    if (home[i] == 0.0) continue;
+    names.push_back(name);
+    places.push_back(fmt::format("{:.6g}", home[i] * 1e3));
+    for (sim::PartMove& m : moves) {
+      if (std::abs(m.to[i]) > kStill && !m.arc) break;
+      if (m.arc && std::abs(m.normal[i]) < 0.5) {
+        throw io::InputError(
+            {file,
+             0,
+             {},
+             fmt::format(
+                 "begins with an arc from {} = 0 mm, which is outside the travel of that axis, {:.6g} to "
+                 "{:.6g} mm (begin with G0 to a place inside)",
+                 name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3)});
+      }
+      if (std::abs(m.to[i]) > kStill) break;
+      m.to[i] = home[i];
+    }
+  }
+  const bool one = names.size() == 1;
+  if (!names.empty())
+    note += fmt::format(
+        "{} {} at {} mm, the middle of {} (0 is outside), and {} there until the program moves {} from 0\n",
+        (one ? "axis " : "axes ") + report::listed(names), one ? "begins" : "begin", report::listed(places),
+        one ? "its travel" : "their travels", one ? "stays" : "stay", one ? "it" : "them");
+  return home;
+}
+
+/// Places outside the travel of an axis.
+template <std::size_t N>
+void check_places(const sim::Part<N>& part, const sim::Machine& machine, const std::vector<std::size_t>& axes,
+                  const std::string& file) {
+  constexpr double kStep = 0.05;  // [rad] along arcs: within 0.03 % of the radius
+  for (const path::Segment<N>& s : part.segments) {
+    const int steps = s.kind == path::SegmentKind::kArc ? 1 + static_cast<int>(std::abs(s.angle) / kStep) : 1;
+    for (int k = 0; k <= steps; ++k) {
+      const Vec<double, N> p = s.point(s.length * k / steps);
+      for (std::size_t i = 0; i < N; ++i) {
+        const auto& [name, axis] = machine.axes[axes[i]];
+        if (p[i] >= axis.limits.travel_min && p[i] <= axis.limits.travel_max) continue;
+        throw io::InputError(
+            {file,
+             0,
+             {},
+             fmt::format("leaves the travel of axis {}, {:.6g} to {:.6g} mm: it goes to {:.6g} mm, {:.6g} "
+                         "mm along the path (move the program with G10 L2 or G92, or make it smaller)",
+                         name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3, p[i] * 1e3,
+                         (s.way + s.distance(s.length * k / steps)) * 1e3)});
+      }
+    }
+  }
+}
+
+template <std::size_t N>
+void plan(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
+          const Vec<double, 3>& start, const std::vector<sim::PartMove>& moves) {
+  sim::PartLimits<N> limits;
+  const double acceleration = o.acceleration.empty() ? std::numeric_limits<double>::infinity()
+                                                     : option_si("--acceleration", o.acceleration,
+                                                                 quantity("m/s2", "mm/s2").positive());
+  const double jerk =
+      o.jerk.empty() ? 0.0 : option_si("--jerk", o.jerk, quantity("m/s3", "mm/s3").positive());
+  for (std::size_t i = 0; i < N; ++i) {
+    const sim::AxisLimits& axis = machine.axes[spec.axes[i]].second.limits;
+    limits.speed[i] = axis.speed;
+    limits.acceleration[i] = std::min(axis.acceleration, acceleration);
+    limits.jerk[i] = !o.jerk.empty() ? jerk
+                     : axis.jerk     ? *axis.jerk
+                                     : limits.acceleration[i] / sim::AxisLimits::kJerkTime;
+  }
+  const auto part = sim::plan_part<N>(start, moves, limits);
+  if (part == nullptr) throw io::InputError({o.path, 0, {}, "has no motion, expected at least one move"});
+  check_places<N>(*part, machine, spec.axes, o.path);
+  sim::Travel travel;
+  travel.path = sim::PartPath<N>{part};
+  travel.name = std::filesystem::path(o.path).filename().string();
+  travel.speed = part->summary.length / part->summary.duration;
+  travel.laps = 1.0;
+  travel.run_in = 0.0;
+  spec.travels = {travel};
+}
+
+}  // namespace
+
+bool is_part(const PathOptions& options) {
+  return std::none_of(EnumNames<path::Shape>::names.begin(), EnumNames<path::Shape>::names.end(),
+                      [&](const auto& shape) { return shape.second == options.path; });
+}
+
+void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
+              const std::string& machine_file) {
+  const PathOptions standard;
+  if (o.size != standard.size || o.laps != standard.laps)
+    refuse_option("--path", "a part program has its own size and runs once (leave out --size and --laps)");
+  const double tolerance =
+      option_si("--corner-tolerance", o.corner_tolerance, quantity("m", "um").at_least(1e-9));
+  spec.axes.clear();
+  for (const std::string name : {"x", "y", "z"}) {
+    const auto found = std::find_if(machine.axes.begin(), machine.axes.end(),
+                                    [&](const auto& axis) { return axis.first == name; });
+    if (found != machine.axes.end()) {
+      spec.axes.push_back(static_cast<std::size_t>(found - machine.axes.begin()));
+    } else if (name != "z") {
+      throw io::InputError(
+          {machine_file, 0, "axes",
+           fmt::format("no axis {}, expected x and y, and z if the part program moves it", name)});
+    }
+  }
+  const io::PartProgram program = io::read_part_program(o.path);
+  std::vector<sim::PartMove> moves = as_moves(program.moves, tolerance);
+  std::string note;
+  const Vec<double, 3> start = begin_at_home(moves, machine, spec.axes, o.path, note);
+  if (spec.axes.size() == 2) {
+    for (std::size_t k = 0; k < moves.size(); ++k) {
+      if (std::abs(moves[k].to[2]) > sim::kExactTolerance ||
+          (moves[k].arc && std::abs(moves[k].normal[2]) < 1.0)) {
+        throw io::InputError(
+            {o.path, 0, fmt::format("move {}", k + 1),
+             fmt::format("goes to z = {:.6g} mm, but {} has no axis z (take the moves of z out, or choose "
+                         "another machine)",
+                         moves[k].to[2] * 1e3, machine_file)});
+      }
+    }
+    plan<2>(spec, o, machine, start, moves);
+  } else {
+    plan<3>(spec, o, machine, start, moves);
+  }
+  if (const auto& foreign = program.foreign_feed) {
+    const double millimetres = foreign->feed * 60e3;
+    note += foreign->in_inches
+                ? fmt::format(
+                      "a feed of {:.6g} in/min stays that under G21, where it is {:.6g} mm/min: F is taken "
+                      "before a G21 of the same line (give F in a line behind it)\n",
+                      millimetres / 25.4, millimetres)
+                : fmt::format(
+                      "a feed of {:.6g} mm/min stays that under G20, where it is {:.6g} in/min: F is taken "
+                      "before a G20 of the same line (give F in a line behind it)\n",
+                      millimetres, millimetres / 25.4);
+  }
+  if (program.inches)
+    note += "the interpreter prints four decimals: places in inches are known to 2.54 um only\n";
+  if (program.tools) note += "the interpreter has no tool table: tools have length and radius 0\n";
+  spec.travels.front().note = note;
+}
+
+std::string part_words(const sim::CompareSpec& spec) {
+  const sim::Travel& travel = spec.travels.front();
+  if (travel.part() == nullptr) return {};
+  return fmt::format(
+      "Part {}: {}.\nThe contour error is the distance from the rounded path, without the rounding.\n",
+      travel.name, report::in_words(*travel.part()));
+}
+
+}  // namespace stribeck::workflow

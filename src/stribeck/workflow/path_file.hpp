@@ -1,0 +1,118 @@
+#pragma once
+/// A path from a file: a CSV table of points, one column per axis, named as the axes of the machine and with a unit.
+///
+///   x [mm],y [mm],z [mm]
+///   0,0,0
+///   …
+///
+///   spline     a smooth curve through or, with a tolerance, near the points: measured or dense points
+///   polyline   straight legs whose corners are rounded within the tolerance: planned points
+///
+/// A path whose last point is its first is closed. Points equal to the one before them are merged, with a note. Refused:
+/// axes that are missing, other columns, columns without a unit of length, more than a million points, and what
+/// path::SplineStatus and path::PolylineStatus name.
+/// Errors: InputError naming the file, and the row counted from 1 below the header.
+
+#include <cstddef>
+#include <span>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/path/polyline.hpp>
+#include <stribeck/path/spline_fit.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace stribeck::workflow {
+
+enum class PathKind { kSpline, kPolyline };
+
+/// What the file holds, as columns.
+struct PathColumns {
+  std::string source;
+  std::vector<std::vector<double>> axes;  ///< [m], in the order asked for
+  std::vector<std::size_t> rows;          ///< of each point, for messages
+  bool closed = false;                    ///< the last point was the first again and is left out
+  std::vector<std::string> notes;         ///< what was found or merged, one sentence each
+};
+PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes);
+
+/// Refuses the point at `index`; beyond the points: the path as a whole.
+[[noreturn]] void refuse_path(const PathColumns& columns, std::size_t index, std::string_view why);
+
+/// Points of a path with as many axes as are named.
+template <std::size_t N>
+struct PathPoints {
+  PathColumns columns;
+  std::vector<Vec<double, N>> points;
+};
+
+/// `read_path_points<3>("part.csv", {"x", "y", "z"})`
+template <std::size_t N>
+PathPoints<N> path_points(const io::Log& table, const std::vector<std::string>& axes) {
+  PathPoints<N> p{path_columns(table, axes), {}};
+  p.points.resize(p.columns.rows.size());
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t k = 0; k < p.points.size(); ++k) p.points[k][i] = p.columns.axes.at(i)[k];
+  }
+  return p;
+}
+template <std::size_t N>
+PathPoints<N> read_path_points(const std::string& file, const std::vector<std::string>& axes) {
+  return path_points<N>(io::read_csv(file), axes);
+}
+
+/// A curve with the memory it refers to. May be moved, not copied.
+template <class Curve, class Piece>
+struct OwnedPath {
+  OwnedPath() = default;
+  OwnedPath(OwnedPath&&) noexcept = default;
+  OwnedPath& operator=(OwnedPath&&) noexcept = default;
+
+  std::vector<Piece> pieces;
+  Curve curve;
+  double deviation = 0.0;  ///< largest distance of a point from the curve [m]
+};
+template <std::size_t N>
+using SplinePath = OwnedPath<path::QuinticSpline<N>, typename path::QuinticSpline<N>::Segment>;
+template <std::size_t N>
+using PolylinePath = OwnedPath<path::BlendedPolyline<N>, typename path::BlendedPolyline<N>::Leg>;
+
+/// Tolerance [m]: 0 passes through all points, however noisy.
+template <std::size_t N>
+SplinePath<N> make_spline(const PathPoints<N>& from, double tolerance) {
+  SplinePath<N> made;
+  made.pieces.resize(from.points.size());
+  std::vector<path::SplineRow<N>> rows(path::spline_rows(from.points.size()));
+  path::SplineOptions<N> options;
+  options.closed = from.columns.closed;
+  options.tolerance = tolerance;
+  const auto fit = path::fit_spline<N>(from.points, options, made.pieces, rows, made.curve);
+  if (fit.status != path::SplineStatus::kOk) refuse_path(from.columns, fit.index, path::describe(fit.status));
+  made.deviation = fit.deviation;
+  return made;
+}
+
+/// Tolerance [m], positive.
+template <std::size_t N>
+PolylinePath<N> make_polyline(const PathPoints<N>& from, double tolerance) {
+  PolylinePath<N> made;
+  made.pieces.resize(from.points.size());
+  const auto result =
+      path::round_corners<N>(from.points, tolerance, from.columns.closed, made.pieces, made.curve);
+  if (result.status != path::PolylineStatus::kOk) {
+    refuse_path(from.columns, result.index, path::describe(result.status));
+  }
+  made.deviation = result.deviation;
+  return made;
+}
+
+}  // namespace stribeck::workflow
+
+template <>
+struct stribeck::EnumNames<stribeck::workflow::PathKind> {
+  static constexpr std::array names{
+      std::pair{stribeck::workflow::PathKind::kSpline, std::string_view{"spline"}},
+      std::pair{stribeck::workflow::PathKind::kPolyline, std::string_view{"polyline"}}};
+};

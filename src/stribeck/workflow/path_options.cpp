@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stribeck/sim/experiments.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/part_program.hpp>
+#include <stribeck/workflow/path_options.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+template <NamedEnum E>
+E value_of_name(const std::string& wanted) {
+  E found{};
+  for (const auto& [value, name] : EnumNames<E>::names) {
+    if (name == wanted) found = value;
+  }
+  return found;
+}
+
+}  // namespace
+
+sim::Travel make_travel(const PathOptions& o, double speed) {
+  return sim::along(value_of_name<path::Shape>(o.path),
+                    option_si("--size", o.size, quantity("m", "mm").positive()), speed, o.laps);
+}
+
+std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
+  control::ContouringParams law = control::ContouringParams::critical(
+      option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive()),
+      option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive()));
+  law.error_rate = value_of_name<control::ErrorRate>(o.error_rate);
+  return sim::biaxial_controllers(
+      law, value_of_name<control::Observer>(o.observer),
+      option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
+}
+
+void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
+              const sim::Machine& machine, const std::string& machine_file) {
+  if (is_part(path)) return use_part(spec, path, machine, machine_file);
+  const PathOptions standard;
+  if (!path.acceleration.empty() || !path.jerk.empty() || path.corner_tolerance != standard.corner_tolerance)
+    refuse_option("--acceleration, --jerk, --corner-tolerance", "go with a G-code file as --path only");
+  spec.travels.clear();
+  for (const double speed : speeds) spec.travels.push_back(make_travel(path, speed));
+}
+
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path) {
+  if (is_part(path)) return kVaried;
+  switch (machine.axes.size()) {
+    case 1:
+      return "uni-sim";
+    case 2:
+      return kVaried;
+    case 5:
+      return "five-axis";
+    default:
+      return "tri-circle";
+  }
+}
+
+std::vector<std::string> experiment_ids() {
+  std::vector<std::string> ids;
+  for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  return ids;
+}
+
+sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
+                                 const std::vector<std::string>& speeds, const sim::Machine& machine,
+                                 const std::string& machine_file) {
+  if (experiment != kVaried) {
+    if (!(path == PathOptions{}) || !speeds.empty()) {
+      refuse_option("--experiment",
+                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
+                                experiment, kVaried));
+    }
+    const auto all = sim::experiments();
+    return sim::find_experiment(all, experiment)->settings.front().spec;
+  }
+  sim::CompareSpec s;
+  std::vector<double> in_si;
+  for (const std::string& speed : speeds)
+    in_si.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
+  if (is_part(path) && !speeds.empty())
+    refuse_option("--speed", "a part program has its own feed (leave it out)");
+  use_path(s, path, in_si.empty() ? std::vector<double>{3e-3, 9.5e-3} : in_si, machine, machine_file);
+  s.controllers = make_controllers(path);
+  s.accuracy = make_accuracy(path);
+  return s;
+}
+
+void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,
+                    const std::string& name) {
+  for (const sim::ControllerSpec& other : controllers) {
+    if (other.id == more.id) {
+      refuse_option("--controller",
+                    fmt::format("{}: there is a controller with the id {} already (choose another id)",
+                                io::in_quotes(name), io::in_quotes(more.id)));
+    }
+  }
+  controllers.push_back(std::move(more));
+}
+
+void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
+                const ParameterOptions& parameters) {
+  const auto all = sim::experiments();
+  const bool has = experiment.empty() || sim::find_experiment(all, "beyond-" + experiment) != nullptr;
+  if (!has || parameters.source == "thesis") return;
+  for (sim::ControllerSpec& more : sim::beyond_controllers(controllers.back()))
+    controllers.push_back(std::move(more));
+}
+
+const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
+                                              std::size_t printed) {
+  for (const sim::ControllerSpec& c : controllers) {
+    if (c.adaptation == control::Adaptation::kOn) return c;
+  }
+  return controllers[printed - 1];
+}
+
+double make_accuracy(const PathOptions& o) {
+  return option_si("--accuracy", o.accuracy, quantity("m", "nm").at_least(1e-12));
+}
+
+void check_travel(const sim::Machine& machine, const std::string& machine_file,
+                  const sim::CompareSpec& spec) {
+  const std::size_t needed = spec.travels.front().axes();
+  if (spec.axes.empty() && machine.axes.size() < needed) {
+    throw io::InputError({machine_file, 0, "axes",
+                          fmt::format("the path needs {} axes, the machine has {} (choose another path, or "
+                                      "an --experiment for this machine)",
+                                      needed, machine.axes.size())});
+  }
+  const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
+  constexpr int kPoints = 720;
+  constexpr double kMostTicks = 2e6;
+  for (const sim::Travel& travel : spec.travels) {
+    const std::string pace = travel.pace_in_words();
+    const double ticks = travel.duration() / machine.sample_time;
+    if (travel.part() != nullptr) {
+      // Planned within the limits of the machine.
+      if (ticks <= kMostTicks) continue;
+      refuse_option("--path", fmt::format("the program would take {:.3g} control periods, at most {:.3g} are "
+                                          "simulated (run it in parts)",
+                                          ticks, kMostTicks));
+    }
+    if (!(ticks <= kMostTicks)) {
+      refuse_option(
+          "--speed",
+          fmt::format(
+              "the run would take {:.3g} control periods, at most {:.3g} are simulated (choose a higher "
+              "speed or fewer laps)",
+              ticks, kMostTicks));
+    }
+    std::visit(
+        [&](const auto& path) {
+          for (std::size_t i = 0; i < axes.size(); ++i) {
+            const auto& [name, axis] = machine.axes[axes[i]];
+            const auto& limits = axis.limits;
+            double fastest = 0.0;
+            double hardest = 0.0;
+            for (int k = 0; k < kPoints; ++k) {
+              const auto q = path::derivatives<2>(path, path.period() * k / kPoints);
+              if (q[0][i] < limits.travel_min || q[0][i] > limits.travel_max) {
+                refuse_option(
+                    "--size",
+                    fmt::format(
+                        "the path leaves the travel of axis {}, {:.6g} to {:.6g} mm (choose a smaller size)",
+                        name, limits.travel_min * 1e3, limits.travel_max * 1e3));
+              }
+              const double square = dot(q[1], q[1]);
+              if (travel.pace == path::Pace::kRate) {
+                fastest = std::max(fastest, travel.speed * std::abs(q[1][i]));
+                hardest = std::max(hardest, travel.speed * travel.speed * std::abs(q[2][i]));
+              } else {
+                // Centripetal part of q'' for constant speed, on this axis.
+                fastest = std::max(fastest, travel.speed * std::abs(q[1][i]) / std::sqrt(square));
+                hardest =
+                    std::max(hardest, travel.speed * travel.speed *
+                                          std::abs(q[2][i] - q[1][i] * dot(q[1], q[2]) / square) / square);
+              }
+            }
+            hardest = std::max(hardest, 1.875 * fastest / travel.run_in);
+            if (hardest > limits.acceleration) {
+              refuse_option(
+                  "--speed",
+                  fmt::format(
+                      "{} on this path needs {:.4g} mm/s2 of axis {}, above its limit of {:.4g} mm/s2", pace,
+                      hardest * 1e3, name, limits.acceleration * 1e3));
+            }
+            if (fastest > limits.speed) {
+              refuse_option(
+                  "--speed",
+                  fmt::format("{} on this path needs {:.6g} mm/s of axis {}, above its limit of {:.6g} mm/s",
+                              pace, fastest * 1e3, name, limits.speed * 1e3));
+            }
+          }
+        },
+        travel.path);
+  }
+}
+
+}  // namespace stribeck::workflow

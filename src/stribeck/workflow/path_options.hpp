@@ -1,0 +1,72 @@
+#pragma once
+/// Options of a run along a path, the same for every verb that has them.
+
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <string>
+
+namespace stribeck::workflow {
+
+struct PathOptions {
+  std::string path = "circle";
+  std::string size = "10 mm";
+  double laps = 2.0;
+  std::string omega_t = "40 rad/s";
+  std::string omega_n = "40 rad/s";
+  std::string observer_pole = "20 1/s";
+  std::string accuracy = "1 nm";
+  std::string observer = "disturbance";
+  std::string error_rate = "difference-of-error";
+  // of a part program
+  std::string acceleration;  ///< empty: of the machine file
+  std::string jerk;          ///< empty: of the machine file
+  std::string corner_tolerance = "10 um";
+
+  bool given = false;  ///< any of them, be it what it would be anyway
+
+  friend bool operator==(const PathOptions&, const PathOptions&) = default;
+};
+
+/// The path at a speed [m/s].
+sim::Travel make_travel(const PathOptions& options, double speed);
+
+/// Controllers (a) to (f) with the options' gains and observer.
+std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
+
+/// The experiment whose circle the options of a path vary.
+inline constexpr const char* kVaried = "bi-table";
+
+/// The experiment that a machine is for when none is asked for.
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path);
+
+/// Names of all experiments.
+std::vector<std::string> experiment_ids();
+
+/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds go with kVaried only.
+sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
+                                 const std::vector<std::string>& speeds, const sim::Machine& machine,
+                                 const std::string& machine_file);
+
+/// The travels of a spec from the options of a path, at speeds [m/s].
+void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
+              const sim::Machine& machine, const std::string& machine_file);
+
+/// Appends a controller that was given as `name`; refuses an id that there is already.
+void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,
+                    const std::string& name);
+
+/// Appends controllers that go beyond the thesis to those of an experiment that has some; empty: the circle of the biaxial table.
+/// Not with printed parameters, which know no bristles.
+void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
+                const ParameterOptions& parameters);
+
+/// The one that a user gets who does not choose: the adapting one where there is one, else the last of the first `printed`.
+const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
+                                              std::size_t printed);
+
+double make_accuracy(const PathOptions& options);
+
+/// Refuses a path that the machine cannot travel: number of axes, travel, speed, acceleration, length.
+void check_travel(const sim::Machine& machine, const std::string& machine_file, const sim::CompareSpec& spec);
+
+}  // namespace stribeck::workflow
