@@ -144,7 +144,7 @@ void read_and_identify(benchmark::State& state) {
   ident::Result result;
   for (auto _ : state) {
     const io::Log log = io::read_log(file.path());
-    ident::Record record;
+    ident::log::Record record;
     record.source = "I1";
     record.t = io::in_si(log.at("t"), quantity("s", "ms"));
     record.r = io::in_si(log.at("r"), quantity("m", "mm"));
@@ -152,9 +152,9 @@ void read_and_identify(benchmark::State& state) {
     record.v = io::in_si(log.at("v"), quantity("m/s", "mm/s"));
     record.f = io::in_si(log.at("f"), quantity("N", "N"));
     record.sample_time = io::check_time(record.t).sample_time;
-    ident::DriveFitOptions options;
+    ident::drive::DriveFitOptions options;
     options.dynamics = false;
-    result = ident::identify_drive({record}, options);
+    result = ident::drive::identify_drive({record}, options);
   }
   state.counters["curve_error_N"] = curve_error(result.friction.steady);
   state.counters["mass_error_percent"] = 100.0 * (result.mass / kMass - 1.0);
@@ -193,10 +193,10 @@ const std::array<Direction, 2>& directions() {
 constexpr int kBins = 160;
 
 struct Binned {
-  ident::Bins bins;
+  ident::map::Bins bins;
   double top = 0.0;     // [m/s]
   double within = 0.0;  // Σ of squares about the means of the bins
-  ident::FitSettings settings;
+  ident::map::FitSettings settings;
 };
 
 Binned binned(const Direction& d) {
@@ -228,7 +228,7 @@ Binned binned(const Direction& d) {
 }
 
 struct Curve {
-  ident::BranchFit fit;
+  ident::map::BranchFit fit;
   double top = 0.0;
   std::vector<double> half;  // 95 %, at the bins [N]
 };
@@ -236,7 +236,7 @@ struct Curve {
 /// Delta method on the long-run covariance of the rows, as identify_drive does it.
 Curve fit_direction(const Direction& d) {
   const Binned b = binned(d);
-  Curve out{ident::fit_ladder(b.bins, kTerms, b.settings).back(), b.top, {}};
+  Curve out{ident::map::fit_ladder(b.bins, kTerms, b.settings).back(), b.top, {}};
   const std::size_t p = out.fit.parameters();
   const auto P = static_cast<Eigen::Index>(p);
   constexpr int kTable = 2048;
@@ -253,7 +253,7 @@ Curve fit_direction(const Direction& d) {
     const auto c = static_cast<std::size_t>(cell);
     residual[i] = d.force[i] - (table[c] + (place - cell) * (table[c + 1] - table[c]));
   }
-  ident::LongRun moments(p, ident::memory_of(residual, record, d.at));
+  ident::stats::LongRun moments(p, ident::stats::memory_of(residual, record, d.at));
   const double scale = kBins / b.top;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     double* row = moments.row(0, d.at[i]);
@@ -283,7 +283,7 @@ Curve fit_direction(const Direction& d) {
   return out;
 }
 
-double curve_error(const ident::BranchFit& fit, double top, double sign) {
+double curve_error(const ident::map::BranchFit& fit, double top, double sign) {
   double worst = 0.0;
   for (double speed = kSlowest; speed <= kFastest; speed += 0.05e-3) {
     const double error =
@@ -319,7 +319,7 @@ void random_starts(benchmark::State& state) {
       cost[s].clear();
       for (unsigned k = 0; k < kSets; ++k) {
         b[s].settings.first_start = 1 + k * static_cast<unsigned>(b[s].settings.scattered);
-        cost[s].push_back(ident::fit_ladder(b[s].bins, kTerms, b[s].settings).back().cost);
+        cost[s].push_back(ident::map::fit_ladder(b[s].bins, kTerms, b[s].settings).back().cost);
       }
     }
   }
@@ -359,16 +359,16 @@ void nelder_mead_i1(benchmark::State& state) {
         return sum;
       };
       // The straight line, and a tenth of its level at three places.
-      const ident::BranchFit line = ident::fit_line(b.bins, b.settings);
+      const ident::map::BranchFit line = ident::map::fit_line(b.bins, b.settings);
       std::vector<double> start{line.eta0, line.eta1}, step{0.1 * line.eta0, 0.1 * line.eta0};
       for (const double centre : {1.0 / 6.0, 0.5, 5.0 / 6.0}) {
         start.insert(start.end(), {0.1 * line.eta0, centre, 0.2});
         step.insert(step.end(), {0.1 * line.eta0, 0.1, 0.05});
       }
-      ident::SimplexOptions options;
+      ident::stats::SimplexOptions options;
       options.evaluations = evaluations;
-      const ident::SimplexResult found = ident::minimise_simplex(squares, start, step, options);
-      ident::BranchFit fit;
+      const ident::stats::SimplexResult found = ident::stats::minimise_simplex(squares, start, step, options);
+      ident::map::BranchFit fit;
       fit.eta0 = found.x[0], fit.eta1 = found.x[1];
       for (std::size_t k = 2; k < found.x.size(); k += 3)
         fit.terms.push_back({found.x[k], found.x[k + 1], found.x[k + 2]});

@@ -35,7 +35,7 @@ struct Options {
 };
 
 /// The rough idea that an axis file gives: its friction at two speeds, the larger direction.
-ident::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits& limits) {
+ident::excitation::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits& limits) {
   const auto model = io::read_toml<friction::AxisModel>(axis_file);
   ident::Result result;
   result.mass = model.mass;
@@ -47,7 +47,7 @@ ident::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits
     const double f = p.level * sign(v) + p.viscous;
     result.curve.push_back({v, f, f, f});
   }
-  return ident::rough_drive(result);
+  return ident::excitation::rough_drive(result);
 }
 
 bool is_gcode(const std::string& path) {
@@ -80,38 +80,40 @@ void check_options(const Options& o) {
   }
 }
 
-ident::Excitation design(const Options& o, const sim::Machine& machine, std::size_t which) {
+ident::excitation::Excitation design(const Options& o, const sim::Machine& machine, std::size_t which) {
   const sim::MachineAxis& axis = machine.axes[which].second;
-  const ident::Limits limits{axis.limits.travel_min, axis.limits.travel_max, axis.limits.speed,
-                             axis.limits.acceleration, axis.force_limit()};
+  const ident::excitation::Limits limits{axis.limits.travel_min, axis.limits.travel_max, axis.limits.speed,
+                                         axis.limits.acceleration, axis.force_limit()};
   const double middle = 0.5 * (limits.travel_min + limits.travel_max);
-  const std::optional<ident::RoughDrive> known =
+  const std::optional<ident::excitation::RoughDrive> known =
       o.known.empty() ? std::nullopt : std::optional(rough_idea(o.known, axis.limits));
   if (o.method == "jog") {
-    ident::JogDesign jog;
+    ident::excitation::JogDesign jog;
     jog.start = middle;
-    jog.speeds = ident::jog_speeds(ident::fastest_jog(limits, machine.sample_time, jog));
+    jog.speeds =
+        ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
     if (!o.speeds.empty()) jog.speeds.clear();
     for (const std::string& speed : o.speeds) {
       jog.speeds.push_back(option_si("--speeds", speed, quantity("m/s", "mm/s").positive()));
     }
     if (!o.lead.empty()) jog.period = option_si("--lead", o.lead, quantity("m", "mm").positive());
-    return ident::design_jog(limits, machine.sample_time, jog);
+    return ident::excitation::design_jog(limits, machine.sample_time, jog);
   }
   if (o.method == "ramp") {
-    ident::RampDesign ramp;
+    ident::excitation::RampDesign ramp;
     ramp.start = middle;
     ramp.repeats = o.repeats.value_or(ramp.repeats);
     if (!o.rise.empty()) ramp.rise = option_si("--rise", o.rise, quantity("s", "s").positive());
-    return ident::design_ramp(
-        limits, known.value_or(ident::RoughDrive{axis.commissioning.mass, axis.commissioning.friction, 0.0}),
-        machine.sample_time, ramp);
+    return ident::excitation::design_ramp(limits,
+                                          known.value_or(ident::excitation::RoughDrive{
+                                              axis.commissioning.mass, axis.commissioning.friction, 0.0}),
+                                          machine.sample_time, ramp);
   }
   if (o.method == "constant-acceleration") {
-    ident::AccelerationDesign triangles;
+    ident::excitation::AccelerationDesign triangles;
     triangles.start = middle;
     triangles.repeats = o.repeats.value_or(triangles.repeats);
-    return ident::design_constant_acceleration(limits, machine.sample_time, triangles);
+    return ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles);
   }
   const int periods = o.method == "position-sine" ? kPositionPeriods : kSinePeriods;
   return cli::design(machine, which, o.method, o.periods.value_or(periods), known);
@@ -134,17 +136,17 @@ int excite(const Options& o) {
   io::check_writable(o.gcode);
   const sim::Machine machine = load_machine(o.machine);
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
-  const ident::Excitation e = [&] {
+  const ident::excitation::Excitation e = [&] {
     try {
       return design(o, machine, axis);
-    } catch (const ident::BadDesign& bad) {
+    } catch (const ident::excitation::BadDesign& bad) {
       const std::string option = option_of(bad.parameter);
       if (option.empty()) throw;
       refuse_option(option, bad.what());
     }
   }();
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
-    if (!path.empty()) io::write_atomically(path, ident::as_gcode(e, o.axis, machine.name));
+    if (!path.empty()) io::write_atomically(path, ident::excitation::as_gcode(e, o.axis, machine.name));
   }
   sim::Recording table;
   table.t = e.t;

@@ -116,7 +116,7 @@ void check_inspect(const Options& o) {
 
 /// Everything that is to be said of the logs, and their records.
 struct Input {
-  std::vector<ident::Record> records;
+  std::vector<ident::log::Record> records;
   std::size_t runs = 0;        ///< logged apart from each other
   bool one_direction = false;  ///< all of them move in the same direction
   std::vector<std::string> notes;
@@ -127,8 +127,8 @@ struct Input {
 struct Identified {
   ident::Result result;
   std::vector<ident::Result> beside;  ///< results that stand beside it: other days
-  std::optional<ident::LeastSquaresA> model_a;
-  std::optional<ident::IdimResult::Published> published;
+  std::optional<ident::methods::LeastSquaresA> model_a;
+  std::optional<ident::methods::IdimResult::Published> published;
   std::string says;  ///< text below the table
 };
 
@@ -143,11 +143,11 @@ std::optional<double> given_mass(const Options& o) {
 }
 
 /// Between one period of the log and half the sampling frequency.
-double given_cut_off(const Options& o, const std::vector<ident::Record>& records) {
+double given_cut_off(const Options& o, const std::vector<ident::log::Record>& records) {
   const auto f = optional_si(o.cut_off, quantity("Hz", "Hz").positive(), "--cut-off");
   if (!f) return 0.0;
   double least = 0.0, most = std::numeric_limits<double>::infinity();
-  for (const ident::Record& r : records) {
+  for (const ident::log::Record& r : records) {
     least = std::max(least, 1.0 / (r.t.back() - r.t.front()));
     most = std::min(most, 0.5 / r.sample_time);
   }
@@ -161,13 +161,13 @@ double given_cut_off(const Options& o, const std::vector<ident::Record>& records
 }
 
 /// Runs of constant speed, each logged by itself: the speeds of a jog as many controls export them.
-bool steady_speeds(const std::vector<ident::Record>& records, std::size_t runs) {
+bool steady_speeds(const std::vector<ident::log::Record>& records, std::size_t runs) {
   constexpr std::size_t kFewestRuns = 4;
   if (runs < kFewestRuns) return false;
   std::size_t steady = 0;
   std::vector<char> seen(records.size(), 0);
   try {
-    for (const ident::SteadyRun& run : ident::find_steady_runs(records).runs) {
+    for (const ident::map::SteadyRun& run : ident::map::find_steady_runs(records).runs) {
       if (!seen[run.record]) ++steady;
       seen[run.record] = 1;
     }
@@ -177,18 +177,19 @@ bool steady_speeds(const std::vector<ident::Record>& records, std::size_t runs) 
   return 10 * steady >= 7 * records.size();
 }
 
-Identified by_jog(const Options& o, const std::vector<ident::Record>& records) {
-  ident::JogOptions options;
-  options.solver = o.solver == "simplex" ? ident::Solver::kSimplex : ident::Solver::kDerivatives;
+Identified by_jog(const Options& o, const std::vector<ident::log::Record>& records) {
+  ident::methods::JogOptions options;
+  options.solver =
+      o.solver == "simplex" ? ident::methods::Solver::kSimplex : ident::methods::Solver::kDerivatives;
   if (o.terms >= 0) options.terms = o.terms;
   options.gaussians = o.model != "conventional";
   options.mass = given_mass(o);
-  ident::Jog jog = ident::identify_jog(records, options);
+  ident::methods::Jog jog = ident::methods::identify_jog(records, options);
   return {std::move(jog.result), std::move(jog.groups), {}, {}, {}};
 }
 
-Identified by_position(const Options& o, const std::vector<ident::Record>& records) {
-  ident::PositionMapOptions options;
+Identified by_position(const Options& o, const std::vector<ident::log::Record>& records) {
+  ident::methods::PositionMapOptions options;
   options.mass = given_mass(o);
   options.turn = optional_si(
       o.turn,
@@ -198,7 +199,7 @@ Identified by_position(const Options& o, const std::vector<ident::Record>& recor
     // Parts of a much longer turn lie closer together than this way can tell apart; a shorter one is not seen.
     constexpr double kLongest = 20.0, kShortest = 1.0 / 2000.0;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const ident::Record& r : records) {
+    for (const ident::log::Record& r : records) {
       const auto [a, b] = std::minmax_element(r.x.begin(), r.x.end());
       low = std::min(low, *a), high = std::max(high, *b);
     }
@@ -213,54 +214,56 @@ Identified by_position(const Options& o, const std::vector<ident::Record>& recor
                                 turns ? "rad" : "mm"));
     }
   }
-  return {ident::identify_position_map(records, options), {}, {}, {}, {}};
+  return {ident::methods::identify_position_map(records, options), {}, {}, {}, {}};
 }
 
-Identified by_least_squares(const Options& o, const std::vector<ident::Record>& records) {
+Identified by_least_squares(const Options& o, const std::vector<ident::log::Record>& records) {
   // Pulses are driven in open loop, jogs follow a position: without pulses everything is taken for them.
-  std::vector<ident::Record> pulses, jogs;
-  for (const ident::Record& r : records) (r.r.empty() ? pulses : jogs).push_back(r);
+  std::vector<ident::log::Record> pulses, jogs;
+  for (const ident::log::Record& r : records) (r.r.empty() ? pulses : jogs).push_back(r);
   if (pulses.empty()) std::swap(pulses, jogs);
-  ident::LeastSquaresAOptions options;
-  options.solver = o.solver == "simplex" ? ident::Solver::kSimplex : ident::Solver::kDerivatives;
-  ident::LeastSquaresA a = jogs.empty() ? ident::identify_least_squares_a(pulses, options)
-                                        : ident::identify_least_squares_a(pulses, jogs, options);
+  ident::methods::LeastSquaresAOptions options;
+  options.solver =
+      o.solver == "simplex" ? ident::methods::Solver::kSimplex : ident::methods::Solver::kDerivatives;
+  ident::methods::LeastSquaresA a = jogs.empty()
+                                        ? ident::methods::identify_least_squares_a(pulses, options)
+                                        : ident::methods::identify_least_squares_a(pulses, jogs, options);
   ident::Result result = a.result;
   return {std::move(result), {}, std::move(a), {}, {}};
 }
 
-Identified by_break_away(const Options& o, const std::vector<ident::Record>& records) {
-  ident::BreakAwayOptions options;
+Identified by_break_away(const Options& o, const std::vector<ident::log::Record>& records) {
+  ident::methods::BreakAwayOptions options;
   options.mass = given_mass(o);
-  return {ident::identify_break_away(records, options).result, {}, {}, {}, {}};
+  return {ident::methods::identify_break_away(records, options).result, {}, {}, {}, {}};
 }
 
 Identified identify_records(const Options& o, const Input& in) {
-  const std::vector<ident::Record>& records = in.records;
+  const std::vector<ident::log::Record>& records = in.records;
   if (o.method == "idim-ls") {
     if (records.size() > 1) {
       refuse_option("LOG",
                     fmt::format("{} records, but --method idim-ls takes one without gaps", records.size()));
     }
-    ident::IdimOptions options;
+    ident::methods::IdimOptions options;
     options.by_direction = o.model == "asymmetric";
-    ident::IdimResult idim = ident::identify_idim_ls(records.front(), options);
+    ident::methods::IdimResult idim = ident::methods::identify_idim_ls(records.front(), options);
     return {std::move(idim.result), {}, {}, std::move(idim.published), {}};
   }
   if (o.method == "least-squares") return by_least_squares(o, records);
   if (o.method == "break-away") return by_break_away(o, records);
-  if (o.method == "gravity") return {ident::identify_gravity(records), {}, {}, {}, {}};
+  if (o.method == "gravity") return {ident::methods::identify_gravity(records), {}, {}, {}, {}};
   if (o.method == "constant-acceleration")
-    return {ident::identify_constant_acceleration(records), {}, {}, {}, {}};
+    return {ident::methods::identify_constant_acceleration(records), {}, {}, {}, {}};
   if (o.method == "position-map") return by_position(o, records);
   if (o.method == "jog") return by_jog(o, records);
   if (o.method == "velocity-map") {
-    ident::VelocityMapOptions options;
+    ident::methods::VelocityMapOptions options;
     if (o.terms >= 0) options.terms = o.terms;
     options.mass = given_mass(o);
-    return {ident::identify_velocity_map(records, options), {}, {}, {}, {}};
+    return {ident::methods::identify_velocity_map(records, options), {}, {}, {}, {}};
   }
-  if (ident::held_at_standstill(records)) {
+  if (ident::methods::held_at_standstill(records)) {
     check_auto(o, "position-map", "the axis is held at standstill");
     return by_position(o, records);
   }
@@ -276,15 +279,15 @@ Identified identify_records(const Options& o, const Input& in) {
                                       "load in it; add the way back for the rest");
     return identified;
   }
-  ident::DriveFitOptions options;
+  ident::drive::DriveFitOptions options;
   if (o.terms >= 0) options.terms = o.terms;
   if (o.model == "conventional") options.most_terms = 0;
   if (o.model == "gaussian") options.symmetric = false;
   options.mass = given_mass(o);
   options.cut_off = given_cut_off(o, records);
-  std::vector<ident::Record> with_positions;
-  for (const ident::Record& r : records) with_positions.push_back(ident::with_positions(r));
-  return {ident::identify_drive(with_positions, options), {}, {}, {}, {}};
+  std::vector<ident::log::Record> with_positions;
+  for (const ident::log::Record& r : records) with_positions.push_back(ident::map::with_positions(r));
+  return {ident::drive::identify_drive(with_positions, options), {}, {}, {}, {}};
 }
 
 /// Names and SI units in the order of the law.
@@ -293,7 +296,7 @@ std::vector<std::pair<std::string, std::string>> published_names(bool by_directi
   return {{"M", "kg"}, {"Fv", "N s/m"}, {"Fc", "N"}, {"offset", "N"}};
 }
 
-nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, bool by_direction) {
+nlohmann::ordered_json published_json(const ident::methods::IdimResult::Published& p, bool by_direction) {
   nlohmann::ordered_json json;
   const auto names = published_names(by_direction);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -308,7 +311,7 @@ nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, boo
 }
 
 /// The figures as papers print them; their deviations take the residuals for white.
-std::string published_text(const ident::IdimResult::Published& p, bool by_direction) {
+std::string published_text(const ident::methods::IdimResult::Published& p, bool by_direction) {
   std::string out = "\nAs the published protocol prints it (standard deviations for white residuals):\n";
   const auto names = published_names(by_direction);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -321,12 +324,12 @@ std::string published_text(const ident::IdimResult::Published& p, bool by_direct
              p.error_norm, 100.0 * p.relative_error, p.error_deviation, p.condition);
 }
 
-std::string model_a_text(const ident::LeastSquaresA& a) {
+std::string model_a_text(const ident::methods::LeastSquaresA& a) {
   std::string out = fmt::format(
       "\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least squares, without Coulomb "
       "friction: {:.4g} N s2/mm.\n",
       a.mass_euler * 1e-3, a.simple_mass * 1e-3);
-  const auto line = [&](const char* name, const std::optional<ident::ViscousCorrection>& c) {
+  const auto line = [&](const char* name, const std::optional<ident::methods::ViscousCorrection>& c) {
     if (!c) return;
     out += fmt::format(
         "Viscous coefficient corrected by jogging, {}: {:.5g} N s/mm (95 %: {:.5g} … {:.5g}), Coulomb "
@@ -343,11 +346,11 @@ std::string model_a_text(const ident::LeastSquaresA& a) {
 }
 
 /// What the logs themselves say about how far the result can be trusted.
-void warn_of_records(const std::vector<ident::Record>& records, const std::string& method,
+void warn_of_records(const std::vector<ident::log::Record>& records, const std::string& method,
                      std::vector<std::string>& warnings) {
   if (method != "least-squares") return;
   bool open = false;
-  for (const ident::Record& r : records) open = open || r.r.empty();
+  for (const ident::log::Record& r : records) open = open || r.r.empty();
   if (open) return;
   warnings.push_back(
       records.front().source +
@@ -367,15 +370,15 @@ Input read_logs(const Options& o) {
     for (const std::string& note : log.notes) {
       if (!note.starts_with("time has")) notes.push_back(note);
     }
-    ident::Conditioned clean = condition_log(log, log_options, &notes);
-    for (const ident::Finding& f : clean.findings) notes.push_back(f.text);
+    ident::log::Conditioned clean = condition_log(log, log_options, &notes);
+    for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
     for (std::string& note : notes) {
       in.notes.push_back(note.starts_with(path) ? std::move(note) : fmt::format("{}: {}", path, note));
     }
     forward = forward || clean.coverage.forward > kFewForward;
     backward = backward || clean.coverage.forward < 1.0 - kFewForward;
     in.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
-    for (ident::Record& r : clean.records) in.records.push_back(std::move(r));
+    for (ident::log::Record& r : clean.records) in.records.push_back(std::move(r));
     in.sources += (in.sources.empty() ? "" : ", ") + path;
   }
   in.one_direction = forward != backward;

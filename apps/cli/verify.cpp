@@ -61,9 +61,10 @@ int verify(const Options& o) {
         o.files[i], read_one<friction::AxisModel>(
                         o.files[i], "expected an axis file as identify -o writes it; the log comes last"));
   }
-  std::optional<ident::ReplayController> controller;
+  std::optional<ident::replay::ReplayController> controller;
   if (!o.controller.empty())
-    controller = read_one<ident::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
+    controller =
+        read_one<ident::replay::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
 
   report::VerifyReportInput page;
   page.axis = with_map_file(o.log).axis;
@@ -72,17 +73,17 @@ int verify(const Options& o) {
   page.version = STRIBECK_VERSION;
   const io::Log log = read_log(path, o.log);
   page.warnings = log.notes;
-  const ident::Conditioned clean = condition_log(log, o.log, &page.warnings);
-  for (const ident::Finding& f : clean.findings) page.warnings.push_back(f.text);
+  const ident::log::Conditioned clean = condition_log(log, o.log, &page.warnings);
+  for (const ident::log::Finding& f : clean.findings) page.warnings.push_back(f.text);
 
   std::string why;
-  for (const ident::Record& record : clean.records) {
+  for (const ident::log::Record& record : clean.records) {
     if (record.force_unit != "N" || record.position_unit != "m") {
       refuse_option("--gain",
                     fmt::format("missing: an axis file holds newtons and metres, the log has {} and {}",
                                 record.force_unit, record.position_unit));
     }
-    ident::ReplayOptions options;
+    ident::replay::ReplayOptions options;
     if (!o.force_shift.empty()) {
       // A held force belongs to the motion half a row later without any delay (ident/motion.hpp).
       const double shift = option_si("--force-shift", o.force_shift, quantity("s", "ms"));
@@ -97,8 +98,8 @@ int verify(const Options& o) {
     report::VerifiedPart part;
     try {
       for (const auto& [name, model] : models) {
-        report::VerifiedModel one{name, ident::replay_open_loop(model, record, options), {}};
-        if (controller) one.closed = ident::replay_closed_loop(model, *controller, record, options);
+        report::VerifiedModel one{name, ident::replay::replay_open_loop(model, record, options), {}};
+        if (controller) one.closed = ident::replay::replay_closed_loop(model, *controller, record, options);
         if (const std::size_t outside = one.open.restarted.outside; outside > 0) {
           page.warnings.push_back(
               fmt::format("{}: {} of {} rows are at velocities that the model was not identified on", name,

@@ -91,16 +91,16 @@ Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
                 c.sine_amplitude * std::cos(c.sine_frequency * static_cast<double>(k) * machine.sample_time));
   }
   const sim::Recording log = sim::record_closed_loop(machine, which, r, seed);
-  ident::Record record;
+  ident::log::Record record;
   record.source =
       std::string(kind.name) + ", axis " + machine.axes[which].first + ", seed " + std::to_string(seed);
   record.sample_time = log.period;
   record.t = log.t, record.r = log.r, record.x = log.x, record.f = log.f;
-  ident::DriveFitOptions options;
+  ident::drive::DriveFitOptions options;
   options.dynamics = false;
   ident::Result result;
   try {
-    result = ident::identify_drive({record}, options);
+    result = ident::drive::identify_drive({record}, options);
   } catch (const ident::Refused& why) {
     out.failed = record.source + ": " + why.what();
     return out;

@@ -21,9 +21,9 @@ friction::AxisModel axis_model(double mass, double load, double coulomb, double 
   return a;
 }
 
-ident::Record record(double sample_time, const std::vector<double>& x, const std::vector<double>& f,
-                     double x_scale, double f_scale) {
-  ident::Record r;
+ident::log::Record record(double sample_time, const std::vector<double>& x, const std::vector<double>& f,
+                          double x_scale, double f_scale) {
+  ident::log::Record r;
   r.source = "recording";
   r.sample_time = sample_time;
   for (std::size_t k = 0; k < x.size(); ++k) {
@@ -37,9 +37,9 @@ ident::Record record(double sample_time, const std::vector<double>& x, const std
 TEST(BristleRecordings, EmpsTurnsSlowlyEnoughForItsEncoder) {
   STRIBECK_RECORDING(path, "emps/emps.csv");
   const io::Log log = io::read_csv(path);
-  ident::Record r = record(1e-3, log.columns[2].values, log.columns[3].values, 1.0, 35.15065188248547);
+  ident::log::Record r = record(1e-3, log.columns[2].values, log.columns[3].values, 1.0, 35.15065188248547);
   r.r = log.columns[1].values;
-  const auto fit = ident::fit_bristle({r}, axis_model(95.1089, -3.1648, 20.3935, 203.5034));
+  const auto fit = ident::bristle::fit_bristle({r}, axis_model(95.1089, -3.1648, 20.3935, 203.5034));
   ASSERT_TRUE(fit.determinable) << fit.reason;
   EXPECT_EQ(fit.reversals, 7U);
   // 50 nm encoder, eight samples within three break-away distances.
@@ -73,13 +73,13 @@ TEST(BristleRecordings, ArmRepeatsItsStiffness) {
     bool both_ways = false;
     for (const double value : f) both_ways = both_ways || value < -5.0;
     if (joint[from] == 1.0 && both_ways) {
-      ident::Record r = record(0.015, x, f, std::acos(-1.0) / 180.0, 1.0);
+      ident::log::Record r = record(0.015, x, f, std::acos(-1.0) / 180.0, 1.0);
       r.position_unit = "rad";
       r.force_unit = "N m";
-      r.loop = ident::Loop::kOpen;
-      ident::BristleOptions options;
+      r.loop = ident::log::Loop::kOpen;
+      ident::bristle::BristleOptions options;
       options.mass_tolerance = 0.02;
-      const auto fit = ident::fit_bristle({r}, axis_model(2.519, 0.0, 11.4, 2.0), options);
+      const auto fit = ident::bristle::fit_bristle({r}, axis_model(2.519, 0.0, 11.4, 2.0), options);
       EXPECT_TRUE(fit.determinable) << fit.reason;
       ASSERT_TRUE(fit.gms.has_value());
       stiffness.push_back(fit.gms->stiffness());
@@ -96,10 +96,10 @@ TEST(BristleRecordings, ArmRepeatsItsStiffness) {
 TEST(BristleRecordings, MillIsSaidToBeTooCoarse) {
   STRIBECK_RECORDING(path, "umich_cnc_mill/experiment_01.csv");
   const io::Log log = io::read_csv(path, {.leave_out_text_columns = true});
-  ident::Record r =
+  ident::log::Record r =
       record(0.1, log.at("X1_ActualPosition").values, log.at("X1_CurrentFeedback").values, 1e-3, 1.0);
   r.force_unit = "A";
-  const auto fit = ident::fit_bristle({r}, axis_model(20.0, 0.0, 3.0, 100.0));
+  const auto fit = ident::bristle::fit_bristle({r}, axis_model(20.0, 0.0, 3.0, 100.0));
   EXPECT_FALSE(fit.determinable);
   EXPECT_NE(fit.reason.find("not determinable from this log"), std::string::npos);
   EXPECT_NE(fit.reason.find("encoder"), std::string::npos) << fit.reason;

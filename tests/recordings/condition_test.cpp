@@ -19,21 +19,21 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-ident::Conditioned cleaned(const std::string& path, const workflow::LogOptions& options = {}) {
+ident::log::Conditioned cleaned(const std::string& path, const workflow::LogOptions& options = {}) {
   return workflow::condition_log(workflow::read_log(path, options), options);
 }
 
-std::vector<std::string> kinds(const ident::Conditioned& c) {
+std::vector<std::string> kinds(const ident::log::Conditioned& c) {
   std::vector<std::string> out;
-  for (const ident::Finding& f : c.findings) out.push_back(f.kind);
+  for (const ident::log::Finding& f : c.findings) out.push_back(f.kind);
   return out;
 }
 
-const ident::Finding& first(const ident::Conditioned& c, const std::string& kind) {
-  for (const ident::Finding& f : c.findings) {
+const ident::log::Finding& first(const ident::log::Conditioned& c, const std::string& kind) {
+  for (const ident::log::Finding& f : c.findings) {
     if (f.kind == kind) return f;
   }
-  static const ident::Finding none;
+  static const ident::log::Finding none;
   ADD_FAILURE() << "no " << kind;
   return none;
 }
@@ -42,7 +42,7 @@ const ident::Finding& first(const ident::Conditioned& c, const std::string& kind
 
 TEST(Conditioning, EmpsNeedsNone) {
   STRIBECK_RECORDING(log, "emps/emps.csv");
-  const ident::Conditioned c = cleaned(log, {.gain = "35.15065188248547 N/V"});
+  const ident::log::Conditioned c = cleaned(log, {.gain = "35.15065188248547 N/V"});
   EXPECT_TRUE(c.findings.empty());
   ASSERT_EQ(c.records.size(), 1U);
   EXPECT_EQ(c.records[0].x.size(), 24841U);
@@ -54,13 +54,13 @@ TEST(Conditioning, EmpsNeedsNone) {
 
 TEST(Conditioning, TumCurrentIsAMagnitudeAndTheDriveGoesOff) {
   STRIBECK_RECORDING(log, "tum_feed_axis/FeedStep150_N0_H55.sco");
-  const ident::Conditioned c = cleaned(log);
+  const ident::log::Conditioned c = cleaned(log);
   EXPECT_THAT(kinds(c), ElementsAre("drive-off", "unsigned"));
   EXPECT_NEAR(c.findings[0].time, 14.38, 0.03);         // off at 14.4 s, the current falls within 60 ms
   EXPECT_NEAR(c.findings[0].values.at(1), 3.81, 0.05);  // holding current
   EXPECT_NEAR(c.findings[0].values.at(2), 0.07, 0.02);
   ASSERT_EQ(c.records.size(), 1U);
-  const ident::Record& r = c.records[0];
+  const ident::log::Record& r = c.records[0];
   EXPECT_EQ(r.force_unit, "A");
   // Below −0.1 A in 54 samples by the model of the README; the rows themselves carry noise.
   const auto below = std::count_if(r.f.begin(), r.f.end(), [](double f) { return f < -0.1; });
@@ -80,7 +80,7 @@ TEST(Conditioning, TumCurrentIsAMagnitudeAndTheDriveGoesOff) {
 
 TEST(Conditioning, UbcLoggerFrozeThreeTimes) {
   STRIBECK_RECORDING(log, "ubc_feed_axis/ubc_trial3_x.csv");
-  const ident::Conditioned c = cleaned(log);
+  const ident::log::Conditioned c = cleaned(log);
   EXPECT_THAT(kinds(c), ElementsAre("frozen", "frozen", "frozen", "held"));
   // The README names the longest; the two shorter ones show the same way: 22 ms at 4.208 s, 13 ms at 7.142 s.
   EXPECT_NEAR(c.findings[1].values.at(0), 4.6976, 1e-6);
@@ -92,7 +92,7 @@ TEST(Conditioning, UbcLoggerFrozeThreeTimes) {
   EXPECT_EQ(c.sampling.v_hold, 15.0);
   EXPECT_EQ(c.sampling.f_hold, 1.0);
   ASSERT_EQ(c.records.size(), 4U);
-  for (const ident::Record& r : c.records) EXPECT_NEAR(r.sample_time, 3e-3, 1e-9);
+  for (const ident::log::Record& r : c.records) EXPECT_NEAR(r.sample_time, 3e-3, 1e-9);
   // I = 3.97 a + 8.37 v + 1.108 sgn v + 0.066, rms 0.0437 A behind a 40 Hz filter.
   EXPECT_NEAR(c.rough.mass, 3.97, 0.15);
   EXPECT_NEAR(c.rough.viscous, 8.37, 0.4);
@@ -105,7 +105,7 @@ TEST(Conditioning, SiemensSignAndGap) {
   STRIBECK_RECORDING(log, "siemens_edge_capture/capture_840Dsl.json");
   for (const auto& [axis, mass, friction, r2] :
        {std::tuple{"x", 8.26, 1.74, 0.999}, std::tuple{"y", 8.89, 2.49, 0.996}}) {
-    const ident::Conditioned c = cleaned(log, {.axis = axis});
+    const ident::log::Conditioned c = cleaned(log, {.axis = axis});
     EXPECT_THAT(kinds(c), ElementsAre("gap", "inverted")) << axis;
     EXPECT_EQ(c.findings[0].row, 1495U);  // the first row behind the gap, counted from 1
     EXPECT_NEAR(c.findings[0].values.at(0), 7.72, 1e-6);
@@ -132,7 +132,7 @@ TEST(Conditioning, UmichIsTooCoarseForPreSliding) {
     options.sample_time = "100 ms";
     options.maps = {"x=" + axis + "_ActualPosition mm", "v=" + axis + "_ActualVelocity mm/s",
                     "current=" + axis + "_CurrentFeedback A"};
-    const ident::Conditioned c = cleaned(log, options);
+    const ident::log::Conditioned c = cleaned(log, options);
     EXPECT_NEAR(c.sampling.x_quantum_large, 1e-3, 1e-6);  // three digits: 1 mm from 100 mm on
     EXPECT_THAT(c.cannot_tell, Contains(AllOf(HasSubstr("pre-sliding"), HasSubstr("too coarse"),
                                               HasSubstr("1 mm"), HasSubstr("0.1 s between rows"))));
@@ -146,10 +146,10 @@ TEST(Conditioning, ArmHasTwoDays) {
     workflow::LogOptions options;
     options.axis = joint;
     options.runs = {"run"};
-    const ident::Conditioned c = cleaned(log, options);
+    const ident::log::Conditioned c = cleaned(log, options);
     EXPECT_EQ(c.records.size(), 54U);
     EXPECT_THAT(kinds(c), Contains("mixed-runs")) << joint;
-    const ident::Finding& f = first(c, "mixed-runs");
+    const ident::log::Finding& f = first(c, "mixed-runs");
     EXPECT_FALSE(f.repaired);
     EXPECT_THAT(f.text, AllOf(HasSubstr("two days"), HasSubstr("04_a")));
     // Between 0.4 and 0.5 deg/s (1 deg/s where the run at 0.5 is too short); 15.2 to 11.7 N m in the README.
@@ -172,10 +172,10 @@ TEST(Conditioning, ScrewDrivesAreRunsWithoutPosition) {
     workflow::LogOptions options;
     options.where = {std::string("drive=") + drive, "test=steady"};
     options.runs = {"set_rpm"};
-    const ident::Conditioned c = cleaned(log, options);
+    const ident::log::Conditioned c = cleaned(log, options);
     EXPECT_THAT(kinds(c), ElementsAre("no-position")) << drive;
     EXPECT_EQ(c.records.size(), runs) << drive;
-    for (const ident::Record& r : c.records) EXPECT_EQ(r.x.size(), 500U);
+    for (const ident::log::Record& r : c.records) EXPECT_EQ(r.x.size(), 500U);
     EXPECT_EQ(c.records[0].force_unit, "%");
     EXPECT_EQ(c.records[0].position_unit, "rad");
   }
@@ -186,17 +186,17 @@ TEST(Conditioning, ScrewDrivesAreRunsWithoutPosition) {
 
 TEST(Conditioning, DrivesOfOtherFormats) {
   STRIBECK_RECORDING(epos, "log_formats/maxon_epos_studio_recorder.csv");
-  const ident::Conditioned a = cleaned(epos);
+  const ident::log::Conditioned a = cleaned(epos);
   EXPECT_THAT(kinds(a), ElementsAre("no-position"));
   EXPECT_EQ(a.records[0].force_unit, "%");
   STRIBECK_RECORDING(mr, "log_formats/mitsubishi_mr_configurator2.csv");
   workflow::LogOptions options;
   options.lead = "20 mm";  // README of the recording
-  const ident::Conditioned b = cleaned(mr, options);
+  const ident::log::Conditioned b = cleaned(mr, options);
   EXPECT_EQ(b.records[0].position_unit, "m");
   EXPECT_NEAR(b.coverage.v_min, -207.3 * 0.02 / 6.2832, 0.01);
   STRIBECK_RECORDING(bldc, "bldc_cogging/hold_up.csv");
-  const ident::Conditioned c = cleaned(bldc);
+  const ident::log::Conditioned c = cleaned(bldc);
   EXPECT_THAT(kinds(c), Contains("irregular"));
   EXPECT_EQ(c.records[0].x.size(), 15714U);
   EXPECT_NEAR(c.sampling.x_quantum, 6.2832 / 20000.0, 1e-6);

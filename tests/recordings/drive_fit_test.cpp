@@ -34,14 +34,14 @@ constexpr std::size_t kCycle = 6240;         // rows of 1 ms
 constexpr double kHold = -0.5;               // rows: a commanded force under its zero-order hold
 constexpr std::size_t kCycles = 4;           // the last one ends 0.12 s early
 
-ident::Record emps(const std::string& log) {
+ident::log::Record emps(const std::string& log) {
   workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
   return workflow::make_record(io::read_csv(log), options);
 }
 
-ident::Record rows(const ident::Record& whole, std::size_t from, std::size_t to) {
-  ident::Record part = whole;
+ident::log::Record rows(const ident::log::Record& whole, std::size_t from, std::size_t to) {
+  ident::log::Record part = whole;
   for (Column* c : {&part.t, &part.r, &part.x, &part.f, &part.v}) {
     if (c->empty()) continue;
     *c = Column(c->begin() + static_cast<std::ptrdiff_t>(from), c->begin() + static_cast<std::ptrdiff_t>(to));
@@ -52,9 +52,9 @@ ident::Record rows(const ident::Record& whole, std::size_t from, std::size_t to)
 /// The published filter and decimation with the force aligned, and a model scored on it.
 class Protocol {
  public:
-  Protocol(const ident::Record& record, double shift) : f_(ident::align_force(record.f, shift)) {
+  Protocol(const ident::log::Record& record, double shift) : f_(ident::log::align_force(record.f, shift)) {
     const double T = record.sample_time;
-    x_ = ident::forward_backward(ident::butterworth(4, 100.0 * 2.0 * T), record.x);
+    x_ = ident::log::forward_backward(ident::log::butterworth(4, 100.0 * 2.0 * T), record.x);
     v_ = central(x_, T);
     a_ = central(v_, T);
   }
@@ -80,7 +80,7 @@ class Protocol {
     return d;
   }
   static double square(const Column& y, std::size_t from, std::size_t to) {
-    const Column d = ident::decimate({y.begin() + kDropped, y.end()}, kDecimation);
+    const Column d = ident::log::decimate({y.begin() + kDropped, y.end()}, kDecimation);
     double sum = 0.0;
     for (std::size_t i = 0; i < d.size(); ++i) {
       const std::size_t row = y.size() - 1 - kDecimation * (d.size() - 1 - i);
@@ -109,23 +109,23 @@ double shift_of(const ident::Result& result) {
 
 TEST(DriveFit, PredictsTheCycleOfEmpsThatItHasNotSeen) {
   STRIBECK_RECORDING(log, "emps/emps.csv");
-  const ident::Record whole = emps(log);
+  const ident::log::Record whole = emps(log);
   const Protocol held(whole, kHold);
   const std::size_t n = whole.x.size();
   const friction::AxisModel published{
       95.1089, -3.1648, {friction::Conventional<double>{20.3935, 203.5034, {}}, {}, {}}};
   // 4.0834 % with the force half a row late; alignment alone gains 0.1 %.
   EXPECT_NEAR(held.relative(published, 0, n), 4.0, 0.1);
-  ident::DriveFitOptions options;
+  ident::drive::DriveFitOptions options;
   options.dynamics = false;  // the score takes the steady map alone
   // Measured: 1.981, 1.895, 1.896, 2.161 %. In sample, all four cycles: 1.938 %.
   for (std::size_t cycle = 0; cycle < kCycles; ++cycle) {
     const std::size_t from = cycle * kCycle;
     const std::size_t to = std::min(n, from + kCycle);
-    std::vector<ident::Record> others;
+    std::vector<ident::log::Record> others;
     if (from > 0) others.push_back(rows(whole, 0, from));
     if (to < n) others.push_back(rows(whole, to, n));
-    const ident::Result result = ident::identify_drive(others, options);
+    const ident::Result result = ident::drive::identify_drive(others, options);
     const double error = Protocol(whole, shift_of(result)).relative(axis(result), from, to);
     EXPECT_LE(error, 2.4) << "cycle " << cycle;
     EXPECT_GE(error, 1.7) << "cycle " << cycle;  // less than what its own rows leave: a leak
@@ -136,7 +136,7 @@ TEST(DriveFit, PredictsTheCycleOfEmpsThatItHasNotSeen) {
 
 TEST(DriveFit, FindsInEmpsWhatTheDataHold) {
   STRIBECK_RECORDING(log, "emps/emps.csv");
-  const ident::Result result = ident::identify_drive({emps(log)});
+  const ident::Result result = ident::drive::identify_drive({emps(log)});
   // A commanded force; with a drive behind it that is late by a third of a row at most.
   EXPECT_LE(shift_of(result), kHold);
   EXPECT_GE(shift_of(result), kHold - 0.4);
@@ -166,13 +166,13 @@ TEST(DriveFit, FindsInEmpsWhatTheDataHold) {
   }
 
   // Controller of the README.
-  const ident::ReplayController controller{ident::CascadeLaw{160.18, 243.45 * kGain, {}, 0.0, 0.0, 2},
-                                           10.0 * kGain};
+  const ident::replay::ReplayController controller{
+      ident::replay::CascadeLaw{160.18, 243.45 * kGain, {}, 0.0, 0.0, 2}, 10.0 * kGain};
   friction::AxisModel model = axis(result);
   EXPECT_FALSE(std::holds_alternative<friction::Static>(model.friction.dynamics));
   const auto expect_replay = [&](double force_percent, double position_um) {
-    const ident::Replay replay =
-        ident::replay_closed_loop(model, controller, emps(log), {(kHold - shift_of(result)) * 1e-3});
+    const ident::replay::Replay replay =
+        ident::replay::replay_closed_loop(model, controller, emps(log), {(kHold - shift_of(result)) * 1e-3});
     EXPECT_LE(100.0 * replay.force_relative, 2.8);
     EXPECT_LE(1e6 * replay.position_rms, 1.0);
     EXPECT_NEAR(100.0 * replay.force_relative, force_percent, 0.15);

@@ -34,8 +34,8 @@ Table read(const std::string& path) {
 
 double number(const std::string& text) { return std::stod(text); }
 
-ident::Record empty_record(const std::string& source, double period, const char* force_unit) {
-  ident::Record r;
+ident::log::Record empty_record(const std::string& source, double period, const char* force_unit) {
+  ident::log::Record r;
   r.source = source;
   r.sample_time = period;
   r.force_unit = force_unit;
@@ -44,14 +44,14 @@ ident::Record empty_record(const std::string& source, double period, const char*
 }
 
 /// One record per run of the steady test of one drive: speed in rad/s, torque in % of nominal.
-std::vector<ident::Record> steady_runs(const std::string& path, const std::string& drive) {
+std::vector<ident::log::Record> steady_runs(const std::string& path, const std::string& drive) {
   std::map<double, std::vector<std::array<double, 3>>> runs;
   for (const auto& row : read(path)) {
     if (row[0] == drive && row[1] == "steady") {
       runs[number(row[2])].push_back({number(row[3]), number(row[4]), number(row[5])});
     }
   }
-  std::vector<ident::Record> records;
+  std::vector<ident::log::Record> records;
   for (const auto& [speed, rows] : runs) {
     const double period = rows.back()[0] / static_cast<double>(rows.size() - 1);
     records.push_back(empty_record("drive " + drive + " at " + std::to_string(speed), period, "%"));
@@ -68,19 +68,19 @@ std::vector<ident::Record> steady_runs(const std::string& path, const std::strin
 // 0.877 -> 0.817, 0.895 -> 0.225 %.
 TEST(Jog, GivesTheScrewDrivesTheTermsTheyNeedAndNoMore) {
   STRIBECK_RECORDING(path, "screw_drives/screw_drives.csv");
-  const auto fit = [&](const char* drive) { return ident::identify_jog(steady_runs(path, drive)); };
-  const ident::Jog one = fit("1");
+  const auto fit = [&](const char* drive) { return ident::methods::identify_jog(steady_runs(path, drive)); };
+  const ident::methods::Jog one = fit("1");
   EXPECT_EQ(one.runs.size(), 16u);
   EXPECT_LE(one.residual_rms, 0.45);
   EXPECT_GE(one.residual_rms, 0.1);  // the errors of the means: less would be fitted noise
-  const ident::Jog two = fit("2");
+  const ident::methods::Jog two = fit("2");
   EXPECT_EQ(two.result.model, "conventional");
   EXPECT_FALSE(std::get<friction::Conventional<double>>(two.result.friction.steady).stribeck.has_value());
   EXPECT_NEAR(two.residual_rms, 0.9, 0.1);
-  const ident::Jog three = fit("3");
+  const ident::methods::Jog three = fit("3");
   EXPECT_LE(three.residual_rms, 0.25);
   EXPECT_GE(three.residual_rms, 0.1);
-  for (const ident::Jog& j : {one, two, three}) {
+  for (const ident::methods::Jog& j : {one, two, three}) {
     EXPECT_TRUE(std::isnan(j.result.mass));
     EXPECT_EQ(j.result.force_unit, "%");
   }
@@ -89,14 +89,14 @@ TEST(Jog, GivesTheScrewDrivesTheTermsTheyNeedAndNoMore) {
 constexpr double kDegree = kPi / 180.0;
 
 /// Constant speeds of one joint of the arm, gravity as in the README taken off.
-std::vector<ident::Record> arm_runs(const std::string& path, int joint) {
+std::vector<ident::log::Record> arm_runs(const std::string& path, int joint) {
   constexpr double kPeriod = 0.015;
-  std::vector<ident::Record> records;
+  std::vector<ident::log::Record> records;
   for (const auto& row : read(path)) {
     if (records.empty() || records.back().source != row[0]) {
       records.push_back(empty_record(row[0], kPeriod, "N m"));
     }
-    ident::Record& r = records.back();
+    ident::log::Record& r = records.back();
     const double q1 = number(row[3]) * kDegree;
     const double q2 = number(row[6]) * kDegree;
     const double g2 = 9.81 * 0.186 * std::sin(q1 + q2);
@@ -111,7 +111,7 @@ std::vector<ident::Record> arm_runs(const std::string& path, int joint) {
 TEST(Jog, DoesNotMixTheTwoDaysOfTheArm) {
   STRIBECK_RECORDING(path, "dd_arm/const_velocity.csv");
   for (const int joint : {1, 2}) {
-    const ident::Jog jog = ident::identify_jog(arm_runs(path, joint));
+    const ident::methods::Jog jog = ident::methods::identify_jog(arm_runs(path, joint));
     ASSERT_FALSE(jog.result.warnings.empty());
     EXPECT_NE(jog.result.warnings.front().find("two measuring days"), std::string::npos)
         << jog.result.warnings.front();
@@ -131,7 +131,7 @@ TEST(BreakAway, AgreesWithTheAuthorsOfTheArm) {
   constexpr double kPeriod = 0.015;
   const double printed[2][2] = {{10.75, -12.00}, {1.49, -1.45}};
   for (const int joint : {1, 2}) {
-    std::vector<ident::Record> records;
+    std::vector<ident::log::Record> records;
     for (const auto& row : read(path)) {
       if (row[1] != std::to_string(joint)) continue;
       if (records.empty() || records.back().source != row[0]) {
@@ -141,7 +141,7 @@ TEST(BreakAway, AgreesWithTheAuthorsOfTheArm) {
       records.back().x.push_back(number(row[3]) * kDegree);
       records.back().f.push_back(number(row[5]));
     }
-    const ident::BreakAway b = ident::identify_break_away(records);
+    const ident::methods::BreakAway b = ident::methods::identify_break_away(records);
     for (const int side : {0, 1}) {
       SCOPED_TRACE("joint " + std::to_string(joint) + (side == 0 ? " forward" : " backward"));
       const double authors = printed[joint - 1][side];

@@ -17,14 +17,14 @@ namespace stribeck::test {
 namespace {
 
 using friction::EccentricForm;
-using ident::PeriodicRows;
-using ident::PeriodicTerm;
+using ident::map::PeriodicRows;
+using ident::map::PeriodicTerm;
 
 constexpr double kEmpsGain = 35.15065188248547;  // N/V
 
-ident::Record emps_record(const std::string& path) {
+ident::log::Record emps_record(const std::string& path) {
   const io::Log log = io::read_log(path);
-  ident::Record r;
+  ident::log::Record r;
   r.source = "emps.csv";
   r.sample_time = 1e-3;
   r.t = log.at("t_s").values;
@@ -37,13 +37,13 @@ ident::Record emps_record(const std::string& path) {
 
 /// The published filter; the force aligned (its mean over the sample before and after); mass and friction by
 /// direction fitted.
-PeriodicRows emps_residual(const ident::Record& r) {
+PeriodicRows emps_residual(const ident::log::Record& r) {
   const double T = r.sample_time;
-  const ident::Filter filter = ident::butterworth(4, 100.0 * 2.0 * T);
-  const std::vector<double> x = ident::forward_backward(filter, r.x);
+  const ident::log::Filter filter = ident::log::butterworth(4, 100.0 * 2.0 * T);
+  const std::vector<double> x = ident::log::forward_backward(filter, r.x);
   std::vector<double> held(r.f);
   for (std::size_t k = 1; k < held.size(); ++k) held[k] = 0.5 * (r.f[k] + r.f[k - 1]);
-  const std::vector<double> f = ident::forward_backward(filter, held);
+  const std::vector<double> f = ident::log::forward_backward(filter, held);
   PeriodicRows rows;
   std::vector<double> a;
   std::vector<double> v;
@@ -76,7 +76,7 @@ PeriodicRows emps_residual(const ident::Record& r) {
 // The ball screw of EMPS: lead 2.5 mm from the lines of its encoder. Measured here: 2.5012 mm, 1.03 N.
 TEST(Periodic, FindsTheBallScrewOfEmpsUnprompted) {
   STRIBECK_RECORDING(path, "emps/emps.csv");
-  const auto found = ident::find_periodic(emps_residual(emps_record(path)));
+  const auto found = ident::map::find_periodic(emps_residual(emps_record(path)));
   ASSERT_FALSE(found.terms.empty());
   const PeriodicTerm& t = found.terms.front();
   EXPECT_NEAR(t.term.period, 2.50e-3, 0.02e-3);
@@ -93,7 +93,7 @@ TEST(Periodic, FindsTheBallScrewOfEmpsUnprompted) {
 
 TEST(Periodic, PositionMapFindsItToo) {
   STRIBECK_RECORDING(path, "emps/emps.csv");
-  const ident::Result r = ident::identify_position_map({emps_record(path)});
+  const ident::Result r = ident::methods::identify_position_map({emps_record(path)});
   ASSERT_FALSE(r.friction.eccentric.empty());
   const auto& t = r.friction.eccentric[0];
   EXPECT_NEAR(t.period, 2.50e-3, 0.02e-3);
@@ -151,7 +151,7 @@ PeriodicRows ubc_plateaus(const std::string& path) {
 // half widths.
 TEST(Periodic, FindsTheScrewOfUbcAndItsHarmonics) {
   STRIBECK_RECORDING(path, "ubc_feed_axis/ubc_trial3_x.csv");
-  const auto found = ident::find_periodic(ubc_plateaus(path));
+  const auto found = ident::map::find_periodic(ubc_plateaus(path));
   const auto expect = [&](double period, double tolerance, double amplitude, double near, int harmonic) {
     for (const PeriodicTerm& t : found.terms) {
       if (std::abs(t.term.period - period) > tolerance) continue;
@@ -175,15 +175,15 @@ TEST(Periodic, FindsTheScrewOfUbcAndItsHarmonics) {
 TEST(Periodic, FindsTheCoggingOfTheHeldMotor) {
   STRIBECK_RECORDING(path, "bldc_cogging/hold_up.csv");
   const io::Log log = io::read_log(path);
-  ident::Record record;
+  ident::log::Record record;
   record.source = "hold_up.csv";
   record.t = log.at("t_s").values;
   record.x = log.at("pos_rad").values;
   record.f = log.at("iq_A").values;
   record.force_unit = "A";
   record.position_unit = "rad";
-  EXPECT_TRUE(ident::held_at_standstill({record}));
-  const ident::Result r = ident::identify_position_map({record});
+  EXPECT_TRUE(ident::methods::held_at_standstill({record}));
+  const ident::Result r = ident::methods::identify_position_map({record});
   std::vector<std::string> order;
   for (const auto& p : r.parameters) {
     if (p.name.find("amplitude") == std::string::npos) continue;

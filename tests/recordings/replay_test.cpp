@@ -13,9 +13,10 @@ namespace {
 
 // Controller of the recording: kp 160.18 1/s, kv 243.45 V·s/m at 35.15065188248547 N/V, ±10 V.
 constexpr double kGain = 35.15065188248547;
-const ident::ReplayController kEmps{ident::CascadeLaw{160.18, 243.45 * kGain, {}, 0.0, 0.0, 2}, 10.0 * kGain};
+const ident::replay::ReplayController kEmps{
+    ident::replay::CascadeLaw{160.18, 243.45 * kGain, {}, 0.0, 0.0, 2}, 10.0 * kGain};
 
-ident::Record emps(const std::string& log) {
+ident::log::Record emps(const std::string& log) {
   workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
   return workflow::make_record(io::read_csv(log), options);
@@ -44,24 +45,24 @@ friction::AxisModel richer() {
 
 TEST(Replay, ReproducesEmpsInItsClosedLoop) {
   STRIBECK_RECORDING(log, "emps/emps.csv");
-  const ident::Record record = emps(log);
-  const ident::Replay plain = ident::replay_closed_loop(published(), kEmps, record);
+  const ident::log::Record record = emps(log);
+  const ident::replay::Replay plain = ident::replay::replay_closed_loop(published(), kEmps, record);
   // An independent program with closed-form pieces between events: 4.562 % and 1.616 µm.
   EXPECT_NEAR(100.0 * plain.force_relative, 4.562, 0.02);
   EXPECT_NEAR(1e6 * plain.position_rms, 1.616, 0.01);
-  const ident::Replay rich = ident::replay_closed_loop(richer(), kEmps, record);
+  const ident::replay::Replay rich = ident::replay::replay_closed_loop(richer(), kEmps, record);
   EXPECT_NEAR(100.0 * rich.force_relative, 2.506, 0.05);
   EXPECT_NEAR(1e6 * rich.position_rms, 0.842, 0.02);
   // Half a sample of wrong alignment costs 0.2 %, though the loop makes up for most of it.
-  const ident::Replay late = ident::replay_closed_loop(richer(), kEmps, record, {0.5e-3});
+  const ident::replay::Replay late = ident::replay::replay_closed_loop(richer(), kEmps, record, {0.5e-3});
   EXPECT_GT(late.force_relative, 1.05 * rich.force_relative);
 }
 
 TEST(Replay, PredictsTheVelocityOfEmpsInOpenLoop) {
   STRIBECK_RECORDING(log, "emps/emps.csv");
-  const ident::Record record = emps(log);
-  const ident::OpenLoop plain = ident::replay_open_loop(published(), record);
-  const ident::OpenLoop rich = ident::replay_open_loop(richer(), record);
+  const ident::log::Record record = emps(log);
+  const ident::replay::OpenLoop plain = ident::replay::replay_open_loop(published(), record);
+  const ident::replay::OpenLoop rich = ident::replay::replay_open_loop(richer(), record);
   EXPECT_NEAR(100.0 * plain.restarted.velocity_relative, 4.82, 0.1);
   EXPECT_NEAR(100.0 * rich.restarted.velocity_relative, 1.74, 0.1);
   EXPECT_EQ(plain.starts.size(), 8u);  // four cycles

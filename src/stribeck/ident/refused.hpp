@@ -1,5 +1,5 @@
 #pragma once
-/// The exception of this folder.
+/// The exception of this module.
 /// Real time: no.
 
 #include <stdexcept>

@@ -80,15 +80,16 @@ struct Truth {
 };
 
 /// One run. command(k, t, x measured) returns the force [N] asked for at tick k.
-inline Record run(const Drive& drive, double duration, std::uint64_t seed,
-                  const std::function<double(std::size_t, double, double)>& command, Truth* truth = nullptr) {
+inline log::Record run(const Drive& drive, double duration, std::uint64_t seed,
+                       const std::function<double(std::size_t, double, double)>& command,
+                       Truth* truth = nullptr) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
   const double T = drive.sample_time;
   const double rho = drive.noise_time > 0 ? std::exp(-T / drive.noise_time) : 0.0;
   double d = drive.noise_rms * normal(engine);
   double s[3] = {0, 0, 0};  // x, v, z
-  Record rec;
+  log::Record rec;
   rec.source = "virtual drive";
   rec.sample_time = T;
   const auto rows = static_cast<std::size_t>(std::llround(duration / T));
@@ -143,8 +144,8 @@ inline Record run(const Drive& drive, double duration, std::uint64_t seed,
 }
 
 /// PD on a reference with a disturbance observer, gains of the thesis §2.4.3.
-inline Record run_closed(const Drive& drive, double mass_model, const std::vector<double>& r,
-                         std::uint64_t seed, Truth* truth = nullptr) {
+inline log::Record run_closed(const Drive& drive, double mass_model, const std::vector<double>& r,
+                              std::uint64_t seed, Truth* truth = nullptr) {
   const double T = drive.sample_time;
   const double kp = 1600, kv = 80, kev = 40, ked = 400 * mass_model;
   double e_last = 0, x_last = 0, v_hat = 0, d_hat = 0;
@@ -166,7 +167,7 @@ inline Record run_closed(const Drive& drive, double mass_model, const std::vecto
     x_last = x;
     return f;
   };
-  Record rec = run(drive, T * static_cast<double>(r.size()), seed, control, truth);
+  log::Record rec = run(drive, T * static_cast<double>(r.size()), seed, control, truth);
   rec.r = r;
   return rec;
 }

@@ -11,31 +11,34 @@
 
 namespace stribeck::workflow {
 
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                         int periods, const std::optional<ident::RoughDrive>& known) {
+ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                                     int periods, const std::optional<ident::excitation::RoughDrive>& known) {
   const sim::MachineAxis& a = machine.axes[axis].second;
-  const ident::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed, a.limits.acceleration,
-                             a.force_limit()};
+  const ident::excitation::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed,
+                                         a.limits.acceleration, a.force_limit()};
   const sim::Commissioning& c = a.commissioning;
   if (method == "pulses") {
-    ident::PulseDesign pulses;
+    ident::excitation::PulseDesign pulses;
     pulses.start = 0.5 * (limits.travel_min + limits.travel_max);
-    return ident::design_pulses(limits, known.value_or(ident::RoughDrive{c.mass, c.friction, 0.0}),
-                                machine.sample_time, pulses);
+    return ident::excitation::design_pulses(
+        limits, known.value_or(ident::excitation::RoughDrive{c.mass, c.friction, 0.0}), machine.sample_time,
+        pulses);
   }
   if (method == "jog") {
-    ident::JogDesign jog;
+    ident::excitation::JogDesign jog;
     jog.start = 0.5 * (limits.travel_min + limits.travel_max);
-    jog.speeds = ident::jog_speeds(ident::fastest_jog(limits, machine.sample_time, jog));
-    return ident::design_jog(limits, machine.sample_time, jog);
+    jog.speeds =
+        ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
+    return ident::excitation::design_jog(limits, machine.sample_time, jog);
   }
   if (method == "position-sine") {
-    ident::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};
+    ident::excitation::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};
     sine.from_middle = true;
-    return ident::design_sine(limits, machine.sample_time, sine);
+    return ident::excitation::design_sine(limits, machine.sample_time, sine);
   }
-  return ident::design_sine(limits, machine.sample_time,
-                            {c.sine_offset + c.sine_amplitude, c.sine_amplitude, c.sine_frequency, periods});
+  return ident::excitation::design_sine(
+      limits, machine.sample_time,
+      {c.sine_offset + c.sine_amplitude, c.sine_amplitude, c.sine_frequency, periods});
 }
 
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
@@ -63,15 +66,15 @@ io::Log as_log(const sim::Recording& recording) {
   return log;
 }
 
-ident::Record as_record(const sim::Recording& recording, const std::string& source) {
-  ident::Record record;
+ident::log::Record as_record(const sim::Recording& recording, const std::string& source) {
+  ident::log::Record record;
   record.source = source;
   record.sample_time = recording.period;
   record.t = recording.t;
   record.r = recording.r;
   record.x = recording.x;
   record.f = recording.f;
-  record.loop = recording.r.empty() ? ident::Loop::kOpen : ident::Loop::kClosed;
+  record.loop = recording.r.empty() ? ident::log::Loop::kOpen : ident::log::Loop::kClosed;
   return record;
 }
 
@@ -132,41 +135,42 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
                                  std::uint64_t seed) {
   const std::string& name = machine.axes[axis].first;
   CommissionedAxis l;
-  const auto add = [&](const std::string& method, const ident::Excitation& e) {
+  const auto add = [&](const std::string& method, const ident::excitation::Excitation& e) {
     l.logs.emplace_back(name + "-" + method + ".csv", play(machine, axis, e.r, e.force, seed));
     return as_record(l.logs.back().second, l.logs.back().first);
   };
-  const auto keep = [&](const char* kind, const std::vector<ident::Record>& records,
+  const auto keep = [&](const char* kind, const std::vector<ident::log::Record>& records,
                         const ident::Result& result) {
     CommissionedModel m{kind, {}, result};
-    for (const ident::Record& r : records) m.sources.push_back(r.source);
+    for (const ident::log::Record& r : records) m.sources.push_back(r.source);
     require_determined(result, records.front().source);
     l.models.push_back(std::move(m));
     return as_model(result);
   };
   // A first run only tells how hard to push in the second, which then covers the speeds that the axis may
   // have.
-  const ident::Excitation first = design(machine, axis, "pulses", 0);
-  const ident::Record tried =
+  const ident::excitation::Excitation first = design(machine, axis, "pulses", 0);
+  const ident::log::Record tried =
       as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
-  const ident::RoughDrive drive = ident::rough_drive(ident::identify_least_squares_a({tried}).result);
-  const ident::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
+  const ident::excitation::RoughDrive drive =
+      ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result);
+  const ident::log::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
   // As the thesis does: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The machine decides, not
   // what else is asked for.
   const bool by_jogs = machine.axes.size() > 2;
   if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
     // Pulses give the mass once the bristles and the sine are part of the fit; without them it comes out some per cent low.
-    const ident::Record turns =
+    const ident::log::Record turns =
         add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
-    const ident::Result whole = ident::identify_drive({pulses, turns}, {});
+    const ident::Result whole = ident::drive::identify_drive({pulses, turns}, {});
     l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
     if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
     if (needs.conventional && by_jogs) {
-      const ident::Record jogs = add("jog", design(machine, axis, "jog", 0));
-      ident::JogOptions conventional;
+      const ident::log::Record jogs = add("jog", design(machine, axis, "jog", 0));
+      ident::methods::JogOptions conventional;
       conventional.gaussians = false;
       conventional.mass = whole.mass;
-      ident::Result jogged = ident::identify_jog({jogs}, conventional).result;
+      ident::Result jogged = ident::methods::identify_jog({jogs}, conventional).result;
       // By direction a jog cannot tell a load from friction; the other logs can. The force stays the same.
       if (auto* map = std::get_if<friction::Gaussian<double>>(&jogged.friction.steady);
           map != nullptr && jogged.load == 0.0) {
@@ -181,14 +185,15 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
   }
   if (needs.conventional && !by_jogs) {
     l.knowledge.conventional =
-        keep("conventional", {pulses}, ident::identify_least_squares_a({pulses}).result);
+        keep("conventional", {pulses}, ident::methods::identify_least_squares_a({pulses}).result);
   }
   if (needs.gaussian || (needs.whole && !by_jogs)) {
-    const ident::Record sine = add("sine", design(machine, axis, "sine", kSinePeriods));
+    const ident::log::Record sine = add("sine", design(machine, axis, "sine", kSinePeriods));
     if (needs.gaussian)
-      l.knowledge.gaussian = keep("gaussian", {pulses, sine}, ident::identify_velocity_map({pulses, sine}));
+      l.knowledge.gaussian =
+          keep("gaussian", {pulses, sine}, ident::methods::identify_velocity_map({pulses, sine}));
     if (needs.whole && !by_jogs)
-      l.knowledge.whole = keep("whole", {pulses, sine}, ident::identify_drive({pulses, sine}, {}));
+      l.knowledge.whole = keep("whole", {pulses, sine}, ident::drive::identify_drive({pulses, sine}, {}));
   }
   return l;
 }

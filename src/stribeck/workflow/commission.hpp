@@ -45,8 +45,9 @@ inline constexpr int kSinePeriods = 8;
 inline constexpr int kPositionPeriods = 4;
 
 /// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
-ident::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                         int periods, const std::optional<ident::RoughDrive>& known = {});
+ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
+                                     int periods,
+                                     const std::optional<ident::excitation::RoughDrive>& known = {});
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);
@@ -62,6 +63,6 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
 
 /// A recording as a log file has it.
 io::Log as_log(const sim::Recording& recording);
-ident::Record as_record(const sim::Recording& recording, const std::string& source);
+ident::log::Record as_record(const sim::Recording& recording, const std::string& source);
 
 }  // namespace stribeck::workflow

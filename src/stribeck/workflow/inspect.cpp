@@ -80,9 +80,9 @@ std::string step_text(double quantum, double large, const std::string& unit, dou
   return fmt::format("steps of {:.3g} {}", scale * quantum, unit);
 }
 
-void add_sampling(const ident::Conditioned& c, Inspection& out) {
-  const ident::Sampling& s = c.sampling;
-  const ident::Record& r = c.records.front();
+void add_sampling(const ident::log::Conditioned& c, Inspection& out) {
+  const ident::log::Sampling& s = c.sampling;
+  const ident::log::Record& r = c.records.front();
   const bool angle = r.position_unit == "rad";
   const double scale = angle ? 1.0 : 1e3;
   const std::string way = angle ? "rad" : "mm";
@@ -91,7 +91,7 @@ void add_sampling(const ident::Conditioned& c, Inspection& out) {
                           s.rows, s.duration, 1e3 * s.logged_time, 100.0 * s.jitter,
                           s.gaps == 0 ? "no gap" : fmt::format("{} gaps", s.gaps));
   const bool integrated = std::any_of(c.findings.begin(), c.findings.end(),
-                                      [](const ident::Finding& f) { return f.kind == "no-position"; });
+                                      [](const ident::log::Finding& f) { return f.kind == "no-position"; });
   if (integrated) {
     out.text += "  position  integrated from the velocity\n";
   } else {
@@ -123,7 +123,7 @@ void add_sampling(const ident::Conditioned& c, Inspection& out) {
                           {"position_noise", s.x_noise},
                           {"velocity_noise", s.v_noise},
                           {"force_noise", s.f_noise}};
-  const ident::Coverage& m = c.coverage;
+  const ident::log::Coverage& m = c.coverage;
   out.text += "\nMotion\n";
   out.text +=
       fmt::format("  from {:.6g} to {:.6g} {}, {:.4g} to {:.4g} {}/s, up to {:.4g} {}/s2\n", scale * m.x_min,
@@ -145,10 +145,10 @@ void add_sampling(const ident::Conditioned& c, Inspection& out) {
                         {"reversals", m.reversals}};
 }
 
-void add_findings(const ident::Conditioned& c, const io::Log& log, Inspection& out) {
+void add_findings(const ident::log::Conditioned& c, const io::Log& log, Inspection& out) {
   out.text += "\nFindings\n";
   std::vector<std::string> lines;
-  for (const ident::Finding& f : c.findings) {
+  for (const ident::log::Finding& f : c.findings) {
     lines.push_back(fmt::format("{}{}: {}", f.kind, f.repaired ? "" : " (not repaired)",
                                 without_source(f.text, log.source)));
     out.json["findings"].push_back(
@@ -168,7 +168,7 @@ void add_findings(const ident::Conditioned& c, const io::Log& log, Inspection& o
   add_lines(out.text, lines, "-");
   std::size_t rows = 0;
   std::size_t left_out = 0;
-  for (const ident::Record& r : c.records) {
+  for (const ident::log::Record& r : c.records) {
     rows += r.t.size();
     left_out += static_cast<std::size_t>(std::count(r.skip.begin(), r.skip.end(), 1));
   }
@@ -177,7 +177,7 @@ void add_findings(const ident::Conditioned& c, const io::Log& log, Inspection& o
                   c.records.size() == 1 ? "" : "s", rows, 1e3 * c.sampling.sample_time,
                   left_out > 0 ? fmt::format("; {} rows are marked and not fitted", left_out) : "");
   for (std::size_t i = 0; i < c.records.size(); ++i) {
-    const ident::Record& r = c.records[i];
+    const ident::log::Record& r = c.records[i];
     out.json["records"].push_back({{"source", r.source},
                                    {"first_row", c.rows[i].front()},
                                    {"last_row", c.rows[i].back()},
@@ -241,7 +241,7 @@ Inspection inspect(const io::Log& log, const LogOptions& given) {
     if (axis.runs.size() > 1) out.text += fmt::format("  {} runs\n", axis.runs.size());
     add_lines(out.text, axis.notes, "-");
     for (const std::string& note : axis.notes) out.json["notes"].push_back(note);
-    const ident::Conditioned c = condition_log(log, options);
+    const ident::log::Conditioned c = condition_log(log, options);
     add_sampling(c, out);
     add_findings(c, log, out);
     out.text += "\nCan be identified\n";

@@ -873,13 +873,13 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
       header_of(*effort.chosen.column) + (effort.chosen.unit.empty() ? "" : " [" + effort.chosen.unit + "]"));
   const std::size_t runs = selection.all ? 1 : selection.runs.size();
   for (std::size_t i = 0; i < runs; ++i) {
-    ident::RawLog raw;
+    ident::log::RawLog raw;
     raw.source = selection.all ? log.source : run_name(log, options, selection.runs[i].front());
     raw.force_unit = effort.unit;
     raw.position_unit = angle ? "rad" : "m";
     raw.sample_time = sample_time;
     const auto signal = [&](std::vector<double>& values, const io::Column& column, bool is_base) {
-      ident::Signal s;
+      ident::log::Signal s;
       const int index = time_of(column);
       const bool own = index >= 0 && (is_base || index != base_time);
       if (selection.all) {
@@ -896,7 +896,10 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
     };
     for (Motion& m : motion) {
       if (!m.chosen) continue;
-      ident::Signal& s = m.name == "x" ? raw.x : m.name == "r" ? raw.r : m.name == "v" ? raw.v : raw.v_ref;
+      ident::log::Signal& s = m.name == "x"   ? raw.x
+                              : m.name == "r" ? raw.r
+                              : m.name == "v" ? raw.v
+                                              : raw.v_ref;
       s = signal(m.values, *m.chosen->column, m.chosen->column == base.column);
     }
     raw.f = signal(force, *effort.chosen.column, false);
@@ -909,23 +912,23 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   return out;
 }
 
-ident::Conditioned condition_log(const io::Log& log, const LogOptions& given,
-                                 std::vector<std::string>* notes) {
+ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& given,
+                                      std::vector<std::string>* notes) {
   const LogOptions options = with_map_file(given);
   LoggedAxis axis = logged_axis(log, options);
   if (notes != nullptr) notes->insert(notes->end(), axis.notes.begin(), axis.notes.end());
-  const ident::ConditionOptions condition{options.keep};
-  ident::Conditioned clean;
+  const ident::log::ConditionOptions condition{options.keep};
+  ident::log::Conditioned clean;
   try {
-    clean = ident::condition(std::move(axis.runs), condition);
+    clean = ident::log::condition(std::move(axis.runs), condition);
   } catch (const ident::Refused& why) {
     // The log itself is at fault, not what it can tell.
     throw io::InputError(io::Problem{"", 0, "", why.what()});
   }
   const bool look = std::find(options.keep.begin(), options.keep.end(), "mixed-runs") == options.keep.end();
   if (look) {
-    std::vector<ident::Finding> mixed = ident::warn_of_mixed_runs(clean.records);
-    for (ident::Finding& f : mixed) {
+    std::vector<ident::log::Finding> mixed = ident::log::warn_of_mixed_runs(clean.records);
+    for (ident::log::Finding& f : mixed) {
       f.text = log.source + ": " + f.text;
       clean.findings.push_back(std::move(f));
     }
@@ -933,13 +936,13 @@ ident::Conditioned condition_log(const io::Log& log, const LogOptions& given,
   return clean;
 }
 
-ident::Record make_record(const io::Log& log, const LogOptions& options) {
+ident::log::Record make_record(const io::Log& log, const LogOptions& options) {
   const LoggedAxis axis = logged_axis(log, options);
   if (axis.runs.size() != 1) {
     throw io::InputError(
         {log.source, 0, {}, fmt::format("{} runs, expected one (choose it with --where)", axis.runs.size())});
   }
-  const ident::RawLog& raw = axis.runs.front();
+  const ident::log::RawLog& raw = axis.runs.front();
   if (raw.force_unit != "N" || raw.position_unit != "m") {
     const bool voltage = raw.force_unit == "V";
     throw io::InputError(
@@ -950,7 +953,7 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
          fmt::format("the force stands as {}; say how much force that is (--gain \"1048 N/{}\")",
                      voltage ? "voltage" : raw.force_unit, voltage ? "V" : raw.force_unit)});
   }
-  ident::Record record;
+  ident::log::Record record;
   record.source = log.source;
   record.t = raw.x.t.empty() ? raw.v.t : raw.x.t;
   record.x = raw.x.y;
@@ -970,7 +973,7 @@ ident::Record make_record(const io::Log& log, const LogOptions& options) {
                      time.gaps.front().duration, time.gaps.front().row)});
   }
   std::vector<io::Problem> found;
-  for (std::string& text : ident::problems(record)) {
+  for (std::string& text : ident::log::problems(record)) {
     const std::string prefix = log.source + ": ";
     if (text.rfind(prefix, 0) == 0) text.erase(0, prefix.size());
     found.push_back({log.source, 0, {}, std::move(text)});

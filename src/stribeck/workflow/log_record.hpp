@@ -58,17 +58,17 @@ std::vector<std::uint8_t> rows_with(const io::Log& log, const std::string& where
 
 /// One axis of a log.
 struct LoggedAxis {
-  std::vector<ident::RawLog> runs;
+  std::vector<ident::log::RawLog> runs;
   std::vector<std::string> notes;  ///< what was chosen where a choice had to be made
   std::vector<std::pair<std::string, std::string>> columns;  ///< quantity, header of its column and unit
 };
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options);
 
 /// The same, cleaned. Findings of mixed runs are among the findings.
-ident::Conditioned condition_log(const io::Log& log, const LogOptions& options,
-                                 std::vector<std::string>* notes = nullptr);
+ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& options,
+                                      std::vector<std::string>* notes = nullptr);
 
 /// One clean record with a force in newton; refuses everything else.
-ident::Record make_record(const io::Log& log, const LogOptions& options);
+ident::log::Record make_record(const io::Log& log, const LogOptions& options);
 
 }  // namespace stribeck::workflow

@@ -47,7 +47,7 @@ std::string csv(const std::string& header, const std::vector<std::string>& what,
 
 io::Log log_of(const std::string& text) { return io::parse_log(text, "log.csv"); }
 
-ident::RawLog axis_of(const std::string& text, const workflow::LogOptions& options = {}) {
+ident::log::RawLog axis_of(const std::string& text, const workflow::LogOptions& options = {}) {
   return workflow::logged_axis(log_of(text), options).runs.at(0);
 }
 
@@ -76,7 +76,7 @@ TEST(LogRecord, NamesOfTheControls) {
                         {"t [s],Istposition [mm],Kraft [N]", "x"},
                         {"t [s],Y1_ActualPosition [mm],Y1_Force [N]", "y"},
                         {"t [s],ActPos [mm],F [N]", ""}}) {
-    const ident::RawLog raw = axis_of(csv(c.header, {"t", "x_mm", "f"}), {.axis = c.axis});
+    const ident::log::RawLog raw = axis_of(csv(c.header, {"t", "x_mm", "f"}), {.axis = c.axis});
     ASSERT_EQ(raw.x.y.size(), 3000U) << c.header;
     EXPECT_NEAR(raw.x.y[kRow], x_at(), 1e-8) << c.header;
     EXPECT_EQ(raw.force_unit, "N") << c.header;
@@ -141,11 +141,11 @@ TEST(LogRecord, ScalesOfTheForce) {
 TEST(LogRecord, TurningAxes) {
   const std::string text =
       csv("t [s],pos [deg],velocity [rpm],torque [Nm]", {"t", "turns_deg", "rpm", "torque"});
-  const ident::RawLog angle = axis_of(text);
+  const ident::log::RawLog angle = axis_of(text);
   EXPECT_EQ(angle.position_unit, "rad");
   EXPECT_EQ(angle.force_unit, "N m");
   EXPECT_NEAR(angle.x.y[kRow], x_at() / 0.005 * 2.0 * std::numbers::pi, 1e-6);
-  const ident::RawLog straight = axis_of(text, {.lead = "5 mm"});
+  const ident::log::RawLog straight = axis_of(text, {.lead = "5 mm"});
   EXPECT_EQ(straight.position_unit, "m");
   EXPECT_EQ(straight.force_unit, "N");
   EXPECT_NEAR(straight.x.y[kRow], x_at(), 1e-8);
@@ -157,7 +157,7 @@ TEST(LogRecord, TurningAxes) {
 
 TEST(LogRecord, RowsAndRuns) {
   const std::string text = csv("t [s],part,x [mm],f [N]", {"t", "part", "x_mm", "f"});
-  const ident::RawLog one = axis_of(text, {.where = {"part=1"}});
+  const ident::log::RawLog one = axis_of(text, {.where = {"part=1"}});
   EXPECT_EQ(one.x.y.size(), 1000U);
   EXPECT_EQ(one.row.front(), 1001U);
   EXPECT_NEAR(one.x.t.front(), 1.0, 1e-9);
@@ -179,7 +179,7 @@ TEST(LogRecord, MapFileSaysTheSame) {
   const std::string text = csv("t [s],weg,i_motor", {"t", "x_mm", "f"});
   workflow::LogOptions options;
   options.map_file = map;
-  const ident::RawLog raw = axis_of(text, options);
+  const ident::log::RawLog raw = axis_of(text, options);
   EXPECT_NEAR(raw.x.y[kRow], x_at(), 1e-8);
   const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
   EXPECT_NEAR(raw.f.y[kRow], 2.0 * f, 1e-4);

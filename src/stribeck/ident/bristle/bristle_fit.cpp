@@ -16,10 +16,8 @@
 #include <variant>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::bristle {
 namespace {
-
-using namespace bristle;
 
 constexpr int kIterations = 40;
 constexpr int kStartIterations = 10;
@@ -67,7 +65,8 @@ struct Fitted {
 
 class Search {
  public:
-  Search(const std::vector<Record>& records, const friction::AxisModel& known, const BristleOptions& options)
+  Search(const std::vector<log::Record>& records, const friction::AxisModel& known,
+         const BristleOptions& options)
       : records_(records), known_(known), options_(options) {
     check();
     prepare();
@@ -90,8 +89,8 @@ class Search {
  private:
   void check() const {
     if (records_.empty()) throw Refused("dynamic friction: no record was given; at least one is needed");
-    for (const Record& record : records_) {
-      const auto bad = problems(record);
+    for (const log::Record& record : records_) {
+      const auto bad = log::problems(record);
       if (!bad.empty()) throw Refused(bad.front());
       const double T = records_.front().sample_time;
       if (std::abs(record.sample_time - T) > 1e-6 * T)
@@ -117,14 +116,14 @@ class Search {
           text("dynamic friction: the axis model has mass %g and friction levels %g and %g at rest; all "
                "must be positive, so identify the steady map first",
                known_.mass, data_.level[0], data_.level[1]));
-    for (const Record& record : records_) {
-      MotionOptions as_logged;
+    for (const log::Record& record : records_) {
+      log::MotionOptions as_logged;
       as_logged.shift = options_.shift;
-      data_.motion.push_back(reconstruct(record, as_logged));
-      const Motion& m = data_.motion.back();
+      data_.motion.push_back(log::reconstruct(record, as_logged));
+      const log::Motion& m = data_.motion.back();
       data_.noise = std::max(data_.noise, m.position_noise);
       data_.reversals += m.reversals.empty() ? 0 : m.reversals.size() - 1;
-      open_ = open_ && m.loop == Loop::kOpen;
+      open_ = open_ && m.loop == log::Loop::kOpen;
       stroke_ = std::max(stroke_, m.stroke);
     }
     fit_.mass = known_.mass;
@@ -313,7 +312,7 @@ class Search {
 
   void count_rows() {
     std::vector<double> per_turn;
-    for (const Motion& m : data_.motion) {
+    for (const log::Motion& m : data_.motion) {
       for (std::size_t i = 1; i < m.reversals.size(); ++i) {
         const std::size_t turn = m.reversals[i];
         double count = 0.0;
@@ -387,7 +386,7 @@ class Search {
     const auto law = GmsCase::make<Jet>(jets.data(), gms_.own, setting_.scales).law;
     const auto slope = [&](const Jet& x) {
       VectorXd g = VectorXd::Zero(p.size());
-      g.head(gms_.own) = log(x).v.head(gms_.own);
+      g.head(gms_.own) = ceres::log(x).v.head(gms_.own);
       return g;
     };
     const auto positive = [&](const std::string& name, const Jet& x, const std::string& si,
@@ -481,7 +480,7 @@ class Search {
     return "";
   }
 
-  const std::vector<Record>& records_;
+  const std::vector<log::Record>& records_;
   const friction::AxisModel& known_;
   const BristleOptions& options_;
   BristleFit fit_;
@@ -506,9 +505,9 @@ class Search {
 
 }  // namespace
 
-BristleFit fit_bristle(const std::vector<Record>& records, const friction::AxisModel& known,
+BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::AxisModel& known,
                        const BristleOptions& options) {
   return Search(records, known, options).run();
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::bristle

@@ -31,7 +31,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::bristle {
 
 /// How well the axis model is known, as standard deviations.
 struct BristleOptions {
@@ -64,7 +64,7 @@ struct BristleFit {
 };
 
 /// All records belong to one axis and are free of delays.
-BristleFit fit_bristle(const std::vector<Record>& records, const friction::AxisModel& known,
+BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::AxisModel& known,
                        const BristleOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::bristle

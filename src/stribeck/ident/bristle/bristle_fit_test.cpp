@@ -6,7 +6,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::bristle {
 namespace {
 
 using testing::Drive;
@@ -46,15 +46,15 @@ friction::AxisModel known(const Drive& d) {
   return a;
 }
 
-Record table_sine(const Drive& d, double periods, std::uint64_t seed) {
+log::Record table_sine(const Drive& d, double periods, std::uint64_t seed) {
   return run_closed(d, 55e3, testing::sine_reference(d.sample_time, 0.02, 0.475, periods), seed);
 }
-Record tool_sine(const Drive& d, double periods, std::uint64_t seed) {
+log::Record tool_sine(const Drive& d, double periods, std::uint64_t seed) {
   return run_closed(d, 1000.0, testing::sine_reference(d.sample_time, 0.005, 1.0, periods), seed);
 }
 
 /// Trapezoids in pairs, heights base times the scales of the thesis.
-Record pulses(const Drive& d, double base, std::uint64_t seed) {
+log::Record pulses(const Drive& d, double base, std::uint64_t seed) {
   const double T = d.sample_time;
   std::vector<double> f(100, 0.0);
   for (const double scale : {1.0, 1.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.5, 9.0}) {
@@ -76,7 +76,7 @@ struct Springs {
   std::vector<double> share;
   double attraction = 1e5;
 };
-Record run_springs(const Drive& d, const Springs& s, const std::vector<double>& r, std::uint64_t seed) {
+log::Record run_springs(const Drive& d, const Springs& s, const std::vector<double>& r, std::uint64_t seed) {
   constexpr int kSub = 100;
   const double T = d.sample_time;
   const double m = d.mass;
@@ -88,7 +88,7 @@ Record run_springs(const Drive& d, const Springs& s, const std::vector<double>& 
   std::vector<double> force(s.share.size(), 0.0);
   std::vector<char> slips(s.share.size(), 0);
   double x = 0, v = 0, e_last = 0, x_last = 0, v_hat = 0, d_hat = 0;
-  Record rec;
+  log::Record rec;
   rec.source = "springs";
   rec.sample_time = T;
   rec.r = r;
@@ -238,8 +238,8 @@ TEST(BristleFit, MassFromPulsesNeedsTheStateInsideTheSample) {
 
 TEST(BristleFit, MirroredLogGivesTheSameBristle) {
   const Drive d = tool_drive(5e-3);
-  const Record log = tool_sine(d, 2, 4);
-  Record mirrored = log;
+  const log::Record log = tool_sine(d, 2, 4);
+  log::Record mirrored = log;
   for (auto* column : {&mirrored.x, &mirrored.f, &mirrored.r}) {
     for (double& value : *column) value = -value;
   }
@@ -253,9 +253,9 @@ TEST(BristleFit, MirroredLogGivesTheSameBristle) {
 
 TEST(BristleFit, LengthsInMillimetresChangeUnitsOnly) {
   const Drive d = tool_drive(5e-3);
-  const Record log = tool_sine(d, 2, 6);
+  const log::Record log = tool_sine(d, 2, 6);
   const auto a = fit_bristle({log}, known(d), only_lugre());
-  Record scaled = log;
+  log::Record scaled = log;
   for (auto* column : {&scaled.x, &scaled.r}) {
     for (double& value : *column) value *= 1e3;
   }
@@ -288,8 +288,8 @@ TEST(BristleFit, SaysWhatALogCannotTell) {
   EXPECT_FALSE(blunt.determinable);
   EXPECT_NE(blunt.reason.find("encoder"), std::string::npos) << blunt.reason;
 
-  const Record full = table_sine(d, 3, 1);
-  Record thin;
+  const log::Record full = table_sine(d, 3, 1);
+  log::Record thin;
   thin.source = "every 25th row";
   thin.sample_time = 25 * full.sample_time;
   for (std::size_t k = 0; k < full.x.size(); k += 25) {
@@ -304,12 +304,12 @@ TEST(BristleFit, SaysWhatALogCannotTell) {
 
 TEST(BristleFit, RefusesWhatItCannotUse) {
   const Drive d = tool_drive(5e-3);
-  const Record log = tool_sine(d, 1, 1);
+  const log::Record log = tool_sine(d, 1, 1);
   EXPECT_THROW(fit_bristle({}, known(d)), Refused);
   auto weightless = known(d);
   weightless.mass = 0.0;
   EXPECT_THROW(fit_bristle({log}, weightless), Refused);
-  Record other = log;
+  log::Record other = log;
   other.sample_time = 0.004;
   for (std::size_t k = 0; k < other.t.size(); ++k) other.t[k] = 0.004 * static_cast<double>(k);
   EXPECT_THROW(fit_bristle({log, other}, known(d)), Refused);
@@ -320,7 +320,7 @@ TEST(BristleFit, RefusesWhatItCannotUse) {
 
 TEST(BristleFit, SameLogSameBytes) {
   const Drive d = tool_drive(5e-3);
-  const Record log = tool_sine(d, 2, 8);
+  const log::Record log = tool_sine(d, 2, 8);
   const auto a = fit_bristle({log}, known(d));
   const auto b = fit_bristle({log}, known(d));
   EXPECT_EQ(a.break_away, b.break_away);
@@ -328,4 +328,4 @@ TEST(BristleFit, SameLogSameBytes) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::bristle

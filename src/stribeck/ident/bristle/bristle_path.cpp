@@ -5,7 +5,7 @@
 #include <stribeck/ident/bristle/bristle_path.hpp>
 #include <stribeck/ident/log/filter.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::bristle {
 namespace {
 
 /// In break-away distances. LuGre has forgotten all but e^-12 of a reversal after the first.
@@ -117,25 +117,25 @@ std::vector<double> whitening_of(const BristlePath& path, const double* e) {
   return c;
 }
 
-BristlePath cut_path(const std::vector<Record>& records, const BristleData& data,
+BristlePath cut_path(const std::vector<log::Record>& records, const BristleData& data,
                      const friction::AxisModel& known, const CutOptions& options) {
   const double break_away = options.break_away;
   BristlePath path;
   const double T0 = records.front().sample_time;
   const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
   do {
-    if (known.mass * data.noise * std::sqrt(second_difference_variance(box_weights(path.window))) /
+    if (known.mass * data.noise * std::sqrt(log::second_difference_variance(log::box_weights(path.window))) /
             (T0 * T0) <=
         allowed)
       break;
   } while (++path.window <= kWidestBox);
   path.window = std::min(path.window, kWidestBox);
   const std::size_t half = 3 * static_cast<std::size_t>(path.window) + kMostWhitening;
-  const std::vector<double> calm = box_weights(path.window / 2);
+  const std::vector<double> calm = log::box_weights(path.window / 2);
 
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const Record& record = records[r];
-    const Motion& motion = data.motion[r];
+    const log::Record& record = records[r];
+    const log::Motion& motion = data.motion[r];
     const double T = record.sample_time;
     const std::size_t n = record.x.size();
     if (n < 2 * half + 4 || motion.reversals.empty()) continue;
@@ -147,7 +147,7 @@ BristlePath cut_path(const std::vector<Record>& records, const BristleData& data
       for (std::size_t k = 0; k < n; ++k) x[k] = 2.0 * once[k] - twice[k];
     }
     const std::vector<double> m = spline(x);
-    const std::vector<double> force = align_force(record.f, options.shift);
+    const std::vector<double> force = log::align_force(record.f, options.shift);
 
     // Way to the end of the stretch that a row lies in.
     std::vector<double> ahead(n, 0.0);
@@ -269,15 +269,15 @@ BristlePath cut_path(const std::vector<Record>& records, const BristleData& data
   return path;
 }
 
-double guess_break_away(const std::vector<Record>& records, const BristleData& data,
+double guess_break_away(const std::vector<log::Record>& records, const BristleData& data,
                         const friction::AxisModel& known) {
   std::vector<double> crossings;
   double stiffness = 0.0;
   double weight = 0.0;
   double most = 0.0;
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const Motion& m = data.motion[r];
-    const std::vector<double> x = smooth_like(m, records[r].x);
+    const log::Motion& m = data.motion[r];
+    const std::vector<double> x = log::smooth_like(m, records[r].x);
     // Friction as a share of its level, from the smoothed motion.
     std::vector<double> share(m.rows(), 0.0);
     for (std::size_t k = 0; k < m.rows(); ++k) {
@@ -317,4 +317,4 @@ double guess_break_away(const std::vector<Record>& records, const BristleData& d
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::bristle

@@ -23,7 +23,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::bristle {
 
 /// One sub-step. Friction is taken from the middle of it.
 struct PathStep {
@@ -74,7 +74,7 @@ struct BristlePath {
 
 /// What the pieces are cut from, per record.
 struct BristleData {
-  std::vector<Motion> motion;
+  std::vector<log::Motion> motion;
   double noise = 0.0;             ///< of the position [m], the largest of the records
   std::array<double, 2> level{};  ///< of friction at rest, forward and backward [N]
   std::size_t reversals = 0;
@@ -94,12 +94,12 @@ struct CutOptions {
   double shift = -0.5;      ///< of the force, as in MotionOptions [rows]
   bool whole = false;       ///< every row, not only those near reversals
 };
-BristlePath cut_path(const std::vector<Record>& records, const BristleData& data,
+BristlePath cut_path(const std::vector<log::Record>& records, const BristleData& data,
                      const friction::AxisModel& known, const CutOptions& options);
 
 /// First idea of the break-away distance g/σ0 [m]: where friction crosses zero after a reversal, else from the
 /// stiffness of a motion that never slides. NaN when nothing moves.
-double guess_break_away(const std::vector<Record>& records, const BristleData& data,
+double guess_break_away(const std::vector<log::Record>& records, const BristleData& data,
                         const friction::AxisModel& known);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::bristle

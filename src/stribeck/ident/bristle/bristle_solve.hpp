@@ -135,14 +135,14 @@ inline bool apart(const BristlePath& path, std::size_t k, std::size_t l) {
   return a.record == b.record && a.at - b.at == l;
 }
 
-inline Memory memory_of_rows(const BristlePath& path, const VectorXd& e) {
+inline stats::Memory memory_of_rows(const BristlePath& path, const VectorXd& e) {
   std::vector<int> record;
   std::vector<std::size_t> at;
   for (const PathRow& row : path.rows) {
     record.push_back(row.record);
     at.push_back(row.at);
   }
-  return memory_of({e.data(), e.data() + e.size()}, record, at);
+  return stats::memory_of({e.data(), e.data() + e.size()}, record, at);
 }
 
 /// Jacobian of the free parameters and what the residuals are made orthogonal to: the same, but for the mass
@@ -221,7 +221,7 @@ Spread spread_of(const Model<Case>& model, const VectorXd& p, const std::vector<
   MatrixXd J;
   MatrixXd Z;
   sensitivities(model, p, free, mass, e, J, Z);
-  const Memory memory = memory_of_rows(path, e);
+  const stats::Memory memory = memory_of_rows(path, e);
   const auto n = static_cast<Index>(free.size());
   // Autocovariance, with a flat top up to six memories and a straight fall to zero at twelve.
   const auto lags = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(12.0 * memory.rows)), 2, 400);
@@ -256,7 +256,7 @@ Spread spread_of(const Model<Case>& model, const VectorXd& p, const std::vector<
   out.free = free;
   out.stationary = inverse * (Z.transpose() * filtered + prior_part) * inverse.transpose();
   const double independent = static_cast<double>(rows) / (2.0 * memory.rows);
-  out.factor = student_factor(std::max(3.0, independent - static_cast<double>(n)));
+  out.factor = stats::student_factor(std::max(3.0, independent - static_cast<double>(n)));
 
   std::vector<VectorXd> scores;
   int last = -1;
@@ -271,7 +271,7 @@ Spread spread_of(const Model<Case>& model, const VectorXd& p, const std::vector<
     for (const VectorXd& s : scores)
       S += s * s.transpose() * (static_cast<double>(clusters) / (clusters - 1));
     out.clustered = inverse * S * inverse.transpose();
-    out.cluster_factor = student_factor(clusters - 1.0);
+    out.cluster_factor = stats::student_factor(clusters - 1.0);
   } else {
     out.clustered = MatrixXd::Zero(n, n);
   }

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <stribeck/ident/drive/drive_fit_parts.hpp>
 
-namespace stribeck::ident {
-namespace drive {
+namespace stribeck::ident::drive {
 namespace {
 
 /// exp(−6) = 0.25 % of the swing at a reversal is left beyond six relaxation lengths.
@@ -19,7 +18,7 @@ Result DriveFit::run() {
   pilot();
   if (!options_.shift) find_shift();
   settle();
-  StaticChoice choice = choose();
+  map::StaticChoice choice = choose();
   if (options_.periodic) choice = try_periodic(std::move(choice));
   choice_ = std::move(choice);
   intervals();
@@ -29,32 +28,32 @@ Result DriveFit::run() {
 void DriveFit::prepare() {
   if (records_.empty()) throw Refused("identification: no record given");
   motions_.reserve(records_.size()), force_.reserve(records_.size());
-  for (const Record& r : records_) {
-    const auto wrong = problems(r);
+  for (const log::Record& r : records_) {
+    const auto wrong = log::problems(r);
     if (!wrong.empty()) throw Refused(wrong.front());
     if (r.force_unit != records_.front().force_unit || r.position_unit != records_.front().position_unit) {
       throw Refused(r.source + ": its force is in " + r.force_unit + " and its position in " +
                     r.position_unit + ", expected " + records_.front().force_unit + " and " +
                     records_.front().position_unit + " as in " + records_.front().source);
     }
-    MotionOptions motion;
+    log::MotionOptions motion;
     motion.cut_off = options_.cut_off;
     shift_ = options_.shift.value_or(-0.5);
     motion.shift = shift_;
     motion.smoothed_force = &force_.emplace_back();
-    motions_.push_back(reconstruct(r, motion));
+    motions_.push_back(log::reconstruct(r, motion));
     predict(r, motions_.back());
-    if (motions_.back().loop == Loop::kAutomatic) {
+    if (motions_.back().loop == log::Loop::kAutomatic) {
       warn(r.source +
            ": no reference and no programmed force: the mass rests on smoothed accelerations alone");
     }
   }
 }
 
-void DriveFit::predict(const Record& record, Motion& m) {
+void DriveFit::predict(const log::Record& record, log::Motion& m) {
   predicted_.emplace_back();
-  if (m.loop != Loop::kClosed || record.r.empty()) return;
-  const std::vector<double> r = smooth_like(m, record.r);
+  if (m.loop != log::Loop::kClosed || record.r.empty()) return;
+  const std::vector<double> r = log::smooth_like(m, record.r);
   const auto n = static_cast<std::ptrdiff_t>(r.size());
   std::vector<double> rate(r.size(), 0.0);
   for (std::size_t k = 1; k + 1 < r.size(); ++k) rate[k] = (r[k + 1] - r[k - 1]) / (2.0 * m.sample_time);
@@ -102,8 +101,8 @@ void DriveFit::predict(const Record& record, Motion& m) {
 Level DriveFit::level() {
   bare_ = line_;
   Level l;
-  for (std::size_t s = 0; s < kSides; ++s) {
-    for (double& f : bare_[s].force) f -= kDirection[s] * offset_;
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    for (double& f : bare_[s].force) f -= map::kDirection[s] * offset_;
     l.viscous[s] = std::max(0.0, bare_[s].line().slope);
   }
   l.map = &bare_;
@@ -113,7 +112,7 @@ Level DriveFit::level() {
 void DriveFit::pilot() {
   double stroke = 0.0;
   double hysteresis = 0.0;
-  for (const Motion& m : motions_) {
+  for (const log::Motion& m : motions_) {
     stroke = std::max(stroke, m.stroke);
     hysteresis = std::max(hysteresis, 20.0 * m.position_noise);
     for (std::size_t k = 0; k < m.rows(); ++k) {
@@ -161,8 +160,6 @@ void DriveFit::settle() {
   solve(true);
 }
 
-}  // namespace drive
-
 namespace {
 
 /// Of the held-out force: what another explanation must leave less to be taken.
@@ -179,22 +176,22 @@ double shift_of(const Result& r) {
 
 }  // namespace
 
-Result identify_drive(const std::vector<Record>& records, const DriveFitOptions& options) {
-  Result result = drive::DriveFit(records, options).run();
+Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
+  Result result = DriveFit(records, options).run();
   const double shift = shift_of(result);
   if (shift == 0.0 || !result.friction.eccentric.empty() || !options.periodic) return result;
   // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the term.
   DriveFitOptions without = options;
   without.shift = kNoShift;
-  Result other = drive::DriveFit(records, without).run();
+  Result other = DriveFit(records, without).run();
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms))
     return result;
   other.warnings.push_back(
-      drive::text("the force seemed to stand %.3g ms %s than the motion that it belongs to; with terms "
-                  "periodic in position instead the model leaves %.3g of %.3g %s, and no shift is taken out",
-                  1e3 * std::abs(shift), shift > 0.0 ? "later" : "earlier", other.held_out_rms,
-                  result.held_out_rms, other.force_unit.c_str()));
+      text("the force seemed to stand %.3g ms %s than the motion that it belongs to; with terms "
+           "periodic in position instead the model leaves %.3g of %.3g %s, and no shift is taken out",
+           1e3 * std::abs(shift), shift > 0.0 ? "later" : "earlier", other.held_out_rms, result.held_out_rms,
+           other.force_unit.c_str()));
   return other;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::drive

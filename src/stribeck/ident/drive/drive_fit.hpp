@@ -30,7 +30,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::drive {
 
 struct DriveFitOptions {
   std::optional<double> mass;   ///< known mass [kg]; absent: estimated
@@ -46,6 +46,6 @@ struct DriveFitOptions {
   int map_points = 600;         ///< for plots, each direction
 };
 
-Result identify_drive(const std::vector<Record>& records, const DriveFitOptions& options = {});
+Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::drive

@@ -11,18 +11,18 @@ void DriveFit::intervals() {
     linear_ = *joint_;
     if (!options_.mass) mass_ = linear_(0);
   }
-  const StaticFit& fit = choice_.fit;
+  const map::StaticFit& fit = choice_.fit;
   const std::size_t n = rows_.size();
   const std::size_t q = columns();
   const std::size_t p = fit.parameters();
   const auto Q = static_cast<Index>(q), P = static_cast<Index>(p);
   // The fit and its derivatives by bin, at the mean speed of the bin.
-  std::array<MatrixXd, kSides> slope;
-  std::array<VectorXd, kSides> at_bin, per_speed;
+  std::array<MatrixXd, map::kSides> slope;
+  std::array<VectorXd, map::kSides> at_bin, per_speed;
   const std::size_t stride = q + 6;
   MatrixXd normal = MatrixXd::Zero(P, P);
   MatrixXd along = MatrixXd::Zero(P, Q), along_instruments = along;
-  for (int s = 0; s < kSides; ++s) {
+  for (int s = 0; s < map::kSides; ++s) {
     const auto S = static_cast<std::size_t>(s);
     const Index bins = grid_[S].bins;
     const auto [first, count] = fit.span(s);
@@ -38,17 +38,17 @@ void DriveFit::intervals() {
       normal.block(static_cast<Index>(first), static_cast<Index>(first), g.size(), g.size()) +=
           rows * g * g.transpose();
       along.middleRows(static_cast<Index>(first), g.size()) +=
-          kDirection[S] * g * Eigen::Map<const VectorXd>(t, Q).transpose();
+          map::kDirection[S] * g * Eigen::Map<const VectorXd>(t, Q).transpose();
       for (std::size_t j = 0; j < q; ++j) {
         along_instruments.block(static_cast<Index>(first), static_cast<Index>(j), g.size(), 1) +=
-            kDirection[S] * g * t[multiplier(j)];
+            map::kDirection[S] * g * t[multiplier(j)];
       }
     }
   }
   // Curves over speed as tables: exponentials for every row would take longer than all the rest.
   constexpr int kTable = 2048;
-  std::array<std::vector<double>, kSides> table;
-  for (int s = 0; s < kSides; ++s) {
+  std::array<std::vector<double>, map::kSides> table;
+  for (int s = 0; s < map::kSides; ++s) {
     const auto S = static_cast<std::size_t>(s);
     for (int i = 0; i <= kTable; ++i)
       table[S].push_back(fit.force(s, grid_[S].low + (grid_[S].high - grid_[S].low) * i / kTable));
@@ -63,10 +63,10 @@ void DriveFit::intervals() {
     const int cell = std::clamp(static_cast<int>(place), 0, kTable - 1);
     const double share = place - cell;
     const auto u = static_cast<std::size_t>(cell);
-    residual_[i] = e - kDirection[s] * (table[s][u] + share * (table[s][u + 1] - table[s][u]));
+    residual_[i] = e - map::kDirection[s] * (table[s][u] + share * (table[s][u + 1] - table[s][u]));
   }
-  memory_ = memory_of(residual_, rows_.record, rows_.at);
-  LongRun moments(q + p, memory_);
+  memory_ = stats::memory_of(residual_, rows_.record, rows_.at);
+  stats::LongRun moments(q + p, memory_);
   double square = 0.0;
   const bool by_instrument = !options_.mass && q > 0 && !weak_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -80,10 +80,11 @@ void DriveFit::intervals() {
     const double centre = joint_ ? 0.0 : 1.0 / t[q + 4];
     for (std::size_t j = 0; j < q; ++j) {
       if (j == 0 && by_instrument) {
-        const Motion& m = motion(i);
+        const log::Motion& m = motion(i);
         const std::size_t k = rows_.at[i];
-        const double known = kDirection[s] * line_[s](std::abs(m.v[k]));
-        const double z = m.loop == Loop::kOpen ? (m.f[k] - rows_.lag[i] - known) / mass_ : m.instrument[k];
+        const double known = map::kDirection[s] * line_[s](std::abs(m.v[k]));
+        const double z =
+            m.loop == log::Loop::kOpen ? (m.f[k] - rows_.lag[i] - known) / mass_ : m.instrument[k];
         row[0] += (z - t[q] * centre) * e;
       } else if (shift_free_ && j + 1 == q) {
         row[j] += (shift_instrument(i, c[j]) - t[q + 1] * centre) * e;
@@ -92,7 +93,7 @@ void DriveFit::intervals() {
       }
     }
     const auto [first, count] = fit.span(static_cast<int>(s));
-    const double signed_e = kDirection[s] * e;
+    const double signed_e = map::kDirection[s] * e;
     const Index b = rows_.bin[i];
     for (std::size_t j = 0; j < count; ++j)
       row[q + first + j] += slope[s](b, static_cast<Index>(j)) * signed_e;
@@ -158,7 +159,7 @@ void DriveFit::intervals() {
   // speed. The larger of the two stands.
   const double noise = 2.0 * memory_.rows * square / static_cast<double>(n) * correction;
   pooled_ = noise * map * white * map.transpose();
-  factor_ = student_factor(freedom);
+  factor_ = stats::student_factor(freedom);
 }
 
 double DriveFit::error_of(const VectorXd& h) const {

@@ -10,23 +10,23 @@ void DriveFit::solve(bool instruments) {
   const std::size_t w = q + 4;  // columns, instruments of mass and shift, force without the map, force
   const std::size_t zi = q, si = q + 1, yi = q + 2, fi = q + 3;
   const std::size_t stride = w + 2;  // and rows, speed
-  std::array<std::vector<double>, kSides> sums;
-  for (std::size_t s = 0; s < kSides; ++s)
+  std::array<std::vector<double>, map::kSides> sums;
+  for (std::size_t s = 0; s < map::kSides; ++s)
     sums[s].assign(blocks_ * static_cast<std::size_t>(grid_[s].bins) * stride, 0.0);
   std::vector<MatrixXd> cross(blocks_, MatrixXd::Zero(static_cast<Index>(w), static_cast<Index>(w)));
   std::vector<double> row(w);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::size_t s = rows_.side[i];
-    const Motion& m = motion(i);
+    const log::Motion& m = motion(i);
     const std::size_t k = rows_.at[i];
     const double f = fill(i, row.data());
     const double speed = std::abs(m.v[k]);
-    const double known = instruments ? kDirection[s] * line_[s](speed) : 0.0;
+    const double known = instruments ? map::kDirection[s] * line_[s](speed) : 0.0;
     row[fi] = f;
     row[yi] = f - known;
     row[zi] = q == 0                                   ? 0.0
               : options_.mass || !instruments || weak_ ? row[0]
-              : m.loop == Loop::kOpen                  ? (m.f[k] - rows_.lag[i] - known) / mass_
+              : m.loop == log::Loop::kOpen             ? (m.f[k] - rows_.lag[i] - known) / mass_
                                                        : m.instrument[k];
     row[si] = shift_free_ ? shift_instrument(i, row[q - 1]) : 0.0;
     MatrixXd& c = cross[block_[i]];
@@ -44,8 +44,8 @@ void DriveFit::solve(bool instruments) {
   for (const MatrixXd& c : cross) raw_cross_.emplace_back(c.selfadjointView<Eigen::Lower>());
   block_sums_ = sums;
   // Deviations from the mean of each bin over all blocks.
-  std::array<std::vector<double>, kSides> total;
-  for (std::size_t s = 0; s < kSides; ++s) {
+  std::array<std::vector<double>, map::kSides> total;
+  for (std::size_t s = 0; s < map::kSides; ++s) {
     const std::size_t size = static_cast<std::size_t>(grid_[s].bins) * stride;
     total[s].assign(size, 0.0);
     for (std::size_t k = 0; k < blocks_; ++k) {
@@ -55,7 +55,7 @@ void DriveFit::solve(bool instruments) {
   MatrixXd all = MatrixXd::Zero(static_cast<Index>(w), static_cast<Index>(w));
   for (std::size_t k = 0; k < blocks_; ++k) {
     MatrixXd c = cross[k].selfadjointView<Eigen::Lower>();
-    for (std::size_t s = 0; s < kSides; ++s) {
+    for (std::size_t s = 0; s < map::kSides; ++s) {
       for (std::size_t b = 0; b < static_cast<std::size_t>(grid_[s].bins); ++b) {
         const double* t = &total[s][b * stride];
         if (t[w] <= 0.0) continue;
@@ -120,8 +120,8 @@ void DriveFit::solve(bool instruments) {
     mass_ = linear_(0);
     plain_mass_ = solved(all, false)(0);
   }
-  mean_.assign(kSides, {});
-  for (std::size_t s = 0; s < kSides; ++s) {
+  mean_.assign(map::kSides, {});
+  for (std::size_t s = 0; s < map::kSides; ++s) {
     const auto bins = static_cast<std::size_t>(grid_[s].bins);
     std::vector<double> count(bins), sum_v(bins), sum_f(bins);
     mean_[s] = total[s];
@@ -131,7 +131,7 @@ void DriveFit::solve(bool instruments) {
       sum_v[b] = t[w + 1];
       double f = t[fi];
       for (std::size_t j = 0; j < q; ++j) f -= linear_(static_cast<Index>(j)) * t[j];
-      sum_f[b] = kDirection[s] * f;
+      sum_f[b] = map::kDirection[s] * f;
     }
     line_[s].build(grid_[s], count, sum_v, sum_f);
   }

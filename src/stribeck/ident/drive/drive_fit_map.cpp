@@ -11,13 +11,13 @@ constexpr double kSettled = 0.05;  ///< of the width of a period's interval: it 
 
 }  // namespace
 
-StaticChoice DriveFit::choose() {
-  std::array<SideSums, kSides> sums;
-  for (std::size_t s = 0; s < kSides; ++s) {
+map::StaticChoice DriveFit::choose() {
+  std::array<map::SideSums, map::kSides> sums;
+  for (std::size_t s = 0; s < map::kSides; ++s) {
     sums[s].grid = grid_[s];
     const auto bins = static_cast<std::size_t>(grid_[s].bins);
-    BlockSums empty{std::vector<double>(bins), std::vector<double>(bins), std::vector<double>(bins),
-                    std::vector<double>(bins)};
+    map::BlockSums empty{std::vector<double>(bins), std::vector<double>(bins), std::vector<double>(bins),
+                         std::vector<double>(bins)};
     sums[s].block.assign(blocks_, empty);
     sums[s].held.assign(blocks_, empty);
   }
@@ -34,8 +34,8 @@ StaticChoice DriveFit::choose() {
       full -= linear_(static_cast<Index>(j)) * c[j];
       held -= other(static_cast<Index>(j)) * c[j];
     }
-    const auto add = [&](BlockSums& block, double f) {
-      f *= kDirection[s];
+    const auto add = [&](map::BlockSums& block, double f) {
+      f *= map::kDirection[s];
       block.n[b] += 1.0;
       block.v[b] += speed;
       block.f[b] += f;
@@ -44,18 +44,18 @@ StaticChoice DriveFit::choose() {
     add(sums[s].block[block_[i]], full);
     add(sums[s].held[block_[i]], held);
   }
-  StaticOptions options;
+  map::StaticOptions options;
   options.terms = options_.terms;
   options.most_terms = options_.most_terms;
   options.symmetric = options_.symmetric;
-  StaticChoice choice = choose_static(sums, options);
+  map::StaticChoice choice = map::choose_static(sums, options);
   choice.fit.load += offset_;
-  for (StaticFit& rival : choice.rivals) rival.load += offset_;
-  for (StaticFit& simple : choice.simple) simple.load += offset_;
+  for (map::StaticFit& rival : choice.rivals) rival.load += offset_;
+  for (map::StaticFit& simple : choice.simple) simple.load += offset_;
   return choice;
 }
 
-DriveFit::Joint DriveFit::fit_jointly(const StaticFit& start, std::size_t without) const {
+DriveFit::Joint DriveFit::fit_jointly(const map::StaticFit& start, std::size_t without) const {
   const std::size_t q = columns();
   const std::size_t p = start.parameters();
   const std::size_t stride = q + 6;
@@ -77,7 +77,7 @@ DriveFit::Joint DriveFit::fit_jointly(const StaticFit& start, std::size_t withou
       for (Index j = 0; j < Q; ++j) A(i, j) = cross(by[static_cast<std::size_t>(i)], j);
       b(i) = cross(by[static_cast<std::size_t>(i)], yf);
     }
-    for (int s = 0; s < kSides; ++s) {
+    for (int s = 0; s < map::kSides; ++s) {
       const auto S = static_cast<std::size_t>(s);
       const auto bins = static_cast<std::size_t>(grid_[S].bins);
       const auto [first, count] = out.fit.span(s);
@@ -95,7 +95,7 @@ DriveFit::Joint DriveFit::fit_jointly(const StaticFit& start, std::size_t withou
         const double speed = sum(Q + 5) / rows;
         out.fit.gradient(s, speed, g.data());
         const double now = out.fit.force(s, speed);
-        const double d = kDirection[S];
+        const double d = map::kDirection[S];
         for (Index i = 0; i < Q; ++i) {
           const double z = sum(by[static_cast<std::size_t>(i)]);
           A.block(i, F, 1, N) += d * z * g.head(N).transpose();
@@ -127,7 +127,7 @@ double DriveFit::joint_loss(const Joint& joint, std::size_t k) const {
   h.head(Q) = -joint.linear;
   h(Q + 3) = 1.0;
   double sum = h.dot(raw_cross_[k] * h);
-  for (int s = 0; s < kSides; ++s) {
+  for (int s = 0; s < map::kSides; ++s) {
     const auto S = static_cast<std::size_t>(s);
     const auto bins = static_cast<std::size_t>(grid_[S].bins);
     for (std::size_t bin = 0; bin < bins; ++bin) {
@@ -136,18 +136,18 @@ double DriveFit::joint_loss(const Joint& joint, std::size_t k) const {
       const double f = joint.fit.force(s, t[q + 5] / t[q + 4]);
       double left = t[q + 3];
       for (std::size_t j = 0; j < q; ++j) left -= joint.linear(static_cast<Index>(j)) * t[j];
-      sum += -2.0 * kDirection[S] * f * left + t[q + 4] * f * f;
+      sum += -2.0 * map::kDirection[S] * f * left + t[q + 4] * f * f;
     }
   }
   return sum;
 }
 
-void DriveFit::join(StaticChoice& choice) {
+void DriveFit::join(map::StaticChoice& choice) {
   joint_.reset();
   std::vector<Joint> fits;
   std::vector<std::vector<double>> losses{choice.block_loss};
   std::vector<std::size_t> parameters{choice.fit.parameters()};
-  for (const StaticFit& start : choice.simple) {
+  for (const map::StaticFit& start : choice.simple) {
     Joint joint = fit_jointly(start, blocks_);
     if (!joint.good) continue;
     std::vector<double> loss;
@@ -156,7 +156,7 @@ void DriveFit::join(StaticChoice& choice) {
     parameters.push_back(joint.fit.parameters());
     fits.push_back(std::move(joint));
   }
-  const Picked picked = pick(losses, parameters, choice.tested);
+  const map::Picked picked = map::pick(losses, parameters, choice.tested);
   for (std::size_t i = 0; i < fits.size(); ++i) {
     Candidate c;
     c.name = "with periodic terms: " + fits[i].fit.name();
@@ -179,7 +179,7 @@ void DriveFit::join(StaticChoice& choice) {
   joint_ = best.linear;
 }
 
-void DriveFit::add_wave(const PeriodicTerm& term) {
+void DriveFit::add_wave(const map::PeriodicTerm& term) {
   Wave w{term.term.period, term.term.form, term.period, {}, {}};
   for (std::size_t r = 0; r < motions_.size(); ++r) {
     std::vector<double> sine, cosine;
@@ -187,18 +187,18 @@ void DriveFit::add_wave(const PeriodicTerm& term) {
       sine.push_back(std::sin(2.0 * kPi * x / w.period));
       cosine.push_back(std::cos(2.0 * kPi * x / w.period));
     }
-    w.sine.push_back(smooth_like(motions_[r], sine));
-    w.cosine.push_back(smooth_like(motions_[r], cosine));
+    w.sine.push_back(log::smooth_like(motions_[r], sine));
+    w.cosine.push_back(log::smooth_like(motions_[r], cosine));
   }
   waves_.push_back(std::move(w));
 }
 
-StaticChoice DriveFit::try_periodic(StaticChoice without) {
+map::StaticChoice DriveFit::try_periodic(map::StaticChoice without) {
   const std::size_t q = columns();
   const std::size_t first = options_.mass ? 0 : 1;  // of the waves' columns
   const auto before_line = line_;
   const auto residual = [&] {
-    PeriodicRows rows;
+    map::PeriodicRows rows;
     const std::size_t all = columns();
     const std::size_t behind = first + 2 * waves_.size();
     std::vector<double> c(all + 1);
@@ -208,7 +208,7 @@ StaticChoice DriveFit::try_periodic(StaticChoice without) {
         if (j < first || j >= behind) e -= linear_(static_cast<Index>(j)) * c[j];
       }
       const std::size_t s = rows_.side[i];
-      e -= kDirection[s] * line_[s](std::abs(velocity(i)));
+      e -= map::kDirection[s] * line_[s](std::abs(velocity(i)));
       rows.x.push_back(motion(i).x[rows_.at[i]]);
       rows.e.push_back(e);
       rows.direction.push_back(s == 0 ? 1 : -1);
@@ -217,18 +217,18 @@ StaticChoice DriveFit::try_periodic(StaticChoice without) {
     rows.at = rows_.at;
     return rows;
   };
-  PeriodicOptions options;
+  map::PeriodicOptions options;
   options.most = static_cast<int>(friction::kMaxEccentricTerms);
-  PeriodicResult found = find_periodic(residual(), options);
+  map::PeriodicResult found = map::find_periodic(residual(), options);
   result_.spectrum = found.spectrum;
   for (const std::string& note : found.notes) warn(note);
   for (const std::string& words : found.cannot_tell) result_.cannot_tell.push_back(words);
   if (found.terms.empty()) return without;
-  for (const PeriodicTerm& t : found.terms) add_wave(t);
+  for (const map::PeriodicTerm& t : found.terms) add_wave(t);
   solve(true);
   // Mass and friction of the first fit had taken a part of the terms with them: again, from what is left without that.
   for (int k = 0; k < kPasses; ++k) {
-    PeriodicResult again = find_periodic(residual(), options);
+    map::PeriodicResult again = map::find_periodic(residual(), options);
     if (again.terms.empty()) break;
     const bool settled =
         std::equal(again.terms.begin(), again.terms.end(), found.terms.begin(), found.terms.end(),
@@ -240,10 +240,10 @@ StaticChoice DriveFit::try_periodic(StaticChoice without) {
     if (settled) break;
     joint_.reset();
     waves_.clear();
-    for (const PeriodicTerm& t : found.terms) add_wave(t);
+    for (const map::PeriodicTerm& t : found.terms) add_wave(t);
     solve(true);
   }
-  StaticChoice with = choose();
+  map::StaticChoice with = choose();
   join(with);
   const auto blocks = static_cast<double>(with.block_loss.size());
   double gain = 0.0, square = 0.0;
@@ -261,7 +261,7 @@ StaticChoice DriveFit::try_periodic(StaticChoice without) {
   plain.standard_error = error / with.tested / (2.0 * with.held_out_rms);
   const bool better = gain > error;
   (better ? wavy : plain).chosen = true;
-  StaticChoice& chosen = better ? with : without;
+  map::StaticChoice& chosen = better ? with : without;
   chosen.candidates.push_back(plain);
   chosen.candidates.push_back(wavy);
   if (!better) {

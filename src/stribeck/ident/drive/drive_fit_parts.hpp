@@ -52,7 +52,7 @@ struct Wave {
 
 class DriveFit {
  public:
-  DriveFit(const std::vector<Record>& records, const DriveFitOptions& options)
+  DriveFit(const std::vector<log::Record>& records, const DriveFitOptions& options)
       : records_(records), options_(options) {}
   Result run();
 
@@ -60,18 +60,18 @@ class DriveFit {
   void prepare();
   /// The motion that the reference alone explains, v̂ = Σ h_j·ṙ(k − l_j): free of the noise, and close to the
   /// measured motion even behind a slow position loop. Its acceleration is the instrument of the mass.
-  void predict(const Record& record, Motion& m);
+  void predict(const log::Record& record, log::Motion& m);
   void warn(std::string words) { result_.warnings.push_back(std::move(words)); }
 
   // ---- rows -----------------------------------------------------------------------------------------------
   void gather(double exclude, double slowest_share, double relaxation);
   /// Blocks of motion for held-out errors: whole stretches, dealt out in turn; where there are few, pieces.
   void deal();
-  [[nodiscard]] const Motion& motion(std::size_t i) const {
+  [[nodiscard]] const log::Motion& motion(std::size_t i) const {
     return motions_[static_cast<std::size_t>(rows_.record[i])];
   }
   [[nodiscard]] double velocity(std::size_t i) const { return motion(i).v[rows_.at[i]]; }
-  [[nodiscard]] double direction(std::size_t i) const { return kDirection[rows_.side[i]]; }
+  [[nodiscard]] double direction(std::size_t i) const { return map::kDirection[rows_.side[i]]; }
 
   // ---- terms that are linear ------------------------------------------------------------------------------
   [[nodiscard]] std::size_t columns() const {
@@ -79,7 +79,7 @@ class DriveFit {
   }
   /// Columns of row i; the force that is left when a known mass is taken off.
   double fill(std::size_t i, double* c) const {
-    const Motion& m = motion(i);
+    const log::Motion& m = motion(i);
     const std::size_t k = rows_.at[i];
     double f = m.f[k] - rows_.lag[i];
     if (options_.mass) {
@@ -137,26 +137,26 @@ class DriveFit {
   [[nodiscard]] double shift_half_width() const;
 
   // ---- the map --------------------------------------------------------------------------------------------
-  StaticChoice choose();
+  map::StaticChoice choose();
 
   // ---- friction of velocity and of position together --------------------------------------------------------
   /// A steady map with the linear terms that belong to it.
   struct Joint {
-    StaticFit fit;
+    map::StaticFit fit;
     VectorXd linear;
     bool good = false;
   };
   /// Gauss–Newton on linear terms and map together, on the sums of all blocks but one. On a sine every speed has
   /// two positions only: bins of speed would take the even part of a periodic term for friction; a map of few
   /// parameters does not.
-  Joint fit_jointly(const StaticFit& start, std::size_t without) const;
+  Joint fit_jointly(const map::StaticFit& start, std::size_t without) const;
   /// Σ residual² of one block.
   [[nodiscard]] double joint_loss(const Joint& joint, std::size_t k) const;
   /// Families of few parameters fitted together with the periodic terms, beside what the bins have chosen.
-  void join(StaticChoice& choice);
-  void add_wave(const PeriodicTerm& term);
+  void join(map::StaticChoice& choice);
+  void add_wave(const map::PeriodicTerm& term);
   /// Terms periodic in position, if held-out motion is better for them.
-  StaticChoice try_periodic(StaticChoice without);
+  map::StaticChoice try_periodic(map::StaticChoice without);
 
   // ---- uncertainty ----------------------------------------------------------------------------------------
   void intervals();
@@ -184,23 +184,23 @@ class DriveFit {
   void bristle();
   /// Friction or offset that moves with time, on the longest record.
   void drift();
-  const std::vector<Record>& records_;
+  const std::vector<log::Record>& records_;
   const DriveFitOptions& options_;
   Result result_;
-  std::vector<Motion> motions_;
+  std::vector<log::Motion> motions_;
   std::vector<std::vector<double>> force_;  // smoothed, not aligned
   double shift_ = -0.5;
   bool shift_free_ = false;
   std::vector<std::vector<double>> predicted_;  // velocity that the reference explains [m/s]
   std::vector<double> asked_;  // change of the force that the reference asks for, by row in use [N]
   double near_ = 0.0;
-  std::array<double, kSides> top_{};
-  Rows rows_, all_rows_;  // in use; put aside while a sample is
+  std::array<double, map::kSides> top_{};
+  map::Rows rows_, all_rows_;  // in use; put aside while a sample is
   std::size_t blocks_ = 5;
   std::vector<std::uint8_t> block_, all_blocks_;
   bool thin_ = false;
-  std::array<Grid, kSides> grid_;
-  std::array<Polyline, kSides> line_, bare_;
+  std::array<map::Grid, map::kSides> grid_;
+  std::array<map::BinCurve, map::kSides> line_, bare_;
   double offset_ = 0.0;
   double mass_ = 0.0;
   double plain_mass_ = 0.0;
@@ -209,13 +209,13 @@ class DriveFit {
   VectorXd linear_;
   std::vector<VectorXd> linear_held_;
   MatrixXd moments_, instrument_moments_;
-  std::vector<MatrixXd> raw_cross_;                     // by block: products of the columns
-  std::array<std::vector<double>, kSides> block_sums_;  // by side: block, bin, column
-  std::vector<std::vector<double>> mean_;               // sums by side, bin and column, then rows and speed
-  StaticChoice choice_;
+  std::vector<MatrixXd> raw_cross_;                          // by block: products of the columns
+  std::array<std::vector<double>, map::kSides> block_sums_;  // by side: block, bin, column
+  std::vector<std::vector<double>> mean_;  // sums by side, bin and column, then rows and speed
+  map::StaticChoice choice_;
   std::optional<VectorXd> joint_;  // linear terms of a map that was fitted together with them
   std::vector<double> residual_;
-  Memory memory_;
+  stats::Memory memory_;
   MatrixXd covariance_, pooled_;
   std::vector<double> blind_;
   double factor_ = 1.96;

@@ -35,7 +35,7 @@ void DriveFit::add(std::string name, double value, const std::string& unit, cons
 }
 
 Result DriveFit::finish() {
-  const StaticFit& fit = choice_.fit;
+  const map::StaticFit& fit = choice_.fit;
   const std::size_t q = columns();
   result_.method = "auto";
   result_.force_unit = records_.front().force_unit;
@@ -47,7 +47,7 @@ Result DriveFit::finish() {
   result_.mass_interval = {mass_ - factor_ * mass_error, mass_ + factor_ * mass_error};
   result_.velocity_range = {-grid_[1].high, grid_[0].high};
   result_.rows = rows_.size();
-  result_.peaks = {peaks_of(line_[0]), peaks_of(line_[1])};
+  result_.peaks = {map::peaks_of(line_[0]), map::peaks_of(line_[1])};
   add("mass", mass_, newton ? "kg" : "N s2/m", newton ? "N s2/mm" : "N s2/m", mass_error, true);
   if (!result_.parameters.back().identifiable) {
     warn("the mass cannot be determined from this log; run a sine or pulses, or give the mass");
@@ -64,7 +64,7 @@ Result DriveFit::finish() {
   result_.load = fit.load;
   write_map();
   write_waves();
-  for (int s = kSides - 1; s >= 0; --s) write_curve(s);
+  for (int s = map::kSides - 1; s >= 0; --s) write_curve(s);
   write_points();
   result_.held_out_rms = choice_.held_out_rms;
   result_.models = choice_.candidates;
@@ -74,16 +74,16 @@ Result DriveFit::finish() {
 }
 
 void DriveFit::write_map() {
-  const StaticFit& fit = choice_.fit;
+  const map::StaticFit& fit = choice_.fit;
   const std::size_t q = columns();
   auto error = [&](std::size_t i) { return error_at(q + i); };
   auto seen = [&](std::size_t i) { return blind_[i] < 0.1; };
-  if (fit.family != StaticFit::Family::kByDirection) {
+  if (fit.family != map::StaticFit::Family::kByDirection) {
     result_.model = "conventional";
     friction::Conventional<double> map{fit.coulomb, fit.viscous, {}};
     add("load", fit.load, "N", "N", error(0), seen(0));
     add("alpha0", fit.coulomb, "N", "N", error(1), seen(1));
-    if (fit.family == StaticFit::Family::kSymmetricStribeck) {
+    if (fit.family == map::StaticFit::Family::kSymmetricStribeck) {
       map.stribeck = friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, 2.0};
       VectorXd h = VectorXd::Zero(covariance_.rows());
       h(static_cast<Index>(q) + 1) = h(static_cast<Index>(q) + 3) = 1.0;
@@ -115,11 +115,11 @@ void DriveFit::write_map() {
                std::abs(apart), result_.force_unit.c_str()));
     }
   }
-  for (std::size_t s = 0; s < kSides; ++s) {
-    const BranchFit& b = fit.branch[s];
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    const map::BranchFit& b = fit.branch[s];
     const double top = fit.top[s];
-    const double d = kDirection[s];
-    const std::string tail = std::string("_") + kSideName[s];
+    const double d = map::kDirection[s];
+    const std::string tail = std::string("_") + map::kSideName[s];
     friction::GaussianBranch<double>& branch = s == 0 ? map.positive : map.negative;
     branch.eta0 = d * b.eta0;
     branch.eta1 = b.eta1 / top;
@@ -128,7 +128,7 @@ void DriveFit::write_map() {
     add("eta1" + tail, branch.eta1, "N s/m", "N s/mm", error(i + 1) / top, seen(i + 1));
     i += 2;
     for (std::size_t k = 0; k < b.terms.size(); ++k) {
-      const FitTerm& g = b.terms[k];
+      const map::FitTerm& g = b.terms[k];
       const std::string name = "gaussian_" + std::to_string(k + 1) + "_";
       branch.gaussians.push_back({d * g.a, d * g.b * top, g.c * top});
       add(name + "a" + tail, d * g.a, "N", "N", error(i), seen(i));
@@ -175,7 +175,7 @@ void DriveFit::write_waves() {
 }
 
 void DriveFit::write_curve(int s) {
-  const StaticFit& fit = choice_.fit;
+  const map::StaticFit& fit = choice_.fit;
   const auto S = static_cast<std::size_t>(s);
   const auto [first, count] = fit.span(s);
   const std::size_t q = columns();
@@ -188,23 +188,23 @@ void DriveFit::write_curve(int s) {
     VectorXd h = VectorXd::Zero(covariance_.rows());
     for (std::size_t j = 0; j < count; ++j) h(static_cast<Index>(q + first + j)) = g[j];
     // The load is a parameter of its own in the symmetric families; friction is what is shown.
-    const double own = fit.force(s, speed) - kDirection[S] * fit.load;
-    if (fit.family != StaticFit::Family::kByDirection) h(static_cast<Index>(q)) = 0.0;
+    const double own = fit.force(s, speed) - map::kDirection[S] * fit.load;
+    if (fit.family != map::StaticFit::Family::kByDirection) h(static_cast<Index>(q)) = 0.0;
     // What the models differ in that the data cannot tell apart is part of the uncertainty (Buckland et al.
     // 1997).
     double spread = 0.0;
-    for (const StaticFit& r : choice_.rivals)
+    for (const map::StaticFit& r : choice_.rivals)
       spread += std::pow(r.force(s, speed) - fit.force(s, speed), 2.0);
     if (!choice_.rivals.empty()) spread /= static_cast<double>(choice_.rivals.size() + 1);
     const double error = error_of(h);
     const double half = factor_ * std::sqrt(error * error + spread);
-    const double f = kDirection[S] * own;
-    result_.curve.push_back({kDirection[S] * speed, f, f - half, f + half});
+    const double f = map::kDirection[S] * own;
+    result_.curve.push_back({map::kDirection[S] * speed, f, f - half, f + half});
   }
 }
 
 void DriveFit::write_points() {
-  const StaticFit& fit = choice_.fit;
+  const map::StaticFit& fit = choice_.fit;
   double sum = 0.0, square = 0.0, left = 0.0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double f = motion(i).f[rows_.at[i]];
@@ -219,7 +219,7 @@ void DriveFit::write_points() {
   for (std::size_t i = 0; i < rows_.size(); i += step) {
     const int s = rows_.side[i];
     const double v = velocity(i);
-    const double f = kDirection[rows_.side[i]] * fit.force(s, std::abs(v)) - fit.load + residual_[i];
+    const double f = map::kDirection[rows_.side[i]] * fit.force(s, std::abs(v)) - fit.load + residual_[i];
     result_.map.push_back({v, f, s == 0 ? 1 : -1});
   }
   const std::size_t fine = std::max<std::size_t>(1, rows_.size() / kShownResiduals);
@@ -233,16 +233,16 @@ void DriveFit::write_points() {
 void DriveFit::bristle() {
   if (!(mass_ > 0.0) || result_.position_unit != "m") return;
   friction::AxisModel known{mass_, result_.load, result_.friction};
-  std::vector<Record> records;
+  std::vector<log::Record> records;
   for (std::size_t r = 0; r < records_.size(); ++r) {
-    if (motions_[r].loop == Loop::kClosed) records.push_back(records_[r]);
+    if (motions_[r].loop == log::Loop::kClosed) records.push_back(records_[r]);
   }
-  BristleOptions options;
+  bristle::BristleOptions options;
   options.shift = shift_;
   const bool open = records.empty();
-  BristleFit fit;
+  bristle::BristleFit fit;
   try {
-    fit = fit_bristle(open ? records_ : records, known, options);
+    fit = bristle::fit_bristle(open ? records_ : records, known, options);
   } catch (const Refused& why) {
     fit.reason = why.what();
   }
@@ -276,7 +276,7 @@ void DriveFit::drift() {
     if (rows_.record[i] == longest) rows.push_back(i);
   }
   if (rows.size() < 500) return;
-  const Record& rec = records_[static_cast<std::size_t>(longest)];
+  const log::Record& rec = records_[static_cast<std::size_t>(longest)];
   const double from = rec.t[rows_.at[rows.front()]], to = rec.t[rows_.at[rows.back()]];
   MatrixXd X(static_cast<Index>(rows.size()), 2);
   VectorXd y(static_cast<Index>(rows.size()));
@@ -295,7 +295,7 @@ void DriveFit::drift() {
   if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return;
   const MatrixXd inverse = normal.inverse();
   const VectorXd x = inverse * (X.transpose() * y);
-  const Uncertainty uncertainty(X, y - X * x, inverse, record, at);
+  const stats::Uncertainty uncertainty(X, y - X * x, inverse, record, at);
   const double level = 0.5 * (choice_.fit.force(0, grid_[0].low) + choice_.fit.force(1, grid_[1].low));
   constexpr double kWorthSaying = 0.02;
   const char* what[2] = {"the offset of the force", "friction"};

@@ -19,10 +19,10 @@ constexpr std::size_t kSampleChunk = 2000;  // rows in sequence: their correlati
 void DriveFit::gather(double exclude, double slowest_share, double relaxation) {
   rows_.clear();
   rows_.reserve(std::accumulate(motions_.begin(), motions_.end(), std::size_t{0},
-                                [](std::size_t sum, const Motion& m) { return sum + m.rows(); }));
+                                [](std::size_t sum, const log::Motion& m) { return sum + m.rows(); }));
   int before = 0;
   for (std::size_t r = 0; r < motions_.size(); ++r) {
-    const Motion& m = motions_[r];
+    const log::Motion& m = motions_[r];
     const std::vector<std::uint8_t>& skip = records_[r].skip;
     for (std::size_t k = 0; k < m.rows(); ++k) {
       const double speed = m.v[k] * m.direction[k];
@@ -33,22 +33,22 @@ void DriveFit::gather(double exclude, double slowest_share, double relaxation) {
       rows_.record.push_back(static_cast<int>(r));
       rows_.at.push_back(k);
       rows_.stretch.push_back(before + m.stretch[k]);
-      rows_.side.push_back(static_cast<std::uint8_t>(side_of(m.v[k])));
+      rows_.side.push_back(static_cast<std::uint8_t>(map::side_of(m.v[k])));
     }
     before += static_cast<int>(m.reversals.size());
   }
-  std::array<std::size_t, kSides> count{};
-  for (Grid& g : grid_) g = {std::numeric_limits<double>::infinity(), 0.0, 1};
+  std::array<std::size_t, map::kSides> count{};
+  for (map::Grid& g : grid_) g = {std::numeric_limits<double>::infinity(), 0.0, 1};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    Grid& g = grid_[rows_.side[i]];
+    map::Grid& g = grid_[rows_.side[i]];
     const double speed = std::abs(velocity(i));
     g.low = std::min(g.low, speed);
     g.high = std::max(g.high, speed);
     ++count[rows_.side[i]];
   }
-  for (std::size_t s = 0; s < kSides; ++s) {
+  for (std::size_t s = 0; s < map::kSides; ++s) {
     if (count[s] < kFewestRows || !(grid_[s].high > grid_[s].low)) {
-      throw Refused("identification: " + std::to_string(count[s]) + " rows of " + kSideName[s] +
+      throw Refused("identification: " + std::to_string(count[s]) + " rows of " + map::kSideName[s] +
                     " sliding motion, expected at least " + std::to_string(kFewestRows) +
                     "; run the axis through its speeds in both directions");
     }
@@ -62,9 +62,9 @@ void DriveFit::gather(double exclude, double slowest_share, double relaxation) {
 }
 
 void DriveFit::deal() {
-  std::array<std::size_t, kSides> stretches{};
-  std::array<std::size_t, kSides> count{};
-  std::array<int, kSides> last{-1, -1};
+  std::array<std::size_t, map::kSides> stretches{};
+  std::array<std::size_t, map::kSides> count{};
+  std::array<int, map::kSides> last{-1, -1};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::size_t s = rows_.side[i];
     ++count[s];
@@ -74,7 +74,7 @@ void DriveFit::deal() {
   // Primes: programmes repeat their speeds in other rhythms.
   blocks_ = fewest >= 7 ? 7 : 5;
   block_.resize(rows_.size());
-  std::array<std::size_t, kSides> ordinal{}, seen{};
+  std::array<std::size_t, map::kSides> ordinal{}, seen{};
   last = {-1, -1};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::size_t s = rows_.side[i];
@@ -91,7 +91,7 @@ void DriveFit::deal() {
 bool DriveFit::thin_out() {
   const std::vector<std::size_t> kept = sample();
   if (kept.size() == rows_.size()) return false;
-  Rows rows;
+  map::Rows rows;
   rows.reserve(kept.size());
   std::vector<std::uint8_t> block;
   for (const std::size_t i : kept) {

@@ -30,7 +30,7 @@ void DriveFit::ask() {
     if (k < 2 || k + 2 >= v.size()) continue;
     const auto at = [&](std::size_t row) {
       const std::size_t s = v[row] > 0.0 ? 0 : 1;
-      return mass_ * a[row] + kDirection[s] * line_[s](std::abs(v[row]));
+      return mass_ * a[row] + map::kDirection[s] * line_[s](std::abs(v[row]));
     };
     const bool next =
         i > 0 && i == behind + 1 && rows_.record[i - 1] == rows_.record[i] && rows_.at[i - 1] + 1 == k;
@@ -44,7 +44,7 @@ void DriveFit::align(double shift) {
   shift_ = shift;
   if (!thin_) {
     for (std::size_t r = 0; r < motions_.size(); ++r)
-      align_force(force_[r], shift_, 0, force_[r].size(), motions_[r].f);
+      log::align_force(force_[r], shift_, 0, force_[r].size(), motions_[r].f);
   } else {
     for (std::size_t i = 0; i < rows_.size();) {
       // A run of consecutive rows and its neighbours.
@@ -54,30 +54,31 @@ void DriveFit::align(double shift) {
         ++last;
       const auto r = static_cast<std::size_t>(rows_.record[i]);
       const std::size_t from = rows_.at[i] > 0 ? rows_.at[i] - 1 : 0;
-      align_force(force_[r], shift_, from, std::min(force_[r].size(), rows_.at[last] + 2), motions_[r].f);
+      log::align_force(force_[r], shift_, from, std::min(force_[r].size(), rows_.at[last] + 2),
+                       motions_[r].f);
       i = last + 1;
     }
   }
-  for (Motion& m : motions_) {
-    if (m.loop == Loop::kOpen) m.instrument = m.f;
+  for (log::Motion& m : motions_) {
+    if (m.loop == log::Loop::kOpen) m.instrument = m.f;
   }
 }
 
 void DriveFit::find_shift() {
   const double T = records_.front().sample_time;
-  for (const Record& r : records_) {
+  for (const log::Record& r : records_) {
     if (std::abs(r.sample_time - T) > 0.01 * T) {
       warn("records of different sample times: the shift of the force is not estimated");
       return;
     }
   }
   const std::vector<std::size_t> rows = sample();
-  std::array<std::vector<double>, kSides> count;
-  for (std::size_t s = 0; s < kSides; ++s) count[s].assign(static_cast<std::size_t>(grid_[s].bins), 0.0);
+  std::array<std::vector<double>, map::kSides> count;
+  for (std::size_t s = 0; s < map::kSides; ++s) count[s].assign(static_cast<std::size_t>(grid_[s].bins), 0.0);
   for (const std::size_t i : rows) count[rows_.side[i]][static_cast<std::size_t>(rows_.bin[i])] += 1.0;
   const auto centred = [&](std::vector<double> column) {
-    std::array<std::vector<double>, kSides> sum;
-    for (std::size_t s = 0; s < kSides; ++s) sum[s].assign(count[s].size(), 0.0);
+    std::array<std::vector<double>, map::kSides> sum;
+    for (std::size_t s = 0; s < map::kSides; ++s) sum[s].assign(count[s].size(), 0.0);
     for (std::size_t j = 0; j < rows.size(); ++j)
       sum[rows_.side[rows[j]]][static_cast<std::size_t>(rows_.bin[rows[j]])] += column[j];
     for (std::size_t j = 0; j < rows.size(); ++j) {
@@ -214,7 +215,8 @@ double DriveFit::left_over() const {
   std::vector<double> c(q + 1);
   double sum = 0.0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    double e = fill(i, c.data()) - kDirection[rows_.side[i]] * line_[rows_.side[i]](std::abs(velocity(i)));
+    double e =
+        fill(i, c.data()) - map::kDirection[rows_.side[i]] * line_[rows_.side[i]](std::abs(velocity(i)));
     for (std::size_t j = 0; j < q; ++j) e -= linear_(static_cast<Index>(j)) * c[j];
     sum += e * e;
   }
@@ -235,7 +237,7 @@ double DriveFit::shift_half_width() const {
     const std::size_t i = rows[j];
     const std::size_t s = rows_.side[i];
     const double* t = &mean_[s][static_cast<std::size_t>(rows_.bin[i]) * (q + 6)];
-    double left = fill(i, c.data()) - kDirection[s] * line_[s](std::abs(velocity(i)));
+    double left = fill(i, c.data()) - map::kDirection[s] * line_[s](std::abs(velocity(i)));
     for (std::size_t col = 0; col < q; ++col) {
       const auto K = static_cast<Index>(col);
       left -= linear_(K) * c[col];
@@ -248,7 +250,7 @@ double DriveFit::shift_half_width() const {
   }
   const Eigen::FullPivLU<MatrixXd> lu(Z.transpose() * X);
   if (!lu.isInvertible()) return std::numeric_limits<double>::infinity();
-  return Uncertainty(Z, e, lu.inverse(), record, at)
+  return stats::Uncertainty(Z, e, lu.inverse(), record, at)
       .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
 }
 

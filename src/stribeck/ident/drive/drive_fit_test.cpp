@@ -9,7 +9,7 @@
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::drive {
 namespace {
 
 using ::testing::HasSubstr;
@@ -33,7 +33,7 @@ testing::Drive light() {
   return drive;
 }
 
-Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
+log::Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
   return testing::run_closed(drive, drive.mass,
                              testing::sine_reference(drive.sample_time, 0.01, 1.0, periods), seed);
 }
@@ -68,8 +68,8 @@ TEST(DriveFit, FindsTheModelThatMadeTheLog) {
 // A weight adds to the force in both directions alike; nothing else may move.
 TEST(DriveFit, TellsALoadFromFriction) {
   const testing::Drive drive = light();
-  const Record level = sine(drive, 3, 4.0);
-  Record heavy = level;
+  const log::Record level = sine(drive, 3, 4.0);
+  log::Record heavy = level;
   for (double& f : heavy.f) f += 60.0;
   const Result a = identify_drive({level}, quick());
   const Result b = identify_drive({heavy}, quick());
@@ -85,11 +85,12 @@ TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
   drive.sample_time = 0.001;
   drive.wave = 5.0;
   drive.wave_length = 5e-3;
-  const Limits limits{-0.06, 0.06, 0.03, 0.2, 250.0};
-  const Excitation pulses = design_pulses(limits, {1100.0, 22.0, 4500.0}, drive.sample_time);
-  const Record pushed =
+  const excitation::Limits limits{-0.06, 0.06, 0.03, 0.2, 250.0};
+  const excitation::Excitation pulses =
+      excitation::design_pulses(limits, {1100.0, 22.0, 4500.0}, drive.sample_time);
+  const log::Record pushed =
       testing::run(drive, pulses.t.back(), 5, [&](std::size_t k, double, double) { return pulses.force[k]; });
-  const Record swung =
+  const log::Record swung =
       testing::run_closed(drive, drive.mass, testing::sine_reference(drive.sample_time, 0.03, 0.8, 3.0), 6);
   const Result r = identify_drive({pushed, swung}, quick());
   ASSERT_EQ(r.friction.eccentric.size(), 1u);
@@ -114,8 +115,8 @@ TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
   drive.sigma1 = 2.8e4;
   drive.noise_rms = 0.96;
   drive.force_per_volt = 87.0;
-  const Record log = testing::run_closed(drive, drive.mass,
-                                         testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
+  const log::Record log = testing::run_closed(
+      drive, drive.mass, testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
   const Result r = identify_drive({log}, quick());
   EXPECT_NEAR(r.mass, drive.mass, 0.02 * drive.mass);
   EXPECT_NEAR(find(r, "alpha0")->value, 59.0, 0.6);
@@ -128,7 +129,7 @@ TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
 // The term is laid over the force at the true position: amplitude, period and phase come back, unprompted.
 TEST(DriveFit, FindsATermPeriodicInPosition) {
   const testing::Drive drive = light();
-  Record rec = sine(drive, 5, 4.0);
+  log::Record rec = sine(drive, 5, 4.0);
   for (std::size_t k = 0; k < rec.f.size(); ++k) {
     rec.f[k] +=
         4.2 * std::sin(2.0 * kPi * 0.5 * (rec.x[k] + rec.x[std::min(k + 1, rec.x.size() - 1)]) / 2e-3 - 0.28);
@@ -151,7 +152,7 @@ TEST(DriveFit, FindsTheShiftBetweenForceAndMotion) {
     const double ramp = std::min(1.0, t);
     r.push_back(ramp * (0.008 * std::sin(t) + 0.0004 * std::sin(9.0 * t)));
   }
-  Record rec = testing::run_closed(drive, drive.mass, r, 9);
+  log::Record rec = testing::run_closed(drive, drive.mass, r, 9);
   const Result right = identify_drive({rec}, quick());
   std::vector<double> late(rec.f);
   for (std::size_t k = 3; k < late.size(); ++k) late[k] = rec.f[k - 3];
@@ -163,7 +164,7 @@ TEST(DriveFit, FindsTheShiftBetweenForceAndMotion) {
 }
 
 TEST(DriveFit, KeepsTheUnitOfTheLog) {
-  Record rec = sine(light(), 3, 2.0);
+  log::Record rec = sine(light(), 3, 2.0);
   const Result newton = identify_drive({rec}, quick());
   for (double& f : rec.f) f /= 25.0;
   rec.force_unit = "V";
@@ -171,7 +172,7 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
   EXPECT_EQ(volt.force_unit, "V");
   EXPECT_EQ(find(volt, "mass")->unit, "V s2/m");
   EXPECT_NEAR(25.0 * volt.mass, newton.mass, 1e-6 * newton.mass);
-  Record other = rec;
+  log::Record other = rec;
   other.force_unit = "N";
   EXPECT_THAT(
       [&] {
@@ -182,7 +183,7 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
 
 TEST(DriveFit, SaysWhatWarmingUpDoes) {
   const testing::Drive drive = light();
-  Record rec = sine(drive, 3, 6.0);
+  log::Record rec = sine(drive, 3, 6.0);
   for (std::size_t k = 0; k < rec.f.size(); ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(rec.f.size());
     rec.f[k] -= (k > 0 && rec.x[k] > rec.x[k - 1] ? 1.0 : -1.0) * 4.0 * share;
@@ -194,4 +195,4 @@ TEST(DriveFit, SaysWhatWarmingUpDoes) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::drive

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <stribeck/ident/drive/relaxation.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::drive {
 
-Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& level, double mass, double load,
-                           double near) {
+Relaxation find_relaxation(const std::vector<log::Motion>& motions, const Level& level, double mass,
+                           double load, double near) {
   struct Near {
     std::size_t record, at;
     int side;
@@ -15,7 +15,7 @@ Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& leve
   };
   std::vector<Near> rows;
   for (std::size_t r = 0; r < motions.size(); ++r) {
-    const Motion& m = motions[r];
+    const log::Motion& m = motions[r];
     if (m.reversals.size() < 2) continue;
     const auto reach = static_cast<std::size_t>(m.reach);
     std::size_t last = 0;
@@ -45,13 +45,13 @@ Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& leve
   }
   if (rows.size() < 20) return {};
   std::vector<std::vector<double>> weights;
-  for (const Motion& m : motions) {
+  for (const log::Motion& m : motions) {
     // A row of the window: what one row gives to its neighbours.
     const auto half = static_cast<std::size_t>(m.reach - 1);
     std::vector<double> impulse(std::max<std::size_t>(4 * half + 1, 64), 0.0);
     const std::size_t centre = impulse.size() / 2;
     impulse[centre] = 1.0;
-    const std::vector<double> w = smooth_like(m, impulse);
+    const std::vector<double> w = log::smooth_like(m, impulse);
     weights.emplace_back(w.begin() + static_cast<std::ptrdiff_t>(centre - half),
                          w.begin() + static_cast<std::ptrdiff_t>(centre + half + 1));
   }
@@ -60,7 +60,7 @@ Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& leve
     double force = 0.0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const Near& p = rows[i];
-      const double target = kDirection[static_cast<std::size_t>(p.side)] * p.g;
+      const double target = map::kDirection[static_cast<std::size_t>(p.side)] * p.g;
       if (p.fresh) force = target;
       force = target + (force - target) * std::exp(-sigma0 * std::max(0.0, p.way) / p.g);
       model[i] = force;
@@ -70,7 +70,7 @@ Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& leve
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const Near& p = rows[i];
       if (!p.judged) continue;
-      const Motion& m = motions[p.record];
+      const log::Motion& m = motions[p.record];
       const std::size_t half = weights[p.record].size() / 2;
       if (i < half || i + half >= rows.size() || rows[i - half].at + half != p.at ||
           rows[i + half].at != p.at + half)
@@ -113,11 +113,11 @@ Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& leve
   return {sigma0, g / sigma0};
 }
 
-void find_lag(const std::vector<Motion>& motions, const Level& level, const Relaxation& relaxation,
-              Rows& rows) {
+void find_lag(const std::vector<log::Motion>& motions, const Level& level, const Relaxation& relaxation,
+              map::Rows& rows) {
   std::size_t i = 0;
   for (std::size_t r = 0; r < motions.size(); ++r) {
-    const Motion& m = motions[r];
+    const log::Motion& m = motions[r];
     double force = 0.0;
     bool fresh = true;
     for (std::size_t k = 1; k < m.rows(); ++k) {
@@ -132,11 +132,11 @@ void find_lag(const std::vector<Motion>& motions, const Level& level, const Rela
       const double y = relaxation.sigma0 * std::max(0.0, way) / target;
       force = target + (force - target) * std::exp(-y);
       if (i < rows.size() && rows.record[i] == static_cast<int>(r) && rows.at[i] == k) {
-        rows.lag[i] = kDirection[static_cast<std::size_t>(side)] * (force - target);
+        rows.lag[i] = map::kDirection[static_cast<std::size_t>(side)] * (force - target);
         ++i;
       }
     }
   }
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::drive

@@ -15,7 +15,7 @@
 #include <stribeck/ident/map/drive_rows.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::drive {
 
 struct Relaxation {
   double sigma0 = std::numeric_limits<double>::infinity();
@@ -24,8 +24,8 @@ struct Relaxation {
 
 /// Friction level without a model: the map of one direction less its viscous part.
 struct Level {
-  const std::array<Polyline, kSides>* map = nullptr;
-  std::array<double, kSides> viscous{};  ///< [N·s/m]
+  const std::array<map::BinCurve, map::kSides>* map = nullptr;
+  std::array<double, map::kSides> viscous{};  ///< [N·s/m]
 
   [[nodiscard]] double operator()(int side, double speed) const {
     const auto s = static_cast<std::size_t>(side);
@@ -34,11 +34,11 @@ struct Level {
 };
 
 /// mass, load: as known so far. `near`: how far after a reversal rows are looked at [m].
-Relaxation find_relaxation(const std::vector<Motion>& motions, const Level& level, double mass, double load,
-                           double near);
+Relaxation find_relaxation(const std::vector<log::Motion>& motions, const Level& level, double mass,
+                           double load, double near);
 
 /// Fills rows.lag.
-void find_lag(const std::vector<Motion>& motions, const Level& level, const Relaxation& relaxation,
-              Rows& rows);
+void find_lag(const std::vector<log::Motion>& motions, const Level& level, const Relaxation& relaxation,
+              map::Rows& rows);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::drive

@@ -7,7 +7,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <string_view>
 
-namespace stribeck::ident {
+namespace stribeck::ident::excitation {
 namespace {
 
 constexpr double kReserve = 0.95;  // of the speed limit
@@ -630,4 +630,4 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
   return out + "M2\n";
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::excitation

@@ -35,7 +35,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::excitation {
 
 /// Rows of one design at the most: some hours at the period of a servo loop, a file of about 100 MB.
 inline constexpr std::size_t kMostRows = 2000000;
@@ -129,4 +129,4 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
 /// can ask for.
 std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::excitation

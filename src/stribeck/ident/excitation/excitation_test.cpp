@@ -13,7 +13,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::excitation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -113,14 +113,14 @@ TEST(Excitation, PulsesMoveTheBiaxialTableWithinItsLimits) {
     for (const double expected : {4e-3, 7e-3}) {
       const Excitation e = design_pulses(kTable, rough, kPeriod);
       testing::Truth truth;
-      const Record rec = testing::run(
+      const log::Record rec = testing::run(
           drive, e.t.back(), 1, [&](std::size_t k, double, double) { return e.force[k]; }, &truth);
       const auto [low, high] = std::minmax_element(truth.v.begin(), truth.v.end());
       EXPECT_GT(std::min(*high, -*low), expected) << axis;
       EXPECT_LT(std::max(*high, -*low), kTable.speed) << axis;
       for (const double x : rec.x) EXPECT_LT(std::abs(x), 0.05);
       EXPECT_NEAR(e.t.back(), 25.0, 10.0);
-      rough = rough_drive(identify_least_squares_a({rec}).result);
+      rough = rough_drive(methods::identify_least_squares_a({rec}).result);
     }
   }
 }
@@ -293,4 +293,4 @@ TEST(Excitation, GcodeRepeatsTheTable) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::excitation

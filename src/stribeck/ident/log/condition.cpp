@@ -8,7 +8,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <utility>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 using namespace parts;
 
@@ -916,4 +916,4 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 /// A column with its own time base; without t it shares the one of the position (of the velocity where there
 /// is no position).
@@ -149,4 +149,4 @@ const std::vector<std::string>& finding_kinds();
 /// The step of which all values are multiples; 0 where none shows.
 double quantum(const std::vector<double>& values);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

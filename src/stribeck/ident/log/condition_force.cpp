@@ -6,7 +6,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 
-namespace stribeck::ident::parts {
+namespace stribeck::ident::log::parts {
 namespace {
 
 constexpr int kColumns = 5;  // a, v, sgn v, x, 1
@@ -529,4 +529,4 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
   }
 }
 
-}  // namespace stribeck::ident::parts
+}  // namespace stribeck::ident::log::parts

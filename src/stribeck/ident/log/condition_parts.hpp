@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::ident::parts {
+namespace stribeck::ident::log::parts {
 
 /// One stretch of rows with one sample time; columns that the log does not have are empty.
 struct Table {
@@ -92,4 +92,4 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes);
 bool quiet(const std::vector<double>& force);
 void find_saturation(std::vector<Table>& tables, Notes& notes);
 
-}  // namespace stribeck::ident::parts
+}  // namespace stribeck::ident::log::parts

@@ -10,7 +10,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 namespace {
 
 using ::testing::AllOf;
@@ -860,4 +860,4 @@ TEST(Quantum, FoundWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -5,7 +5,7 @@
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/refused.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 double quantum(const std::vector<double>& values) {
   constexpr std::size_t kMost = 20000;
@@ -755,4 +755,4 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
 }
 
 }  // namespace parts
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

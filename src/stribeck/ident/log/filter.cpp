@@ -6,7 +6,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/filter.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 namespace {
 
 using Complex = std::complex<double>;
@@ -154,4 +154,4 @@ double second_difference_variance(const std::vector<double>& weights) {
   return sum;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 struct Filter {
   std::vector<double> b;  ///< numerator
@@ -42,4 +42,4 @@ std::vector<double> box_weights(int j);
 /// Variance of the second difference of white noise of variance 1 smoothed with these weights.
 double second_difference_variance(const std::vector<double>& weights);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

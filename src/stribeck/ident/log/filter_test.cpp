@@ -7,7 +7,7 @@
 
 #include <stribeck/ident/log/filter.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 namespace {
 
 std::vector<double> signal() {
@@ -89,4 +89,4 @@ TEST(Filter, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -3,7 +3,7 @@
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 using parts::quantile;
 using parts::text;
@@ -145,4 +145,4 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
   return found;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -5,7 +5,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <string>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 namespace {
 
 /// Largest allowed share of noise in the spread of the acceleration.
@@ -225,4 +225,4 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   return m;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

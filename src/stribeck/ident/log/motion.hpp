@@ -30,7 +30,7 @@
 #include <stribeck/ident/log/record.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 struct Motion {
   double sample_time = 0.0;      ///< [s]
@@ -86,4 +86,4 @@ Motion reconstruct(const Record& record, const MotionOptions& options = {});
 /// RMS [m] of the white part of the position noise, from fourth differences where the axis moves.
 double position_noise(const std::vector<double>& x);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

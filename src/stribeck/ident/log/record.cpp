@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <stribeck/ident/log/record.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 namespace {
 
 /// Rows that a second difference, a smoothing window and one stretch of sliding need at the least.
@@ -63,4 +63,4 @@ std::vector<std::string> problems(const Record& record) {
   return found;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::log {
 
 /// How the force came about. It decides which signal is free of the noise: the reference or the force itself.
 enum class Loop {
@@ -48,4 +48,4 @@ struct Record {
 /// was expected; empty when it is good. Time stamps may jitter by 1 % of the period.
 std::vector<std::string> problems(const Record& record);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::log

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <stribeck/ident/map/drive_rows.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
-void Polyline::build(const Grid& g, const std::vector<double>& n, const std::vector<double>& sum_v,
+void BinCurve::build(const Grid& g, const std::vector<double>& n, const std::vector<double>& sum_v,
                      const std::vector<double>& sum_f) {
   grid = g;
   speed.clear(), force.clear(), weight.clear();
@@ -22,7 +22,7 @@ void Polyline::build(const Grid& g, const std::vector<double>& n, const std::vec
   }
 }
 
-Polyline::Line Polyline::line() const {
+BinCurve::Line BinCurve::line() const {
   double n = 0, sv = 0, sf = 0, svv = 0, svf = 0;
   for (std::size_t i = 0; i < speed.size(); ++i) {
     n += weight[i];
@@ -44,7 +44,7 @@ void Rows::reserve(std::size_t rows) {
 }
 void Rows::clear() { record.clear(), at.clear(), stretch.clear(), side.clear(), bin.clear(), lag.clear(); }
 
-int peaks_of(const Polyline& p) {
+int peaks_of(const BinCurve& p) {
   const std::size_t n = p.speed.size();
   const double slope = p.line().slope;
   double highest = 0.0;
@@ -78,4 +78,4 @@ int peaks_of(const Polyline& p) {
   return peaks + (rising ? 1 : 0);
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

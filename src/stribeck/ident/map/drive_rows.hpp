@@ -9,7 +9,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
 inline constexpr int kSides = 2;  ///< 0: v > 0, 1: v < 0
 inline constexpr std::array<double, kSides> kDirection{1.0, -1.0};
@@ -29,7 +29,7 @@ struct Grid {
 };
 
 /// Means over bins, joined by straight lines.
-struct Polyline {
+struct BinCurve {
   Grid grid;
   std::vector<double> speed, force, weight;  ///< occupied bins; force against the motion
   std::vector<int> next;  ///< first occupied bin whose mean speed is above the left edge of the bin
@@ -45,7 +45,7 @@ struct Polyline {
   [[nodiscard]] Line line() const;
 };
 
-inline double Polyline::operator()(double s) const noexcept {
+inline double BinCurve::operator()(double s) const noexcept {
   if (s <= speed.front()) return force.front();
   if (s >= speed.back()) return force.back();
   auto i = static_cast<std::size_t>(next[static_cast<std::size_t>(grid.bin(s))]);
@@ -71,6 +71,6 @@ struct Rows {
 
 /// Peaks of the smoothed map after its straight line is taken off, the border at the highest speed counted
 /// (thesis §2.4.3).
-int peaks_of(const Polyline& map);
+int peaks_of(const BinCurve& map);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

@@ -8,7 +8,7 @@
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/map/gaussian_fit.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 using Eigen::MatrixXd;
@@ -543,4 +543,4 @@ std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings&
   return ladder;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

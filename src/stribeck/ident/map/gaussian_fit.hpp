@@ -25,7 +25,7 @@
 #include <optional>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
 /// Means over bins, in the direction of motion: u ascending in (0, 1], force positive against the motion.
 struct Bins {
@@ -83,4 +83,4 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
 /// Neighbouring bins joined until about `wanted` are left.
 Bins joined(const Bins& bins, std::size_t wanted);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

@@ -11,7 +11,7 @@
 #include <stribeck/ident/map/gaussian_fit.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 constexpr double kTop = 9.5e-3;
@@ -141,4 +141,4 @@ TEST(GaussianFit, StopsWhenTheBinsCarryNoMoreParameters) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

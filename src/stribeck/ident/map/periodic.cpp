@@ -12,7 +12,7 @@
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <unsupported/Eigen/FFT>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 using Eigen::MatrixXd;
@@ -672,7 +672,7 @@ class Search {
     t.term.form = line.form == kSame ? EccentricForm::kAdditive : EccentricForm::kProportional;
     const auto background = local(line, line.form);
     const double noise = background.first;
-    const double factor = student_factor(std::min(1e4, 2.0 * background.second));
+    const double factor = stats::student_factor(std::min(1e4, 2.0 * background.second));
     const auto half = [&](const Eigen::Vector3d& g) {
       return factor * std::sqrt(0.5 * noise * std::max(0.0, g.dot(C * g)));
     };
@@ -784,4 +784,4 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   return Search(rows, options).run();
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

@@ -28,7 +28,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
 /// Rows of one or more records, each record ascending in `at`.
 struct PeriodicRows {
@@ -66,4 +66,4 @@ struct PeriodicResult {
 
 PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

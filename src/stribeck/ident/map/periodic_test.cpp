@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 using friction::EccentricForm;
@@ -306,4 +306,4 @@ TEST(Periodic, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

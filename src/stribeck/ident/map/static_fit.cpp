@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 using Eigen::MatrixXd;
@@ -497,4 +497,4 @@ StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const Stati
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

@@ -29,7 +29,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
 /// Sums over the rows of one block of motion, by bin; f against the motion.
 struct BlockSums {
@@ -99,4 +99,4 @@ Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std:
 
 StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const StaticOptions& options);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

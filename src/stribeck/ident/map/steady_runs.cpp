@@ -8,7 +8,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 namespace {
 
 constexpr double kEqual = 0.04;      // speeds that are one
@@ -42,10 +42,10 @@ std::string text(const char* format, T... values) {
 }
 
 /// A speed as people read it.
-std::string shown(double speed, const Record& rec) {
+std::string shown(double speed, const log::Record& rec) {
   return rec.position_unit == "rad" ? text("%.4g rad/s", speed) : text("%.4g mm/s", speed * 1e3);
 }
-std::string shown_way(double way, const Record& rec) {
+std::string shown_way(double way, const log::Record& rec) {
   return rec.position_unit == "rad" ? text("%.3g mrad", way * 1e3) : text("%.3g um", way * 1e6);
 }
 
@@ -156,7 +156,7 @@ struct Found {
 };
 
 /// Runs that blocks of so many rows show.
-std::vector<Found> pieces_at(const Record& rec, std::size_t number, std::size_t block) {
+std::vector<Found> pieces_at(const log::Record& rec, std::size_t number, std::size_t block) {
   const std::size_t n = rec.t.size();
   const std::vector<double>& p = rec.r.empty() ? rec.x : rec.r;
   std::vector<double> u;
@@ -201,7 +201,7 @@ std::vector<Found> pieces_at(const Record& rec, std::size_t number, std::size_t 
 }
 
 /// Runs at the scale that shows most of them: a rippling speed is constant only to longer blocks.
-std::vector<Found> pieces_of(const Record& rec, std::size_t number) {
+std::vector<Found> pieces_of(const log::Record& rec, std::size_t number) {
   const std::size_t n = rec.t.size();
   auto block = static_cast<std::size_t>(std::max(1.0, std::floor(kBlockTime / rec.sample_time)));
   block = std::min(block, std::max<std::size_t>(1, n / 200));
@@ -222,7 +222,7 @@ std::vector<Found> pieces_of(const Record& rec, std::size_t number) {
 }
 
 /// Way in which the force relaxes to 1/e after the reversal before a run [m]; NaN: the rows do not resolve it.
-double relaxation_of(const Record& rec, const Found& f) {
+double relaxation_of(const log::Record& rec, const Found& f) {
   constexpr std::size_t kResolved = 6;
   constexpr double kLengths = 2.0;  // exp(−2) is well above the noise
   constexpr double kShortOfRun = 0.2;
@@ -249,11 +249,11 @@ struct Points {
   std::vector<int> run;
 };
 
-Points points_of(const std::vector<Record>& records, const std::vector<SteadyRun>& runs) {
+Points points_of(const std::vector<log::Record>& records, const std::vector<SteadyRun>& runs) {
   Points out;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SteadyRun& run = runs[i];
-    const Record& rec = records[run.record];
+    const log::Record& rec = records[run.record];
     const std::size_t rows = run.last - run.first + 1;
     const std::size_t step = std::max<std::size_t>(1, rows / kPointsOfRun);
     for (std::size_t k = run.first; k + step <= run.last + 1; k += step) {
@@ -368,25 +368,25 @@ std::optional<Wave> search_wave(const Points& p, const std::vector<SteadyRun>& r
 
 }  // namespace
 
-Record with_positions(const Record& record) {
-  Record out = record;
+log::Record with_positions(const log::Record& record) {
+  log::Record out = record;
   if (out.x.empty() && out.v.size() == out.t.size() && !out.v.empty()) {
     out.x.assign(out.v.size(), 0.0);
     for (std::size_t k = 1; k < out.v.size(); ++k) {
       out.x[k] = out.x[k - 1] + 0.5 * out.sample_time * (out.v[k] + out.v[k - 1]);
     }
   }
-  const auto wrong = problems(out);
+  const auto wrong = log::problems(out);
   if (!wrong.empty()) throw Refused(wrong.front());
   return out;
 }
 
-SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOptions& options) {
+SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const SteadyOptions& options) {
   SteadyRuns out;
-  std::vector<Record> whole;
+  std::vector<log::Record> whole;
   whole.reserve(records.size());
   bool measured = true;  // positions of several records belong together
-  for (const Record& r : records) {
+  for (const log::Record& r : records) {
     whole.push_back(with_positions(r));
     measured = measured && !r.x.empty();
   }
@@ -417,7 +417,7 @@ SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOpti
 
   std::vector<std::string> left_out;
   for (Found& f : found) {
-    const Record& rec = whole[f.run.record];
+    const log::Record& rec = whole[f.run.record];
     SteadyRun& run = f.run;
     const double T = rec.sample_time;
     const double duration = T * static_cast<double>(run.last - run.first);
@@ -477,7 +477,7 @@ SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOpti
   }
   double square = 0.0, correlated = 0.0;
   for (SteadyRun& run : out.runs) {
-    const Record& rec = whole[run.record];
+    const log::Record& rec = whole[run.record];
     std::vector<double> e;
     std::vector<int> number;
     std::vector<std::size_t> at;
@@ -497,7 +497,7 @@ SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOpti
     for (const double f : e) mean += f / n;
     double variance = 0.0;
     for (double& f : e) f -= mean, variance += f * f / n;
-    const Memory memory = memory_of(e, number, at);
+    const stats::Memory memory = stats::memory_of(e, number, at);
     run.force = mean;
     run.error = std::sqrt(variance * 2.0 * std::max(0.5, memory.rows) / n);
     square += variance;
@@ -514,4 +514,4 @@ SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOpti
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

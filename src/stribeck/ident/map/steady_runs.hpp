@@ -29,7 +29,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::map {
 
 struct SteadyRun {
   std::size_t record = 0;
@@ -58,9 +58,9 @@ struct SteadyRuns {
   std::vector<std::string> notes;  ///< what was left out, and why
 };
 
-SteadyRuns find_steady_runs(const std::vector<Record>& records, const SteadyOptions& options = {});
+SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const SteadyOptions& options = {});
 
 /// The record with positions: where only the velocity is logged, its integral. Refused when it is no good.
-Record with_positions(const Record& record);
+log::Record with_positions(const log::Record& record);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::map

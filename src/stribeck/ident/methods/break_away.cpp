@@ -7,7 +7,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 constexpr double kSmaller = 0.95;        // force of the earlier row
@@ -105,8 +105,8 @@ double crooked(const std::vector<double>& f, std::size_t k) {
 }
 
 /// Rows first … last hold one sign of force; from `begin` to them there is next to none.
-Judged first_slip(const Record& rec, std::size_t begin, std::size_t first, std::size_t last, int direction,
-                  const BreakAwayOptions& options) {
+Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, std::size_t last,
+                  int direction, const BreakAwayOptions& options) {
   std::size_t top = first;
   for (std::size_t k = first; k <= last; ++k) {
     if (direction * rec.f[k] > direction * rec.f[top]) top = k;
@@ -200,21 +200,21 @@ Mean mean_of(const std::vector<double>& values) {
   if (values.size() < 2) return m;
   double square = 0.0;
   for (const double v : values) square += (v - m.value) * (v - m.value);
-  const double half = student_factor(n - 1.0) * std::sqrt(square / (n - 1.0) / n);
+  const double half = stats::student_factor(n - 1.0) * std::sqrt(square / (n - 1.0) / n);
   m.interval = {m.value - half, m.value + half};
   return m;
 }
 
 }  // namespace
 
-BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwayOptions& options) {
+BreakAway identify_break_away(const std::vector<log::Record>& records, const BreakAwayOptions& options) {
   if (records.empty()) throw Refused("break-away: no record given");
   BreakAway out;
   std::size_t ramps = 0;
   std::array<std::size_t, static_cast<std::size_t>(No::kCount)> no{};
   double creep = 0.0;
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const Record rec = with_positions(records[r]);
+    const log::Record rec = map::with_positions(records[r]);
     double largest = 0.0;
     for (const double f : rec.f) largest = std::max(largest, std::abs(f));
     const double quiet = kAtRest * largest;
@@ -302,4 +302,4 @@ BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwa
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

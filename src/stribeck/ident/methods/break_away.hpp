@@ -26,7 +26,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 struct BreakAwayOptions {
   std::optional<double> mass;  ///< [kg]
@@ -51,6 +51,6 @@ struct BreakAway {
   Result result;
 };
 
-BreakAway identify_break_away(const std::vector<Record>& records, const BreakAwayOptions& options = {});
+BreakAway identify_break_away(const std::vector<log::Record>& records, const BreakAwayOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -10,7 +10,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using ::testing::AllOf;
@@ -19,10 +19,11 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 /// A ramp on F = F_s·(1 − exp(−y/δ)), and beyond F_s a slip; then quickly back.
-Record ramp(double direction, double static_friction, double distance, double noise, std::uint64_t seed) {
+log::Record ramp(double direction, double static_friction, double distance, double noise,
+                 std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
-  Record r;
+  log::Record r;
   r.source = "ramp";
   r.sample_time = 0.01;
   double y = 0.0;
@@ -50,9 +51,9 @@ TEST(BreakAway, ReadsForceAndDistanceOffAnIdealRamp) {
 
 // Invariance: units of position do not matter, and the mirrored log gives the mirrored forces.
 TEST(BreakAway, MirroredAndScaledRampsGiveTheSame) {
-  std::vector<Record> records{ramp(1, 10.0, 4e-6, 2e-8, 1), ramp(1, 10.5, 4e-6, 2e-8, 2)};
+  std::vector<log::Record> records{ramp(1, 10.0, 4e-6, 2e-8, 1), ramp(1, 10.5, 4e-6, 2e-8, 2)};
   const BreakAway a = identify_break_away(records);
-  for (Record& r : records) {
+  for (log::Record& r : records) {
     for (double& x : r.x) x *= -50.0;
     for (double& f : r.f) f = -f;
   }
@@ -71,8 +72,9 @@ TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
   drive.friction.velocity_range = {-1.0, 1.0};
   drive.friction.positive = {1200.0, 100e3, {}};
   drive.friction.negative = {-1000.0, 100e3, {}};
-  const Excitation e = design_ramp({-0.075, 0.075, 0.010, 0.2, 10480.0}, {60e3, 1150.0, 80e3}, 0.005);
-  const Record r =
+  const excitation::Excitation e =
+      excitation::design_ramp({-0.075, 0.075, 0.010, 0.2, 10480.0}, {60e3, 1150.0, 80e3}, 0.005);
+  const log::Record r =
       testing::run(drive, e.t.back(), 5, [&](std::size_t k, double, double) { return e.force[k]; });
   BreakAwayOptions options;
   options.mass = drive.mass;
@@ -86,7 +88,7 @@ TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
 }
 
 TEST(BreakAway, RefusesWhatNeverSlips) {
-  Record r = ramp(1, 100.0, 4e-6, 1e-9, 1);
+  log::Record r = ramp(1, 100.0, 4e-6, 1e-9, 1);
   EXPECT_THAT([&] { identify_break_away({r}); },
               ThrowsMessage<Refused>(
                   AllOf(HasSubstr("no slow ramp of force with a slip"), HasSubstr("more force is needed"))));
@@ -97,7 +99,7 @@ TEST(BreakAway, RefusesWhatNeverSlips) {
 TEST(BreakAway, RefusesAClosedLoop) {
   testing::Drive drive;
   drive.friction = testing::table_2_3('x');
-  Record r = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
+  log::Record r = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
   EXPECT_THAT([&] { identify_break_away({r}); },
               ThrowsMessage<Refused>(HasSubstr("while the reference moves")));
   r.r.clear();
@@ -106,7 +108,7 @@ TEST(BreakAway, RefusesAClosedLoop) {
 
 // A third of the friction as noise: the axis creeps for half a millimetre, and nothing is a point of break-away.
 TEST(BreakAway, SaysThatAnAxisCreeps) {
-  Record r = ramp(1, 10.0, 4e-6, 1e-8, 1);
+  log::Record r = ramp(1, 10.0, 4e-6, 1e-8, 1);
   for (std::size_t k = 0; k < r.x.size(); ++k) {
     const double f = k < 1200 ? r.f[k] : 12.0;
     r.x[k] = 5e-6 * std::expm1(0.4 * f);
@@ -115,4 +117,4 @@ TEST(BreakAway, SaysThatAnAxisCreeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

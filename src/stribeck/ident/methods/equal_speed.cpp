@@ -7,7 +7,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 constexpr double kOneSpeed = 0.05;   // pairs of forward and backward
@@ -30,13 +30,14 @@ struct Row {
 };
 
 /// Rows of sliding, with the bin of speed they lie in; bins of v < 0 after those of v > 0.
-std::vector<Row> rows_of(const std::vector<Record>& records, const EqualSpeedOptions& options, double& top) {
+std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpeedOptions& options,
+                         double& top) {
   std::vector<Row> rows;
   top = 0.0;
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const auto wrong = problems(records[r]);
+    const auto wrong = log::problems(records[r]);
     if (!wrong.empty()) throw Refused(wrong.front());
-    const Motion m = reconstruct(records[r]);
+    const log::Motion m = log::reconstruct(records[r]);
     // In open loop the instrument is a force: another unit, but the same estimate.
     for (std::size_t k = 0; k < m.rows(); ++k) {
       if (!m.sliding(k, options.exclude)) continue;
@@ -58,10 +59,10 @@ std::vector<Row> rows_of(const std::vector<Record>& records, const EqualSpeedOpt
 
 }  // namespace
 
-LoadEstimate load_of(const std::vector<SteadyRun>& runs) {
+LoadEstimate load_of(const std::vector<map::SteadyRun>& runs) {
   LoadEstimate out;
-  std::vector<SteadyRun> sorted = runs;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const SteadyRun& a, const SteadyRun& b) {
+  std::vector<map::SteadyRun> sorted = runs;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const map::SteadyRun& a, const map::SteadyRun& b) {
     return std::abs(a.speed) < std::abs(b.speed);
   });
   for (std::size_t i = 0; i < sorted.size();) {
@@ -97,15 +98,16 @@ LoadEstimate load_of(const std::vector<SteadyRun>& runs) {
   out.constant = n < 2.0 || boost::math::cdf(boost::math::complement(boost::math::chi_squared(n - 1.0),
                                                                      std::min(chi, 1e6))) > kConstant;
   if (n >= 2.0) {
-    const double half = student_factor(n - 1.0) * std::sqrt(std::max(variance / n, spread / (n - 1.0)) / n);
+    const double half =
+        stats::student_factor(n - 1.0) * std::sqrt(std::max(variance / n, spread / (n - 1.0)) / n);
     out.interval = {out.value - half, out.value + half};
   }
   return out;
 }
 
-Result identify_gravity(const std::vector<Record>& records, const SteadyOptions& options) {
+Result identify_gravity(const std::vector<log::Record>& records, const map::SteadyOptions& options) {
   if (records.empty()) throw Refused("gravity: no record given");
-  const SteadyRuns found = find_steady_runs(records, options);
+  const map::SteadyRuns found = map::find_steady_runs(records, options);
   const LoadEstimate load = load_of(found.runs);
   if (load.pairs.empty()) {
     throw Refused(
@@ -144,14 +146,14 @@ Result identify_gravity(const std::vector<Record>& records, const SteadyOptions&
                    {-p.speed, -p.friction, -p.friction - half, -p.friction + half});
   }
   r.velocity_range = {-load.pairs.back().speed, load.pairs.back().speed};
-  for (const SteadyRun& run : found.runs) {
+  for (const map::SteadyRun& run : found.runs) {
     r.rows += run.last - run.first + 1;
     r.map.push_back({run.speed, run.force - load.value, run.speed > 0.0 ? 1 : -1});
   }
   return r;
 }
 
-MassEstimate mass_at_equal_speed(const std::vector<Record>& records, const EqualSpeedOptions& options) {
+MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records, const EqualSpeedOptions& options) {
   MassEstimate out;
   double top = 0.0;
   const std::vector<Row> rows = rows_of(records, options, top);
@@ -209,13 +211,14 @@ MassEstimate mass_at_equal_speed(const std::vector<Record>& records, const Equal
   // The instrument stands for the regressor: (ZᵀA)⁻¹·S·(AᵀZ)⁻¹ in place of (XᵀX)⁻¹·S·(XᵀX)⁻¹. For the
   // stationary form XᵀX is z̃ᵀz̃, hence the scale.
   const double scale = cross / z.squaredNorm();
-  const Uncertainty uncertainty(z * scale, e, inverse / scale, record, at);
+  const stats::Uncertainty uncertainty(z * scale, e, inverse / scale, record, at);
   const double half = uncertainty.half_width(Eigen::VectorXd::Ones(1));
   out.interval = {out.value - half, out.value + half};
   return out;
 }
 
-Result identify_constant_acceleration(const std::vector<Record>& records, const EqualSpeedOptions& options) {
+Result identify_constant_acceleration(const std::vector<log::Record>& records,
+                                      const EqualSpeedOptions& options) {
   if (records.empty()) throw Refused("constant acceleration: no record given");
   const MassEstimate mass = mass_at_equal_speed(records, options);
   if (!std::isfinite(mass.value) || !(mass.value > 0.0) || !(mass.interval.low > 0.0)) {
@@ -258,4 +261,4 @@ Result identify_constant_acceleration(const std::vector<Record>& records, const 
   return r;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

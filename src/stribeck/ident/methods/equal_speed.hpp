@@ -23,7 +23,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 /// Forward and backward at one speed.
 struct SpeedPair {
@@ -39,10 +39,10 @@ struct LoadEstimate {
   bool constant = false;
   std::vector<SpeedPair> pairs;  ///< ascending speed
 };
-LoadEstimate load_of(const std::vector<SteadyRun>& runs);
+LoadEstimate load_of(const std::vector<map::SteadyRun>& runs);
 
 /// Method "gravity": load and friction from constant speeds in both directions, nothing fitted.
-Result identify_gravity(const std::vector<Record>& records, const SteadyOptions& options = {});
+Result identify_gravity(const std::vector<log::Record>& records, const map::SteadyOptions& options = {});
 
 struct EqualSpeedOptions {
   double exclude = 50e-6;  ///< left out after reversals [m]
@@ -56,10 +56,11 @@ struct MassEstimate {
   Interval interval;                                        ///< 95 %
   std::size_t rows = 0;
 };
-MassEstimate mass_at_equal_speed(const std::vector<Record>& records, const EqualSpeedOptions& options = {});
+MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records,
+                                 const EqualSpeedOptions& options = {});
 
 /// Method "constant-acceleration": the mass, and friction as what is left, as means over bins of speed.
-Result identify_constant_acceleration(const std::vector<Record>& records,
+Result identify_constant_acceleration(const std::vector<log::Record>& records,
                                       const EqualSpeedOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -7,7 +7,7 @@
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <string>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using Eigen::MatrixXd;
@@ -33,8 +33,8 @@ struct Column {
 
 }  // namespace
 
-IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
-  const auto wrong = problems(record);
+IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& options) {
+  const auto wrong = log::problems(record);
   if (!wrong.empty()) throw Refused(wrong.front());
   const double T = record.sample_time;
   const std::size_t n = record.x.size();
@@ -54,7 +54,7 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
     }
   }
   const std::vector<double> x =
-      forward_backward(butterworth(options.order, options.cut_off * 2.0 * T), record.x);
+      log::forward_backward(log::butterworth(options.order, options.cut_off * 2.0 * T), record.x);
   const std::vector<double> v = derivative(x, T);
   const std::vector<double> a = derivative(v, T);
 
@@ -75,8 +75,8 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
     add("offset", "N", "N", [](double) { return 1.0; });
   }
   auto thin = [&](const std::vector<double>& column) {
-    return decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
-                    options.decimation);
+    return log::decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
+                         options.decimation);
   };
   const std::vector<double> force = thin(record.f);
   const auto rows = static_cast<Index>(force.size());
@@ -109,7 +109,7 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
 
   std::vector<std::size_t> at(force.size());
   for (std::size_t k = 0; k < at.size(); ++k) at[k] = k;
-  const Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
+  const stats::Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
 
   Result& r = out.result;
   r.method = "idim-ls";
@@ -167,4 +167,4 @@ IdimResult identify_idim_ls(const Record& record, const IdimOptions& options) {
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -20,7 +20,7 @@
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/result.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 struct IdimOptions {
   double cut_off = 100.0;  ///< of the Butterworth low-pass [Hz]
@@ -44,6 +44,6 @@ struct IdimResult {
   Result result;
 };
 
-IdimResult identify_idim_ls(const Record& record, const IdimOptions& options = {});
+IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -12,7 +12,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 constexpr double kForcePerVolt = 35.15065188248547;
@@ -24,9 +24,9 @@ std::filesystem::path emps_file() {
   return root / "emps" / "emps.csv";
 }
 
-Record emps() {
+log::Record emps() {
   std::ifstream in(emps_file());
-  Record rec;
+  log::Record rec;
   rec.source = "emps.csv";
   rec.sample_time = 0.001;
   std::string line;
@@ -53,7 +53,7 @@ void expect_printed(const std::vector<double>& got, const std::vector<double>& p
 // Janot, Gautier, Brunot 2019: the tables of the benchmark.
 TEST(IdimLs, ReproducesThePublishedResultOfEmpsToTheLastDigit) {
   if (!std::filesystem::exists(emps_file())) GTEST_SKIP() << "no " << emps_file();
-  const Record rec = emps();
+  const log::Record rec = emps();
   ASSERT_EQ(rec.x.size(), 24841u);
   const auto both = identify_idim_ls(rec).published;
   expect_printed(both.value, {95.1089, 203.5034, 20.3935, -3.1648});
@@ -72,7 +72,7 @@ TEST(IdimLs, ReproducesThePublishedResultOfEmpsToTheLastDigit) {
 // Two methods that share no code beyond the record: instruments and bins here, filters and regressors there.
 TEST(IdimLs, AgreesWithTheVelocityMapOnEmps) {
   if (!std::filesystem::exists(emps_file())) GTEST_SKIP() << "no " << emps_file();
-  const Record rec = emps();
+  const log::Record rec = emps();
   const Result map = identify_velocity_map({rec});
   EXPECT_NEAR(map.mass, 95.1089, 0.5);
   EXPECT_LT(map.mass_interval.low, 95.1089);
@@ -81,10 +81,10 @@ TEST(IdimLs, AgreesWithTheVelocityMapOnEmps) {
             1.6646);  // the map must explain held-out cycles better than a straight line does its own
 }
 
-Record straight_drive(double scale_length, double scale_force) {
+log::Record straight_drive(double scale_length, double scale_force) {
   // m·a = f − Fv·v − Fc·sgn v − offset, force and position analytic; v never crosses zero within a half
   // period.
-  Record rec;
+  log::Record rec;
   rec.source = "analytic";
   rec.sample_time = 0.001;
   for (int k = 0; k < 12000; ++k) {
@@ -119,7 +119,7 @@ TEST(IdimLs, ScalesWithTheUnitsOfLengthAndForce) {
 }
 
 TEST(IdimLs, MirroredMotionMirrorsTheDirections) {
-  Record rec = straight_drive(1.0, 1.0);
+  log::Record rec = straight_drive(1.0, 1.0);
   IdimOptions options;
   options.by_direction = true;
   const auto a = identify_idim_ls(rec, options).published;
@@ -138,4 +138,4 @@ TEST(IdimLs, RefusesACutOffBeyondHalfTheRate) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

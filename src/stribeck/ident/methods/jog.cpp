@@ -8,7 +8,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <utility>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace jog {
 namespace {
 
@@ -31,12 +31,12 @@ struct Group {
   double residual_rms = 0.0;
 };
 
-Group fit_group(std::vector<Point> points, const std::vector<SteadyRun>& runs,
-                const std::vector<Record>& records, const JogOptions& options) {
+Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& runs,
+                const std::vector<log::Record>& records, const JogOptions& options) {
   const std::size_t folds = number_folds(points);
   weigh(points);
   double low = 0.0, high = 0.0;
-  std::vector<SteadyRun> own;
+  std::vector<map::SteadyRun> own;
   for (const Point& p : points) {
     low = std::min(low, p.v);
     high = std::max(high, p.v);
@@ -133,10 +133,10 @@ Group fit_group(std::vector<Point> points, const std::vector<SteadyRun>& runs,
 
   double square = 0.0;
   for (const Point& p : lifted) {
-    const SteadyRun& run = runs[p.run];
+    const map::SteadyRun& run = runs[p.run];
     const double e = p.f - fit(p.v);
     square += e * e;
-    const Record& rec = records[run.record];
+    const log::Record& rec = records[run.record];
     const std::size_t middle = (run.first + run.last) / 2;
     r.residuals.push_back(
         {rec.t[middle], rec.x.empty() ? 0.0 : rec.x[middle], p.v, e, static_cast<int>(run.record)});
@@ -194,13 +194,14 @@ Group fit_group(std::vector<Point> points, const std::vector<SteadyRun>& runs,
 }
 
 /// Records that move without holding a speed: they tell the mass.
-std::vector<Record> moving_records(const std::vector<Record>& records, const SteadyRuns& found) {
+std::vector<log::Record> moving_records(const std::vector<log::Record>& records,
+                                        const map::SteadyRuns& found) {
   constexpr double kMostlySteady = 0.3;
-  std::vector<Record> out;
+  std::vector<log::Record> out;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (records[i].x.empty()) continue;
     double steady = 0.0;
-    for (const SteadyRun& run : found.runs) {
+    for (const map::SteadyRun& run : found.runs) {
       if (run.record == i) steady += static_cast<double>(run.last - run.first + 1);
     }
     const auto [low, high] = std::minmax_element(records[i].x.begin(), records[i].x.end());
@@ -213,16 +214,16 @@ std::vector<Record> moving_records(const std::vector<Record>& records, const Ste
 }  // namespace
 }  // namespace jog
 
-Jog identify_jog(const std::vector<Record>& records, const JogOptions& options) {
+Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& options) {
   using namespace jog;
   if (records.empty()) throw Refused("jog: no record given");
-  for (const Record& r : records) {
+  for (const log::Record& r : records) {
     if (r.force_unit != records.front().force_unit || r.position_unit != records.front().position_unit) {
       throw Refused(r.source + ": its units differ from those of " + records.front().source +
                     "; identify them apart");
     }
   }
-  const SteadyRuns found = find_steady_runs(records, options.steady);
+  const map::SteadyRuns found = map::find_steady_runs(records, options.steady);
   Jog jog;
   jog.runs = found.runs;
   if (found.runs.empty()) {
@@ -231,7 +232,7 @@ Jog identify_jog(const std::vector<Record>& records, const JogOptions& options) 
   }
   std::vector<Point> points;
   for (std::size_t i = 0; i < found.runs.size(); ++i) {
-    const SteadyRun& run = found.runs[i];
+    const map::SteadyRun& run = found.runs[i];
     points.push_back({run.speed, run.force, run.error, 1.0, 0, i});
   }
   number_folds(points);
@@ -297,7 +298,7 @@ Jog identify_jog(const std::vector<Record>& records, const JogOptions& options) 
     EqualSpeedOptions equal;
     equal.exclude = std::max(found.exclude, 20e-6);
     if (found.periodic) equal.periods = {found.periodic->period};
-    const std::vector<Record> moving = moving_records(records, found);
+    const std::vector<log::Record> moving = moving_records(records, found);
     MassEstimate mass;
     if (!moving.empty()) mass = mass_at_equal_speed(moving, equal);
     if (std::isfinite(mass.value) && mass.interval.low > 0.0) {
@@ -316,4 +317,4 @@ Jog identify_jog(const std::vector<Record>& records, const JogOptions& options) 
   return jog;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

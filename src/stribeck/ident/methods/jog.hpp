@@ -28,12 +28,12 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 enum class Solver { kDerivatives, kSimplex };
 
 struct JogOptions {
-  SteadyOptions steady;
+  map::SteadyOptions steady;
   Solver solver = Solver::kDerivatives;
   std::optional<int> terms;    ///< Gaussians of each direction; absent: chosen among all candidates
   bool gaussians = true;       ///< false: conventional candidates only, as printed
@@ -42,12 +42,12 @@ struct JogOptions {
 };
 
 struct Jog {
-  Result result;                ///< of the group with the most speeds
-  std::vector<SteadyRun> runs;  ///< all of them
-  double residual_rms = 0.0;    ///< of the means that were fitted [N]
+  Result result;                     ///< of the group with the most speeds
+  std::vector<map::SteadyRun> runs;  ///< all of them
+  double residual_rms = 0.0;         ///< of the means that were fitted [N]
   std::vector<Result> groups;  ///< the other groups, where the friction jumps between two days; usually empty
 };
 
-Jog identify_jog(const std::vector<Record>& records, const JogOptions& options = {});
+Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

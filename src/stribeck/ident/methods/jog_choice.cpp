@@ -5,7 +5,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <utility>
 
-namespace stribeck::ident::jog {
+namespace stribeck::ident::methods::jog {
 
 namespace {
 
@@ -136,4 +136,4 @@ Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter&
   return out;
 }
 
-}  // namespace stribeck::ident::jog
+}  // namespace stribeck::ident::methods::jog

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <stribeck/ident/methods/jog_parts.hpp>
 
-namespace stribeck::ident::jog {
+namespace stribeck::ident::methods::jog {
 
 namespace {
 
@@ -78,8 +78,8 @@ std::size_t number_folds(std::vector<Point>& points) {
   return folds;
 }
 
-std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<SteadyRun>& runs,
-                             const std::vector<Record>& records) {
+std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<map::SteadyRun>& runs,
+                             const std::vector<log::Record>& records) {
   std::vector<Point> out = points;
   for (Point& p : out) {
     const std::size_t record = runs[p.run].record;
@@ -99,4 +99,4 @@ std::vector<Point> by_record(const std::vector<Point>& points, const std::vector
   return out;
 }
 
-}  // namespace stribeck::ident::jog
+}  // namespace stribeck::ident::methods::jog

@@ -7,7 +7,7 @@
 #include <stribeck/ident/stats/simplex.hpp>
 #include <utility>
 
-namespace stribeck::ident::jog {
+namespace stribeck::ident::methods::jog {
 
 namespace {
 
@@ -176,7 +176,7 @@ class Separable {
       if (free_) s.delta = std::exp(x.back());
       return s;
     };
-    const SimplexResult found = minimise_simplex(
+    const stats::SimplexResult found = stats::minimise_simplex(
         [&](const std::vector<double>& x) {
           const Solution s = unpack(x);
           bool outside = std::log(s.width) < low_[0] || std::log(s.width) > high_[0];
@@ -364,13 +364,13 @@ std::optional<Fit> Fitter::fit(const Kind& kind, const std::vector<Point>& point
   return {};
 }
 
-std::vector<BranchFit> Fitter::ladder_of(const std::vector<Point>& points, int side, double top,
-                                         int terms) const {
+std::vector<map::BranchFit> Fitter::ladder_of(const std::vector<Point>& points, int side, double top,
+                                              int terms) const {
   std::vector<Point> part = side_of(points, side);
   std::stable_sort(part.begin(), part.end(),
                    [](const Point& a, const Point& b) { return std::abs(a.v) < std::abs(b.v); });
   if (part.empty()) return {};
-  Bins bins;
+  map::Bins bins;
   double highest = 0.0;
   std::vector<double> errors;
   for (const Point& p : part) {
@@ -382,14 +382,14 @@ std::vector<BranchFit> Fitter::ladder_of(const std::vector<Point>& points, int s
   }
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
                    errors.end());
-  FitSettings settings;
+  map::FitSettings settings;
   settings.noise = std::max(errors[errors.size() / 2], 1e-7 * highest);
   settings.height_scale = 10.0 * highest;
   settings.slope_scale = 0.2 * highest;
   settings.narrowest = kNarrowest;
   settings.polished = 6;  // few points: starts cost little
   settings.scattered = 64;
-  return fit_ladder(bins, terms, settings);
+  return map::fit_ladder(bins, terms, settings);
 }
 
 std::string name_of(const Kind& kind) {
@@ -420,10 +420,11 @@ friction::Gaussian<double> as_map(const Fit& fit, const std::array<double, 2>& r
     const auto k = static_cast<std::size_t>(side);
     friction::GaussianBranch<double>& b = side == 0 ? map.positive : map.negative;
     if (fit.kind.family == Family::kGaussians) {
-      const BranchFit& from = fit.branch[k];
+      const map::BranchFit& from = fit.branch[k];
       b.eta0 = s * from.eta0;
       b.eta1 = from.eta1 / fit.top;
-      for (const FitTerm& g : from.terms) b.gaussians.push_back({s * g.a, s * g.b * fit.top, g.c * fit.top});
+      for (const map::FitTerm& g : from.terms)
+        b.gaussians.push_back({s * g.a, s * g.b * fit.top, g.c * fit.top});
       continue;
     }
     b.eta0 = s * fit.p[2 * k];
@@ -449,4 +450,4 @@ bool opposes(const Fit& fit, double low, double high) {
   return true;
 }
 
-}  // namespace stribeck::ident::jog
+}  // namespace stribeck::ident::methods::jog

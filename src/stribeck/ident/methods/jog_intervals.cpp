@@ -5,7 +5,7 @@
 #include <stribeck/ident/methods/jog_parts.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident::jog {
+namespace stribeck::ident::methods::jog {
 
 Spread::Spread(const Fit& fit, const std::vector<Point>& points) {
   const auto n = static_cast<Index>(points.size());
@@ -34,7 +34,7 @@ Spread::Spread(const Fit& fit, const std::vector<Point>& points) {
   const double freedom = static_cast<double>(n - p);
   if (freedom >= 1.0) {
     left_ = chi / freedom * inverse;
-    factor_ = student_factor(freedom);
+    factor_ = stats::student_factor(freedom);
   }
   means_ = inverse * J.transpose() * variance.asDiagonal() * J * inverse;
 }
@@ -71,7 +71,7 @@ void add_parameters(const Fit& fit, const Spread& spread, Result& r) {
     const std::string name = side == 0 ? "_positive" : "_negative";
     const double s = side == 0 ? 1.0 : -1.0;
     if (fit.kind.family == Family::kGaussians) {
-      const BranchFit& b = fit.branch[side];
+      const map::BranchFit& b = fit.branch[side];
       const std::size_t at = side == 0 ? 0 : fit.branch[0].parameters();
       add("eta0" + name, s * b.eta0, "N", "N", unit(at, s));
       add("eta1" + name, b.eta1 / fit.top, "N s/m", "N s/mm", unit(at + 1, 1.0 / fit.top));
@@ -92,4 +92,4 @@ void add_parameters(const Fit& fit, const Spread& spread, Result& r) {
   }
 }
 
-}  // namespace stribeck::ident::jog
+}  // namespace stribeck::ident::methods::jog

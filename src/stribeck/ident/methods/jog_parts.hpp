@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::jog {
+namespace stribeck::ident::methods::jog {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -70,7 +70,7 @@ struct Kind {
 struct Fit {
   Kind kind{};
   std::vector<double> p;
-  std::array<BranchFit, 2> branch;
+  std::array<map::BranchFit, 2> branch;
   double top = 0.0;  // speed that stands for u = 1
 
   [[nodiscard]] std::size_t parameters() const {
@@ -84,7 +84,7 @@ struct Fit {
 /// Gaussian fits of one set of points with 0, 1, … terms: each needs the one before.
 struct Ladders {
   bool done = false;
-  std::vector<BranchFit> side[2];
+  std::vector<map::BranchFit> side[2];
 };
 
 class Fitter {
@@ -96,8 +96,8 @@ class Fitter {
                                        Ladders& ladders) const;
 
  private:
-  [[nodiscard]] std::vector<BranchFit> ladder_of(const std::vector<Point>& points, int side, double top,
-                                                 int terms) const;
+  [[nodiscard]] std::vector<map::BranchFit> ladder_of(const std::vector<Point>& points, int side, double top,
+                                                      int terms) const;
 
   const JogOptions& options_;
   bool both_;
@@ -154,9 +154,9 @@ struct Jump {
 std::optional<Jump> find_jump(const std::vector<Point>& ascending);
 /// For telling days apart: where each record is one run and its speed wandered, the mean of the record stands for
 /// each of its pieces.
-std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<SteadyRun>& runs,
-                             const std::vector<Record>& records);
+std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<map::SteadyRun>& runs,
+                             const std::vector<log::Record>& records);
 /// Ascending in speed, each with the number of its speed; how many speeds.
 std::size_t number_folds(std::vector<Point>& points);
 
-}  // namespace stribeck::ident::jog
+}  // namespace stribeck::ident::methods::jog

@@ -12,7 +12,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using ::testing::Contains;
@@ -20,17 +20,17 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 constexpr double kPeriod = 0.005;
-constexpr Limits kTable{-0.075, 0.075, 0.010, 0.2, 10480.0};
+constexpr excitation::Limits kTable{-0.075, 0.075, 0.010, 0.2, 10480.0};
 
 /// Forward and back at each speed, rests and ramps between, friction as given, without mass.
-Record ideal(const std::vector<double>& speeds, const std::function<double(double, double)>& friction,
-             double noise = 0.0, std::uint64_t seed = 1) {
-  JogDesign design;
+log::Record ideal(const std::vector<double>& speeds, const std::function<double(double, double)>& friction,
+                  double noise = 0.0, std::uint64_t seed = 1) {
+  excitation::JogDesign design;
   design.speeds = speeds;
-  Record r;
+  log::Record r;
   r.source = "ideal";
   r.sample_time = kPeriod;
-  r.r = design_jog(kTable, kPeriod, design).r;
+  r.r = excitation::design_jog(kTable, kPeriod, design).r;
   r.x = r.r;
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
@@ -57,8 +57,8 @@ double parameter(const Result& r, const std::string& name) {
 // Closed form: the parameters of (2.9) come back. Noise of 0.01 N, so that no candidate wins by rounding; its means
 // err by 0.0005 N.
 TEST(Jog, ReturnsTheParametersOfAPrintedTable) {
-  const Record r = ideal(
-      jog_speeds(9e-3), [](double v, double) { return printed(v, 10.0); }, 0.01);
+  const log::Record r = ideal(
+      excitation::jog_speeds(9e-3), [](double v, double) { return printed(v, 10.0); }, 0.01);
   for (const Solver solver : {Solver::kDerivatives, Solver::kSimplex}) {
     JogOptions options;
     options.solver = solver;
@@ -83,7 +83,7 @@ TEST(Jog, GivesNoTermThatIsNotThere) {
     JogOptions options;
     options.gaussians = seed == 1;  // they take most of the time
     const auto plain_law = [](double v, double) { return (v > 0 ? 20.0 : -20.0) + 5000.0 * v; };
-    const Jog jog = identify_jog({ideal(jog_speeds(9e-3), plain_law, 2.0, seed)}, options);
+    const Jog jog = identify_jog({ideal(excitation::jog_speeds(9e-3), plain_law, 2.0, seed)}, options);
     const auto* map = std::get_if<friction::Conventional<double>>(&jog.result.friction.steady);
     plain += map != nullptr && !map->stribeck;
     EXPECT_NEAR(jog.result.load, 0.0, 0.1);
@@ -95,7 +95,7 @@ TEST(Jog, GivesNoTermThatIsNotThere) {
 // Invariance: the mirrored log gives the mirrored friction.
 TEST(Jog, MirroredMotionSwapsTheDirections) {
   const auto uneven = [](double v, double) { return v > 0 ? 30.0 + 4000.0 * v : -20.0 + 7000.0 * v; };
-  Record r = ideal(jog_speeds(9e-3), uneven, 0.5, 4);
+  log::Record r = ideal(excitation::jog_speeds(9e-3), uneven, 0.5, 4);
   JogOptions options;
   options.gaussians = false;
   const Jog a = identify_jog({r}, options);
@@ -118,7 +118,7 @@ TEST(Jog, TakesOffATermPeriodicInPosition) {
   options.gaussians = false;
   const Jog jog = identify_jog(
       {ideal(
-          jog_speeds(9e-3),
+          excitation::jog_speeds(9e-3),
           [](double v, double x) { return printed(v, 0.0) + 4.2 * std::sin(2 * kPi * x / 2e-3 - 0.28); },
           0.5)},
       options);
@@ -136,9 +136,11 @@ TEST(Jog, TakesOffATermPeriodicInPosition) {
 TEST(Jog, ReadsTable23OffTheVirtualDrive) {
   testing::Drive drive;
   drive.friction = testing::table_2_3('x');
-  JogDesign design;
-  const Record r = testing::run_closed(drive, 55e3, design_jog(kTable, kPeriod, design).r, 1);
-  const Record sine = testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 4), 2);
+  excitation::JogDesign design;
+  const log::Record r =
+      testing::run_closed(drive, 55e3, excitation::design_jog(kTable, kPeriod, design).r, 1);
+  const log::Record sine =
+      testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 4), 2);
   const Jog jog = identify_jog({r, sine});
   for (double speed = 0.5e-3; speed <= 9e-3; speed += 0.25e-3) {
     for (const double v : {speed, -speed}) {
@@ -171,11 +173,11 @@ TEST(Jog, SaysThatTwoDaysAreMixed) {
 
 // Velocity alone, one record per run, in any order, as drives log it.
 TEST(Jog, TakesRecordsOfVelocityAlone) {
-  std::vector<Record> records;
+  std::vector<log::Record> records;
   std::mt19937_64 engine(3);
   std::normal_distribution<double> normal;
   for (const double v : {5e-3, -1e-3, 1e-3, -5e-3, 2e-3, -2e-3, 8e-3, -8e-3, 3e-3, -3e-3}) {
-    Record r;
+    log::Record r;
     r.source = std::to_string(v);
     r.sample_time = 0.01;
     r.force_unit = "%";
@@ -196,7 +198,8 @@ TEST(Jog, TakesRecordsOfVelocityAlone) {
 TEST(Jog, RefusesALogWithoutConstantSpeeds) {
   testing::Drive drive;
   drive.friction = testing::table_2_3('x');
-  const Record sine = testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 1), 2);
+  const log::Record sine =
+      testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 1), 2);
   EXPECT_THAT([&] { identify_jog({sine}); },
               ThrowsMessage<Refused>(HasSubstr("no stretch of constant speed")));
   EXPECT_THROW(identify_jog({}), Refused);
@@ -212,7 +215,7 @@ TEST(Jog, SaysWhereASpeedIsMissing) {
   const auto logs_that_ask = [&](const std::vector<double>& speeds) {
     int count = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      const Record r = ideal(
+      const log::Record r = ideal(
           speeds, [&](double v, double) { return drive.steady(v); }, 120.0, seed);
       for (const std::string& words : identify_jog({r}).result.cannot_tell)
         count += words.find("negative direction: it bends more than these speeds show; jog at 8.75 mm/s") !=
@@ -220,7 +223,7 @@ TEST(Jog, SaysWhereASpeedIsMissing) {
     }
     return count;
   };
-  std::vector<double> speeds = jog_speeds(9e-3);
+  std::vector<double> speeds = excitation::jog_speeds(9e-3);
   EXPECT_GE(logs_that_ask(speeds), 3);
   speeds.push_back(8.75e-3);
   EXPECT_EQ(logs_that_ask(speeds), 0);
@@ -240,7 +243,7 @@ TEST(Gravity, IsHalfTheSumOfBothDirections) {
 TEST(ConstantAcceleration, GivesTheMassWhateverTheFriction) {
   testing::Drive drive;
   drive.friction = testing::table_2_3('y');
-  const Excitation e = design_constant_acceleration(kTable, kPeriod);
+  const excitation::Excitation e = excitation::design_constant_acceleration(kTable, kPeriod);
   int covered = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Result r = identify_constant_acceleration({testing::run_closed(drive, 50e3, e.r, seed)});
@@ -257,4 +260,4 @@ TEST(ConstantAcceleration, RefusesAMotionWithoutAcceleration) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

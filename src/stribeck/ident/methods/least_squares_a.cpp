@@ -5,7 +5,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using Eigen::Matrix2d;
@@ -25,7 +25,7 @@ struct Row {
 
 }  // namespace
 
-LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
+LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
                                        const LeastSquaresAOptions& options) {
   if (records.empty()) throw Refused("least squares A: no record given");
   const double T = records.front().sample_time;
@@ -35,8 +35,8 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
   std::size_t count[2] = {0, 0};
   double fastest[2] = {0.0, 0.0};
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const Record& rec = records[r];
-    const auto wrong = problems(rec);
+    const log::Record& rec = records[r];
+    const auto wrong = log::problems(rec);
     if (!wrong.empty()) throw Refused(wrong.front());
     if (std::abs(rec.sample_time - T) > 1e-9 * T) {
       throw Refused(rec.source + ": sample time differs from that of " + records.front().source +
@@ -111,7 +111,7 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
     record.push_back(rows[i].record);
     at.push_back(rows[i].at);
   }
-  const Uncertainty uncertainty(X, e, inverse, record, at);
+  const stats::Uncertainty uncertainty(X, e, inverse, record, at);
 
   // Derivatives of (m exact, α2, α0⁺, α0⁻) with respect to θ.
   Matrix4d d = Matrix4d::Zero();
@@ -174,4 +174,4 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

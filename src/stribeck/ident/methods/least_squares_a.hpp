@@ -31,7 +31,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 struct LeastSquaresAOptions {
   double dead_band = 0.5e-3;             ///< v_d [m/s]
@@ -78,11 +78,12 @@ struct LeastSquaresA {
   Result result;
 };
 
-LeastSquaresA identify_least_squares_a(const std::vector<Record>& records,
+LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
                                        const LeastSquaresAOptions& options = {});
 
 /// With the viscous correction by jogging.
-LeastSquaresA identify_least_squares_a(const std::vector<Record>& pulses, const std::vector<Record>& jogs,
+LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
+                                       const std::vector<log::Record>& jogs,
                                        const LeastSquaresAOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

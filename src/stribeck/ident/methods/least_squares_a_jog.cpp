@@ -10,7 +10,7 @@
 #include <stribeck/ident/stats/simplex.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 constexpr double kPole = 20.0;      // of the disturbance observer [rad/s]
@@ -19,7 +19,7 @@ constexpr double kExplained = 0.5;  // of the squares at low speeds, for a Strib
 constexpr std::size_t kFewest = 3;  // speeds
 
 /// d̂ of the disturbance observer, row by row.
-std::vector<double> observe(const Record& rec, double mass) {
+std::vector<double> observe(const log::Record& rec, double mass) {
   std::vector<double> d(rec.x.size(), 0.0);
   const double T = rec.sample_time;
   double speed = 0.0, estimate = 0.0;
@@ -36,7 +36,7 @@ std::vector<double> observe(const Record& rec, double mass) {
 }
 
 /// d̂ of a Kalman filter on position, velocity and disturbance.
-std::vector<double> filter(const Record& rec, double mass, double walk, double position_noise) {
+std::vector<double> filter(const log::Record& rec, double mass, double walk, double position_noise) {
   std::vector<double> d(rec.x.size(), 0.0);
   const double T = rec.sample_time;
   Eigen::Matrix3d A;
@@ -57,7 +57,7 @@ std::vector<double> filter(const Record& rec, double mass, double walk, double p
   return d;
 }
 
-double mean_of(const std::vector<double>& d, const SteadyRun& run) {
+double mean_of(const std::vector<double>& d, const map::SteadyRun& run) {
   double sum = 0.0;
   for (std::size_t k = run.first; k <= run.last; ++k) sum += d[k];
   return sum / static_cast<double>(run.last - run.first + 1);
@@ -109,7 +109,7 @@ std::optional<friction::Stribeck<double>> fit_rise(const std::vector<Level>& lev
                                     std::log(1.5)};
     std::vector<double> found = start;
     if (solver == Solver::kSimplex) {
-      found = minimise_simplex(cost, start, {0.2, 0.2, 0.2}).x;
+      found = stats::minimise_simplex(cost, start, {0.2, 0.2, 0.2}).x;
     } else {
       using Function = ceres::TinySolverAutoDiffFunction<Rise, Eigen::Dynamic, 3>;
       const Function function(rise);
@@ -152,7 +152,7 @@ ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double Obse
   const Eigen::Matrix3d inverse = (X.transpose() * X).inverse();
   const double left = e.squaredNorm() / static_cast<double>(n - 3) * inverse(2, 2);
   const double means = (inverse * X.transpose() * variance.asDiagonal() * X * inverse)(2, 2);
-  const double half = student_factor(static_cast<double>(n - 3)) * std::sqrt(std::max(left, means));
+  const double half = stats::student_factor(static_cast<double>(n - 3)) * std::sqrt(std::max(left, means));
   ViscousCorrection out;
   out.alpha0_positive = p(0);
   out.alpha0_negative = p(1);
@@ -170,18 +170,19 @@ ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double Obse
 
 }  // namespace
 
-LeastSquaresA identify_least_squares_a(const std::vector<Record>& pulses, const std::vector<Record>& jogs,
+LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
+                                       const std::vector<log::Record>& jogs,
                                        const LeastSquaresAOptions& options) {
   LeastSquaresA out = identify_least_squares_a(pulses, options);
   if (jogs.empty()) return out;
-  const SteadyRuns found = find_steady_runs(jogs);
+  const map::SteadyRuns found = map::find_steady_runs(jogs);
   if (found.runs.size() < 2 * kFewest) {
     throw Refused("least squares A: " + std::to_string(found.runs.size()) +
                   " stretches of constant speed in the jogs, expected at least 6 (excite --method jog)");
   }
   const double level = 0.5 * (std::abs(out.alpha0_positive) + std::abs(out.alpha0_negative));
   for (std::size_t r = 0; r < jogs.size(); ++r) {
-    const Record rec = with_positions(jogs[r]);
+    const log::Record rec = map::with_positions(jogs[r]);
     double step = std::numeric_limits<double>::infinity();
     for (std::size_t k = 1; k < rec.x.size(); ++k) {
       if (rec.x[k] != rec.x[k - 1]) step = std::min(step, std::abs(rec.x[k] - rec.x[k - 1]));
@@ -190,7 +191,7 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& pulses, const 
     const std::vector<double> observer = observe(rec, out.mass_exact);
     const std::vector<double> kalman =
         filter(rec, out.mass_exact, kWander * kWander * level * level, step / std::sqrt(12.0));
-    for (const SteadyRun& run : found.runs) {
+    for (const map::SteadyRun& run : found.runs) {
       if (run.record == r)
         out.jogs.push_back({run.speed, mean_of(observer, run), mean_of(kalman, run), run.error});
     }
@@ -269,4 +270,4 @@ LeastSquaresA identify_least_squares_a(const std::vector<Record>& pulses, const 
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -10,7 +10,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 constexpr double kPeriod = 0.005;
@@ -25,8 +25,9 @@ testing::Drive straight(double noise) {
   return drive;
 }
 
-Record pulses(const testing::Drive& drive, std::uint64_t seed) {
-  const auto e = design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, {60e3, 1250.0, 110e3}, kPeriod);
+log::Record pulses(const testing::Drive& drive, std::uint64_t seed) {
+  const auto e =
+      excitation::design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, {60e3, 1250.0, 110e3}, kPeriod);
   return testing::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
 }
 
@@ -75,7 +76,7 @@ TEST(LeastSquaresA, IntervalsCoverTheTruthUnderColouredNoise) {
 }
 
 TEST(LeastSquaresA, MirroredMotionSwapsTheDirections) {
-  Record rec = pulses(straight(20.0), 4);
+  log::Record rec = pulses(straight(20.0), 4);
   const LeastSquaresA a = identify_least_squares_a({rec});
   for (double& x : rec.x) x = -x;
   for (double& f : rec.f) f = -f;
@@ -86,7 +87,7 @@ TEST(LeastSquaresA, MirroredMotionSwapsTheDirections) {
 
 TEST(LeastSquaresA, RefusesWhenNothingMoves) {
   const testing::Drive drive = straight(20.0);
-  const Record still = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
+  const log::Record still = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
   EXPECT_THROW(identify_least_squares_a({still}), Refused);
 }
 
@@ -98,10 +99,10 @@ TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
   drive.friction.positive.gaussians.push_back({300.0, 0.0, 0.4e-3});
   drive.friction.negative = {-1000.0, 105.54e3, {}};
   drive.friction.negative.gaussians.push_back({-300.0, 0.0, 0.4e-3});
-  JogDesign design;
+  excitation::JogDesign design;
   for (double& v : design.speeds = {0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0}) v *= 1e-3;
-  const Record jogs =
-      testing::run_closed(drive, 55e3, design_jog({-0.05, 0.05, 0.010, 0.2, 10480.0}, kPeriod, design).r, 7);
+  const log::Record jogs = testing::run_closed(
+      drive, 55e3, excitation::design_jog({-0.05, 0.05, 0.010, 0.2, 10480.0}, kPeriod, design).r, 7);
   for (const Solver solver : {Solver::kDerivatives, Solver::kSimplex}) {
     LeastSquaresAOptions options;
     options.solver = solver;
@@ -122,4 +123,4 @@ TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

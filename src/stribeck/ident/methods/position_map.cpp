@@ -11,7 +11,7 @@
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <string>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using Eigen::MatrixXd;
@@ -118,7 +118,7 @@ struct Fit {
 
 class Identification {
  public:
-  Identification(const std::vector<Record>& records, const PositionMapOptions& options)
+  Identification(const std::vector<log::Record>& records, const PositionMapOptions& options)
       : records_(records), options_(options) {}
 
   Result run() {
@@ -157,24 +157,24 @@ class Identification {
 
  private:
   void prepare() {
-    for (const Record& r : records_) {
-      const auto wrong = problems(r);
+    for (const log::Record& r : records_) {
+      const auto wrong = log::problems(r);
       if (!wrong.empty()) throw Refused(wrong.front());
       if (r.force_unit != records_.front().force_unit || r.position_unit != records_.front().position_unit) {
         throw Refused(r.source + ": force in " + r.force_unit + " over " + r.position_unit + ", expected " +
                       records_.front().force_unit + " over " + records_.front().position_unit +
                       " as in the first log");
       }
-      Motion m = reconstruct(r);
+      log::Motion m = log::reconstruct(r);
       std::vector<double> speed(m.v);
       for (double& v : speed) v = std::abs(v);
       const auto fast = speed.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(speed.size()));
       std::nth_element(speed.begin(), fast, speed.end());
       const double way = *fast * r.sample_time;
       if (way > 0.0 && m.window * way > kWindowWay * m.stroke) {
-        m = reconstruct(r, {static_cast<int>(kWindowWay * m.stroke / way)});
+        m = log::reconstruct(r, {static_cast<int>(kWindowWay * m.stroke / way)});
       }
-      if (m.loop == Loop::kAutomatic && !options_.mass) {
+      if (m.loop == log::Loop::kAutomatic && !options_.mass) {
         result_.warnings.push_back(
             r.source +
             ": no reference and no programmed force: the mass rests on smoothed accelerations alone");
@@ -186,17 +186,17 @@ class Identification {
   void gather() {
     double stroke = 0.0;
     double noise = 0.0;
-    for (const Motion& m : motions_) {
+    for (const log::Motion& m : motions_) {
       stroke = std::max(stroke, m.stroke);
       noise = std::max(noise, m.position_noise);
       for (std::size_t k = 0; k < m.rows(); ++k) top_ = m.valid(k) ? std::max(top_, std::abs(m.v[k])) : top_;
     }
     const double exclude = std::max(kExcludedStroke * stroke, kExcludedNoise * noise);
-    const auto wanted = [&](const Motion& m, std::size_t k) {
+    const auto wanted = [&](const log::Motion& m, std::size_t k) {
       return m.v[k] * m.direction[k] >= kSlowest * top_ && top_ > 0.0 && m.sliding(k, exclude);
     };
     std::size_t count[2] = {0, 0};
-    for (const Motion& m : motions_) {
+    for (const log::Motion& m : motions_) {
       for (std::size_t k = 0; k < m.rows(); ++k) count[m.direction[k] > 0] += wanted(m, k) ? 1u : 0u;
     }
     rows_ = count[0] + count[1];
@@ -210,7 +210,7 @@ class Identification {
     together_ = 1 + rows_ / kMostGroups;
     int blocks = -1;
     for (std::size_t r = 0; r < motions_.size(); ++r) {
-      const Motion& m = motions_[r];
+      const log::Motion& m = motions_[r];
       int stretch = -1;
       for (std::size_t k = 0; k < m.rows(); ++k) {
         if (!wanted(m, k)) continue;
@@ -258,7 +258,7 @@ class Identification {
     for (std::size_t r = 0; r < records_.size(); ++r) {
       std::vector<double> c(records_[r].x.size());
       for (std::size_t k = 0; k < c.size(); ++k) c[k] = function(records_[r].x[k] - middle_);
-      columns.push_back(smooth_like(motions_[r], c));
+      columns.push_back(log::smooth_like(motions_[r], c));
     }
     return collect([&](std::size_t r) -> const std::vector<double>& { return columns[r]; });
   }
@@ -359,7 +359,7 @@ class Identification {
       for (std::size_t j = 0; j < lines_.size(); ++j)
         e += fit.X.middleCols(fit.line(j), 2) * fit.theta.segment(fit.line(j), 2);
     }
-    PeriodicRows rows;
+    map::PeriodicRows rows;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       rows.x.push_back(x_(static_cast<Index>(i)));
       rows.e.push_back(e(static_cast<Index>(i)));
@@ -367,13 +367,13 @@ class Identification {
       rows.record.push_back(groups_[i].record);
       rows.at.push_back(groups_[i].first);
     }
-    PeriodicOptions options;
+    map::PeriodicOptions options;
     options.most = options_.most_terms.value_or(kTerms);
     options.turn = options_.turn.value_or(0.0);
-    PeriodicResult found = find_periodic(rows, options);
+    map::PeriodicResult found = map::find_periodic(rows, options);
     if (!first && found.terms.empty()) return;
     lines_.clear();
-    for (const PeriodicTerm& t : found.terms) {
+    for (const map::PeriodicTerm& t : found.terms) {
       Line line;
       line.f = 1.0 / t.term.period;
       line.reversing = t.term.form == EccentricForm::kProportional;
@@ -456,14 +456,14 @@ class Identification {
     return out;
   }
   /// Half width of gᵀθ; NaN where it leans on what is not seen.
-  [[nodiscard]] static double width(const Uncertainty& u, const Unseen& unseen, const VectorXd& g) {
+  [[nodiscard]] static double width(const stats::Uncertainty& u, const Unseen& unseen, const VectorXd& g) {
     constexpr double kLeans = 1e-3;
     const VectorXd scaled = g.cwiseProduct(unseen.scale);
     if ((unseen.null.transpose() * scaled).norm() > kLeans * scaled.norm())
       return std::numeric_limits<double>::quiet_NaN();
     return u.half_width(g);
   }
-  [[nodiscard]] Uncertainty uncertainty(const Fit& fit, const MatrixXd& D) const {
+  [[nodiscard]] stats::Uncertainty uncertainty(const Fit& fit, const MatrixXd& D) const {
     MatrixXd X(fit.W.rows(), fit.W.cols() + D.cols());
     X << fit.W, D;
     const VectorXd scale = X.colwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
@@ -596,7 +596,7 @@ class Identification {
 
   Result finish(const Fit& fit) {
     const MatrixXd D = derivatives(fit);
-    const Uncertainty u = uncertainty(fit, D);
+    const stats::Uncertainty u = uncertainty(fit, D);
     const Unseen null = unseen(fit, D);
     const auto half = [&](Index i) { return width(u, null, unit(fit, D, i)); };
     Result& r = result_;
@@ -644,7 +644,7 @@ class Identification {
     return std::move(result_);
   }
 
-  void write_friction(const Fit& fit, const MatrixXd& D, const Uncertainty& u, const Unseen& null) {
+  void write_friction(const Fit& fit, const MatrixXd& D, const stats::Uncertainty& u, const Unseen& null) {
     Result& r = result_;
     const double eta0 = fit.theta(fit.coulomb());
     const double eta1 = fit.theta(fit.viscous());
@@ -717,7 +717,7 @@ class Identification {
     }
   }
 
-  void write_terms(const Fit& fit, const MatrixXd& D, const Uncertainty& u, const Unseen& null) {
+  void write_terms(const Fit& fit, const MatrixXd& D, const stats::Uncertainty& u, const Unseen& null) {
     Result& r = result_;
     r.model += "+periodic";
     std::vector<std::size_t> order(lines_.size());
@@ -769,17 +769,17 @@ class Identification {
     for (std::size_t i = 0; i < groups_.size(); i += step) {
       const auto k = static_cast<Index>(i);
       const Group& g = groups_[i];
-      const Record& record = records_[static_cast<std::size_t>(g.record)];
+      const log::Record& record = records_[static_cast<std::size_t>(g.record)];
       const double inertia = fit.shape.mass ? fit.theta(0) * a_(k) : 0.0;
       result_.residuals.push_back({record.t[g.first], x_(k), v_(k), fit.e(k), g.record});
       result_.map.push_back({v_(k), y_(k) - inertia - result_.load - terms(k), g.sign > 0.0 ? 1 : -1});
     }
   }
 
-  const std::vector<Record>& records_;
+  const std::vector<log::Record>& records_;
   const PositionMapOptions& options_;
   Result result_;
-  std::vector<Motion> motions_;
+  std::vector<log::Motion> motions_;
   std::vector<Group> groups_;
   std::size_t rows_ = 0;
   std::size_t together_ = 1;
@@ -796,7 +796,7 @@ class Identification {
 };
 
 /// Columns of a held record; its time need not be uniform.
-void check_held(const Record& r) {
+void check_held(const log::Record& r) {
   if (r.x.size() != r.f.size() || r.t.size() != r.x.size()) {
     throw Refused(r.source + text(": columns t, x and f have %zu, %zu and %zu rows, expected one length",
                                   r.t.size(), r.x.size(), r.f.size()));
@@ -809,17 +809,17 @@ void check_held(const Record& r) {
   }
 }
 
-Result identify_held(const std::vector<Record>& records, const PositionMapOptions& options) {
+Result identify_held(const std::vector<log::Record>& records, const PositionMapOptions& options) {
   Result r;
   r.method = "position-map";
   r.model = "cogging";
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.mass = std::numeric_limits<double>::quiet_NaN();
-  PeriodicRows rows;
+  map::PeriodicRows rows;
   double mean = 0.0;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const Record& record = records[i];
+    const log::Record& record = records[i];
     check_held(record);
     for (std::size_t k = 0; k < record.x.size(); ++k) {
       rows.x.push_back(record.x[k]);
@@ -832,10 +832,10 @@ Result identify_held(const std::vector<Record>& records, const PositionMapOption
   }
   r.rows = rows.x.size();
   mean /= std::max(1.0, static_cast<double>(r.rows));
-  PeriodicOptions search;
+  map::PeriodicOptions search;
   search.most = options.most_terms.value_or(kTermsHeld);
   search.turn = options.turn.value_or(r.position_unit == "rad" ? 2.0 * kPi : 0.0);
-  const PeriodicResult found = find_periodic(rows, search);
+  const map::PeriodicResult found = map::find_periodic(rows, search);
   r.spectrum = found.spectrum;
   r.warnings = found.notes;
   r.cannot_tell = found.cannot_tell;
@@ -843,7 +843,7 @@ Result identify_held(const std::vector<Record>& records, const PositionMapOption
     r.cannot_tell.emplace_back("periodic terms: none stands out of the background");
   }
   int number = 0;
-  for (const PeriodicTerm& t : found.terms) {
+  for (const map::PeriodicTerm& t : found.terms) {
     ++number;
     const std::string name = search.turn > 0.0 ? "harmonic_" + std::to_string(t.harmonic) + "_"
                                                : "eccentric_" + std::to_string(number) + "_";
@@ -866,11 +866,11 @@ Result identify_held(const std::vector<Record>& records, const PositionMapOption
   const std::size_t step = std::max<std::size_t>(1, r.rows / kPlotted);
   std::size_t at = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const Record& record = records[i];
+    const log::Record& record = records[i];
     for (std::size_t k = 0; k < record.x.size(); ++k, ++at) {
       if (at % step != 0) continue;
       double e = record.f[k] - mean;
-      for (const PeriodicTerm& t : found.terms)
+      for (const map::PeriodicTerm& t : found.terms)
         e -= t.term.amplitude * std::sin(2.0 * kPi * record.x[k] / t.term.period - t.term.phase);
       r.residuals.push_back({record.t[k], record.x[k], 0.0, e, static_cast<int>(i)});
     }
@@ -880,7 +880,7 @@ Result identify_held(const std::vector<Record>& records, const PositionMapOption
 
 }  // namespace
 
-bool held_at_standstill(const std::vector<Record>& records) {
+bool held_at_standstill(const std::vector<log::Record>& records) {
   // Rests all along the way, and steps between them that are longer than a count of the encoder. (A slow jog
   // on a coarse encoder rests too, but moves by single counts; a stop between motions rests at few places.)
   constexpr double kAtRest = 0.4;
@@ -892,7 +892,7 @@ bool held_at_standstill(const std::vector<Record>& records) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   double count = low;
-  for (const Record& r : records) {
+  for (const log::Record& r : records) {
     for (std::size_t k = 0; k < r.x.size(); ++k) {
       low = std::min(low, r.x[k]);
       high = std::max(high, r.x[k]);
@@ -903,7 +903,7 @@ bool held_at_standstill(const std::vector<Record>& records) {
   if (!(high > low)) return false;
   count = std::max(count, 1e-6 * (high - low));
   std::vector<bool> place(kPlaces, false);
-  for (const Record& r : records) {
+  for (const log::Record& r : records) {
     for (std::size_t k = 1; k < r.x.size(); ++k) {
       const double d = std::abs(r.x[k] - r.x[k - 1]);
       if (d == 0.0) {
@@ -921,10 +921,10 @@ bool held_at_standstill(const std::vector<Record>& records) {
          static_cast<double>(far) > kLongSteps * static_cast<double>(moving) && 4 * places >= 3 * kPlaces;
 }
 
-Result identify_position_map(const std::vector<Record>& records, const PositionMapOptions& options) {
+Result identify_position_map(const std::vector<log::Record>& records, const PositionMapOptions& options) {
   if (records.empty()) throw Refused("position map: no record given");
   if (options.holding.value_or(held_at_standstill(records))) return identify_held(records, options);
   return Identification(records, options).run();
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -27,7 +27,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 struct PositionMapOptions {
   std::optional<double> mass;   ///< known mass [kg]; absent: estimated
@@ -40,8 +40,8 @@ struct PositionMapOptions {
 
 /// Whether the records show an axis that is held at many places one after the other. Equal steps without any
 /// jitter look like a slow jog on a coarse encoder and are not taken for one: say so with `holding`.
-bool held_at_standstill(const std::vector<Record>& records);
+bool held_at_standstill(const std::vector<log::Record>& records);
 
-Result identify_position_map(const std::vector<Record>& records, const PositionMapOptions& options = {});
+Result identify_position_map(const std::vector<log::Record>& records, const PositionMapOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using ::testing::Contains;
@@ -46,10 +46,10 @@ Tool tool(char axis) {
 }
 
 /// 100 N and a ripple at one speed, to the last digit of a simulation.
-Record one_speed(bool back) {
+log::Record one_speed(bool back) {
   std::mt19937_64 engine(1);
   std::normal_distribution<double> normal;
-  Record r;
+  log::Record r;
   r.source = "one speed";
   r.sample_time = 1e-3;
   for (int k = 0; k < 20000; ++k) {
@@ -64,7 +64,7 @@ Record one_speed(bool back) {
 }
 
 /// r = A·sin(w·t), sped up from rest over the first second; PD with a disturbance observer that knows the mass.
-Record follow(const Tool& tool, double amplitude, double w, double periods, std::uint64_t seed) {
+log::Record follow(const Tool& tool, double amplitude, double w, double periods, std::uint64_t seed) {
   const double T = tool.T;
   const auto reference = [&](double t) {
     t = std::max(0.0, t);
@@ -77,7 +77,7 @@ Record follow(const Tool& tool, double amplitude, double w, double periods, std:
   const double rho = std::exp(-T / tool.noise_time);
   double d = tool.noise * normal(engine);
   std::array<double, 3> s{};
-  Record rec;
+  log::Record rec;
   rec.source = "virtual tool";
   rec.sample_time = T;
   double e_last = 0, x_last = 0, v_hat = 0, d_hat = 0;
@@ -221,9 +221,9 @@ TEST(PositionMap, NoTermIsInvented) {
 TEST(PositionMap, MirroredAndMovedAxis) {
   Tool t = tool('z');
   t.T = 5e-3;
-  const Record record = follow(t, 0.01, 1.0, 2.0, 5);
+  const log::Record record = follow(t, 0.01, 1.0, 2.0, 5);
   const Result a = identify_position_map({record});
-  Record other = record;
+  log::Record other = record;
   for (double& x : other.x) x = -x;
   for (double& r : other.r) r = -r;
   for (double& f : other.f) f = -f;
@@ -246,7 +246,7 @@ TEST(PositionMap, AGivenMassIsTaken) {
   t.T = 5e-3;
   PositionMapOptions options;
   options.mass = 1000.0;
-  Record record = follow(t, 0.01, 1.0, 2.0, 6);
+  log::Record record = follow(t, 0.01, 1.0, 2.0, 6);
   record.r.clear();
   const Result r = identify_position_map({record}, options);
   EXPECT_EQ(r.mass, 1000.0);
@@ -254,10 +254,10 @@ TEST(PositionMap, AGivenMassIsTaken) {
 }
 
 // Held at 600 places of a turn, five rows each, the first on the way there: 72 and 18 periods in a turn.
-Record held(std::uint64_t seed) {
+log::Record held(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
-  Record r;
+  log::Record r;
   r.source = "held";
   r.sample_time = 0.01;
   r.force_unit = "A";
@@ -295,8 +295,8 @@ TEST(PositionMap, OnlyAHeldAxisIsTakenForOne) {
   t.T = 5e-3;
   EXPECT_FALSE(held_at_standstill({follow(t, 0.01, 1.0, 1.0, 1)}));
   // A slow jog on a coarse encoder rests in most rows.
-  Record slow;
-  Record stops;
+  log::Record slow;
+  log::Record stops;
   for (int k = 0; k < 4000; ++k) {
     slow.x.push_back(1e-6 * std::floor(k / 7.0));
     stops.x.push_back(k % 1000 < 800 ? (k / 1000) * 0.2e-3 : (k / 1000) * 0.2e-3 + 1e-6 * (k % 1000 - 800));
@@ -309,8 +309,8 @@ TEST(PositionMap, RefusesWhatCannotAnswer) {
   EXPECT_THAT([] { identify_position_map({}); }, ::testing::ThrowsMessage<Refused>(HasSubstr("no record")));
   Tool t = tool('x');
   t.T = 5e-3;
-  Record record = follow(t, 0.01, 1.0, 1.0, 1);
-  Record other = record;
+  log::Record record = follow(t, 0.01, 1.0, 1.0, 1);
+  log::Record other = record;
   other.force_unit = "A";
   EXPECT_THAT(
       [&] {
@@ -320,7 +320,7 @@ TEST(PositionMap, RefusesWhatCannotAnswer) {
   std::fill(record.x.begin(), record.x.end(), 1e-3);
   EXPECT_THAT([&] { identify_position_map({record}); },
               ::testing::ThrowsMessage<Refused>(HasSubstr("sliding motion")));
-  Record broken = held(3);
+  log::Record broken = held(3);
   broken.f[12] = std::nan("");
   PositionMapOptions options;
   options.holding = true;
@@ -356,4 +356,4 @@ TEST(PositionMap, SaysThatATurnHasNoPartHere) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -1,10 +1,10 @@
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
-Result identify_velocity_map(const std::vector<Record>& records, const VelocityMapOptions& options) {
-  DriveFitOptions drive;
+Result identify_velocity_map(const std::vector<log::Record>& records, const VelocityMapOptions& options) {
+  drive::DriveFitOptions drive;
   drive.mass = options.mass;
   drive.shift = -0.5;
   drive.terms = options.terms;
@@ -15,9 +15,9 @@ Result identify_velocity_map(const std::vector<Record>& records, const VelocityM
   drive.bins = options.bins;
   drive.curve_points = options.curve_points;
   drive.map_points = options.map_points;
-  Result result = identify_drive(records, drive);
+  Result result = drive::identify_drive(records, drive);
   result.method = "velocity-map";
   return result;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -18,7 +18,7 @@
 #include <stribeck/ident/result.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 
 struct VelocityMapOptions {
   std::optional<double> mass;  ///< known mass [kg]; absent: estimated
@@ -29,6 +29,6 @@ struct VelocityMapOptions {
   int map_points = 600;        ///< for plots, each direction
 };
 
-Result identify_velocity_map(const std::vector<Record>& records, const VelocityMapOptions& options = {});
+Result identify_velocity_map(const std::vector<log::Record>& records, const VelocityMapOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

@@ -9,7 +9,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::methods {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,13 +23,13 @@ testing::Drive biaxial(char axis) {
   return drive;
 }
 
-Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
+log::Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
   return testing::run_closed(drive, drive.mass, testing::sine_reference(kPeriod, 0.02, 0.475, periods), seed);
 }
 
-Record pulses(const testing::Drive& drive, std::uint64_t seed) {
-  const RoughDrive rough{60e3, 1.05 * drive.level(0.0, true), 120e3};
-  const auto e = design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, rough, kPeriod);
+log::Record pulses(const testing::Drive& drive, std::uint64_t seed) {
+  const excitation::RoughDrive rough{60e3, 1.05 * drive.level(0.0, true), 120e3};
+  const auto e = excitation::design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, rough, kPeriod);
   return testing::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
 }
 
@@ -112,7 +112,7 @@ TEST(VelocityMap, CoulombAndViscousFrictionNeedsNoTerm) {
   EXPECT_LT(judge(drive, r).worst, 0.02);
 }
 
-Record mirrored(Record rec) {
+log::Record mirrored(log::Record rec) {
   for (double& x : rec.x) x = -x;
   for (double& f : rec.f) f = -f;
   for (double& r : rec.r) r = -r;
@@ -121,7 +121,7 @@ Record mirrored(Record rec) {
 
 TEST(VelocityMap, MirroredMotionMirrorsTheMap) {
   const testing::Drive drive = biaxial('x');
-  const std::vector<Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
+  const std::vector<log::Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
   const Result a = identify_velocity_map(records);
   const Result b = identify_velocity_map({mirrored(records[0]), mirrored(records[1])});
   EXPECT_NEAR(a.mass, b.mass, 1e-6 * a.mass);
@@ -137,9 +137,9 @@ TEST(VelocityMap, MirroredMotionMirrorsTheMap) {
 
 TEST(VelocityMap, ScalesWithForce) {
   const testing::Drive drive = biaxial('y');
-  std::vector<Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
+  std::vector<log::Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
   const Result a = identify_velocity_map(records);
-  for (Record& r : records) {
+  for (log::Record& r : records) {
     for (double& f : r.f) f *= 0.25;
   }
   const Result b = identify_velocity_map(records);
@@ -191,10 +191,10 @@ TEST(VelocityMap, AGivenMassIsTaken) {
 
 TEST(VelocityMap, RefusesMotionInOneDirectionOnly) {
   const testing::Drive drive = biaxial('x');
-  const Record one = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 2500.0; });
+  const log::Record one = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 2500.0; });
   EXPECT_THAT([&] { identify_velocity_map({one}); },
               ::testing::ThrowsMessage<Refused>(HasSubstr("both directions")));
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::methods

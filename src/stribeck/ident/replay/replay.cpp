@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace stribeck::ident {
+namespace stribeck::ident::replay {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -245,12 +245,12 @@ void with_axis(const friction::AxisModel& model, double speed, Run&& run) {
 
 /// What a replay needs of a record, found once.
 struct Course {
-  const Record& record;
-  Motion motion;
+  const log::Record& record;
+  log::Motion motion;
   std::vector<double> v;  ///< measured [m/s], NaN where not known
   double speed = 0.0;     ///< largest measured [m/s]
 
-  explicit Course(const Record& r) : record(r), motion(reconstruct(r)), v(motion.v) {
+  explicit Course(const log::Record& r) : record(r), motion(log::reconstruct(r)), v(motion.v) {
     for (std::size_t k = 0; k < v.size(); ++k) {
       if (!r.v.empty()) {
         v[k] = r.v[k];
@@ -283,8 +283,8 @@ struct Delay {
   }
 };
 
-void check(const friction::AxisModel& model, const Record& record, const ReplayOptions& options) {
-  const auto wrong = problems(record);
+void check(const friction::AxisModel& model, const log::Record& record, const ReplayOptions& options) {
+  const auto wrong = log::problems(record);
   if (!wrong.empty()) throw Refused(wrong.front());
   if (!(model.mass > 0.0) || !std::isfinite(model.mass) || !std::isfinite(model.load))
     throw Refused(text("replay: mass %g kg, load %g N; expected a positive mass and a finite load",
@@ -327,7 +327,7 @@ void keep(const Axis& axis, std::size_t k, const Course& course, const friction:
 }
 
 void score(const Course& course, bool force, Replay& out) {
-  const Record& r = course.record;
+  const log::Record& r = course.record;
   double dv = 0.0;
   double vv = 0.0;
   double dx = 0.0;
@@ -380,7 +380,7 @@ struct Reference {
 /// The controller at work: past positions and the integral.
 class ControlLoop {
  public:
-  ControlLoop(const ReplayController& c, const Record& record, const Start& start)
+  ControlLoop(const ReplayController& c, const log::Record& record, const Start& start)
       : controller_(c), reference_{record.r, record.sample_time}, start_(start), first_force_(record.f[0]) {}
 
   double force(std::size_t row, const std::vector<double>& x) {
@@ -440,7 +440,7 @@ class ControlLoop {
 
 }  // namespace
 
-Start start_of(const Record& record, std::size_t row, double noise) {
+Start start_of(const log::Record& record, std::size_t row, double noise) {
   using Eigen::Index;
   constexpr std::size_t kFewest = 4;
   constexpr std::size_t kMost = 60;
@@ -465,7 +465,7 @@ Start start_of(const Record& record, std::size_t row, double noise) {
   return start;
 }
 
-OpenLoop replay_open_loop(const friction::AxisModel& model, const Record& record,
+OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& record,
                           const ReplayOptions& options) {
   check(model, record, options);
   const Course course(record);
@@ -506,7 +506,7 @@ OpenLoop replay_open_loop(const friction::AxisModel& model, const Record& record
 }
 
 Replay replay_closed_loop(const friction::AxisModel& model, const ReplayController& controller,
-                          const Record& record, const ReplayOptions& options) {
+                          const log::Record& record, const ReplayOptions& options) {
   check(model, record, options);
   if (record.r.empty())
     throw Refused(record.source + ": no reference in the log, which a closed-loop replay follows");
@@ -540,4 +540,4 @@ Replay replay_closed_loop(const friction::AxisModel& model, const ReplayControll
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::replay

@@ -28,7 +28,7 @@
 #include <stribeck/ident/replay/replay_controller.hpp>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::replay {
 
 struct ReplayOptions {
   double delay =
@@ -57,12 +57,12 @@ struct OpenLoop {
   std::vector<double> measured_velocity;  ///< [m/s]; NaN: not known in this row
 };
 
-OpenLoop replay_open_loop(const friction::AxisModel& model, const Record& record,
+OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& record,
                           const ReplayOptions& options = {});
 
 /// The record must hold the reference; a delay must not be negative.
 Replay replay_closed_loop(const friction::AxisModel& model, const ReplayController& controller,
-                          const Record& record, const ReplayOptions& options = {});
+                          const log::Record& record, const ReplayOptions& options = {});
 
 /// Position and velocity of a row, as a replay starts from them, from this row and those after it; `noise` is
 /// that of x [m].
@@ -70,6 +70,6 @@ struct Start {
   double x = 0.0;  ///< [m]
   double v = 0.0;  ///< [m/s]
 };
-Start start_of(const Record& record, std::size_t row, double noise);
+Start start_of(const log::Record& record, std::size_t row, double noise);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::replay

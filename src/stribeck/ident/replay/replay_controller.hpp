@@ -21,7 +21,7 @@
 #include <stribeck/core/fields.hpp>
 #include <variant>
 
-namespace stribeck::ident {
+namespace stribeck::ident::replay {
 
 struct CascadeLaw {
   static constexpr std::string_view kKind = "cascade";
@@ -88,4 +88,4 @@ struct ReplayController {
   }
 };
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::replay

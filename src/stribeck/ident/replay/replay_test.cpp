@@ -6,7 +6,7 @@
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::replay {
 namespace {
 
 /// Coulomb and viscous friction with one force held for a sample, solved piece by piece:
@@ -50,9 +50,9 @@ friction::AxisModel coulomb_model() {
 }
 
 /// Forwards, coasting into standstill, backwards at once through zero, standstill again.
-Record closed_form_run(double period, std::size_t rows, std::vector<double>* speed = nullptr) {
+log::Record closed_form_run(double period, std::size_t rows, std::vector<double>* speed = nullptr) {
   ClosedForm axis;
-  Record r;
+  log::Record r;
   r.source = "closed form";
   r.sample_time = period;
   for (std::size_t k = 0; k < rows; ++k) {
@@ -75,7 +75,7 @@ Record closed_form_run(double period, std::size_t rows, std::vector<double>* spe
 // Kutta's third order errs by (h·α2/m)⁴/24 a sub-step of 0.25 ms: below 1e-14 of the speed.
 TEST(Replay, SolvesCoulombFrictionAsTheClosedForm) {
   std::vector<double> speed;
-  Record r = closed_form_run(0.001, 2000, &speed);
+  log::Record r = closed_form_run(0.001, 2000, &speed);
   const OpenLoop open = replay_open_loop(coulomb_model(), r);
   std::size_t stands = 0;
   for (std::size_t k = 0; k < r.x.size(); ++k) {
@@ -93,7 +93,7 @@ TEST(Replay, SolvesCoulombFrictionAsTheClosedForm) {
 }
 
 TEST(Replay, AWrongModelIsFarOffAndStartingAnewKeepsItNear) {
-  const Record r = closed_form_run(0.001, 4000);
+  const log::Record r = closed_form_run(0.001, 4000);
   friction::AxisModel wrong = coulomb_model();
   wrong.friction.steady = friction::Conventional<double>{24.0, 200.0, {}};
   const OpenLoop open = replay_open_loop(wrong, r);
@@ -105,7 +105,7 @@ TEST(Replay, AWrongModelIsFarOffAndStartingAnewKeepsItNear) {
 }
 
 /// The same run and model seen from the other side.
-Record mirrored(Record r) {
+log::Record mirrored(log::Record r) {
   for (auto* column : {&r.x, &r.r, &r.f, &r.v}) {
     for (double& value : *column) value = -value;
   }
@@ -143,7 +143,7 @@ friction::AxisModel mirrored(friction::AxisModel m) {
 
 const ReplayController kPd{PdLaw{57.65e3 * 1600, 57.65e3 * 80, 0.0, 57.65e3}, {}};
 
-Record table_run(double noise = 0.0) {
+log::Record table_run(double noise = 0.0) {
   testing::Drive drive;
   drive.friction = testing::table_2_3('x');
   drive.noise_rms = noise;
@@ -154,11 +154,11 @@ Record table_run(double noise = 0.0) {
 }
 
 TEST(Replay, MirrorsAndShiftsInTime) {
-  const Record run = table_run();
+  const log::Record run = table_run();
   for (const bool dynamic : {false, true}) {
     friction::AxisModel model = gaussian_model();
     if (dynamic) model.friction.dynamics = friction::LuGre<double>{3e8, 6e5, 0.05e-3};
-    Record late = run;
+    log::Record late = run;
     for (double& t : late.t) t += 17.0;
     const OpenLoop open = replay_open_loop(model, run);
     const OpenLoop other = replay_open_loop(mirrored(model), mirrored(run));
@@ -175,7 +175,7 @@ TEST(Replay, MirrorsAndShiftsInTime) {
 
 // The virtual drive has its own equations and a classical Runge–Kutta of 16 steps.
 TEST(Replay, FollowsAnotherProgramsBristles) {
-  const Record run = table_run();
+  const log::Record run = table_run();
   friction::AxisModel model;
   model.mass = 57.65e3;
   model.friction.steady = testing::table_2_3('x');
@@ -190,7 +190,7 @@ TEST(Replay, FollowsAnotherProgramsBristles) {
 // Stiff bristles are no bristles: both laws tend to friction without dynamics, whose standstill is an event.
 // What is left is the recoil at every stop, whose speed goes with 1/√(stiffness·m).
 TEST(Replay, StiffBristlesTendToExactStandstill) {
-  const Record r = closed_form_run(0.001, 1600);
+  const log::Record r = closed_form_run(0.001, 1600);
   friction::AxisModel model = coulomb_model();
   for (const bool gms : {false, true}) {
     double before = 1.0;
@@ -215,7 +215,7 @@ TEST(Replay, StiffBristlesTendToExactStandstill) {
 }
 
 /// P-PI cascade with averaged velocity, written for the drive of the tests.
-Record cascade_run(const CascadeLaw& c, double limit) {
+log::Record cascade_run(const CascadeLaw& c, double limit) {
   testing::Drive drive;
   drive.mass = 100.0;
   drive.friction.velocity_range = {-0.2, 0.2};
@@ -238,7 +238,7 @@ Record cascade_run(const CascadeLaw& c, double limit) {
   const auto at = [&](std::ptrdiff_t k) {
     return r[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, 2499))];
   };
-  Record record = testing::run(drive, 2.5, 1, [&](std::size_t row, double, double x) {
+  log::Record record = testing::run(drive, 2.5, 1, [&](std::size_t row, double, double x) {
     const auto k = static_cast<std::ptrdiff_t>(row);
     past.insert(past.begin(), x);
     double mean_now = 0.0;
@@ -278,7 +278,7 @@ TEST(Replay, ClosedLoopFollowsTheCascade) {
   CascadeLaw full{100.0, 6000.0, 0.05, 0.9, 80.0, 3};
   CascadeLaw one{100.0, 6000.0, 0.05, 0.9, 0.0, 1};
   for (const auto& [law, limit] : {std::pair{plain, 1000.0}, {full, 1000.0}, {one, 150.0}}) {
-    const Record run = cascade_run(law, limit);
+    const log::Record run = cascade_run(law, limit);
     const Replay closed = replay_closed_loop(model, {law, limit}, run);
     EXPECT_LT(closed.force_relative, 1e-4) << law.velocity_average;
     EXPECT_LT(closed.position_rms, 1e-8) << law.velocity_average;
@@ -290,7 +290,7 @@ TEST(Replay, ClosedLoopFollowsTheCascade) {
 }
 
 TEST(Replay, PdRejectsALoadByItsIntegral) {
-  const Record run = table_run();
+  const log::Record run = table_run();
   friction::AxisModel model = gaussian_model();
   model.friction.eccentric = {};
   ReplayController pid = kPd;
@@ -308,9 +308,9 @@ TEST(Replay, PdRejectsALoadByItsIntegral) {
 
 // Half a sample of delay is one sample of a log that is written twice as often.
 TEST(Replay, DelayShiftsTheForce) {
-  const Record fine = closed_form_run(0.001, 2000);
+  const log::Record fine = closed_form_run(0.001, 2000);
   for (const int late : {-3, 1, 2, 5}) {
-    Record coarse;
+    log::Record coarse;
     coarse.source = "coarse";
     coarse.sample_time = 0.002;
     ClosedForm axis;
@@ -332,7 +332,7 @@ TEST(Replay, DelayShiftsTheForce) {
 }
 
 TEST(Replay, StartIsTheSlopeUnlessItIsNoise) {
-  Record r;
+  log::Record r;
   r.sample_time = 0.002;
   const auto fill = [&](auto&& position) {
     r.x.clear();
@@ -354,7 +354,7 @@ TEST(Replay, StartIsTheSlopeUnlessItIsNoise) {
 }
 
 TEST(Replay, RefusesWhatItCannotAnswer) {
-  const Record r = closed_form_run(0.001, 1600);
+  const log::Record r = closed_form_run(0.001, 1600);
   const auto why = [](auto&& call) {
     try {
       call();
@@ -365,7 +365,7 @@ TEST(Replay, RefusesWhatItCannotAnswer) {
   };
   friction::AxisModel model = coulomb_model();
   EXPECT_NE(why([&] { replay_closed_loop(model, kPd, r); }).find("no reference"), std::string::npos);
-  Record with = r;
+  log::Record with = r;
   with.r = r.x;
   EXPECT_NE(why([&] { replay_closed_loop(model, kPd, with, {-0.001}); }).find("before it is made"),
             std::string::npos);
@@ -387,7 +387,7 @@ TEST(Replay, RefusesWhatItCannotAnswer) {
   pushes.positive.eta0 = -1.0;
   model.friction.steady = pushes;
   EXPECT_NE(why([&] { replay_open_loop(model, r); }).find("expected above 0"), std::string::npos);
-  Record still = r;
+  log::Record still = r;
   for (double& x : still.x) x = 0.0;
   EXPECT_NE(why([&] { replay_open_loop(coulomb_model(), still); }).find("does not move"), std::string::npos);
   still.x.pop_back();
@@ -395,4 +395,4 @@ TEST(Replay, RefusesWhatItCannotAnswer) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::replay

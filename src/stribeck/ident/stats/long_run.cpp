@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stribeck/ident/stats/long_run.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 namespace {
 
 // The flat top reaches to six memories, where e^-6 of first-order noise is left.
@@ -85,4 +85,4 @@ std::vector<double> LongRun::covariance() const {
   return s;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

@@ -17,7 +17,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 
 /// How long the residuals of consecutive rows remember each other.
 struct Memory {
@@ -51,4 +51,4 @@ class LongRun {
   std::vector<double> sums_;
 };
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

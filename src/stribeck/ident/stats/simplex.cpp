@@ -6,7 +6,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/simplex.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 namespace {
 
 struct Problem {
@@ -48,4 +48,4 @@ SimplexResult minimise_simplex(const std::function<double(const std::vector<doub
   return out;
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 
 struct SimplexOptions {
   double tolerance = 1e-10;  ///< relative, of the value and of every coordinate
@@ -31,4 +31,4 @@ SimplexResult minimise_simplex(const std::function<double(const std::vector<doub
                                std::vector<double> start, std::vector<double> step,
                                const SimplexOptions& options = {});
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

@@ -7,7 +7,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/simplex.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 namespace {
 
 double valley(const std::vector<double>& x) {
@@ -41,4 +41,4 @@ TEST(Simplex, RefusesAStartThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

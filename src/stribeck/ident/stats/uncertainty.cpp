@@ -4,7 +4,7 @@
 #include <stribeck/ident/stats/long_run.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 
 double student_factor(double freedom) {
   return boost::math::quantile(boost::math::students_t(freedom), 0.975);
@@ -36,4 +36,4 @@ double Uncertainty::half_width(const Eigen::VectorXd& g) const {
   return factor_ * std::sqrt(std::max({0.0, g.dot(long_run_ * g), g.dot(stationary_ * g)}));
 }
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

@@ -15,7 +15,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace stribeck::ident {
+namespace stribeck::ident::stats {
 
 class Uncertainty {
  public:
@@ -35,4 +35,4 @@ class Uncertainty {
 /// Student's quantile for 95 % intervals.
 double student_factor(double freedom);
 
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::stats

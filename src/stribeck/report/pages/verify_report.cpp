@@ -245,8 +245,8 @@ Table score_table(const VerifiedPart& part) {
   const auto force = [](const VerifiedModel& m) { return m.closed ? m.closed->force_relative : kNaN; };
   for (std::size_t i = 0; i < part.models.size(); ++i) {
     const VerifiedModel& m = part.models[i];
-    const ident::Replay& a = m.open.restarted;
-    const ident::Replay& b = m.open.free;
+    const ident::replay::Replay& a = m.open.restarted;
+    const ident::replay::Replay& b = m.open.free;
     std::vector<Cell> row{{m.name, "", "", false, model_color(i)},
                           {significant(a.velocity_rms * u.per_velocity, 3)},
                           {percent(a.velocity_relative), "", "", restarted(m) == best(restarted)},
@@ -255,8 +255,8 @@ Table score_table(const VerifiedPart& part) {
                           {percent(b.velocity_relative), "", "", free(m) == best(free)},
                           {significant(b.position_most * u.per_position, 3)}};
     if (closed) {
-      const ident::Replay none;
-      const ident::Replay& c = m.closed ? *m.closed : none;
+      const ident::replay::Replay none;
+      const ident::replay::Replay& c = m.closed ? *m.closed : none;
       row.push_back({significant(c.force_rms, 3)});
       row.push_back({percent(c.force_relative), "", "", force(m) == best(force)});
       row.push_back({significant(c.position_rms * u.per_fine, 3)});
@@ -292,7 +292,7 @@ std::string summary(const VerifiedPart& part) {
   return text;
 }
 
-Json replay_json(const ident::Replay& r, const ShownUnits& u, bool force) {
+Json replay_json(const ident::replay::Replay& r, const ShownUnits& u, bool force) {
   Json out;
   const auto put = [&](const std::string& name, const std::string& unit, bool holds, double value,
                        double scale) {
@@ -341,8 +341,8 @@ std::string text_table(const VerifyReportInput& given) {
       position.entries.push_back(significant(m.open.restarted.position_rms * u.per_fine, 3));
       free.entries.push_back(percent(m.open.free.velocity_relative));
       drift.entries.push_back(significant(m.open.free.position_most * u.per_position, 3));
-      const ident::Replay none;
-      const ident::Replay& c = m.closed ? *m.closed : none;
+      const ident::replay::Replay none;
+      const ident::replay::Replay& c = m.closed ? *m.closed : none;
       force.entries.push_back(significant(c.force_rms, 3));
       relative.entries.push_back(percent(c.force_relative));
       way.entries.push_back(significant(c.position_rms * u.per_fine, 3));

@@ -25,13 +25,13 @@ namespace stribeck::report {
 
 struct VerifiedModel {
   std::string name = {};  ///< axis file, as the user named it
-  ident::OpenLoop open = {};
-  std::optional<ident::Replay> closed = {};
+  ident::replay::OpenLoop open = {};
+  std::optional<ident::replay::Replay> closed = {};
 };
 
 /// One record; a log that was cut at gaps has several.
 struct VerifiedPart {
-  ident::Record record = {};
+  ident::log::Record record = {};
   std::vector<VerifiedModel> models = {};
 };
 

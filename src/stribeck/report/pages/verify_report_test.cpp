@@ -45,7 +45,7 @@ VerifyReportInput two_models(bool closed) {
   for (int i = 1; i <= 2; ++i) {
     VerifiedModel m;
     m.name = i == 1 ? "a.toml" : "b.toml";
-    ident::Replay r;
+    ident::replay::Replay r;
     for (int k = 0; k < 400; ++k) {
       const double v = 0.03 * std::cos(0.03 * k);
       m.open.measured_velocity.push_back(k == 0 ? testing::kNaN : v);

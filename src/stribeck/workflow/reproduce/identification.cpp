@@ -121,13 +121,13 @@ struct Wanted {
 /// Model A from the pulses of one height.
 struct Scale {
   double k_u = 0.0;
-  ident::LeastSquaresA found;
+  ident::methods::LeastSquaresA found;
 };
 
 struct Replayed {
   std::string name;
   bool of_thesis = false;  ///< drawn, and among the figures
-  ident::OpenLoop open;
+  ident::replay::OpenLoop open;
 };
 
 struct Study {
@@ -137,55 +137,55 @@ struct Study {
   std::uint64_t seed = 1;
   Wanted wanted;
 
-  std::optional<ident::LeastSquaresA> pulses;  ///< Model A before the viscous correction
-  std::optional<ident::LeastSquaresA> a;
+  std::optional<ident::methods::LeastSquaresA> pulses;  ///< Model A before the viscous correction
+  std::optional<ident::methods::LeastSquaresA> a;
   std::vector<Scale> scales;
-  std::optional<ident::Jog> b;
+  std::optional<ident::methods::Jog> b;
   std::optional<ident::Result> c;
   std::optional<ident::Result> d;
   std::optional<ident::Result>
       whole;  ///< what commission_axis would take: mass, friction, periodic terms and bristles in one fit
-  ident::Record unseen;
+  ident::log::Record unseen;
   std::vector<Replayed> replayed;
 
   [[nodiscard]] const std::string& name() const { return machine->axes[axis].first; }
   [[nodiscard]] const sim::MachineAxis& truth() const { return machine->axes[axis].second; }
 };
 
-ident::Record log_of(const Study& s, const ident::Excitation& e, Run run) {
+ident::log::Record log_of(const Study& s, const ident::excitation::Excitation& e, Run run) {
   return as_record(play(*s.machine, s.axis, e.r, e.force, s.seed + run * kBetweenRuns),
                    s.name() + "-" + e.method);
 }
 
-ident::Limits limits_of(const Study& s) {
+ident::excitation::Limits limits_of(const Study& s) {
   const sim::AxisLimits& l = s.truth().limits;
   return {l.travel_min, l.travel_max, l.speed, l.acceleration, s.truth().force_limit()};
 }
 
-ident::Record jog(const Study& s, std::vector<double> speeds, Run run) {
-  ident::JogDesign design;
+ident::log::Record jog(const Study& s, std::vector<double> speeds, Run run) {
+  ident::excitation::JogDesign design;
   design.speeds = std::move(speeds);
-  return log_of(s, ident::design_jog(limits_of(s), s.machine->sample_time, design), run);
+  return log_of(s, ident::excitation::design_jog(limits_of(s), s.machine->sample_time, design), run);
 }
 
 /// Each pair of pulses by itself; those that do not move the axis are left out (fig 2.11).
-std::vector<Scale> by_scale(const ident::Record& log, const std::vector<double>& force) {
+std::vector<Scale> by_scale(const ident::log::Record& log, const std::vector<double>& force) {
   std::vector<std::size_t> starts;
   for (std::size_t k = 1; k < force.size(); ++k) {
     if (force[k] > 0.0 && force[k - 1] <= 0.0) starts.push_back(k - 1);
   }
   starts.push_back(log.x.size());
-  const std::vector<double> k_u = ident::PulseDesign().scales;
+  const std::vector<double> k_u = ident::excitation::PulseDesign().scales;
   std::vector<Scale> scales;
   for (std::size_t i = 0; i + 1 < starts.size() && i < k_u.size(); ++i) {
-    ident::Record part = log;
+    ident::log::Record part = log;
     for (auto* column : {&part.t, &part.x, &part.f}) {
       const auto begin = column->begin();
       *column = {begin + static_cast<std::ptrdiff_t>(starts[i]),
                  begin + static_cast<std::ptrdiff_t>(starts[i + 1])};
     }
     try {
-      scales.push_back({k_u[i], ident::identify_least_squares_a({part})});
+      scales.push_back({k_u[i], ident::methods::identify_least_squares_a({part})});
     } catch (const ident::Refused&) {
       continue;
     }
@@ -194,17 +194,17 @@ std::vector<Scale> by_scale(const ident::Record& log, const std::vector<double>&
 }
 
 /// r = 10 cos 0.85 t mm (§3.1.4) for the biaxial table, y of (4.6) for the machine tool.
-ident::Excitation unseen_motion(const Study& s) {
-  const ident::SineDesign table{10e-3, 10e-3, 0.85, 3};
-  ident::SineDesign tool{0.0, 10e-3, 4.0 * kPi / 15.0, 2};
+ident::excitation::Excitation unseen_motion(const Study& s) {
+  const ident::excitation::SineDesign table{10e-3, 10e-3, 0.85, 3};
+  ident::excitation::SineDesign tool{0.0, 10e-3, 4.0 * kPi / 15.0, 2};
   tool.from_middle = true;
-  return ident::design_sine(limits_of(s), s.machine->sample_time, s.biaxial ? table : tool);
+  return ident::excitation::design_sine(limits_of(s), s.machine->sample_time, s.biaxial ? table : tool);
 }
 
 void replay(Study& s) {
   s.unseen = log_of(s, unseen_motion(s), kUnseen);
   const auto add = [&](const char* name, bool of_thesis, const friction::AxisModel& model) {
-    s.replayed.push_back({name, of_thesis, ident::replay_open_loop(model, s.unseen)});
+    s.replayed.push_back({name, of_thesis, ident::replay::replay_open_loop(model, s.unseen)});
   };
   add("Model A", true, as_model(s.a->result));
   add("Model B", true, as_model(s.b->result));
@@ -218,42 +218,43 @@ void replay(Study& s) {
 
 void study(Study& s) {
   const Wanted& w = s.wanted;
-  ident::Record pulses;
+  ident::log::Record pulses;
   if (w.a || w.c || w.verify) {
     // A first run only tells how hard to push in the second.
-    const ident::Excitation first = design(*s.machine, s.axis, "pulses", 0);
-    const auto drive =
-        ident::rough_drive(ident::identify_least_squares_a({log_of(s, first, kPulses)}).result);
-    const ident::Excitation second = design(*s.machine, s.axis, "pulses", 0, drive);
+    const ident::excitation::Excitation first = design(*s.machine, s.axis, "pulses", 0);
+    const auto drive = ident::excitation::rough_drive(
+        ident::methods::identify_least_squares_a({log_of(s, first, kPulses)}).result);
+    const ident::excitation::Excitation second = design(*s.machine, s.axis, "pulses", 0, drive);
     pulses = log_of(s, second, kPulses);
     if (w.a) s.scales = by_scale(pulses, second.force);
   }
   if (w.a || w.verify) {
-    s.pulses = ident::identify_least_squares_a({pulses});
+    s.pulses = ident::methods::identify_least_squares_a({pulses});
     // Speeds of §2.3.2.
     const std::vector<double> speeds{0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 6e-3, 8e-3, 10e-3};
-    s.a = ident::identify_least_squares_a({pulses}, {jog(s, speeds, kFewJogs)});
+    s.a = ident::methods::identify_least_squares_a({pulses}, {jog(s, speeds, kFewJogs)});
   }
-  const ident::Record sine = w.b || w.c || w.d || w.verify
-                                 ? log_of(s,
-                                          design(*s.machine, s.axis, s.biaxial ? "sine" : "position-sine",
-                                                 s.biaxial ? kSinePeriods : kPositionPeriods),
-                                          kSine)
-                                 : ident::Record{};
+  const ident::log::Record sine =
+      w.b || w.c || w.d || w.verify ? log_of(s,
+                                             design(*s.machine, s.axis, s.biaxial ? "sine" : "position-sine",
+                                                    s.biaxial ? kSinePeriods : kPositionPeriods),
+                                             kSine)
+                                    : ident::log::Record{};
   if (w.b || w.verify) {
-    ident::JogOptions conventional;
+    ident::methods::JogOptions conventional;
     conventional.gaussians = false;
     const double fastest = s.biaxial ? 9e-3 : 15e-3;  // §2.3.3, §4.4.1
-    s.b = ident::identify_jog({jog(s, ident::jog_speeds(fastest), kJogs), sine}, conventional);
+    s.b = ident::methods::identify_jog({jog(s, ident::excitation::jog_speeds(fastest), kJogs), sine},
+                                       conventional);
   }
   if (s.biaxial && (w.c || w.verify)) {
-    ident::VelocityMapOptions options;
+    ident::methods::VelocityMapOptions options;
     options.curve_points = 96;  // drawn with straight lines between them
-    s.c = ident::identify_velocity_map({pulses, sine}, options);
+    s.c = ident::methods::identify_velocity_map({pulses, sine}, options);
   }
-  if (!s.biaxial && (w.d || w.verify)) s.d = ident::identify_position_map({sine});
+  if (!s.biaxial && (w.d || w.verify)) s.d = ident::methods::identify_position_map({sine});
   if (w.verify) {
-    s.whole = ident::identify_drive({pulses, sine});
+    s.whole = ident::drive::identify_drive({pulses, sine});
     replay(s);
   }
 }
@@ -298,7 +299,7 @@ Line line_through(const std::vector<SpeedAndForce>& points) {
     left += e * e;
   }
   const double freedom = static_cast<double>(points.size()) - 3.0;
-  const double half = ident::student_factor(freedom) * std::sqrt(left / freedom);
+  const double half = ident::stats::student_factor(freedom) * std::sqrt(left / freedom);
   line.slope_half = half / std::sqrt(vv);
   for (unsigned i : {0U, 1U}) {
     line.level[i] = (i == 0 ? 1.0 : -1.0) * (f[i] - line.slope * v[i]);
@@ -307,9 +308,9 @@ Line line_through(const std::vector<SpeedAndForce>& points) {
   return line;
 }
 
-std::vector<SpeedAndForce> means_of(const ident::Jog& jog) {
+std::vector<SpeedAndForce> means_of(const ident::methods::Jog& jog) {
   std::vector<SpeedAndForce> points;
-  for (const ident::SteadyRun& r : jog.runs) points.push_back({r.speed, r.force});
+  for (const ident::map::SteadyRun& r : jog.runs) points.push_back({r.speed, r.force});
   return points;
 }
 
@@ -501,11 +502,11 @@ std::vector<Plot> scale_plots(const Study& s) {
     return p;
   };
   const auto half = [](std::size_t i, double scale) {
-    return [i, scale](const ident::LeastSquaresA& a) {
+    return [i, scale](const ident::methods::LeastSquaresA& a) {
       return 0.5 * scale * (a.result.parameters[i].ci_high - a.result.parameters[i].ci_low);
     };
   };
-  using A = ident::LeastSquaresA;
+  using A = ident::methods::LeastSquaresA;
   Plot coulomb =
       plot(fmt::format("Axis {}: Coulomb force, unbiased", s.name()), "scale K_u of the pulses", "α0 [N]");
   Series plus = curve("v > 0", kOursColor, false);
@@ -540,15 +541,15 @@ ReproducedSection section_a(const std::vector<Study>& all) {
   double most_simple = 0.0;
   for (const Study& s : all) {
     const std::string& axis = s.name();
-    const ident::LeastSquaresA& p = *s.pulses;
-    const ident::LeastSquaresA& a = *s.a;
+    const ident::methods::LeastSquaresA& p = *s.pulses;
+    const ident::methods::LeastSquaresA& a = *s.a;
     const std::string table = "Table 2.1";
     const auto print = [&](std::size_t i) { return printed("2.1", axis, i); };
     add(out, "mass", axis, "N s2/mm", print(0), estimate(p.result, "mass", 1.0 / kKilo), table, 2);
     add(out, "α0, v > 0", axis, "N", print(1), estimate(p.result, "alpha0_positive"), table, 0);
     add(out, "α0, v < 0", axis, "N", print(1), estimate(p.result, "alpha0_negative", -1.0), table, 0);
     add(out, "α2", axis, "N s/mm", print(3), estimate(p.result, "alpha2", 1.0 / kKilo), table, 1);
-    const auto corrected = [&](const char* what, const ident::ViscousCorrection& c) {
+    const auto corrected = [&](const char* what, const ident::methods::ViscousCorrection& c) {
       add(out, what, axis, "N s/mm", print(3),
           {c.alpha2 / kKilo, {c.alpha2_interval.low / kKilo, c.alpha2_interval.high / kKilo}}, table, 1);
     };
@@ -563,7 +564,7 @@ ReproducedSection section_a(const std::vector<Study>& all) {
                                 {decimals(plus, 0)},
                                 {decimals(minus, 0)}});
     };
-    const auto unbiased = [&](const std::string& from, const ident::LeastSquaresA& x) {
+    const auto unbiased = [&](const std::string& from, const ident::methods::LeastSquaresA& x) {
       row(from, x.mass_exact / kKilo, x.alpha2 / kKilo, x.alpha0_positive, -x.alpha0_negative);
     };
     row(table, print(0), print(3), print(1), print(2));
@@ -578,7 +579,7 @@ ReproducedSection section_a(const std::vector<Study>& all) {
     row("jogs, Kalman", kNaN, a.kalman->alpha2 / kKilo, a.kalman->alpha0_positive,
         -a.kalman->alpha0_negative);
     std::vector<SpeedAndForce> fast;
-    for (const ident::ObservedFriction& j : a.jogs) {
+    for (const ident::methods::ObservedFriction& j : a.jogs) {
       if (std::abs(j.speed) > 0.95e-3) fast.push_back({j.speed, j.observer});
     }
     const Line own = line_through_print(fast, axis);
@@ -599,7 +600,7 @@ ReproducedSection section_a(const std::vector<Study>& all) {
       return two_levels(v, print(1), print(1), print(3) * kKilo);
     }));
     Series observed = points("observer", kPrintColor, 5.0);
-    for (const ident::ObservedFriction& j : a.jogs) {
+    for (const ident::methods::ObservedFriction& j : a.jogs) {
       observed.x.push_back(j.speed / kMilli);
       observed.y.push_back(j.observer);
     }
@@ -954,8 +955,8 @@ ReproducedSection section_verify(const Study& s) {
   constexpr std::array kColors{kOtherColor, "#009e73", kOursColor};
   std::size_t color = 0;
   for (const Replayed& m : s.replayed) {
-    const ident::Replay& free = m.open.free;
-    const ident::Replay& anew = m.open.restarted;
+    const ident::replay::Replay& free = m.open.free;
+    const ident::replay::Replay& anew = m.open.restarted;
     if (m.of_thesis) {
       add(out, "velocity error, RMS", m.name, "mm/s", kNaN, {free.velocity_rms / kMilli, {}}, figure, 3);
       add(out, "the same, of the measured velocity", m.name, "%", kNaN, {100.0 * free.velocity_relative, {}},
