@@ -64,7 +64,7 @@ std::string in_words(const CLI::ParseError& e, const CLI::App* verb) {
 
 int parse_and_run(int argc, const char* const* argv) {
   CLI::App app{
-      "Friction of machine-tool feed drives: identified from logs, shown on the contour, taken out."};
+      "Identifies the friction of machine-tool feed drives from logs, shows its effect on the contour, and compensates it."};
   app.name("stribeck");
   app.set_version_flag("--version", "stribeck " STRIBECK_VERSION);
   app.require_subcommand(1);

@@ -120,7 +120,7 @@ int compare(const Options& o) {
     say(o.common, "Warning: " + warning + ".\n");
   const auto drift = report::drift_words(result);
   if (!drift.empty())
-    say(o.common, "Change since identification, as adaptation sees it at the end of the first trial:\n");
+    say(o.common, "Change since identification, estimated by adaptation at the end of the first trial:\n");
   for (const std::string& words : drift) say(o.common, "  " + words + "\n");
   say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
   return 0;
@@ -129,12 +129,13 @@ int compare(const Options& o) {
 }  // namespace
 
 void add_compare(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("compare", "The main job: controllers side by side on a virtual machine");
+  auto* verb =
+      app.add_subcommand("compare", "Run several controllers on a virtual machine and compare their errors");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option(
           "--experiment", o->experiment,
-          "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis by the machine's number of axes")
+          "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis, by the number of axes of the machine")
       ->check(one_of(experiment_ids()));
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);
@@ -142,7 +143,7 @@ void add_compare(CLI::App& app, Action& action) {
   verb->add_option("--speed", o->speeds, "Speed along the path, repeatable; left out: 3 and 9.5 mm/s")
       ->type_name("SPEED");
   verb->add_option("--controller", o->controllers,
-                   fmt::format("One more controller, repeatable: {}, or a file like those of controllers/",
+                   fmt::format("An additional controller, repeatable: {}, or a controller file",
                                report::listed(built_in_controllers())))
       ->type_name("NAME|FILE.toml");
   add_path_options(*verb, o->path);

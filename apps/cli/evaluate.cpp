@@ -170,21 +170,21 @@ int evaluate(const Options& o) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("evaluate", "Contour error of circles that were travelled, from any log");
+  auto* verb = app.add_subcommand("evaluate", "Compute the radial error of measured circles from any log");
   auto o = std::make_shared<Options>();
-  verb->add_option("logs", o->logs, "Logs of the same program under one control each")
+  verb->add_option("logs", o->logs, "Logs of the same program, one log for each control")
       ->required()
       ->type_name("LOG...");
-  verb->add_option("--path", o->path, "What was travelled")->check(one_of({"circle"}))->capture_default_str();
-  verb->add_option("--size", o->size, "Radius that was meant")->type_name("LENGTH")->capture_default_str();
-  verb->add_option("--map", o->maps,
-                   "Which column is what: x, y (positions; left out: found by name), rx, ry (commands, "
-                   "whose centre is the circle's; without them the least-squares centre is taken)")
+  verb->add_option("--path", o->path, "Shape of the path")->check(one_of({"circle"}))->capture_default_str();
+  verb->add_option("--size", o->size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
+  verb->add_option(
+          "--map", o->maps,
+          "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre)")
       ->type_name("QUANTITY=COLUMN");
   verb->add_option("--where", o->where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")
       ->type_name("COLUMN=VALUE");
-  verb->add_option("--label", o->labels, "Name of each log's control; left out: the file's")
+  verb->add_option("--label", o->labels, "Name of each log in the table; left out: the name of the file")
       ->type_name("NAME");
   verb->add_option("--beside", o->beside, "A further column of the table, with one value for each log")
       ->type_name("HEAD=VALUE,VALUE");

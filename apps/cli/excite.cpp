@@ -173,32 +173,36 @@ int excite(const Options& o) {
 }  // namespace
 
 void add_excite(CLI::App& app, Action& action) {
-  auto* verb =
-      app.add_subcommand("excite", "What to run on the machine so that a log of it tells friction and mass");
+  auto* verb = app.add_subcommand(
+      "excite", "Design a motion or force whose log determines friction and mass of an axis");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--method", o->method,
                    "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
-                   "position-sine (terms of the screw), constant-acceleration (mass)")
+                   "position-sine (periodic terms of the screw), constant-acceleration (mass)")
       ->required()
       ->check(one_of({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
-  verb->add_option("-o,--output", o->output,
-                   "CSV to write: t, r or t, u, f; a name that ends in .ngc, .nc or .gcode: G-code instead")
+  verb->add_option(
+          "-o,--output", o->output,
+          "CSV to write, with the columns t, r or t, u, f; G-code if the name ends in .ngc, .nc or .gcode")
       ->required()
       ->type_name("REF.csv");
   verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
-  verb->add_option("--periods", o->periods,
-                   fmt::format("Periods of sine (left out: {}) or position-sine (4)", kSinePeriods))
+  verb->add_option(
+          "--periods", o->periods,
+          fmt::format("Number of periods: sine (left out: {}) or position-sine (left out: 4)", kSinePeriods))
       ->check(whole_from(1, 1000));
-  verb->add_option("--repeats", o->repeats,
-                   "Of each direction: ramp (left out: 4), constant-acceleration (5)")
+  verb->add_option(
+          "--repeats", o->repeats,
+          "Number of repeats in each direction: ramp (left out: 4) or constant-acceleration (left out: 5)")
       ->check(whole_from(1, 1000));
   verb->add_option(
           "--speeds", o->speeds,
           "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit")
       ->type_name("SPEED");
-  verb->add_option("--lead", o->lead, "Lead of the screw: ways of jog then hold whole turns")
+  verb->add_option("--lead", o->lead,
+                   "Lead of the screw: the travel of each jog is then a whole number of turns")
       ->type_name("LENGTH");
   verb->add_option(
           "--rise", o->rise,

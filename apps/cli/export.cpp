@@ -261,7 +261,7 @@ int export_configuration(const Options& o, const sim::Machine& machine) {
                              {"kept", written.kept}});
   std::string words = fmt::format("{} files in {}.\n", written.files.size(), o.output);
   if (!written.kept.empty())
-    words += fmt::format("Left as edited: {} (remove what is to be written anew).\n",
+    words += fmt::format("Kept, because edited since the last export: {} (remove a file to write it anew).\n",
                          report::listed(written.kept));
   say(o.common, words + fmt::format("  linuxcnc {}       with the AXIS screen\n"
                                     "  linuxcnc -r {}   without a screen\n",
@@ -326,17 +326,17 @@ int export_to(const Options& o) {
 }  // namespace
 
 void add_export(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("export", "Parameters as another program takes them");
+  auto* verb = app.add_subcommand("export", "Write identified parameters in the format of another program");
   auto o = std::make_shared<Options>();
   verb->add_option(
           "files", o->files,
-          "Axis files that identify wrote: the controllers; or one machine file: a configuration that "
-          "runs, or its virtual drives")
+          "Axis files written by identify, to export controllers; or one machine file, to export a whole configuration or its virtual drives")
       ->required()
       ->type_name("FILE.toml");
   verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(one_of({"linuxcnc"}));
-  verb->add_option("-o,--output", o->output,
-                   "File to write (NAME.hal), or for a machine file a folder: INI and HAL that run at once")
+  verb->add_option(
+          "-o,--output", o->output,
+          "File to write (NAME.hal); for a machine file also a folder, which becomes a whole configuration")
       ->required()
       ->type_name("NAME.hal|FOLDER");
   verb->add_option("--name", o->names,
@@ -352,18 +352,17 @@ void add_export(CLI::App& app, Action& action) {
       ->check(one_of({"none", "steady", "dynamic", "reversal"}));
   verb->add_flag(
       "--lincurve", o->lincurve,
-      "Of axis files: the steady friction in the 16 points of LinuxCNC's own lincurve, for machines "
-      "without these components, and the error that it makes");
+      "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
   verb->add_option("--speed", o->speed,
-                   "Of a table: the largest speed; left out: that of the identified range")
+                   "For --lincurve: largest speed of the table; left out: that of the identified range")
       ->type_name("SPEED");
-  verb->add_option("--parameters", o->parameters,
-                   "Of a configuration, what its controllers know: identified (from logs recorded here, the "
-                   "default) or commissioning (the machine file's rough values)")
+  verb->add_option(
+          "--parameters", o->parameters,
+          "For a configuration, parameters of its controllers: identified (from simulated logs of this machine, the default) or commissioning (the rough values of the machine file)")
       ->check(one_of({"identified", "commissioning"}));
   verb->add_option(
           "--axis-file", o->axis_files,
-          "Of a configuration: axis file that identify wrote, in place of that; repeat for more axes")
+          "For a configuration: axis file written by identify, to be used for this axis; repeat for more axes")
       ->type_name("AXIS=FILE");
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);

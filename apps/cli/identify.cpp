@@ -206,12 +206,12 @@ Identified by_position(const Options& o, const std::vector<ident::log::Record>& 
     if (!(*options.turn <= kLongest * (high - low)) || !(*options.turn >= kShortest * (high - low))) {
       const bool turns = records.front().position_unit == "rad";
       const double shown = turns ? 1.0 : 1e3;
-      refuse_option("--turn",
-                    fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the way of {:.4g} {} in "
-                                "this log",
-                                io::in_quotes(o.turn), shown * kShortest * (high - low),
-                                shown * kLongest * (high - low), turns ? "rad" : "mm", shown * (high - low),
-                                turns ? "rad" : "mm"));
+      refuse_option(
+          "--turn",
+          fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the travel of {:.4g} {} in this log",
+                      io::in_quotes(o.turn), shown * kShortest * (high - low),
+                      shown * kLongest * (high - low), turns ? "rad" : "mm", shown * (high - low),
+                      turns ? "rad" : "mm"));
     }
   }
   return {ident::methods::identify_position_map(records, options), {}, {}, {}, {}};
@@ -274,9 +274,9 @@ Identified identify_records(const Options& o, const Input& in) {
   if (in.one_direction) {
     check_auto(o, "position-map", "the axis moves in one direction only");
     Identified identified = by_position(o, records);
-    identified.result.warnings.insert(identified.result.warnings.begin(),
-                                      "one direction only: mass, and friction of that direction with any "
-                                      "load in it; add the way back for the rest");
+    identified.result.warnings.insert(
+        identified.result.warnings.begin(),
+        "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
     return identified;
   }
   ident::drive::DriveFitOptions options;
@@ -435,17 +435,18 @@ int identify(const Options& o) {
     }
     if (result.friction.eccentric.size() > 0 && result.model == "cogging") {
       refuse_option("--output",
-                    "an axis file needs mass and friction, which holding at standstill does not tell");
+                    "an axis file needs mass and friction, which a log at standstill does not determine");
     }
     if (in.one_direction) {
       refuse_option(
           "--output",
-          "an axis file holds friction of both directions, but the axis moves in one only; add the way back");
+          "an axis file holds friction of both directions, but the axis moves in one only; add the motion back");
     }
     if (!(result.mass > 0.0)) {
-      refuse_option("--output",
-                    "an axis file needs the mass, which this log does not tell; give --mass or add a log "
-                    "with acceleration");
+      refuse_option(
+          "--output",
+          "an axis file needs the mass, which this log does not determine; give --mass or add a log "
+          "with acceleration");
     }
     io::write_atomically(
         o.output,
@@ -483,37 +484,41 @@ int identify(const Options& o) {
 }  // namespace
 
 void add_identify(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("identify", "Mass and friction of an axis from logs, with 95 % intervals");
+  auto* verb = app.add_subcommand(
+      "identify", "Identify mass and friction of an axis from its logs, with 95 % confidence intervals");
   auto o = std::make_shared<Options>();
   verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")
       ->required()
       ->type_name("LOG");
   verb->add_flag("--inspect", o->inspect,
-                 "Print what the logs hold and what could be identified; identify nothing");
-  verb->add_option("--model", o->model,
-                   "auto, conventional, gaussian, or asymmetric (idim-ls, friction by direction)")
+                 "Only print what the logs contain and what can be identified from them");
+  verb->add_option(
+          "--model", o->model,
+          "Friction model: auto, conventional, gaussian, or asymmetric (idim-ls only: friction by direction)")
       ->check(one_of({"auto", "gaussian", "conventional", "asymmetric"}))
       ->capture_default_str();
   verb->add_option(
           "--method", o->method,
-          "auto (any motion); by name: velocity-map (Model C), position-map (Model D, or cogging at "
+          "Method: auto (any motion), or by name: velocity-map (Model C), position-map (Model D, or cogging at "
           "standstill), jog (Model B, constant speeds), least-squares (Model A, pulses, and jogs for the "
           "viscous correction), break-away (slow ramps), gravity (both directions at equal speed), "
           "constant-acceleration (mass), idim-ls (published protocol)")
       ->check(one_of({"auto", "velocity-map", "position-map", "jog", "least-squares", "break-away", "gravity",
                       "constant-acceleration", "idim-ls"}))
       ->capture_default_str();
-  verb->add_option("--terms", o->terms, "Gaussians of each direction; left out: chosen by held-out motion")
+  verb->add_option("--terms", o->terms,
+                   "Number of Gaussians in each direction; left out: chosen by the error on held-out motion")
       ->check(whole_from(0, 6));
   verb->add_option("--mass", o->mass, "Known equivalent mass, e.g. \"57.65 N s2/mm\"; left out: identified")
       ->type_name("MASS");
   verb->add_option("--cut-off", o->cut_off,
                    "Low-pass filter at this frequency; left out: chosen from the noise")
       ->type_name("HZ");
-  verb->add_option("--turn", o->turn,
-                   "Known travel of one turn, whose whole parts are searched (position-map)")
+  verb->add_option(
+          "--turn", o->turn,
+          "Known travel per turn of the screw: periodic terms are searched at this period and its integer fractions (position-map)")
       ->type_name("TURN");
-  verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as papers use it)")
+  verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as in published methods)")
       ->check(one_of({"derivatives", "simplex"}))
       ->capture_default_str();
   add_log_options(*verb, o->log);

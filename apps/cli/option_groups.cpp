@@ -46,7 +46,7 @@ void add_log_options(CLI::App& verb, LogOptions& o) {
                   "Time between rows of a log without a time column, e.g. \"100 ms\"")
       ->type_name("TIME");
   verb.add_option("--keep", o.keep,
-                  "Leave findings of this kind alone, repeatable (--inspect shows the kinds)")
+                  "Do not repair findings of this kind, repeatable (--inspect shows the kinds)")
       ->type_name("KIND");
   verb.add_option("--map-file", o.map_file,
                   "TOML file with map, axis, gain, lead, where, runs, sample_time, keep")
@@ -56,12 +56,12 @@ void add_log_options(CLI::App& verb, LogOptions& o) {
 void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
   verb.add_option(
           "--parameters", options.source,
-          "Parameters of the compensators: identified (from logs recorded here) or thesis (as printed)")
+          "Parameters of the compensators: identified (from simulated logs of this machine) or thesis (as printed there)")
       ->check(one_of({"identified", "thesis"}))
       ->capture_default_str();
   verb.add_option(
           "--axis-file", options.axis_files,
-          "Axis file that identify wrote, for one axis; repeat for more axes or for a second kind of model")
+          "Axis file written by identify, for one axis; repeat for more axes or for a second kind of model")
       ->type_name("AXIS=FILE");
 }
 
@@ -79,7 +79,7 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
   verb.add_option("--size", o.size, "Radius of the circle, half width of the others")
       ->type_name("LENGTH")
       ->capture_default_str();
-  verb.add_option("--laps", o.laps, "Laps at constant speed, which are scored")
+  verb.add_option("--laps", o.laps, "Number of laps at constant speed; these laps are evaluated")
       ->check(number_from(0.25, 1000.0))
       ->capture_default_str();
   verb.add_option("--omega-t", o.omega_t, "Double pole of the loop along the path")
@@ -94,23 +94,25 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
   verb.add_option("--observer", o.observer, "Observer of the controllers (d) to (f): disturbance or kalman")
       ->check(one_of({"disturbance", "kalman"}))
       ->capture_default_str();
-  verb.add_option("--error-rate", o.error_rate,
-                  "Rate of the tracking error: difference-of-error, or late for comparison")
+  verb.add_option(
+          "--error-rate", o.error_rate,
+          "Rate of the tracking error: difference-of-error, observed (by the Kalman observer), or late (half a sample delayed, for comparison)")
       ->check(names_of<control::ErrorRate>())
       ->capture_default_str();
-  verb.add_option("--acceleration", o.acceleration,
-                  "Part program: acceleration of every axis; left out: the limit of the machine, the most")
+  verb.add_option(
+          "--acceleration", o.acceleration,
+          "Part program: largest acceleration of each axis, at most the limit of the machine; left out: that limit")
       ->type_name("ACCELERATION");
-  verb.add_option("--jerk", o.jerk,
-                  "Part program: jerk of every axis; left out: the limit of the machine, or its "
-                  "acceleration in 0.1 s")
+  verb.add_option(
+          "--jerk", o.jerk,
+          "Part program: largest jerk of each axis; left out: the limit of the machine, or the jerk that reaches its acceleration in 0.1 s")
       ->type_name("JERK");
   verb.add_option("--corner-tolerance", o.corner_tolerance,
-                  "Part program: how far corners may be rounded where G64 P does not say")
+                  "Part program: largest deviation at rounded corners where the program gives no G64 P")
       ->type_name("LENGTH")
       ->capture_default_str();
   verb.add_option("--accuracy", o.accuracy,
-                  "Accuracy of the simulated contour error, which decides the sub-steps")
+                  "Accuracy of the simulated contour error; it determines the number of sub-steps")
       ->type_name("LENGTH")
       ->capture_default_str();
   const auto all = verb.get_options();

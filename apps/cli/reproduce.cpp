@@ -193,7 +193,7 @@ int reproduce(const Options& o) {
   // Nothing of it is the thesis's, so "all" does not mean it.
   const bool robust = std::find(o.ids.begin(), o.ids.end(), kRobustness) != o.ids.end();
   if (!robust && !o.controllers.empty())
-    refuse_option("--controller", "goes with robustness only, which is not among the experiments (name it)");
+    refuse_option("--controller", "can be used with robustness only (add robustness to the experiments)");
   sim::RobustnessSpec varied = sim::robust_biaxial();
   varied.machines = o.machines;
   if (o.vary != "all") varied.variation = sim::vary_only(o.vary);
@@ -290,36 +290,38 @@ int reproduce(const Options& o) {
 }  // namespace
 
 void add_reproduce(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("reproduce", "The thesis's tables and figures: print beside result");
+  auto* verb = app.add_subcommand(
+      "reproduce", "Repeat the experiments of the thesis and compare the results with its printed values");
   auto o = std::make_shared<Options>();
   std::vector<std::string> ids{"all"};
   for (const std::string& id : kIdentification) ids.push_back(id);
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   ids.emplace_back(kRobustness);
-  verb->add_option("ids", o->ids, "Experiments, or all of the thesis; robustness has to be asked for")
+  verb->add_option("ids", o->ids, "Experiments; all: every experiment of the thesis, without robustness")
       ->required()
       ->check(one_of(ids))
       ->type_name("ID");
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
-  verb->add_option("--machines", o->machines, "Machines of robustness, each with deviations of its own")
+  verb->add_option("--machines", o->machines,
+                   "Number of machines in robustness, each with different deviations")
       ->check(whole_from(1, 100000))
       ->capture_default_str();
   std::vector<std::string> factors = sim::variation_factors();
   factors.insert(factors.begin(), "all");
-  verb->add_option("--vary", o->vary, "What the machines of robustness differ in")
+  verb->add_option("--vary", o->vary, "Factor in which the machines of robustness differ")
       ->check(one_of(factors))
       ->type_name("FACTOR")
       ->capture_default_str();
   verb->add_option(
           "--controller", o->controllers,
-          fmt::format("In place of (g) and on of robustness, repeatable: {}, or a file like those of "
-                      "controllers/ or of tune -o",
-                      report::listed(built_in_controllers())))
+          fmt::format(
+              "Controllers of robustness in place of (g) and the following, repeatable: {}, or a controller file, e.g. of tune -o",
+              report::listed(built_in_controllers())))
       ->type_name("NAME|FILE.toml");
   verb->add_option("--markdown", o->markdown, "Table for a document")->type_name("FILE.md");
   verb->add_option("--check", o->check,
-                   "Compares with a table that --markdown wrote; exit code 1 when they differ")
+                   "Compare with a file that --markdown wrote; exit code 1 if they differ")
       ->type_name("FILE.md");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);

@@ -17,7 +17,7 @@
 namespace stribeck::cli {
 
 void add_common(CLI::App& verb, Common& common, Page page) {
-  verb.add_option("--json", common.json, "Write the result for programs to this file")->type_name("FILE");
+  verb.add_option("--json", common.json, "Write the result as JSON to this file")->type_name("FILE");
   if (page == Page::kReport) {
     verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
         ->type_name("DIR");
@@ -26,10 +26,10 @@ void add_common(CLI::App& verb, Common& common, Page page) {
 }
 
 void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads) {
-  verb.add_option("--trials", trials, "Trials, each with noise of its own")
+  verb.add_option("--trials", trials, "Number of trials, each with different noise")
       ->check(whole_from(1, 100000))
       ->capture_default_str();
-  verb.add_option("--threads", threads, "Threads; 0: all cores. The result does not depend on it")
+  verb.add_option("--threads", threads, "Number of threads; 0: all cores. The result does not depend on it")
       ->check(whole_from(0, 4096))
       ->capture_default_str();
 }

@@ -236,30 +236,29 @@ int simulate(const Options& o) {
 
 void add_simulate(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
-      "simulate", "One run of a virtual machine, along a path or along a reference of excite");
+      "simulate", "Simulate one run of a virtual machine, along a path or with a reference of excite");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);
   verb->add_option(
       "--controller", o->controller,
-      "One of the controllers of the experiment, by its letter, or a file like those of controllers/; left "
-      "out: (h), or the last of the thesis's own");
+      "A controller of the experiment, by its letter, or a controller file; left out: (h), or the last controller of the thesis where there is no (h)");
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->experiment, "Path, gains and controllers of an experiment of compare")
       ->check(one_of(ids));
   verb->add_option("--speed", o->speed, "Speed along the path; left out: 9.5 mm/s")->type_name("SPEED");
   add_path_options(*verb, o->path);
-  verb->add_option("--trial", o->trial, "Trial, which decides the noise together with the seed")
+  verb->add_option("--trial", o->trial, "Number of the trial; together with the seed it determines the noise")
       ->check(whole_from(0, std::numeric_limits<std::uint32_t>::max() - 1))
       ->capture_default_str();
   add_parameter_options(*verb, o->parameters);
-  verb->add_option("--reference", o->reference,
-                   "CSV that excite wrote, played on one axis instead of a path: r for closed loop, u or f "
-                   "for open loop")
+  verb->add_option(
+          "--reference", o->reference,
+          "CSV written by excite, run on one axis in place of a path: column r in closed loop, u or f in open loop")
       ->type_name("REF.csv");
-  verb->add_option("--axis", o->axis, "Axis that the reference is for")->type_name("NAME");
+  verb->add_option("--axis", o->axis, "Axis on which the reference runs")->type_name("NAME");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(

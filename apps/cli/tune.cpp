@@ -185,42 +185,44 @@ int tune(Options o) {
 }  // namespace
 
 void add_tune(CLI::App& app, Action& action) {
-  auto* verb =
-      app.add_subcommand("tune", "Gains by optimisation under limits, the same search for every controller");
+  auto* verb = app.add_subcommand(
+      "tune", "Find the best gains of each controller within limits of stability margin and input variation");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--experiment", o->experiment,
-                   "Experiment whose path and controllers are taken; left out: as compare chooses")
+                   "Experiment whose path and controllers are used; left out: chosen as in compare")
       ->check(one_of(experiment_ids()));
   verb->add_option(
           "--controller", o->controllers,
           fmt::format(
-              "Only these, repeatable: an id of the experiment's, {}, or a file like those of controllers/",
+              "Tune only this controller, repeatable: an id of the experiment, {}, or a controller file",
               report::listed(built_in_controllers())))
       ->type_name("ID|NAME|FILE.toml");
-  verb->add_option("--phase-margin", o->phase_margin, "Least phase margin of the loop, in degrees")
+  verb->add_option("--phase-margin", o->phase_margin, "Smallest allowed phase margin of the loop, in degrees")
       ->check(number_from(1.0, 90.0))
       ->capture_default_str();
-  verb->add_option("--gain-margin", o->gain_margin, "Least gain margin, up and down, in dB")
+  verb->add_option("--gain-margin", o->gain_margin, "Smallest allowed gain margin, up and down, in dB")
       ->check(number_from(0.1, 40.0))
       ->capture_default_str();
-  verb->add_option("--delay-margin", o->delay_margin,
-                   "Least delay that the loop bears in addition, in control periods")
+  verb->add_option(
+          "--delay-margin", o->delay_margin,
+          "Smallest allowed delay margin, in control periods: additional delay with which the loop is still stable")
       ->check(number_from(0.0, 100.0))
       ->capture_default_str();
-  verb->add_option("--input-variation", o->input_variation,
-                   "Largest mean |Δu| on every travel; left out: that of the thesis's last controller of "
-                   "the experiment at its own gains, (f) on the biaxial table")
+  verb->add_option(
+          "--input-variation", o->input_variation,
+          "Largest allowed mean |Δu| of every run; left out: that of the last thesis controller of the experiment at its own gains, (f) on the biaxial table")
       ->type_name("VOLTAGE");
-  verb->add_option("--axial-mode", o->axial_mode,
-                   "Frequency of a first axial mode of every axis that the loop must bear; left out: rigid")
+  verb->add_option(
+          "--axial-mode", o->axial_mode,
+          "Frequency of a first axial mode of every axis, with which the loop must be stable; left out: rigid axes")
       ->type_name("FREQUENCY");
-  verb->add_option("--evaluations", o->evaluations, "Gains tried for each controller")
+  verb->add_option("--evaluations", o->evaluations, "Number of sets of gains to try for each controller")
       ->check(whole_from(10, 100000))
       ->capture_default_str();
-  verb->add_option("-o,--output", o->out,
-                   "Controller files: a folder for ID.toml of each, or FILE.toml for a single controller, "
-                   "which is called ID-tuned there")
+  verb->add_option(
+          "-o,--output", o->out,
+          "Controller files to write: a folder for one ID.toml each, or FILE.toml for a single controller; the id in the file is ID-tuned")
       ->type_name("DIR|FILE.toml");
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);

@@ -102,8 +102,8 @@ int verify(const Options& o) {
         if (controller) one.closed = ident::replay::replay_closed_loop(model, *controller, record, options);
         if (const std::size_t outside = one.open.restarted.outside; outside > 0) {
           page.warnings.push_back(
-              fmt::format("{}: {} of {} rows are at velocities that the model was not identified on", name,
-                          outside, record.x.size()));
+              fmt::format("{}: {} of {} rows are at velocities outside the range of the identified model",
+                          name, outside, record.x.size()));
         }
         part.models.push_back(std::move(one));
       }
@@ -130,9 +130,9 @@ int verify(const Options& o) {
 void add_verify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "verify",
-      "Identified models on motion that they have not seen: open loop, and in the log's closed loop");
+      "Test identified models on a log that was not used to identify them, in open and closed loop");
   auto o = std::make_shared<Options>();
-  verb->add_option("files", o->files, "Axis files that identify wrote, and as the last one the log")
+  verb->add_option("files", o->files, "Axis files written by identify; the last file is the log")
       ->required()
       ->type_name("AXIS.toml... LOG");
   add_log_options(*verb, o->log);
@@ -143,8 +143,7 @@ void add_verify(CLI::App& app, Action& action) {
       ->type_name("FILE.toml");
   verb->add_option(
           "--force-shift", o->force_shift,
-          "Time by which the force stands later in the log than its motion, the parameter force_shift of "
-          "identify; left out: commanded, under its hold")
+          "Time by which the force is later in the log than its motion (force_shift of identify); left out: a commanded force that is held over the period")
       ->type_name("TIME");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);

@@ -161,7 +161,7 @@ TEST_F(BadLog, OptionsThatChangeNothing) {
   };
   refused({"--gain", ""}, {"--gain", "expected a value"});
   refused({"--axis", " "}, {"--axis", "expected a value"});
-  refused({"--lead", "5 mm"}, {"--lead", "nothing in this log turns"});
+  refused({"--lead", "5 mm"}, {"--lead", "no column of this log is an angle"});
   refused({"--turn", "5 mm"}, {"--turn", "--method auto does not take it"});
   refused({"--method", "position-map", "--turn", "1e300 mm"}, {"--turn", "1e300 mm", "expected between"});
   refused({"--method", "position-map", "--turn", "-5 mm"}, {"--turn", "-5 mm", "above 0"});
@@ -171,8 +171,8 @@ TEST_F(BadLog, OptionsThatChangeNothing) {
   refused({"--mass", "1e300 kg"}, {"--mass", "1e300 kg"});
   refused({"--cut-off", "1e300 Hz"}, {"--cut-off", "1e300 Hz", "below 100 Hz"});
   refused({"--cut-off", "1e-300 Hz"}, {"--cut-off", "1e-300 Hz", "one period of the log"});
-  refused({"--gain", "2"}, {"--gain", "has its scale"});
-  refused({"--gain", "1048 N/V"}, {"--gain", "has its scale"});
+  refused({"--gain", "2"}, {"--gain", "has a scale already"});
+  refused({"--gain", "1048 N/V"}, {"--gain", "has a scale already"});
   refused({folder / "log.csv"}, {"LOG", "twice"});
   refused({folder / "./log.csv"}, {"LOG", "twice"});
 }

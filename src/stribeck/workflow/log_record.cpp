@@ -125,10 +125,12 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   try {
     static_cast<void>(io::conversion(unit, column.unit_text));
   } catch (const io::InputError&) {
-    refuse_option("--map",
-                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or "
-                              "map another column (to scale a force, use --gain)",
-                              io::in_quotes(header_of(column)), column.unit_text, unit));
+    refuse_option(
+        "--map",
+        fmt::format(
+            "column {} has the unit {} in the file, which is not a unit of a {}; leave the unit out or "
+            "map another column (to scale a force, use --gain)",
+            io::in_quotes(header_of(column)), column.unit_text, unit));
   }
 }
 
@@ -266,9 +268,10 @@ const io::Column* find_by_name(const io::Log& log, const Known& k, const std::st
   if (rivals.size() > 1) {
     std::string list;
     for (const Candidate& c : all) list += (list.empty() ? "" : ", ") + io::in_quotes(header_of(*c.column));
-    throw io::InputError({log.source, 0, std::string(k.name),
-                          fmt::format("{} columns could be it: {} (choose one with --map {}=\"COLUMN UNIT\")",
-                                      all.size(), list, k.name)});
+    throw io::InputError(
+        {log.source, 0, std::string(k.name),
+         fmt::format("{} columns could be this quantity: {} (choose one with --map {}=\"COLUMN UNIT\")",
+                     all.size(), list, k.name)});
   }
   return all.front().column;
 }
@@ -640,7 +643,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
       const Quantity q = m.order == 0 ? quantity("m", "mm") : quantity("m/s", "mm/s");
       check_unit(log, *m.chosen->column, unit, q);
       refuse_column(log, *m.chosen,
-                    fmt::format("unit {} is none of a {}", io::in_quotes(unit),
+                    fmt::format("{} is not a unit of a {}", io::in_quotes(unit),
                                 m.order == 0 ? "position" : "velocity"));
     }
     m.angle = !linear;
@@ -739,10 +742,9 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
       if (efforts.size() == 1 && efforts.front().kind == "force") {
         refuse_option(
             "--gain",
-            fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain out, "
-                        "or map what it is for (--map voltage=\"COLUMN V\")",
-                        io::in_quotes(options.gain),
-                        io::in_quotes(header_of(*efforts.front().chosen.column))));
+            fmt::format(
+                "got {}, but the force of this log, column {}, has a scale already: leave the gain out, or map the column that it belongs to (--map voltage=\"COLUMN V\")",
+                io::in_quotes(options.gain), io::in_quotes(header_of(*efforts.front().chosen.column))));
       }
       std::string kinds;
       for (const Effort& e : efforts) kinds += (kinds.empty() ? "" : ", ") + e.kind;
@@ -760,8 +762,9 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
     to_force(effort, 1.0, true);
     if (effort.unit != "N") {
       out.notes.push_back(
-          angle ? "the force is a torque in N m about an angle in rad"
-                : "the force stands as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
+          angle
+              ? "the force is a torque in N m about an angle in rad"
+              : "the force is given as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
     }
   } else if (effort.kind != "force") {
     const std::string& unit = effort.chosen.unit;
@@ -797,7 +800,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   if (per_radian != 0.0 && !turns && !effort.by_lead)
     refuse_option(
         "--lead",
-        "nothing in this log turns and the force is no torque: it would change nothing, leave it out");
+        "no column of this log is an angle and the force is not a torque: the option has no effect, leave it out");
 
   // Time.
   const auto time_of = [&](const io::Column& c) -> int {
@@ -850,10 +853,9 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& given) {
   if (selection.all && base_time >= 0) {
     const std::string marks = marks_of_runs(log, log.columns[static_cast<std::size_t>(base_time)].values);
     if (!marks.empty()) {
-      out.notes.push_back(
-          fmt::format("several runs one below the other, told apart by {}: take those that belong together "
-                      "with --where COLUMN=VALUE, and name them with --runs COLUMN",
-                      marks));
+      out.notes.push_back(fmt::format(
+          "several runs in one file, distinguished by {}: choose those that belong together with --where COLUMN=VALUE, and separate them with --runs COLUMN",
+          marks));
     }
   }
   const auto pick = [](const std::vector<double>& values, const std::vector<std::size_t>& rows) {
@@ -945,13 +947,12 @@ ident::log::Record make_record(const io::Log& log, const LogOptions& options) {
   const ident::log::RawLog& raw = axis.runs.front();
   if (raw.force_unit != "N" || raw.position_unit != "m") {
     const bool voltage = raw.force_unit == "V";
-    throw io::InputError(
-        {log.source, 0,
-         voltage                 ? "voltage"
-         : raw.force_unit == "A" ? "current"
-                                 : "force",
-         fmt::format("the force stands as {}; say how much force that is (--gain \"1048 N/{}\")",
-                     voltage ? "voltage" : raw.force_unit, voltage ? "V" : raw.force_unit)});
+    throw io::InputError({log.source, 0,
+                          voltage                 ? "voltage"
+                          : raw.force_unit == "A" ? "current"
+                                                  : "force",
+                          fmt::format("the force is given as {}; give its scale (--gain \"1048 N/{}\")",
+                                      voltage ? "voltage" : raw.force_unit, voltage ? "V" : raw.force_unit)});
   }
   ident::log::Record record;
   record.source = log.source;

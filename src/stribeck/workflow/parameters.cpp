@@ -29,7 +29,7 @@ sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path,
   if (needs.whole) {
     throw io::InputError(
         {path, 0, "axes." + name + ".published",
-         "nobody printed a model with bristles, which these controllers need (leave out --parameters "
+         "the thesis prints no pre-sliding parameters, which these controllers need (leave out --parameters "
          "thesis)"});
   }
   return {p.conventional, p.gaussian, p.eccentric, {}};

@@ -70,9 +70,10 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
                                  const std::string& machine_file) {
   if (experiment != kVaried) {
     if (!(path == PathOptions{}) || !speeds.empty()) {
-      refuse_option("--experiment",
-                    fmt::format("{} has its own path, speeds and gains: options of a path go with {} only",
-                                experiment, kVaried));
+      refuse_option(
+          "--experiment",
+          fmt::format("{} has its own path, speeds and gains: options of a path can be used with {} only",
+                      experiment, kVaried));
     }
     const auto all = sim::experiments();
     return sim::find_experiment(all, experiment)->settings.front().spec;
