@@ -174,7 +174,7 @@ void Page::list(std::string_view heading, const std::vector<std::string>& items)
 
 void Page::warnings(const std::vector<std::string>& list) {
   if (list.empty()) return;
-  add("<div class=\"warnings\" role=\"note\"><b>To be known before these numbers are used</b><ul>\n");
+  add("<div class=\"warnings\" role=\"note\"><b>Read this before you use these numbers</b><ul>\n");
   for (const std::string& w : list) add(element("li", w));
   add("</ul></div>\n");
 }

@@ -119,7 +119,7 @@ Table parameter_table(const ident::Result& result) {
          {known ? shown_number(s.low, s.low, s.high) + " … " + shown_number(s.high, s.low, s.high)
                 : "not known"},
          {printed_unit(s.unit)},
-         {p.identifiable ? "" : "not determined by the data: means nothing alone"}});
+         {p.identifiable ? "" : "not determined by the data: do not use it alone"}});
   }
   return t;
 }

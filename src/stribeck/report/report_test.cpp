@@ -46,9 +46,11 @@ TEST(CompareReport, SaysWhoWonAndByHowMuch) {
   EXPECT_THAT(page, HasSubstr("1.00\u00A0µm within the first 0.15\u00A0mm after an axis reverses; the "
                               "largest error lies elsewhere"));
   EXPECT_THAT(page,
-              HasSubstr("<b>2.00</b> <small>± 0.25</small><span class=\"note\">print 5.38 · ×0.37</span>"));
-  EXPECT_THAT(page,
-              HasSubstr("no controller is within 10 % of print; farthest off is (b), 0.37 times print."));
+              HasSubstr("<b>2.00</b> <small>± 0.25</small><span class=\"note\">thesis 5.38 · ×0.37</span>"));
+  EXPECT_THAT(
+      page,
+      HasSubstr(
+          "no controller is within 10 % of the printed value; the largest difference has (b), 0.37 times the printed value."));
   EXPECT_THAT(page, HasSubstr("error magnified 500 times"));
   EXPECT_THAT(page, HasSubstr("stribeck compare table.toml --seed 7"));
   EXPECT_THAT(page, HasSubstr("axis x, gaussian model: speeds above 9 mm/s were seen once"));
@@ -59,9 +61,9 @@ TEST(CompareReport, SaysWhoWonAndByHowMuch) {
 TEST(CompareReport, ChanceIsNoVictory) {
   CompareReportInput in = input();
   in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.1e-6;  // two standard errors are 0.18 µm
-  EXPECT_THAT(compare_report(in), HasSubstr(", with (a) no further apart than chance"));
+  EXPECT_THAT(compare_report(in), HasSubstr("; the difference to (a) is within the scatter"));
   in.result.rows[0].mean.rms = in.result.rows[1].mean.rms + 0.2e-6;
-  EXPECT_THAT(compare_report(in), Not(HasSubstr("no further apart than chance")));
+  EXPECT_THAT(compare_report(in), Not(HasSubstr("within the scatter")));
 }
 
 // (b) has a twentieth of the error of (a): bars, contour, traces and close-up get a scale of its own.
@@ -147,7 +149,7 @@ TEST(CompareReport, TruthOnlyWhereItIsGiven) {
   truth.steady = friction::Conventional<double>{800.0, 1e5, {}};
   in.axes[1].truth = truth;
   const std::string page = compare_report(in);
-  EXPECT_THAT(page, HasSubstr("true friction of the virtual machine, which no controller may see"));
+  EXPECT_THAT(page, HasSubstr("true friction of the virtual machine, which no controller may use"));
   // In the map of y and in the forces of y.
   EXPECT_EQ(count(page, "<text>true friction</text>"), 2u);
 }
@@ -206,7 +208,7 @@ TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
       identify_report({"x", {testing::fit()}, testing::kHostile, "stribeck identify", "0.1.0"});
   EXPECT_THAT(page, HasSubstr("Mass 57.650 N s²/mm (95 %: 57.600 … 57.700)"));
   EXPECT_THAT(page, HasSubstr("1 of 3 parameters cannot be told from the data"));
-  EXPECT_THAT(page, HasSubstr("not determined by the data: means nothing alone"));
+  EXPECT_THAT(page, HasSubstr("not determined by the data: do not use it alone"));
   EXPECT_THAT(page, HasSubstr("speeds above 9 mm/s were seen once"));
   EXPECT_THAT(page, HasSubstr("<b>Gaussian, 1 term, v &gt; 0</b>"));
   EXPECT_EQ(count(page, "<svg "), 2u);
@@ -220,7 +222,7 @@ TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
   EXPECT_EQ(count(page, "<svg "), 6u);
   EXPECT_THAT(page, HasSubstr("A force of 1.50 N repeats every 2.500 mm and reverses with the direction"));
   EXPECT_THAT(page, HasSubstr("settles over 12 µm of travel"));
-  EXPECT_THAT(page, HasSubstr("What this log cannot tell</b><ul>\n<li>the stiffness of pre-sliding"));
+  EXPECT_THAT(page, HasSubstr("What this log does not determine</b><ul>\n<li>the stiffness of pre-sliding"));
   EXPECT_THAT(page, HasSubstr("measured, less periodic terms"));
   EXPECT_THAT(page, HasSubstr("Residual against position"));
   EXPECT_THAT(page, HasSubstr("2.50 mm</text>"));

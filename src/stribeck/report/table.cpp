@@ -89,9 +89,9 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
     TextColumn mean{"mean |ε|", "µm", {}};
     TextColumn sd{"SD", "µm", {}};
     TextColumn variation{"mean |Δu|", "mV", {}};
-    TextColumn print_max{"max", "µm", {}, true, "print"};
-    TextColumn print_glitch{"glitch", "µm", {}, true, "print"};
-    TextColumn print_rms{"RMS", "µm", {}, true, "print"};
+    TextColumn print_max{"max", "µm", {}, true, "thesis"};
+    TextColumn print_glitch{"glitch", "µm", {}, true, "thesis"};
+    TextColumn print_rms{"RMS", "µm", {}, true, "thesis"};
     for (const sim::CompareRow& r : result.rows) {
       if (r.travel != travel) continue;
       id.entries.push_back(clean_text(r.controller.id));
@@ -161,10 +161,10 @@ std::string text_table(const ident::Result& result, std::string_view axis) {
     out += '\n' + lay_out({model, held, error, chosen});
   }
   if (!units.physical()) {
-    out += fmt::format("\nForces stand in {}, positions in {}: the log gives no scale.\n", units.force,
+    out += fmt::format("\nForces are in {}, positions in {}: the log gives no scale.\n", units.force,
                        units.linear() ? "mm" : units.position);
   }
-  if (!result.cannot_tell.empty()) out += "\nThis log does not tell:\n";
+  if (!result.cannot_tell.empty()) out += "\nThis log does not determine:\n";
   for (const std::string& c : result.cannot_tell) out += "  - " + clean_text(c) + '\n';
   for (const std::string& w : result.warnings) out += "warning: " + clean_text(w) + '\n';
   return out;

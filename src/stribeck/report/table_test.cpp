@@ -28,11 +28,11 @@ TEST(TextTable, ComparesWithPrint) {
       text_table(testing::two_controllers(), kBiaxialTables),
       "9.5 mm/s, contour error, mean of 4 trials ± standard deviation between them; printed: thesis, Table "
       "3.2\n"
-      "                                                                          print   print  print\n"
-      "   controller                          max  glitch         RMS  mean |ε|    max  glitch    RMS\n"
-      "                                        µm      µm          µm        µm     µm      µm     µm\n"
-      "a  no friction compensation     8.00 ±0.25    4.00  4.00 ±0.12      2.00  12.74   12.74   6.88\n"
-      "b  conventional friction model  2.00 ±0.25    1.00  1.00 ±0.12      0.50   5.38    4.98   2.23\n");
+      "                                                                         thesis  thesis  thesis\n"
+      "   controller                          max  glitch         RMS  mean |ε|     max  glitch     RMS\n"
+      "                                        µm      µm          µm        µm      µm      µm      µm\n"
+      "a  no friction compensation     8.00 ±0.25    4.00  4.00 ±0.12      2.00   12.74   12.74    6.88\n"
+      "b  conventional friction model  2.00 ±0.25    1.00  1.00 ±0.12      0.50    5.38    4.98    2.23\n");
 }
 
 TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
@@ -93,9 +93,9 @@ TEST(TextTable, SaysWhatTheLogCannotTellInItsUnits) {
   EXPECT_THAT(text, ::testing::HasSubstr("20.5 A RMS on held-out motion"));
   EXPECT_THAT(text, ::testing::HasSubstr("0.04120      0.00030  chosen"));
   EXPECT_THAT(text, ::testing::HasSubstr("Forces stand in A, positions in mm: the log gives no scale."));
-  EXPECT_THAT(text,
-              ::testing::HasSubstr("This log does not tell:\n  - the stiffness of pre-sliding: the encoder "
-                                   "is too coarse\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr(
+                        "This log does not determine:\n  - the stiffness of pre-sliding: the encoder "
+                        "is too coarse\n"));
   EXPECT_THAT(text, ::testing::Not(::testing::ContainsRegex("[0-9] +N( |\n)")));
 }
 

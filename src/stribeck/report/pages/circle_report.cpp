@@ -136,7 +136,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
               fmt::format("Radial error over the circle, all on one scale. Dashed: {} µm to both sides.",
                           short_number(common.ring * kMicro)));
   page.figures(own, own.size() > 3 ? 4 : 3,
-               "Each on its own scale; dashed rings at the error that stands in the middle.");
+               "Each on its own scale; the dashed rings mark the error given in the middle.");
   page.figure(along, "The same over the angle.");
 }
 

@@ -75,9 +75,10 @@ std::string against_print(const Block& block) {
   }
   if (farthest == nullptr) return {};
   std::string text = "Largest error against " + std::string(block.printed->source) + ": ";
-  text += near.empty() ? "no controller is within 10 % of print" : listed(near) + " within 10 % of print";
-  return text + fmt::format("; farthest off is {}, {} times print.", name_of(*farthest),
-                            decimals(ratio(*farthest), 2));
+  text += near.empty() ? "no controller is within 10 % of the printed value"
+                       : listed(near) + " within 10 % of the printed value";
+  return text + fmt::format("; the largest difference has {}, {} times the printed value.",
+                            name_of(*farthest), decimals(ratio(*farthest), 2));
 }
 
 // ---- table
@@ -163,7 +164,7 @@ Table controllers_table(const Block& block, const std::vector<Figure>& figures) 
       cell.best = f.smaller_is_better && value == best[i] && block.rows.size() > 1;
       if (printed != nullptr && f.printed != nullptr) {
         const double print = printed->*f.printed;
-        cell.note = "print " + decimals(print, 2);
+        cell.note = "thesis " + decimals(print, 2);
         // Printed standard deviations contradict the printed RMS; a ratio to them would say nothing.
         if (f.printed != &PrintedRow::sd_um) cell.note += " · ×" + decimals(value * f.scale / print, 2);
       }
@@ -317,7 +318,7 @@ Magnified contour_plots(const Block& block, const ScaleGroup& group, const path:
     m.plots.push_back(std::move(p));
   }
   m.caption = fmt::format(
-      "{}: the path (grey) and the table's way on the last scored lap, its error magnified {:.0f} times. "
+      "{}: the path (grey) and the motion of the table on the last scored lap, with its error magnified {:.0f} times. "
       "Dashed: {} µm to both sides of the path.",
       names_of(group.rows, block.rows), magnification, short_number(ring * kMicro));
   return m;
@@ -358,7 +359,7 @@ ScaledPlots reversal_plots(const Block& block, const sim::CompareResult& result)
     std::vector<std::size_t> seen;  // reversals that have a drawing
     for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
       Plot p;
-      p.x_label = "way along the path after the reversal [mm]";
+      p.x_label = "distance along the path after the reversal [mm]";
       p.y_label = error_name(result) + " [µm]";
       p.width = 560;
       p.height = 360;
@@ -653,11 +654,9 @@ void settings(Page& page, const CompareReportInput& input) {
   for (const auto& [words, ids] : laws_in_words(spec.controllers)) laws.rows.push_back({{ids}, {words}});
   if (!laws.rows.empty()) page.table(laws);
   page.remark(
-      "Names as in a controller file (compare --controller). Where two or more numbers stand in brackets, "
-      "they are those along the path, across it and so on, or those of the axes in order. What has no "
-      "effect, or was left out, is not named.");
+      "Names as in a controller file (compare --controller). Several numbers in brackets belong to the directions along and across the path, or to the axes in order. Settings without effect and settings that were left out are not listed.");
   if (!input.command.empty()) {
-    page.subsection("How to make this page again");
+    page.subsection("How to reproduce this page");
     page.code(input.command);
   }
 }
@@ -714,12 +713,11 @@ std::string compare_report(const CompareReportInput& input) {
       "Mean over the trials ± standard deviation between them; bold: the smallest. max: largest |{0}|. "
       "glitch: largest |{0}| within the first 0.15 mm that an axis travels after it reversed. {0}: {1}. "
       "mean |⁠Δu|: variation of the control input from period to period, which shows chattering. quadrant "
-      "ratio: mean of the quadrants' largest |{0}| over that of windows as long elsewhere; at 1 there is "
-      "no quadrant to be seen.",
+      "ratio: mean of the largest |{0}| of the quadrants divided by that of equally long windows elsewhere; at 1 no quadrant is visible.",
       letter, error));
   if (printed) {
     page.remark(
-        "print: averages of 10 trials on the hardware of the thesis, with the ratio result to print. The "
+        "printed: averages of 10 trials on the hardware of the thesis, with the ratio of result to printed value. The "
         "printed SD is above the printed RMS in 11 of 12 rows, which one signal cannot have; it is shown, "
         "not compared.");
   }
@@ -740,7 +738,7 @@ std::string compare_report(const CompareReportInput& input) {
     };
     page.figures(bars(b.rows), 2, "");
     for (const Rows& fine : finer_rows(b.rows))
-      page.figures(bars(fine), 2, "The same figures on a scale of their own.");
+      page.figures(bars(fine), 2, "The same figures on a separate scale.");
   }
 
   bool plane = false;
@@ -760,8 +758,7 @@ std::string compare_report(const CompareReportInput& input) {
     page.section("Change since identification");
     page.table(drift);
     page.remark(
-        "What on-line adaptation believes at the end of the first trial, as shares of the identified "
-        "model, ± standard deviation. Delay: by how much more than assumed the force acts late.");
+        "Estimates of the on-line adaptation at the end of the first trial, as shares of the identified model, ± standard deviation. Delay: additional delay of the force beyond the assumed one.");
   }
   const std::string capital_error = one_axis ? "Tracking error" : "Contour error";
   page.section(capital_error + " along the path");
@@ -801,10 +798,11 @@ std::string compare_report(const CompareReportInput& input) {
     if (map.fit == nullptr && !map.model && !map.conventional && !map.truth) continue;
     if (!mapped) page.section("Friction");
     mapped = true;
-    page.figures(friction_plots(map), 2,
-                 map.truth ? "What the compensators know of the axis, beside the true friction of the "
-                             "virtual machine, which no controller may see."
-                           : "What the compensators know of the axis.");
+    page.figures(
+        friction_plots(map), 2,
+        map.truth
+            ? "The models of the compensators, and the true friction of the virtual machine, which no controller may use."
+            : "The models of the compensators.");
   }
 
   if (!blocks.empty()) {
@@ -815,7 +813,7 @@ std::string compare_report(const CompareReportInput& input) {
       page.figures(
           force_plots(b, input), static_cast<int>(force_rows(b).size()),
           std::string("Last scored lap of the first trial. m·r̈: mass times acceleration of the reference.") +
-              (truth ? " Where controller and true friction part, the contour shows it." : ""));
+              (truth ? " Where controller and true friction differ, a contour error follows." : ""));
     }
   }
 

@@ -47,11 +47,11 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   for (const ident::Parameter& p : r.parameters) loose += p.identifiable ? 0 : 1;
   if (loose > 0) {
     text += fmt::format(
-        " {} of {} parameters cannot be told from the data; the curve can be used, they mean nothing alone.",
+        " {} of {} parameters are not determined by the data: use the curve, not these parameters alone.",
         loose, r.parameters.size());
   }
   if (!units.physical()) {
-    text += fmt::format(" The log gives no scale: forces stand in {}, positions in {}.", units.force,
+    text += fmt::format(" The log gives no scale: forces are in {}, positions in {}.", units.force,
                         units.linear() ? "mm" : units.position);
   }
   return text;
@@ -105,7 +105,7 @@ std::string identify_report(const IdentifyReportInput& input) {
   for (const ident::Result& r : input.results) {
     if (!first) page.section("Beside it: " + headline(r));
     page.lead(summary(r, input.axis));
-    page.list("What this log cannot tell", r.cannot_tell);
+    page.list("What this log does not determine", r.cannot_tell);
     page.warnings(r.warnings);
     if (first) page.section("Friction map");
     FrictionMap map;
@@ -135,7 +135,7 @@ std::string identify_report(const IdentifyReportInput& input) {
     first = false;
   }
   if (!input.command.empty()) {
-    page.section("How to make this page again");
+    page.section("How to reproduce this page");
     page.code(input.command);
   }
   return page.html();

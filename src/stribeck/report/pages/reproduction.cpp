@@ -227,11 +227,11 @@ std::string heading(const ReproducedSection& s) {
 }
 
 Table figure_table(const ReproducedSection& s) {
-  Table t{"Print beside result",
+  Table t{"Printed and computed values",
           {{"figure", "", false},
            {"of", "", false},
-           {"print"},
-           {"ours"},
+           {"thesis"},
+           {"Stribeck"},
            {"ratio"},
            {"unit", "", false},
            {"source", "", false}},
@@ -262,9 +262,7 @@ std::string cell_text(std::string_view text) {
 }
 
 constexpr const char* kIntroduction =
-    "What was printed in the thesis beside what comes out on the virtual machines that stand in for its "
-    "hardware. The compensators get what was identified from logs of the virtual machine, or the printed "
-    "parameters where a setting says so. The pre-sliding stiffness of the biaxial table is not printed: it "
+    "Values printed in the thesis beside the results on virtual machines that represent its hardware. The compensators use parameters identified from logs of the virtual machine, or the printed parameters where a setting says so. The pre-sliding stiffness of the biaxial table is not printed: it "
     "is fitted to rows (a) and (b) of Tables 3.1 and 3.2 only (docs/theory/plant.md), which say nothing "
     "about its damping and the noise; every other row is a prediction. Brackets: one standard deviation "
     "over the trials to both sides, or a 95 % interval for identified parameters. A figure that is not "
@@ -373,8 +371,8 @@ std::string reproduction_html(const ReproductionInput& input) {
             {{"experiment", "", false},
              {"figure", "", false},
              {"of", "", false},
-             {"print"},
-             {"ours"},
+             {"thesis"},
+             {"Stribeck"},
              {"ratio"},
              {"unit", "", false}},
             {}};
@@ -404,7 +402,7 @@ std::string reproduction_html(const ReproductionInput& input) {
     for (const auto& [plots, caption] : s.plots) page.figures(plots, plots.size() > 1 ? 2 : 1, caption);
   }
   if (!input.command.empty()) {
-    page.section("How to make this page again");
+    page.section("How to reproduce this page");
     page.code(input.command);
   }
   return page.html();
@@ -424,7 +422,7 @@ std::string reproduction_markdown(const ReproductionInput& input) {
     out += fmt::format("\n## {}\n\nThesis {}. Machine: {}.{}\n", heading(s), s.source, s.machine,
                        s.parameters.empty() ? "" : " Compensators: " + s.parameters + ".");
     if (has_print(s)) {
-      out += "\n| figure | of | print | ours | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
+      out += "\n| figure | of | thesis | Stribeck | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
       for (const ReproducedFigure& f : s.figures) {
         out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what), cell_text(name_of(f)),
                            shown(f.printed, f), with_spread(f), decimals(ratio(f), 2), cell_text(f.unit),
@@ -509,8 +507,8 @@ std::string reproduction_text(const ReproductionInput& input) {
     }
     TextColumn what{"", "", {}, false};
     TextColumn of{"", "", {}, false};
-    TextColumn print{"print", "", {}};
-    TextColumn ours{"ours", "", {}};
+    TextColumn print{"thesis", "", {}};
+    TextColumn ours{"Stribeck", "", {}};
     TextColumn times{"ratio", "", {}};
     TextColumn unit{"", "", {}, false};
     for (const ReproducedFigure& f : s.figures) {

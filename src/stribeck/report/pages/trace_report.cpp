@@ -38,7 +38,7 @@ std::string trace_report(const TraceReportInput& input) {
     plot->series.push_back(std::move(series));
   }
   for (const Plot& p : plots) page.figure(p, "");
-  page.section("How to make this page again");
+  page.section("How to reproduce this page");
   page.code(input.command);
   return page.html();
 }

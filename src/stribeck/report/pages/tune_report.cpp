@@ -81,7 +81,7 @@ std::string shown(double si, const Quantity& q) {
 
 std::string method_in_words(const sim::TuneSpec& spec) {
   return fmt::format(
-      "{} evaluations for each controller, {} trial{} each; reported: {} trial{} of other noise",
+      "{} evaluations for each controller, {} trial{} each; reported: {} trial{} with other noise",
       spec.evaluations, spec.search_trials, spec.search_trials == 1 ? "" : "s", spec.compare.trials,
       spec.compare.trials == 1 ? "" : "s");
 }
@@ -219,7 +219,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
 std::string tune_report(const TuneReportInput& input) {
   const sim::TuneResult& r = input.result;
   Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
-  page.lead("Every controller at its best gains under the same limits: " + limits_in_words(r, input.spec) +
+  page.lead("Each controller at its best gains within the same limits: " + limits_in_words(r, input.spec) +
             ".");
   page.paragraph("One search for all: " + method_in_words(input.spec) +
                  ". Compensators: " + input.parameters + ".");
@@ -257,7 +257,7 @@ std::string tune_report(const TuneReportInput& input) {
                             {margin(c, a.delay / r.period, b.delay / r.period, 2)}});
   }
   page.table(margins);
-  page.remark("Below zero: unstable, and how far from the border.");
+  page.remark("Below zero: unstable; the number is the distance to stability.");
   page.section("Gains");
   Table gains;
   gains.columns = {

@@ -69,9 +69,9 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   const sim::CompareRow& other = *rivals.against;
   const double trials = result.spec.trials;
   const std::string error = error_name(result);
-  std::string text = fmt::format("At {} {}{} leaves a largest {} of {}", pace, full_name(ours),
+  std::string text = fmt::format("At {} {}{} has a largest {} of {}", pace, full_name(ours),
                                  rivals.is_default ? ", the default," : "", error, maximum_and_rms(ours));
-  text += fmt::format("; {}, the last of the thesis's own controllers, leaves {}", full_name(other),
+  text += fmt::format("; {}, the last controller of the thesis, leaves {}", full_name(other),
                       maximum_and_rms(other));
   const std::string max = change(ours.mean.max_contour_error, other.mean.max_contour_error);
   const std::string rms = change(ours.mean.rms, other.mean.rms);
@@ -79,7 +79,7 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   text += ".";
   if (std::isfinite(ours.mean.quadrant_ratio) && std::isfinite(other.mean.quadrant_ratio)) {
     text += fmt::format(
-        " The largest error around a reversal is {} times that of windows as long elsewhere (quadrant "
+        " The largest error around a reversal is {} times that of equally long windows elsewhere (quadrant "
         "ratio), under {} {} times.",
         decimals(ours.mean.quadrant_ratio, 2), name_of(other), decimals(other.mean.quadrant_ratio, 2));
   }
@@ -92,10 +92,13 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   const sim::CompareRow* flattest = least(rows, &Metrics::max_contour_error);
   const sim::CompareRow* quietest = least(rows, &Metrics::rms);
   const auto chance = [&](const sim::CompareRow& best, Figure figure) {
-    return alike(best, ours, figure, trials) ? ", no further from " + name_of(ours) + " than chance" : "";
+    return alike(best, ours, figure, trials)
+               ? "; the difference to " + name_of(ours) + " is within the scatter"
+               : "";
   };
   if (flattest == quietest && flattest != &ours) {
-    text += fmt::format(" {} leaves the least of all: {}.", full_name(*flattest), maximum_and_rms(*flattest));
+    text +=
+        fmt::format(" {} leaves the smallest errors: {}.", full_name(*flattest), maximum_and_rms(*flattest));
   } else {
     if (flattest != &ours) {
       text += fmt::format(" {} has the smallest maximum, {}{}.", full_name(*flattest),
@@ -129,7 +132,7 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
   for (const sim::CompareRow* r : rows) {
     if (r != best && alike(*r, *best, &Metrics::rms, trials)) as_good.push_back(name_of(*r));
   }
-  if (!as_good.empty()) text += ", with " + listed(as_good) + " no further apart than chance";
+  if (!as_good.empty()) text += "; the difference to " + listed(as_good) + " is within the scatter";
 
   const sim::CompareRow* plain = nullptr;
   const sim::CompareRow* conventional = nullptr;
@@ -159,9 +162,9 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
   const sim::CompareRow* flattest = least(rows, &Metrics::max_contour_error);
   if (flattest != nullptr && flattest != best) {
     const bool chance = alike(*flattest, *best, &Metrics::max_contour_error, trials);
-    text += fmt::format(" The smallest maximum has {}: {}{}.", full_name(*flattest),
+    text += fmt::format(" {} has the smallest maximum: {}{}.", full_name(*flattest),
                         micrometres(flattest->mean.max_contour_error),
-                        chance ? ", no further apart than chance" : "");
+                        chance ? "; the difference is within the scatter" : "");
   }
   const double glitch = best->mean.quadrant_glitch;
   if (std::isfinite(glitch)) {

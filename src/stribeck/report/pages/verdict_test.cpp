@@ -43,12 +43,12 @@ TEST(Verdict, SetsTheDefaultAgainstTheLastOfTheThesis) {
   const sim::CompareResult result = beyond();
   EXPECT_EQ(
       verdict(rows_of(result, 0), "3 mm/s", result),
-      "At 3 mm/s (h) adapting, the default, leaves a largest contour error of 0.50\u00A0µm and "
-      "0.12\u00A0µm RMS; (f) Gaussian, the last of the thesis's own controllers, leaves 5.00\u00A0µm and "
+      "At 3 mm/s (h) adapting, the default, has a largest contour error of 0.50\u00A0µm and "
+      "0.12\u00A0µm RMS; (f) Gaussian, the last controller of the thesis, leaves 5.00\u00A0µm and "
       "0.60\u00A0µm RMS: 90\u00A0% less and 80\u00A0% less. The largest error around a reversal is 1.25 "
-      "times that of windows as long elsewhere (quadrant ratio), under (f) 12.00 times. The control input "
+      "times that of equally long windows elsewhere (quadrant ratio), under (f) 12.00 times. The control input "
       "varies by 18.0\u00A0mV from period to period, 10\u00A0% less than under (f) (20.0\u00A0mV). (g) "
-      "dynamic leaves the least of all: 0.25\u00A0µm and 0.06\u00A0µm RMS. (a) no friction compensation "
+      "dynamic leaves the smallest errors: 0.25\u00A0µm and 0.06\u00A0µm RMS. (a) no friction compensation "
       "leaves 8.00\u00A0µm and 4.00\u00A0µm RMS.");
 }
 
@@ -80,7 +80,7 @@ TEST(Verdict, TakesTheBestWhereNoneAdapts) {
   sim::CompareResult result = beyond();
   result.rows.pop_back();
   const std::string words = verdict(rows_of(result, 0), "3 mm/s", result);
-  EXPECT_THAT(words, HasSubstr("At 3 mm/s (g) dynamic leaves a largest contour error of 0.25"));
+  EXPECT_THAT(words, HasSubstr("At 3 mm/s (g) dynamic has a largest contour error of 0.25"));
   EXPECT_THAT(words, HasSubstr("95\u00A0% less and 90\u00A0% less"));
   EXPECT_THAT(words, Not(HasSubstr("the default")));
   EXPECT_THAT(words, Not(HasSubstr("least of all")));

@@ -350,7 +350,7 @@ std::string text_table(const VerifyReportInput& given) {
     out += has_closed(part) ? lay_out({name, velocity, share, position, free, drift, force, relative, way})
                             : lay_out({name, velocity, share, position, free, drift});
   }
-  if (!out.empty()) out += "RMS; drift: largest; error: share of what was measured.\n";
+  if (!out.empty()) out += "RMS values; drift: largest value; error: share of the measured RMS.\n";
   for (const std::string& w : input.warnings) out += "warning: " + clean_text(w) + '\n';
   return out;
 }
@@ -403,12 +403,13 @@ std::string verify_report(const VerifyReportInput& given) {
     if (part.models.empty()) continue;
     page.section(input.parts.size() > 1 ? "Errors, " + part_name(input, i) : "Errors");
     page.table(score_table(part));
-    page.remark("%: RMS of the error as a share of the RMS of what was measured. Bold: the smallest.");
+    page.remark("%: RMS of the error as a share of the RMS of the measured signal. Bold: the smallest.");
     if (i >= kShownParts) continue;
     page.section("Open loop: velocity under the measured force");
-    page.figures(velocity_plots(part), 1,
-                 "The log was not fitted, or these figures say less. Every error of the modelled force is "
-                 "integrated: from the first row on without end, else since the last reversal.");
+    page.figures(
+        velocity_plots(part), 1,
+        "These figures are meaningful only if the log was not used to identify the models. Every error of the modelled force is "
+        "integrated: from the first row on without end, else since the last reversal.");
     page.figures(open_error_plots(part), 2, "");
     page.figures(reversal_plots(part, false), 2,
                  "Reversals close up, all models. The prediction starts anew at the vertical line.");
@@ -423,7 +424,7 @@ std::string verify_report(const VerifyReportInput& given) {
   if (input.parts.size() > kShownParts)
     page.remark(fmt::format("Drawings of the first {} of {} parts.", kShownParts, input.parts.size()));
   if (!input.command.empty()) {
-    page.section("How to make this page again");
+    page.section("How to reproduce this page");
     page.code(input.command);
   }
   return page.html();

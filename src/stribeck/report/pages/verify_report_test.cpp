@@ -83,7 +83,7 @@ TEST(VerifyReport, TablesForATerminal) {
             "             mm/s        %         µm         %         mm\n"
             "a.toml       1.00     4.70       1.00      4.70    0.00100\n"
             "b.toml       2.00     9.40       2.00      9.40    0.00200\n"
-            "RMS; drift: largest; error: share of what was measured.\n"
+            "RMS values; drift: largest value; error: share of the measured RMS.\n"
             "warning: a warning\n");
   EXPECT_THAT(text_table(two_models(true)), HasSubstr("2.50   3.50      1.00\n"));
   // What tells two files apart survives a long path.

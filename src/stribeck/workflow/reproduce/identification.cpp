@@ -613,13 +613,11 @@ ReproducedSection section_a(const std::vector<Study>& all) {
         "observed at constant speeds (fig 2.13).");
   }
   out.remarks = {
-      "The print has one Coulomb force for both directions; Table 2.3, which is the friction of this "
+      "The thesis prints one Coulomb force for both directions; Table 2.3, which is the friction of this "
       "virtual machine, has two. The line through Table 2.3 at the speeds of the jogs is what Table 2.1 "
-      "would be if both tables described the same friction: what remains of the difference is the print's "
-      "own. Of the jogs ±10 mm/s is beyond the range of Table 2.3; there the Gaussians of the machine hold "
+      "would be if both tables described the same friction: what remains of the difference is in the thesis itself. Of the jogs ±10 mm/s is beyond the range of Table 2.3; there the Gaussians of the machine hold "
       "the value of the border.",
-      "Our pulses take all heights that move the axis. The print takes K_u = 4, which just moves it; the "
-      "lowest one that does here stands in the table.",
+      "Our pulses have all heights that move the axis. The thesis uses K_u = 4, which just moves it; the table has the lowest one that moves it here.",
       fmt::format("Simple least squares, without Coulomb friction, finds up to {:.0f} % more mass.",
                   most_simple),
       "Friction of this machine is no straight line: α0 and α2 depend on which speeds the rows have, and "
@@ -772,7 +770,7 @@ ReproducedSection section_c(const std::vector<Study>& all) {
   const std::string table = "Table 2.3";
   out.table = {
       "",
-      {{"branch", "", false}, {"velocity", "mm/s"}, {"Table 2.3", "N"}, {"ours", "N"}, {"95 %", "N"}},
+      {{"branch", "", false}, {"velocity", "mm/s"}, {"Table 2.3", "N"}, {"Stribeck", "N"}, {"95 %", "N"}},
       {}};
   for (const Study& s : all) {
     const std::string& axis = s.name();
