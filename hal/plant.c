@@ -96,7 +96,7 @@ static void update(void* arg, long period_ns) {
   stribeck_plant_step(s->plant, voltage, *s->cutting);
   s->position = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION);
   if (!isfinite(s->position)) {
-    refused(s, "the drive went out of all bounds; a parameter that changes puts it to its start");
+    refused(s, "the drive left all bounds; change a parameter to put it back to its start");
     stribeck_plant_destroy(s->plant);
     s->plant = NULL;
     s->placed = 0;

@@ -439,7 +439,7 @@ TEST_F(Loop, ADriveThatLeavesAllBoundsIsOffUntilAParameterChanges) {
   for (int k = 0; k < 50; ++k) call("pl.x");
   EXPECT_FALSE(*hal_.bits.at("pl.x.ok"));
   EXPECT_TRUE(std::isfinite(value("pl.x.pos")));
-  EXPECT_NE(hal_.messages.find("out of all bounds"), std::string::npos) << hal_.messages;
+  EXPECT_NE(hal_.messages.find("left all bounds"), std::string::npos) << hal_.messages;
   value("pl.x.cutting") = 0.0;
   *hal_.integers.at("pl.x.seed") = 2;
   call("pl.x");

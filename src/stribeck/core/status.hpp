@@ -26,7 +26,7 @@ constexpr std::string_view describe(Status s) noexcept {
     case Status::kOutputLimited:
       return "the output reached the limit of the drive";
     case Status::kOutsideVelocityRange:
-      return "friction was asked beyond the velocities the model was identified on";
+      return "friction was evaluated at velocities outside the range of the identified model";
     case Status::kOscillation:
       return "the loop oscillated, and the observer and the adaptation were backed off";
     case Status::kCount:

@@ -185,9 +185,9 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     CompareRow& row = result.rows[i];
     for (const Metrics& m : row.trials) {
       if (!(m.max_contour_error <= kLost * cells[i].route->size)) {
-        throw Refused(name_of(row.controller, row.speed) +
-                      ": with noise, encoder and D/A converter the loop loses the path (error above a "
-                      "tenth of its extent)");
+        throw Refused(
+            name_of(row.controller, row.speed) +
+            ": with noise, encoder and D/A converter the loop does not follow the path (error above a tenth of its extent)");
       }
     }
     summarise(row.trials, row.mean, row.spread);
@@ -222,7 +222,7 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
                         const char* kind) -> const friction::AxisModel& {
     if (!m)
       throw Refused("axis " + axis + ": no " + kind +
-                    " friction model is known of it (identify one, or choose other controllers)");
+                    " friction model is available for it (identify one, or choose other controllers)");
     return *m;
   };
   switch (use) {

@@ -211,19 +211,19 @@ Experiment bi_table() {
   s.name = "identified parameters";
   printed.name = "printed parameters";
   printed.parameters = ParameterSource::kPrinted;
-  return {"bi-table",
-          "Two axes: six controllers on a circle at two speeds",
-          "§3.2.3.3, Tables 3.1 and 3.2, figs 3.34, 3.35",
-          {s, printed},
-          {"ω = 40 rad/s along and across: with the 40 and 60 rad/s that §3.2.3.3 names, row (a) comes out "
-           "at half its print.",
-           "Printed standard deviations are above the printed RMS in 11 of 12 rows, which one signal "
-           "cannot have; they are not compared.",
-           "Rows (c), (e) and (f) are not reached: what is left there is the quadrant glitch. Tried: "
-           "pre-sliding stiffness from 0.8 to 8 times 10⁵ N/mm, its damping, the noise "
-           "(docs/theory/plant.md). The print of (f) at 9.5 mm/s needs bristles more than three times as "
-           "stiff, which row (b) excludes. Likely cause: the hardware's friction at a reversal is not "
-           "LuGre under the curve that was identified in motion."}};
+  return {
+      "bi-table",
+      "Two axes: six controllers on a circle at two speeds",
+      "§3.2.3.3, Tables 3.1 and 3.2, figs 3.34, 3.35",
+      {s, printed},
+      {"ω = 40 rad/s along and across: with the 40 and 60 rad/s that §3.2.3.3 names, row (a) comes out at half its printed value.",
+       "Printed standard deviations are above the printed RMS in 11 of 12 rows, which one signal "
+       "cannot have; they are not compared.",
+       "Rows (c), (e) and (f) are not reached: what is left there is the quadrant glitch. Tried: "
+       "pre-sliding stiffness from 0.8 to 8 times 10⁵ N/mm, its damping, the noise "
+       "(docs/theory/plant.md). The printed value of (f) at 9.5 mm/s needs bristles more than three times as "
+       "stiff, which row (b) excludes. Likely cause: the hardware's friction at a reversal is not "
+       "LuGre under the curve that was identified in motion."}};
 }
 
 Experiment bi_curve(path::Shape shape, const char* id, const char* title, const char* figures) {
@@ -268,8 +268,7 @@ Experiment tri(const char* id, const char* title, const char* source, const Trav
   e.remarks = {
       "K_v = (60, 60, 40) 1/s with K_p = (3600, 3600, 1600) 1/s² as printed: a damping ratio of one half.",
       "The control period is not printed: 1 ms, and 5 ms as a variant.",
-      "The mean falls by more than was printed: the truth of this machine is the print's own model, "
-      "periodic term and all, and what the hardware had besides is not in it. The maximum is the glitch at "
+      "The mean falls by more than was printed: this virtual machine is exactly the printed model, with its periodic term, and lacks what the hardware had besides. The maximum is the glitch at "
       "the reversals, which neither model removes."};
   return e;
 }

@@ -81,7 +81,7 @@ ident::log::Record as_record(const sim::Recording& recording, const std::string&
 void require_determined(const ident::Result& result, const std::string& source) {
   if (!std::isfinite(result.mass)) {
     throw ident::Refused(
-        fmt::format("{}: no mass comes out of these data: force and motion do not belong together", source));
+        fmt::format("{}: these data do not give a mass: force and motion do not belong together", source));
   }
   if (!(result.mass > 0.0)) {
     throw ident::Refused(
@@ -97,7 +97,7 @@ void require_determined(const ident::Result& result, const std::string& source) 
   }
   for (const ident::CurvePoint& p : result.curve) {
     if (!std::isfinite(p.friction))
-      throw ident::Refused(fmt::format("{}: no friction comes out of these data", source));
+      throw ident::Refused(fmt::format("{}: these data do not give any friction", source));
   }
 }
 

@@ -173,7 +173,7 @@ void add_findings(const ident::log::Conditioned& c, const io::Log& log, Inspecti
     left_out += static_cast<std::size_t>(std::count(r.skip.begin(), r.skip.end(), 1));
   }
   out.text +=
-      fmt::format("\nUsed: {} record{} of together {} rows, {:.6g} ms between rows{}\n", c.records.size(),
+      fmt::format("\nUsed: {} record{} with {} rows in total, {:.6g} ms between rows{}\n", c.records.size(),
                   c.records.size() == 1 ? "" : "s", rows, 1e3 * c.sampling.sample_time,
                   left_out > 0 ? fmt::format("; {} rows are marked and not fitted", left_out) : "");
   for (std::size_t i = 0; i < c.records.size(); ++i) {

@@ -184,18 +184,17 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
   }
   if (const auto& foreign = program.foreign_feed) {
     const double millimetres = foreign->feed * 60e3;
-    note += foreign->in_inches
-                ? fmt::format(
-                      "a feed of {:.6g} in/min stays that under G21, where it is {:.6g} mm/min: F is taken "
-                      "before a G21 of the same line (give F in a line behind it)\n",
-                      millimetres / 25.4, millimetres)
-                : fmt::format(
-                      "a feed of {:.6g} mm/min stays that under G20, where it is {:.6g} in/min: F is taken "
-                      "before a G20 of the same line (give F in a line behind it)\n",
-                      millimetres, millimetres / 25.4);
+    note +=
+        foreign->in_inches
+            ? fmt::format(
+                  "a feed of {:.6g} in/min remains in force under G21, as {:.6g} mm/min: LinuxCNC reads F before a G21 of the same line (give F in a later line)\n",
+                  millimetres / 25.4, millimetres)
+            : fmt::format(
+                  "a feed of {:.6g} mm/min remains in force under G20, as {:.6g} in/min: LinuxCNC reads F before a G20 of the same line (give F in a later line)\n",
+                  millimetres, millimetres / 25.4);
   }
   if (program.inches)
-    note += "the interpreter prints four decimals: places in inches are known to 2.54 um only\n";
+    note += "the interpreter prints four decimals: positions in inches are known to 2.54 um only\n";
   if (program.tools) note += "the interpreter has no tool table: tools have length and radius 0\n";
   spec.travels.front().note = note;
 }

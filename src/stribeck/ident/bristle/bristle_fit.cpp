@@ -73,7 +73,7 @@ class Search {
   }
 
   BristleFit run() {
-    if (data_.reversals == 0) return give_up("the motion has no reversal; record one that turns");
+    if (data_.reversals == 0) return give_up("the motion has no reversal; record one with reversals");
     const double guess = guess_break_away(records_, data_, known_);
     if (!(guess > 0.0) || !std::isfinite(guess)) return give_up("the axis does not move");
     if (!fit_lugre(guess)) return fit_;

@@ -186,11 +186,10 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
   Result other = DriveFit(records, without).run();
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms))
     return result;
-  other.warnings.push_back(
-      text("the force seemed to stand %.3g ms %s than the motion that it belongs to; with terms "
-           "periodic in position instead the model leaves %.3g of %.3g %s, and no shift is taken out",
-           1e3 * std::abs(shift), shift > 0.0 ? "later" : "earlier", other.held_out_rms, result.held_out_rms,
-           other.force_unit.c_str()));
+  other.warnings.push_back(text(
+      "the force seemed to be %.3g ms %s than its motion; with periodic terms instead, the residual is %.3g in place of %.3g %s, so no shift is removed",
+      1e3 * std::abs(shift), shift > 0.0 ? "later" : "earlier", other.held_out_rms, result.held_out_rms,
+      other.force_unit.c_str()));
   return other;
 }
 

@@ -58,7 +58,7 @@ Result DriveFit::finish() {
     // at all, and acts at once.
     result_.delay = std::max(0.0, (-shift_ - 0.5) * T);
     add("force_shift", shift_ * T, "s", "ms", error_at(q - 1) * T, true);
-    warn(text("the force stands %.3g rows (%.3g ms) %s than the motion that it belongs to; this is taken out",
+    warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
               std::abs(shift_), std::abs(shift_) * T * 1e3, shift_ > 0 ? "later" : "earlier"));
   }
   result_.load = fit.load;
@@ -109,10 +109,10 @@ void DriveFit::write_map() {
     const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
     const double apart = 0.5 * (level(0) - level(1));
     if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
-      result_.cannot_tell.push_back(
-          text("whether it is a load or friction that both directions are %.3g %s apart from their mean: "
-               "taken as friction",
-               std::abs(apart), result_.force_unit.c_str()));
+      result_.cannot_tell.push_back(text(
+          "whether the difference of %.3g %s between each direction and their mean is a load or friction: "
+          "taken as friction",
+          std::abs(apart), result_.force_unit.c_str()));
     }
   }
   for (std::size_t s = 0; s < map::kSides; ++s) {

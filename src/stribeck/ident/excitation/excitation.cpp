@@ -168,7 +168,7 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
   if (largest > cap && spare < kFineness) {
     throw Refused(
         text("pulses: between rough friction (%.4g N) and the limits of force and acceleration (%.4g N) "
-             "lie only %.2g %%: no force in open loop is that fine; choose sine and constant-acceleration, "
+             "lie only %.2g %%: too little for a force in open loop; choose sine and constant-acceleration, "
              "or give --known after them",
              drive.coulomb, cap, 100.0 * spare));
   }
@@ -231,16 +231,16 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
         design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3, limits.speed * 1e3));
   }
   if (!slower && top < kHardlyMoves * limits.speed) {
-    throw Refused(text(
-        "pulses: the axis would reach %.3g mm/s only, of %g mm/s that it may have; the rough mass of %g kg "
-        "or the friction is wrong",
-        top * 1e3, limits.speed * 1e3, drive.mass));
+    throw Refused(
+        text("pulses: the axis would reach only %.3g of %g mm/s; the rough mass of %g kg "
+             "or the friction is wrong",
+             top * 1e3, limits.speed * 1e3, drive.mass));
   }
   stamp(e, e.force.size());
   e.says = text(
       "pulses: %.1f s, %zu pulses, %d pairs of them strong enough to move the axis, up to about %.3g mm/s "
       "and %.3g mm from the start. Determines the mass best of all methods, and friction up to the speed "
-      "reached; below about 0.5 mm/s the log shows the bristle more than the steady curve.",
+      "reached; below about 0.5 mm/s the log shows pre-sliding more than the steady friction.",
       e.t.back(), 2 * pairs, moving, top * 1e3, longest_way * 1e3);
   if (squeeze < 1.0)
     e.says += text(" Forces are brought down to %.4g N, the limits of force and acceleration.", cap);
@@ -311,9 +311,9 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     if (design.period < least || design.period > room) {
       throw BadDesign(
           "period",
-          text("got %g mm, expected between %g mm (two rows at the fastest speed) and %g mm (the way that "
-               "there is)",
-               design.period * 1e3, least * 1e3, room * 1e3));
+          text(
+              "got %g mm, expected between %g mm (two rows at the fastest speed) and %g mm (the available travel)",
+              design.period * 1e3, least * 1e3, room * 1e3));
     }
   }
   std::size_t whole_ways = 0;
@@ -365,7 +365,8 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
       "the slowest included; says nothing about the mass.",
       e.t.back(), design.speeds.size(), 1e3 * *std::max_element(design.speeds.begin(), design.speeds.end()));
   if (design.period > 0.0) {
-    e.says += text(" At %zu of them the ways hold whole turns of %g mm.", whole_ways, design.period * 1e3);
+    e.says += text(" At %zu of them the travel is a whole number of turns of %g mm.", whole_ways,
+                   design.period * 1e3);
   }
   return e;
 }
@@ -400,8 +401,7 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   if (design.from_middle) {
     e.says = text(
         "position sine: %.1f s, %d periods, up to %.3g mm/s over %.3g mm. Determines Coulomb and viscous "
-        "friction and terms periodic in position (period, amplitude, phase of this homing) up to a third "
-        "of the way; says little about a Stribeck rise, and about the mass less than pulses.",
+        "friction and terms periodic in position (period, amplitude, phase of this homing) up to a third of the travel; determines the Stribeck part poorly, and the mass less well than pulses.",
         e.t.back(), design.periods, design.amplitude * design.frequency * 1e3, 2e3 * design.amplitude);
     return e;
   }
@@ -463,9 +463,9 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
   const double room = std::min(limits.travel_max - design.start, design.start - limits.travel_min);
   double rise = design.rise.value_or(kLongestRise);
   if (design.rise && rise < kFewestRampRows * sample_time) {
-    throw BadDesign(
-        "rise", text("ramp: got %g s, expected at least %g s, %g rows (a quicker rise is no ramp at rest)",
-                     rise, kFewestRampRows * sample_time, kFewestRampRows));
+    throw BadDesign("rise",
+                    text("ramp: got %g s, expected at least %g s, %g rows (a faster rise is not a slow ramp)",
+                         rise, kFewestRampRows * sample_time, kFewestRampRows));
   }
   check_rows(design.rise ? "rise" : "repeats",
              2.0 * design.repeats * (kBeyond * rise + kBack + 2.0 * kRest + 0.5) / sample_time, sample_time,
@@ -512,7 +512,7 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
   stamp(e, e.force.size());
   e.says = text(
       "ramp: %.1f s, %d ramps in each direction, up to %.4g N with %.3g N/s; after the slip the axis moves "
-      "up to about %.2g mm. Determines the force and the distance of break-away; says nothing about "
+      "up to about %.2g mm. Determines the force and the distance of break-away; does not determine "
       "friction at speed or the mass.",
       e.t.back(), design.repeats, peak, peak / up, slipped.way * 1e3);
   return e;

@@ -586,7 +586,7 @@ void judge(Conditioned& out, const std::string& unit) {
                        100.0 * c.forward));
   } else if (c.moving > 0.0) {
     cannot.push_back(
-        "load (weight) apart from friction: it moves in one direction only; add the way back at the same "
+        "load (weight) apart from friction: it moves in one direction only; add the motion back at the same "
         "speeds");
   }
   const double fastest = std::max(c.v_max, -c.v_min);

@@ -364,8 +364,8 @@ void recover_signs(std::vector<Table>& tables, Notes& notes) {
   if (recovered.r_squared < kEnough) {
     throw Refused(
         tables.front().source +
-        text(": the force is a magnitude, and its sign does not come out of the motion (R2 = %.2f of the "
-             "best model found): log the signed channel (--keep unsigned takes it as it stands)",
+        text(": the force has no sign in this log, and the motion does not determine it (R2 = %.2f of the "
+             "best model found): log the signed channel (--keep unsigned uses it as it is)",
              recovered.r_squared));
   }
   // The magnitude fits both ways round; friction and inertia decide.
@@ -516,7 +516,7 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
     const double value = side == 1 ? high : low;
     notes.add(
         "saturated", *where[side].table, where[side].row, false,
-        text("the force stands at its %s value %.4g in %zu rows, up to %zu in a row: the drive was at its "
+        text("the force is at its %s value %.4g in %zu rows, up to %zu in a row: the drive was at its "
              "limit (then this is the force) or the channel is cut off (then the result is biased); rows "
              "marked",
              side == 1 ? "largest" : "smallest", value, at[side], longest[side]),

@@ -192,7 +192,7 @@ TEST(Condition, ManySingleGapsAreBridged) {
   RawLog log = logged();
   for (std::size_t k = 7900; k > 50; k -= 60) erase(log, k, k + 1);
   const Conditioned c = condition(log);
-  EXPECT_THAT(only(c, "gap").text, HasSubstr("bridged"));
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("interpolated by straight lines"));
   ASSERT_EQ(c.records.size(), 1U);
   EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-9);
   const Axis axis;

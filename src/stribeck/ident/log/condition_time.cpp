@@ -221,10 +221,12 @@ void mend_double_stamps(Table& m, Notes& notes) {
       ++dropped;
     }
   }
-  notes.add("double-time", m, first, true,
-            text("%zu time stamps stand twice; %zu rows left out, %zu stamps put between their neighbours",
-                 twice, dropped, moved),
-            {static_cast<double>(twice)});
+  notes.add(
+      "double-time", m, first, true,
+      text(
+          "%zu time stamps occur twice; %zu rows left out, %zu time stamps interpolated between their neighbours",
+          twice, dropped, moved),
+      {static_cast<double>(twice)});
   erase_rows(m, gone);
 }
 
@@ -265,10 +267,11 @@ void cut_at_gaps(Table piece, Sampling& sampling, Notes& notes, std::vector<Tabl
     return;
   }
   if (many && kept * 5 < piece.rows() * 4 && widest < 3.5 * T) {
-    notes.add("gap", piece, starts[1], true,
-              text("%zu single rows are missing, too many to cut there; bridged by straight lines",
-                   starts.size() - 2),
-              {static_cast<double>(starts.size() - 2)});
+    notes.add(
+        "gap", piece, starts[1], true,
+        text("%zu single rows are missing, too many to cut the record there; interpolated by straight lines",
+             starts.size() - 2),
+        {static_cast<double>(starts.size() - 2)});
     piece.sample_time = T;
     out.push_back(resampled(piece, T));
     return;
@@ -324,9 +327,9 @@ void cut_at_gaps(Table piece, Sampling& sampling, Notes& notes, std::vector<Tabl
       } else {
         notes.add(
             "jitter", part, where, true,
-            text("the rows are not equally spaced (a step of %.4g s here, %.4g s is usual); resampled on "
-                 "straight lines, which rounds off everything faster than a few rows",
-                 part.t[where] - part.t[where - 1], T),
+            text(
+                "the rows are not equally spaced (a step of %.4g s here, %.4g s is usual); resampled by linear interpolation, which smooths everything faster than a few rows",
+                part.t[where] - part.t[where - 1], T),
             {worst});
         part = resampled(part, mean);
       }
@@ -509,9 +512,9 @@ Table one_table(RawLog& log, std::size_t run, Notes& notes) {
   }
   notes.add(
       "time-bases", m, 0, true,
-      text("motion and force have time bases of their own (%.4g s and %.4g s); brought to the one of the "
-           "%s, positions on straight lines, the force as the mean over each interval",
-           base_step, force_step, force_grid ? "force" : "motion"),
+      text(
+          "motion and force have different time bases (%.4g s and %.4g s); both are now on that of the %s, positions interpolated linearly, the force as the mean over each interval",
+          base_step, force_step, force_grid ? "force" : "motion"),
       {base_step, force_step});
   return m;
 }

@@ -182,10 +182,9 @@ class Search {
                                                     path / (kMostGroups * kGroupSpan)});
     longest_ = options_.longest > 0.0 ? options_.longest : length_ / 3.0;
     if (!(longest_ > 1.5 * shortest_)) {
-      result_.notes.push_back(
-          text("periodic terms: rows lie %g apart on a way of %g: no room between the shortest period that "
-               "they show and a third of the way; log faster or move farther",
-               shortest_ / 4.0, length_));
+      result_.notes.push_back(text(
+          "periodic terms: the rows are %g apart on a travel of %g: no period lies between the shortest one that they show and a third of the travel; log faster or move farther",
+          shortest_ / 4.0, length_));
       return false;
     }
     return true;
@@ -227,8 +226,8 @@ class Search {
     passes_.back().last = groups_.size();
     if (groups_.size() < kFewestGroups) {
       result_.notes.push_back(
-          text("periodic terms: the rows cover %zu places of the way, expected at least %zu", groups_.size(),
-               kFewestGroups));
+          text("periodic terms: the rows cover %zu places of the travel, expected at least %zu",
+               groups_.size(), kFewestGroups));
       return false;
     }
     return true;
@@ -651,10 +650,9 @@ class Search {
       }
     }
     if (!(best > kSlow)) return;
-    result_.cannot_tell.push_back(
-        text("periodic terms of more than %.3g mm, which %.3g mm of way do not show three times: a slow "
-             "wave along the way is %.0f %% of what the model leaves; move farther",
-             1e3 * longest_, 1e3 * length_, 100.0 * best));
+    result_.cannot_tell.push_back(text(
+        "periodic terms of more than %.3g mm, which do not fit three times into %.3g mm of travel: a slow change with the position is %.0f %% of the residual; move farther",
+        1e3 * longest_, 1e3 * length_, 100.0 * best));
   }
 
   void one_direction() {

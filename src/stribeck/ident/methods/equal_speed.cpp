@@ -131,10 +131,10 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
         "friction of their own, and part of the load may be that");
   }
   if (load.pairs.size() == 1)
-    r.cannot_tell.push_back("interval of the load: only one speed was run both ways");
-  r.cannot_tell.push_back("mass: constant speeds say nothing about it");
+    r.cannot_tell.push_back("interval of the load: only one speed was run in both directions");
+  r.cannot_tell.push_back("mass: constant speeds do not determine it");
   r.cannot_tell.push_back(
-      "load against a Coulomb friction that differs between the directions: they look the same");
+      "load and a Coulomb friction that differs between the directions cannot be told apart");
   for (const SpeedPair& p : load.pairs) {
     const double half = 1.96 * p.error;
     r.curve.push_back({p.speed, p.friction, p.friction - half, p.friction + half});

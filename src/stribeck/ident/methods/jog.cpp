@@ -103,7 +103,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
       r.parameters.push_back(
           {"load", r.load, "N", "N", r.load - half, r.load + half, half < std::abs(r.load)});
       r.cannot_tell.push_back(
-          "load against a Coulomb friction that differs between the directions: they look the same at "
+          "load and a Coulomb friction that differs between the directions cannot be told apart at "
           "constant speed");
     } else {
       r.cannot_tell.push_back("load, and friction of the other direction: only one direction was run");
@@ -117,8 +117,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
       r.parameters.push_back({"load", taken, "N", "N", load.interval.low, load.interval.high,
                               load.interval.low > 0.0 || load.interval.high < 0.0});
       r.cannot_tell.push_back(
-          "load against a Coulomb friction that differs between the directions: half the sum of both was "
-          "taken for the load");
+          "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
     } else {
       r.cannot_tell.push_back(
           text("load: half the sum of both directions, %.4g on average, varies with the speed; it was "
@@ -252,8 +251,7 @@ Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& opti
     }
     jump_said = text(
         "friction jumps by %+.0f %% in both directions between %.4g and %.4g %s, which no friction curve "
-        "does: two measuring days or states of the machine; the %zu runs below and the %zu runs above are "
-        "identified apart",
+        "does: two measuring days or states of the machine; the %zu runs below and the %zu runs above are identified separately",
         100.0 * jump->share, jump->below * scale, jump->above * scale, angle ? "rad/s" : "mm/s",
         groups[1].size(), groups[0].size());
     if (groups[1].size() > groups[0].size()) std::swap(groups[0], groups[1]);
@@ -307,7 +305,7 @@ Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& opti
       r.parameters.insert(r.parameters.begin(),
                           {"mass", mass.value, "kg", "N s2/mm", mass.interval.low, mass.interval.high, true});
     } else if (moving.empty()) {
-      r.cannot_tell.push_back("mass: constant speeds say nothing about it (add the log of a sine)");
+      r.cannot_tell.push_back("mass: constant speeds do not determine it (add the log of a sine)");
     } else {
       r.cannot_tell.push_back(
           "mass: the records without constant speed accelerate too little, or their force does not follow "

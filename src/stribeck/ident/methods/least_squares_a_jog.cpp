@@ -244,8 +244,7 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
     r.load = 0.5 * (c.alpha0_positive + c.alpha0_negative);
     r.parameters.push_back({"load", r.load, "N", "N", nan, nan, true});
     r.cannot_tell.push_back(
-        "load against a Coulomb friction that differs between the directions: half the sum of both was "
-        "taken for the load");
+        "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
   } else {
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;

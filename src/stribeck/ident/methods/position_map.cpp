@@ -623,18 +623,18 @@ class Identification {
       r.load = fit.theta(fit.load());
       r.parameters.push_back(parameter("load", r.load, "N", "N", half(fit.load())));
     } else {
-      r.cannot_tell.emplace_back("load: one direction only; it stands in the Coulomb friction");
+      r.cannot_tell.emplace_back(
+          "load: the log has one direction only; the Coulomb friction contains the load");
     }
     write_friction(fit, D, u, null);
     if (fit.shape.periodic) write_terms(fit, D, u, null);
     if (options_.turn && !fit.shape.periodic) {
       r.cannot_tell.emplace_back(
-          "periodic terms: no whole part of the given turn stands out of the background");
+          "periodic terms: at the given turn and its integer fractions none is above the noise");
     }
     if (null.null.cols() > 0) {
       r.cannot_tell.emplace_back(
-          "every parameter without an interval: this motion does not tell it from the others (one speed "
-          "only, or one motion repeated); what they give together on the curve holds for this motion");
+          "every parameter without an interval: this motion does not separate it from the others (one speed only, or one motion repeated); together they describe the friction of this motion");
     }
     for (auto& note : periodic_notes_) r.warnings.push_back(std::move(note));
     if (fit.shape.periodic || !both_) {
@@ -667,8 +667,7 @@ class Identification {
       r.parameters.push_back(parameter("stribeck_rise", rise, "N", "N", half(fit.rise()), false));
       r.parameters.push_back(parameter("stribeck_velocity", v0_, "m/s", "mm/s", half(fit.X.cols()), false));
       r.cannot_tell.emplace_back(
-          "Stribeck rise: accelerated motion may pass low speeds too fast for the bristles; its value "
-          "belongs to this motion, jogs at low speeds give it");
+          "Stribeck rise: accelerated motion may pass low speeds too fast for pre-sliding to settle; its value is valid for this motion only, jogs at low speeds determine it");
     }
     if (fit.shape.asymmetric) {
       r.model = "asymmetric";
@@ -840,7 +839,7 @@ Result identify_held(const std::vector<log::Record>& records, const PositionMapO
   r.warnings = found.notes;
   r.cannot_tell = found.cannot_tell;
   if (found.terms.empty()) {
-    r.cannot_tell.emplace_back("periodic terms: none stands out of the background");
+    r.cannot_tell.emplace_back("periodic terms: none is above the noise");
   }
   int number = 0;
   for (const map::PeriodicTerm& t : found.terms) {
@@ -860,9 +859,9 @@ Result identify_held(const std::vector<log::Record>& records, const PositionMapO
   }
   if (!found.terms.empty()) r.warnings.emplace_back(kHoming);
   r.cannot_tell.emplace_back("mass, Coulomb and viscous friction: the axis is held at standstill");
-  r.cannot_tell.push_back(
-      text("load: the mean force of %.4g may as well be static friction that helps to hold; sweep both ways",
-           mean));
+  r.cannot_tell.push_back(text(
+      "load: the mean force of %.4g may also be static friction that holds the axis; move in both directions",
+      mean));
   const std::size_t step = std::max<std::size_t>(1, r.rows / kPlotted);
   std::size_t at = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {

@@ -352,7 +352,7 @@ TEST(PositionMap, SaysThatATurnHasNoPartHere) {
   options.mass = 100.0;
   options.turn = 7e-3;
   const Result r = identify_position_map({one_speed(true)}, options);
-  EXPECT_THAT(r.cannot_tell, Contains(HasSubstr("no whole part of the given turn")));
+  EXPECT_THAT(r.cannot_tell, Contains(HasSubstr("at the given turn and its integer fractions none")));
 }
 
 }  // namespace
