@@ -1,27 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <stribeck/core/fields.hpp>
-#include <stribeck/core/fixed_vector.hpp>
-#include <stribeck/core/scalar.hpp>
-#include <stribeck/core/status.hpp>
+#include <cmath>
 #include <stribeck/core/taylor.hpp>
-#include <stribeck/core/vec.hpp>
-#include <string>
+#include <utility>
 
 namespace stribeck {
 namespace {
-
-static_assert(Real<double>);
-static_assert(Real<Taylor<4>>);
-static_assert(!Real<std::string>);
-
-TEST(Scalar, SignIsZeroAtZeroOfEitherSign) {
-  EXPECT_EQ(sign(0.0), 0.0);
-  EXPECT_EQ(sign(-0.0), 0.0);
-  EXPECT_EQ(sign(-1e-300), -1.0);
-  EXPECT_EQ(clamp_to(5.0, -1.0, 2.0), 2.0);
-  EXPECT_EQ(clamp_to(-5.0, -1.0, 2.0), -1.0);
-}
 
 TEST(Taylor, GivesTheKnownDerivativesOfElementaryFunctions) {
   const auto x = Taylor<4>::variable(0.7);
@@ -73,54 +57,6 @@ TEST(Taylor, ObeysPythagorasAndTheProductRuleToEveryOrder) {
   const auto back = (x * exp(x)) / exp(x);
   EXPECT_NEAR(back.derivative(1), 1.0, 1e-14);
   EXPECT_NEAR(back.derivative(5), 0.0, 1e-11);
-}
-
-TEST(FixedVector, RefusesMoreThanItHolds) {
-  FixedVector<int, 2> v{1};
-  EXPECT_TRUE(v.push_back(2));
-  EXPECT_FALSE(v.push_back(3));
-  EXPECT_EQ(v.size(), 2U);
-  EXPECT_EQ(v, (FixedVector<int, 2>{1, 2}));
-}
-
-TEST(Vec, MatrixTimesVectorAndItsTranspose) {
-  const Mat2 m{{{{{1, 2}}, {{3, 4}}}}};
-  EXPECT_EQ(m * (Vec2{{5, 6}}), (Vec2{{17, 39}}));
-  EXPECT_EQ(transpose(m) * (Vec2{{5, 6}}), (Vec2{{23, 34}}));
-}
-
-TEST(Status, CountsAndRemembersTheFirst) {
-  StatusCounter counter;
-  counter.raise(Status::kOk);
-  counter.raise(Status::kOutputLimited);
-  counter.raise(Status::kNotFinite);
-  counter.raise(Status::kOutputLimited);
-  EXPECT_EQ(counter.first, Status::kOutputLimited);
-  EXPECT_EQ(counter.count(Status::kOutputLimited), 2U);
-  EXPECT_EQ(counter.count(Status::kOk), 0U);
-  for (int i = 0; i < static_cast<int>(Status::kCount); ++i)
-    EXPECT_NE(describe(static_cast<Status>(i)), "unknown status");
-}
-
-struct Screw {
-  double lead = 0.005;
-  double pitch_error = 0.0;
-  static constexpr auto fields() {
-    return std::tuple{
-        field("lead", &Screw::lead, quantity("m", "mm").positive(), "travel per turn"),
-        field("pitch_error", &Screw::pitch_error, quantity("m", "um").at_most(1e-4), "").or_default()};
-  }
-};
-
-TEST(Fields, AreListedOnceWithTheirRanges) {
-  std::string names;
-  for_each_field<Screw>([&](const auto& f) { names += std::string(f.name) + (f.required ? "! " : " "); });
-  EXPECT_EQ(names, "lead! pitch_error ");
-  const auto lead = std::get<0>(Screw::fields());
-  EXPECT_FALSE(lead.quantity.permits(0.0));
-  EXPECT_TRUE(lead.quantity.permits(1e-9));
-  EXPECT_FALSE(lead.quantity.permits(std::nan("")));
-  EXPECT_FALSE(std::get<1>(Screw::fields()).quantity.permits(2e-4));
 }
 
 }  // namespace

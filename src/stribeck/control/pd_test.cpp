@@ -1,24 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <stribeck/control/observers/kalman_observer.hpp>
 #include <stribeck/control/pd.hpp>
+#include <stribeck/control/test_mass.hpp>
 
 namespace stribeck::control {
 namespace {
 
-constexpr double kPeriod = 1e-3;
-constexpr double kMass = 50.0;
-
-/// A mass moved exactly by a held force.
-struct Mass {
-  double x = 0.0;
-  double v = 0.0;
-  void move(double force, double dt = kPeriod, double mass = kMass) {
-    const double a = force / mass;
-    x += dt * v + 0.5 * dt * dt * a;
-    v += dt * a;
-  }
-};
+using test::kMass;
+using test::kPeriod;
+using test::Mass;
 
 Pd::Params pd(double omega) {
   Pd::Params p;
@@ -122,65 +112,6 @@ TEST(Pd, CountsFrictionAskedOutsideItsRange) {
   EXPECT_EQ(state.status.first, Status::kOk);
   controller.step(state, {0.0, 1.1e-3, 0.0, 0.0});
   EXPECT_EQ(state.status.first, Status::kOutsideVelocityRange);
-}
-
-TEST(DisturbanceObserver, FindsAConstantForce) {
-  const DisturbanceObserver observer(20.0, kMass, kPeriod);
-  DisturbanceObserver::State s;
-  Mass mass;
-  double estimate = 0.0;
-  for (int k = 0; k < 1500; ++k) {
-    estimate = observer.step(s, 3.0, mass.v);  // 3 N asked, 3 - 8 N arrive
-    mass.move(3.0 - 8.0);
-  }
-  EXPECT_NEAR(estimate, 8.0, 0.05);
-}
-
-TEST(DisturbanceObserver, StepResponseIsThatOfItsDoublePole) {
-  // Velocity known and zero, force f held by nothing: d'' + 2p d' + p^2 d = p^2 f, so d = f (1 - (1 + p t)
-  // e^(-p t)), exactly, at every sample.
-  for (const double period : {1e-3, 0.04}) {
-    const DisturbanceObserver observer(20.0, kMass, period);
-    DisturbanceObserver::State s;
-    for (int k = 1; k <= 10; ++k) {
-      const double t = k * period;
-      EXPECT_NEAR(observer.step(s, 5.0, 0.0), 5.0 * (1 - (1 + 20 * t) * std::exp(-20 * t)), 1e-12) << t;
-    }
-  }
-}
-
-TEST(DisturbanceObserver, MirrorsUnderSign) {
-  const DisturbanceObserver observer(20.0, kMass, kPeriod);
-  DisturbanceObserver::State plus;
-  DisturbanceObserver::State minus;
-  for (int k = 0; k < 50; ++k) {
-    EXPECT_EQ(observer.step(plus, 2.0 + k, 1e-3 * k), -observer.step(minus, -2.0 - k, -1e-3 * k));
-  }
-}
-
-TEST(KalmanObserver, FindsAConstantForceFromPositionsAlone) {
-  const KalmanObserver observer(1e4, 1e-16, kMass, kPeriod);
-  KalmanObserver::State s;
-  Mass mass;
-  double estimate = 0.0;
-  for (int k = 0; k < 2000; ++k) {
-    estimate = observer.step(s, 3.0, mass.x);
-    mass.move(3.0 - 8.0);
-  }
-  EXPECT_NEAR(estimate, 8.0, 1e-6);
-  EXPECT_NEAR(s.estimate[1], mass.v, 1e-4);
-}
-
-TEST(KalmanObserver, GainIsThatOfScipysRiccatiSolver) {
-  // scipy.linalg.solve_discrete_are for T = 5 ms, m = 57650 kg, q_d = 4e6 N^2/s, r = (25 nm)^2/12:
-  // K = P H'/(H P H' + r) with d = -m times its third element. Seen through one innovation of 1 m from rest.
-  const KalmanObserver observer(4e6, 25e-9 * 25e-9 / 12, 57650.0, 5e-3);
-  KalmanObserver::State s;
-  observer.step(s, 0.0, 0.0);
-  observer.step(s, 0.0, 1.0);
-  EXPECT_NEAR(s.estimate[0], 0.9830365089899638, 1e-9);
-  EXPECT_NEAR(s.estimate[1], 295.02701148126175, 1e-6);
-  EXPECT_NEAR(s.estimate[2], -2552250095.08357, 30.0);
 }
 
 }  // namespace

@@ -1,0 +1,31 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/core/fields.hpp>
+#include <tuple>
+
+namespace stribeck {
+namespace {
+
+struct Screw {
+  double lead = 0.005;
+  double pitch_error = 0.0;
+  static constexpr auto fields() {
+    return std::tuple{
+        field("lead", &Screw::lead, quantity("m", "mm").positive(), "travel per turn"),
+        field("pitch_error", &Screw::pitch_error, quantity("m", "um").at_most(1e-4), "").or_default()};
+  }
+};
+
+TEST(Fields, AreListedOnceWithTheirRanges) {
+  std::string names;
+  for_each_field<Screw>([&](const auto& f) { names += std::string(f.name) + (f.required ? "! " : " "); });
+  EXPECT_EQ(names, "lead! pitch_error ");
+  const auto lead = std::get<0>(Screw::fields());
+  EXPECT_FALSE(lead.quantity.permits(0.0));
+  EXPECT_TRUE(lead.quantity.permits(1e-9));
+  EXPECT_FALSE(lead.quantity.permits(std::nan("")));
+  EXPECT_FALSE(std::get<1>(Screw::fields()).quantity.permits(2e-4));
+}
+
+}  // namespace
+}  // namespace stribeck

@@ -1,0 +1,17 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/core/fixed_vector.hpp>
+
+namespace stribeck {
+namespace {
+
+TEST(FixedVector, RefusesMoreThanItHolds) {
+  FixedVector<int, 2> v{1};
+  EXPECT_TRUE(v.push_back(2));
+  EXPECT_FALSE(v.push_back(3));
+  EXPECT_EQ(v.size(), 2U);
+  EXPECT_EQ(v, (FixedVector<int, 2>{1, 2}));
+}
+
+}  // namespace
+}  // namespace stribeck
