@@ -6,29 +6,78 @@ namespace stribeck::io {
 
 namespace {
 
-std::string printable(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return out;
-}
-
 std::string first_and_count(const std::vector<Problem>& problems) {
   std::string text = problems.empty() ? std::string("bad input") : problems.front().text();
   if (problems.size() > 1) text += " (and " + std::to_string(problems.size() - 1) + " more)";
   return text;
 }
 
+/// Length in bytes of the character that begins at `at`, 0 when none does.
+std::size_t length_of_character(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(at);
+  const std::size_t n = first < 0x80                    ? 1
+                        : first >= 0xC2 && first < 0xE0 ? 2
+                        : first >= 0xE0 && first < 0xF0 ? 3
+                        : first >= 0xF0 && first < 0xF5 ? 4
+                                                        : 0;
+  if (n == 0 || at + n > text.size()) return 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    if ((byte(at + i) & 0xC0) != 0x80) return 0;
+  }
+  return n;
+}
+
+/// Control characters of either kind, and those that turn the direction of writing: a terminal obeys them.
+bool commands_a_terminal(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  if (character.size() == 1) return byte(0) < 0x20 || byte(0) == 0x7f;
+  if (character.size() == 2) return (byte(0) == 0xC2 && byte(1) < 0xA0) || character == "\u061c";
+  if (character.size() != 3 || byte(0) != 0xE2) return false;
+  const int last = (byte(1) - 0x80) * 64 + byte(2) - 0x80;  // of U+2000 and on
+  return last == 0x0e || last == 0x0f || (last >= 0x28 && last <= 0x2e) || (last >= 0x66 && last <= 0x69);
+}
+
+/// Its begin and its end, when it is longer than that.
+std::string shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  std::size_t head = most / 2;
+  std::size_t tail = text.size() - most / 4;
+  const auto inside = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xC0) == 0x80; };
+  while (head > 0 && inside(head)) --head;
+  while (tail < text.size() && inside(tail)) ++tail;
+  return text.substr(0, head) + "…" + text.substr(tail);
+}
+
 }  // namespace
 
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t n = length_of_character(text, i);
+    const std::string_view character = text.substr(i, std::max<std::size_t>(n, 1));
+    if (n == 0) {
+      out += "\ufffd";
+    } else if (commands_a_terminal(character)) {
+      out += ' ';
+    } else {
+      out += character;
+    }
+    i += character.size();
+  }
+  return out;
+}
+
 std::string Problem::text() const {
-  std::string out = file;
+  constexpr std::size_t kLongestName = 300;
+  constexpr std::size_t kLongestMessage = 1200;
+  std::string out = shortened(file, kLongestName);
   if (line > 0) out += (out.empty() ? "line " : ":") + std::to_string(line);
-  for (const auto* part : {&key, &message}) {
-    if (part->empty()) continue;
+  for (const auto& part : {shortened(key, kLongestName), shortened(message, kLongestMessage)}) {
+    if (part.empty()) continue;
     if (!out.empty()) out += ": ";
-    out += *part;
+    out += part;
   }
   return printable(out);
 }

@@ -21,7 +21,7 @@ struct Problem {
   std::string key;
   std::string message;
 
-  /// The one line, without control characters.
+  /// The one line, without control characters; long names and messages lose their middle.
   [[nodiscard]] std::string text() const;
 };
 
@@ -57,6 +57,10 @@ class Problems {
   std::string file_;
   std::vector<Problem> all_;
 };
+
+/// A text that a terminal only shows: control characters and those that turn the direction of writing are blanks, bytes that are no
+/// UTF-8 the replacement character.
+std::string printable(std::string_view text);
 
 /// A value as messages show it: in quotes, without control characters, cut when long.
 std::string in_quotes(std::string_view value);

@@ -1,5 +1,4 @@
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,11 +41,13 @@ class Descriptor {
   int fd_;
 };
 
-std::string read_all(int fd, const std::string& path) {
-  std::string bytes;
+/// To the end; `expected` bytes are likely.
+std::string read_all(int fd, const std::string& path, std::size_t expected) {
+  constexpr std::size_t kBlock = 1 << 16;
+  std::string bytes(expected + kBlock, '\0');
   std::size_t used = 0;
   while (true) {
-    if (bytes.size() - used < 65536) bytes.resize(std::max<std::size_t>(2 * bytes.size(), 1 << 17));
+    if (bytes.size() - used < kBlock) bytes.resize(2 * bytes.size());
     const ssize_t n = ::read(fd, bytes.data() + used, bytes.size() - used);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail(path, "cannot be read: " + reason(errno));
@@ -83,21 +84,11 @@ FileBytes::FileBytes(const std::string& path) {
     fail(path, "is a device, expected a file");
   }
   const auto size = static_cast<std::size_t>(info.st_size);
-  if (S_ISREG(info.st_mode) && size > 0) {
-    void* at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
-    if (at != MAP_FAILED) {
-      ::madvise(at, size, MADV_SEQUENTIAL);
-      mapped_ = at;
-      view_ = {static_cast<const char*>(at), size};
-      return;
-    }
+  // Not mapped: a file that another program shortens meanwhile would end this one by a signal.
+  bytes_ = read_all(fd.get(), path, S_ISREG(info.st_mode) ? size : 0);
+  if (S_ISREG(info.st_mode) && bytes_.size() < size) {
+    fail(path, "became shorter while it was read: another program writes it (copy it first)");
   }
-  owned_ = read_all(fd.get(), path);
-  view_ = owned_;
-}
-
-FileBytes::~FileBytes() {
-  if (mapped_ != nullptr) ::munmap(mapped_, view_.size());
 }
 
 std::string read_text(const std::string& path) { return std::string(FileBytes(path).view()); }

@@ -8,20 +8,17 @@
 
 namespace stribeck::io {
 
-/// The bytes of a file: mapped, or read when it cannot be mapped (a pipe).
+/// The bytes of a file or a pipe, as they were when it was opened: what happens to the file later changes nothing.
 class FileBytes {
  public:
   explicit FileBytes(const std::string& path);
-  ~FileBytes();
   FileBytes(const FileBytes&) = delete;
   FileBytes& operator=(const FileBytes&) = delete;
 
-  [[nodiscard]] std::string_view view() const noexcept { return view_; }
+  [[nodiscard]] std::string_view view() const noexcept { return bytes_; }
 
  private:
-  std::string_view view_;
-  void* mapped_ = nullptr;
-  std::string owned_;
+  std::string bytes_;
 };
 
 /// The whole text of a file; an empty file is an empty text.

@@ -48,5 +48,31 @@ TEST(Error, NearestKeyAndQuotedValues) {
   EXPECT_LT(in_quotes(std::string(1000, 'x')).size(), 80u);
 }
 
+TEST(Error, NoTerminalIsCommanded) {
+  EXPECT_EQ(printable("\u001b[31m\a\x7f"), " [31m  ");
+  EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a b");
+  // C1 controls, and marks that turn the direction of writing.
+  EXPECT_EQ(printable("a\u009bb\u202ec\u2066d\u200fe\u061cf"), "a b c d e f");
+  EXPECT_EQ(printable("\u00b5m \u2026 \u4e2d \U0001f600"), "\u00b5m \u2026 \u4e2d \U0001f600");
+  // Bytes that are no UTF-8, cut off or overlong.
+  EXPECT_EQ(printable("a\xff\xc0\x80z\xe2\x80"), "a\ufffd\ufffd\ufffdz\ufffd\ufffd");
+  EXPECT_EQ((Problem{"f\u202eg", 1, "k\u009b", "m\xff"}.text()), "f g:1: k : m\ufffd");
+}
+
+TEST(Error, StaysReadableWhateverIsRepeatedInIt) {
+  const std::string text =
+      Problem{std::string(20000, 'f'), 7, std::string(20000, 'k'), std::string(20000, 'm')}.text();
+  EXPECT_LT(text.size(), 2000u);
+  EXPECT_NE(text.find("f:7: k"), std::string::npos);
+  const std::string many = Problem{"", 0, "",
+                                   [] {
+                                     std::string s;
+                                     for (int i = 0; i < 5000; ++i) s += "\u00b5";
+                                     return s;
+                                   }()}
+                               .text();
+  EXPECT_EQ(printable(many), many) << "no character is cut in two";
+}
+
 }  // namespace
 }  // namespace stribeck::io

@@ -105,7 +105,61 @@ std::size_t broken_line(std::string_view text) {
 
 }  // namespace
 
+namespace {
+
+/// Where a text in quotes that begins at `at` ends; of one that has no end, the end of the line or, with three quotes, of all.
+std::size_t end_of_quotes(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string three(3, quote);
+  const bool long_text = text.substr(at, 3) == three;
+  for (std::size_t i = at + (long_text ? 3 : 1); i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\') {
+      ++i;
+    } else if (long_text ? text.substr(i, 3) == three : text[i] == quote) {
+      return i + (long_text ? 3 : 1);
+    } else if (!long_text && text[i] == '\n') {
+      return i;
+    }
+  }
+  return text.size();
+}
+
+/// Line of a key of more parts than any file needs, or 0. Tables as deep as such a key would overflow the stack when they are
+/// walked; toml++ itself limits lists and inline tables alone.
+std::size_t line_of_deep_key(std::string_view text) {
+  constexpr int kDeepest = 64;
+  std::size_t line = 1;
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t end = end_of_quotes(text, i);
+      line += static_cast<std::size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(i),
+                                                  text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+      i = end;
+      continue;
+    }
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+      continue;
+    }
+    if (c == '.') {
+      if (++dots >= kDeepest) return line;
+    } else if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) {
+      dots = 0;
+      if (c == '\n') ++line;
+    }
+    ++i;
+  }
+  return 0;
+}
+
+}  // namespace
+
 Node parse_toml(std::string_view text, const std::string& file) {
+  if (const std::size_t line = line_of_deep_key(text); line > 0)
+    throw InputError(
+        Problem{file, line, "", "a key of 64 parts or more, expected at most ten, e.g. axes.x.plant.mass"});
   try {
     const toml::table table = toml::parse(text);
     Node root = converted(table, 1);

@@ -305,6 +305,30 @@ attraction = "1 N/s"
   EXPECT_THROW(write_toml(Screw{std::nan(""), std::nullopt, Side::kDrive}), InputError);
 }
 
+TEST(Toml, KeysOfFarTooManyPartsAreRefusedBeforeTheyAreBuilt) {
+  const auto repeated = [](int n) {
+    std::string key;
+    for (int i = 0; i < n; ++i) key += "a.";
+    return key + "b";
+  };
+  for (const std::string& text :
+       {"\n" + repeated(100000) + " = 1", "\n[" + repeated(100000) + "]",
+        "\nx = {" + repeated(100000) + " = 1}", "x = '''\n'''\n" + repeated(64) + " = 1"}) {
+    try {
+      parse_toml(text, "k.toml");
+      FAIL();
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("a key of 64 parts or more"));
+      EXPECT_EQ(e.problems().front().line, text[0] == 'x' ? 3u : 2u);
+    }
+  }
+  // Dots of values, comments and texts are none of a key.
+  const std::string dots(200, '.');
+  EXPECT_NO_THROW(parse_toml(repeated(60) + " = 1\nx = \"\\\"" + dots + "\"\ny = '''\n" + dots + "'''\n# " +
+                                 dots + "\nz = [1.5, 2.5]",
+                             "k.toml"));
+}
+
 TEST(Toml, DescribesEveryKey) {
   const std::string page = describe<Machine>();
   EXPECT_THAT(page, HasSubstr("| `bits` | count | 4 to 32 | 16 | resolution |"));

@@ -258,6 +258,30 @@ TEST_F(LogFile, RoundTripsBitForBitOverManyBlocks) {
   EXPECT_THROW(parse_csv(damaged, "a.csv.gz"), InputError);
 }
 
+TEST_F(LogFile, AGzipBombIsRefusedEarly) {
+  // 162 MB from 2.2 MB: what it is is known long before it has grown to hundreds of times its size.
+  const std::string line(1 << 20, '0');
+  const gzFile out = gzopen(path("bomb.csv.gz").c_str(), "wb");
+  for (int i = 0; i < 160; ++i) ASSERT_GT(gzwrite(out, line.data(), static_cast<unsigned>(line.size())), 0);
+  for (int i = 0; i < 2; ++i) {
+    // And what does not shrink, so that the file is not small.
+    std::string noise(1 << 20, '\0');
+    std::uint32_t x = 7;
+    for (char& c : noise) c = static_cast<char>((x = x * 1664525u + 1013904223u) >> 24);
+    gzwrite(out, noise.data(), static_cast<unsigned>(noise.size()));
+  }
+  gzclose(out);
+  try {
+    read_csv(path("bomb.csv.gz"));
+    FAIL();
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    const auto at = what.find("grows to more than ");
+    ASSERT_NE(at, std::string::npos) << what;
+    EXPECT_LT(std::stoi(what.substr(at + 19)), 80) << what;
+  }
+}
+
 /// 100 MB in 100 kB.
 TEST(Log, RefusesGzipThatGrowsWithoutBound) {
   std::string packed(1 << 20, '\0');

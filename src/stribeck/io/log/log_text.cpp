@@ -294,10 +294,12 @@ std::string inflated(std::string_view bytes, const std::string& source) {
     stream.avail_out = static_cast<uInt>(block.size());
     state = inflate(&stream, Z_NO_FLUSH);
     if (state == Z_OK || state == Z_STREAM_END) out.append(block, 0, block.size() - stream.avail_out);
-    // Numbers as text shrink to a half or a tenth; only a file made for it grows without bound.
+    // Numbers as text shrink to a half or a tenth, a log of an axis at rest to a thirtieth; only a file made for it grows without
+    // bound. Below the first bound anything may pass.
     constexpr std::size_t kHarmless = std::size_t{64} << 20;
-    constexpr std::size_t kLargest = std::size_t{4} << 30;
-    if (out.size() > kLargest || (out.size() > kHarmless && out.size() / 250 > bytes.size())) {
+    constexpr std::size_t kLargest = std::size_t{2} << 30;
+    constexpr std::size_t kGrowth = 30;
+    if (out.size() > kLargest || (out.size() > kHarmless && out.size() / kGrowth > bytes.size())) {
       inflateEnd(&stream);
       throw InputError(Problem{source, 0, "",
                                "grows to more than " + std::to_string(out.size() >> 20) + " MB from " +
