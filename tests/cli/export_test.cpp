@@ -323,7 +323,7 @@ TEST(Export, WritesOverNothingThatWasEdited) {
   // What would be written is what was written before: the edit stays, and it is said.
   const Said again = command(words("30 rad/s"));
   ASSERT_EQ(again.code, 0) << again.err;
-  EXPECT_THAT(again.out, HasSubstr("Left as edited: machine.ini (remove"));
+  EXPECT_THAT(again.out, HasSubstr("Kept, because edited since the last export: machine.ini (remove"));
   EXPECT_EQ(nlohmann::json::parse(text_of(f / "e.json"))["kept"].size(), 1u);
   EXPECT_EQ(text_of(f / "m/machine.ini"), ini);
   EXPECT_EQ(text_of(f / "m/written.txt"), first.at("written.txt"));

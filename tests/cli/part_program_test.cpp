@@ -141,7 +141,7 @@ TEST_F(PartProgram, FeedOfTheOtherUnitIsSaid) {
   const std::string move = to("0.0200", "0.0000");
   const Said said = simulate(program(line + move));
   ASSERT_EQ(said.code, 0) << said.err;
-  EXPECT_NE(said.out.find("Warning: a feed of 10 mm/min stays that under G20, where it is 0.393701 in/min"),
+  EXPECT_NE(said.out.find("Warning: a feed of 10 mm/min remains in force under G20, as 0.393701 in/min"),
             std::string::npos)
       << said.out;
   // With the feed given again before the first move nothing is to be said.

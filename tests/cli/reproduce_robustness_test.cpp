@@ -38,7 +38,7 @@ TEST(ReproduceRobustness, RefusesInOneLine) {
   refused({"robustness", "--vary", "-1"}, "--vary: got \"-1\", expected one of all, friction");
   refused({"robustness", "--vary", "masses"}, "did you mean mass");
   refused({"robustness", "--controller", "nobody"}, "nobody");
-  refused({"bi-circle", "--controller", "pid"}, "--controller: goes with robustness only");
+  refused({"bi-circle", "--controller", "pid"}, "--controller: can be used with robustness only");
 }
 
 }  // namespace

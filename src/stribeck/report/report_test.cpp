@@ -207,7 +207,7 @@ TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
   const std::string page =
       identify_report({"x", {testing::fit()}, testing::kHostile, "stribeck identify", "0.1.0"});
   EXPECT_THAT(page, HasSubstr("Mass 57.650 N s²/mm (95 %: 57.600 … 57.700)"));
-  EXPECT_THAT(page, HasSubstr("1 of 3 parameters cannot be told from the data"));
+  EXPECT_THAT(page, HasSubstr("1 of 3 parameters are not determined by the data"));
   EXPECT_THAT(page, HasSubstr("not determined by the data: do not use it alone"));
   EXPECT_THAT(page, HasSubstr("speeds above 9 mm/s were seen once"));
   EXPECT_THAT(page, HasSubstr("<b>Gaussian, 1 term, v &gt; 0</b>"));
@@ -234,7 +234,7 @@ TEST(IdentifyReport, KeepsTheUnitsOfTheLog) {
   EXPECT_THAT(page, HasSubstr("velocity [rad/s]"));
   EXPECT_THAT(page, HasSubstr("residual [A]"));
   EXPECT_THAT(page, HasSubstr("period [rad]"));
-  EXPECT_THAT(page, HasSubstr("The log gives no scale: forces stand in A, positions in rad."));
+  EXPECT_THAT(page, HasSubstr("The log gives no scale: forces are in A, positions in rad."));
   for (const char* foreign : {"[N]", "mm/s", " N RMS", "µm", ">N<"})
     EXPECT_THAT(page, Not(HasSubstr(foreign)));
 }

@@ -92,7 +92,7 @@ TEST(TextTable, SaysWhatTheLogCannotTellInItsUnits) {
   EXPECT_THAT(text, ::testing::HasSubstr("force_shift"));
   EXPECT_THAT(text, ::testing::HasSubstr("20.5 A RMS on held-out motion"));
   EXPECT_THAT(text, ::testing::HasSubstr("0.04120      0.00030  chosen"));
-  EXPECT_THAT(text, ::testing::HasSubstr("Forces stand in A, positions in mm: the log gives no scale."));
+  EXPECT_THAT(text, ::testing::HasSubstr("Forces are in A, positions in mm: the log gives no scale."));
   EXPECT_THAT(text, ::testing::HasSubstr(
                         "This log does not determine:\n  - the stiffness of pre-sliding: the encoder "
                         "is too coarse\n"));

@@ -99,7 +99,8 @@ TEST(LogRecord, TwoCandidatesAreRefused) {
 // A unit may be put right, but not make another quantity of a column whose unit stands in the file.
 TEST(LogRecord, UnitsOfMaps) {
   const std::string text = csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"});
-  EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}), AllOf(HasSubstr("--map"), HasSubstr("stands in mm")));
+  EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}),
+              AllOf(HasSubstr("--map"), HasSubstr("has the unit mm in the file")));
   EXPECT_THAT(refusal(text, {.maps = {"force=x N"}}), HasSubstr("no N"));
   EXPECT_NEAR(axis_of(text, {.maps = {"x=x m"}}).x.y[kRow], 1e3 * x_at(), 1e-5);
   // Units that the file does not hold, and a letter that may be the axis.

@@ -176,7 +176,7 @@ TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
       [] {
         design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
       },
-      ThrowsMessage<Refused>(HasSubstr("lie only 8 %: no force in open loop is that fine; choose sine")));
+      ThrowsMessage<Refused>(HasSubstr("lie only 8 %: too little for a force in open loop; choose sine")));
   Limits creeping = kTable;
   creeping.speed = 1e-7;
   EXPECT_THAT([&] { design_pulses(creeping, kRough, kPeriod); },
