@@ -29,12 +29,16 @@ struct WholeCurve {
     const auto p = map.parts(clamp_to(v, map.velocity_range[0], map.velocity_range[1]), x);
     return {p.level + std::abs(p.viscous), 0.0, 0.0};
   }
+  [[nodiscard]] double viscous_coefficient(double) const noexcept { return 0.0; }
 };
 
 struct Level {
   friction::Gaussian<double> map;
   [[nodiscard]] friction::SteadyParts<double> parts(double v, double x) const noexcept {
     return map.parts(v, x);
+  }
+  [[nodiscard]] double viscous_coefficient(double side) const noexcept {
+    return map.viscous_coefficient(side);
   }
 };
 

@@ -53,6 +53,17 @@ struct Conventional {
             .or_default()};
   }
 
+  [[nodiscard]] Conventional scaled(const T& factor) const noexcept {
+    Conventional map{alpha0 * factor, alpha2 * factor, stribeck};
+    if (map.stribeck) map.stribeck->alpha1 = map.stribeck->alpha1 * factor;
+    return map;
+  }
+  [[nodiscard]] Conventional viscous_alone() const noexcept { return {T(0.0), alpha2, {}}; }
+  [[nodiscard]] T viscous_coefficient(double) const noexcept { return alpha2; }
+  [[nodiscard]] constexpr std::optional<std::array<double, 2>> identified_range() const noexcept {
+    return {};
+  }
+
   [[nodiscard]] SteadyParts<T> parts(const T& v, const T&) const noexcept {
     T level = alpha0;
     if (stribeck) {

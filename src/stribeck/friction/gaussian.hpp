@@ -16,6 +16,7 @@
 /// Real time: safe; one exp per term.
 
 #include <array>
+#include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/core/fixed_vector.hpp>
 #include <stribeck/friction/steady.hpp>
@@ -56,6 +57,12 @@ struct GaussianBranch {
         field("eta1", &GaussianBranch::eta1, quantity("N s/m", "N s/mm"), "nominal viscous coefficient"),
         field("gaussians", &GaussianBranch::gaussians, "terms of the sum, at most six").or_default()};
   }
+
+  [[nodiscard]] GaussianBranch scaled(const T& factor) const noexcept {
+    GaussianBranch b{eta0 * factor, eta1 * factor, gaussians};
+    for (auto& term : b.gaussians) term.a = term.a * factor;
+    return b;
+  }
 };
 
 template <Real T>
@@ -92,8 +99,17 @@ struct Gaussian {
     }
   }
 
-  [[nodiscard]] constexpr bool covers(double v) const noexcept {
-    return v >= velocity_range[0] && v <= velocity_range[1];
+  [[nodiscard]] Gaussian scaled(const T& factor) const noexcept {
+    return {positive.scaled(factor), negative.scaled(factor), velocity_range};
+  }
+  [[nodiscard]] Gaussian viscous_alone() const noexcept {
+    return {{T(0.0), positive.eta1, {}}, {T(0.0), negative.eta1, {}}, velocity_range};
+  }
+  [[nodiscard]] T viscous_coefficient(double side) const noexcept {
+    return side < 0.0 ? negative.eta1 : positive.eta1;
+  }
+  [[nodiscard]] constexpr std::optional<std::array<double, 2>> identified_range() const noexcept {
+    return velocity_range;
   }
 
   [[nodiscard]] SteadyParts<T> parts(const T& v, const T&) const noexcept {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <stribeck/core/taylor.hpp>
+#include <stribeck/friction/model.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
 namespace stribeck::friction {
@@ -35,8 +36,9 @@ TEST(Gaussian, HoldsTheSumOutsideItsRangeWhereTheFormulaWouldInventThousandsOfNe
   EXPECT_NEAR(steady_force(map, -14e-3), border - 102.48 * 4.5, 1e-9);
   // The bare formula at -14 mm/s gives -768.6 - 1434.7 - 4472 = -6675 N.
   EXPECT_GT(steady_force(map, -14e-3), -3300.0);
-  EXPECT_TRUE(map.covers(9.5e-3));
-  EXPECT_FALSE(map.covers(-9.51e-3));
+  const Model model{map, {}, {}};
+  EXPECT_TRUE(model.covers(9.5e-3));
+  EXPECT_FALSE(model.covers(-9.51e-3));
 }
 
 TEST(Gaussian, WithoutTermsIsCoulombAndViscous) {

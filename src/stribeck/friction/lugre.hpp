@@ -6,16 +6,19 @@
 ///
 ///   z bristle deflection [m], σ0 stiffness [N/m], σ1 damping [N·s/m], v_d [m/s], g = level [N]
 ///
-/// F opposes motion: positive for v > 0. step() advances z exactly over one sample with v and x held, so that
-/// every dt is stable; rate() is for integrators. Beyond |v| = 6.3 v_d (a factor below 1e-17) σ1 counts as
-/// zero.
+/// F opposes motion: positive for v > 0. advance() moves z exactly over one sample with v and the level held,
+/// so that every dt is stable; rate() is for integrators. What every law offers: dynamics.hpp. Beyond
+/// |v| = 6.3 v_d (a factor below 1e-17) σ1 counts as zero.
 ///
 /// Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053. Fading damping: Olsson 1996.
 /// Not modelled: dependence of σ0 and σ1 on position and load. LuGre drifts under an oscillating force below
 /// break-away; gms.hpp does not.
 /// Real time: safe; step costs two exp and the map.
 
+#include <array>
+#include <cmath>
 #include <optional>
+#include <span>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/friction/damping.hpp>
 #include <stribeck/friction/steady.hpp>
@@ -55,23 +58,61 @@ struct LuGre {
 
   /// σ1 at velocity v [N·s/m].
   [[nodiscard]] T damping(const T& v) const noexcept { return fading_damping(sigma1, damping_velocity, v); }
+  [[nodiscard]] T damping() const noexcept { return sigma1; }
+  [[nodiscard]] T stiffness() const noexcept { return sigma0; }
+  [[nodiscard]] T rate_bound(const T& speed, const T& level) const noexcept { return sigma0 * speed / level; }
+  [[nodiscard]] LuGre stiffened(double factor) const noexcept {
+    return {sigma0 * T(factor), sigma1 * T(std::sqrt(factor)), damping_velocity};
+  }
 
   /// ż [m/s].
   [[nodiscard]] T rate(const T& z, const T& v, const SteadyParts<T>& p) const noexcept {
     return v - sigma0 * abs(v) * z / p.level;
+  }
+  using Numbers = std::span<const T, 1>;
+  using Rates = std::array<T, 1>;
+  static std::span<T, 1> continuous(State& s) noexcept { return std::span<T, 1>(&s.z, 1); }
+  [[nodiscard]] Rates rate(Numbers z, const State&, const T& v, const SteadyParts<T>& p) const noexcept {
+    return {rate(z[0], v, p)};
   }
 
   /// Friction force [N] at deflection z and its rate.
   [[nodiscard]] T force(const T& z, const T& z_rate, const T& v, const SteadyParts<T>& p) const noexcept {
     return sigma0 * z + damping(v) * z_rate + p.viscous + p.additive;
   }
+  [[nodiscard]] T force(Numbers z, const Rates& z_rate, const T& v, const SteadyParts<T>& p) const noexcept {
+    return force(z[0], z_rate[0], v, p);
+  }
+
+  /// Moves the bristle on by dt [s] with v and the level held.
+  void advance(State& s, const T& v, const T& level, double dt) const noexcept {
+    const T y = sigma0 * abs(v) / level * T(dt);
+    s.z = exp(-y) * s.z + v * T(dt) * hold_gain(y);
+  }
+  /// Force of the bristle [N] at velocity v, where its stiffness is `scale` times σ0.
+  [[nodiscard]] T bristle(const State& s, const T& v, const T& level, const T& scale) const noexcept {
+    return sigma0 * s.z + damping(v) * (rate(s.z, scale * v, {level, T(0.0), T(0.0)}) / scale);
+  }
+  /// Mean of it [N] over a hold of dt [s] that led from one state to the other.
+  [[nodiscard]] T mean_bristle(const State& before, const State& after, const T& v,
+                               double dt) const noexcept {
+    return T(0.5) * sigma0 * (before.z + after.z) + damping(v) * (after.z - before.z) / T(dt);
+  }
+
+  void slide(State& s, const T& bristle_force) const noexcept { s.z = bristle_force / sigma0; }
+  void carry(State& s, const T& bristle_force) const noexcept { s.z = bristle_force / sigma0; }
+  [[nodiscard]] T shift(State& s, const T& by, const T& level) const noexcept {
+    const T now = sigma0 * s.z;
+    const T then = clamp_to(now + by, -level, level);
+    s.z = then / sigma0;
+    return then - now;
+  }
 
   /// Advances the bristle by dt [s] with v and x held; returns the friction force [N] at the end.
   template <SteadyMap<T> M>
   T step(const M& map, State& state, const T& v, const T& x, double dt) const noexcept {
     const SteadyParts<T> p = map.parts(v, x);
-    const T y = sigma0 * abs(v) / p.level * T(dt);
-    state.z = exp(-y) * state.z + v * T(dt) * hold_gain(y);
+    advance(state, v, p.level, dt);
     return force(state.z, rate(state.z, v, p), v, p);
   }
 };

@@ -2,14 +2,18 @@
 /// A whole friction model as files and compensators hold it: one steady map, any number of eccentric terms
 /// over it, and a dynamic behaviour (or none) that takes their sum as its steady state.
 ///
-/// Which map it is stands in a std::variant, decided once when the model is read; loops run on Composed<Map>.
+/// Which map and which law stand in variants, decided once when the model is read; loops run on Composed<Map> and on the law.
+/// A new one is its own header and its name in SteadyVariant (steady.hpp says what a map offers) or DynamicsVariant
+/// (dynamics.hpp).
 /// Real time: safe.
 
 #include <stribeck/friction/conventional.hpp>
+#include <stribeck/friction/dynamics.hpp>
 #include <stribeck/friction/eccentric.hpp>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/lugre.hpp>
+#include <stribeck/friction/static.hpp>
 #include <variant>
 
 namespace stribeck::friction {
@@ -52,25 +56,24 @@ struct Composed {
   [[nodiscard]] Near near(const T& v) const noexcept { return {this, near_or_itself(base, v)}; }
 };
 
-/// No dynamics: friction is its steady state at once.
-struct Static {
-  static constexpr std::string_view kKind = "static";
-  static constexpr auto fields() { return std::tuple{}; }
-};
-
 using SteadyVariant = std::variant<Conventional<double>, Gaussian<double>>;
 using DynamicsVariant = std::variant<Static, LuGre<double>, Gms<double>>;
 
-struct Model {
+// What a law does not offer does not compile; nobody takes it for another one.
+static_assert(kAllSteadyLaws<SteadyVariant> && kAllDynamicLaws<DynamicsVariant>);
+
+/// Over any variant of dynamic laws, so that a test can try one that is not built in.
+template <class Dynamics>
+struct BasicModel {
   SteadyVariant steady;
   FixedVector<Eccentric<double>, kMaxEccentricTerms> eccentric;
-  DynamicsVariant dynamics;
+  Dynamics dynamics;
 
   static constexpr auto fields() {
     return std::tuple{
-        field("steady", &Model::steady, "steady-state map of velocity"),
-        field("eccentric", &Model::eccentric, "terms periodic in position, at most four").or_default(),
-        field("dynamics", &Model::dynamics, "pre-sliding behaviour; left out: none").or_default()};
+        field("steady", &BasicModel::steady, "steady-state map of velocity"),
+        field("eccentric", &BasicModel::eccentric, "terms periodic in position, at most four").or_default(),
+        field("dynamics", &BasicModel::dynamics, "pre-sliding behaviour; left out: none").or_default()};
   }
 
   template <class Report>
@@ -96,15 +99,17 @@ struct Model {
     return p;
   }
 
-  /// Whether the model was identified at this velocity; a conventional model has no range.
+  /// Whether the model was identified at this velocity; a map without a range covers all.
   [[nodiscard]] bool covers(double v) const noexcept {
-    const auto* g = std::get_if<Gaussian<double>>(&steady);
-    return g == nullptr || g->covers(v);
+    const auto range = std::visit([](const auto& map) noexcept { return map.identified_range(); }, steady);
+    return !range || (v >= (*range)[0] && v <= (*range)[1]);
   }
 
  private:
   static constexpr int kChecked = 500;
   static constexpr double kCheckedSpeed = 0.1;  ///< [m/s]
 };
+
+using Model = BasicModel<DynamicsVariant>;
 
 }  // namespace stribeck::friction

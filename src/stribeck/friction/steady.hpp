@@ -8,11 +8,21 @@
 ///   additive  [N]  keeps its sign when the motion reverses (position, gravity); outside the bristle
 ///
 /// F opposes motion: positive for v > 0. sgn 0 = 0, so that a drive at rest is asked for no Coulomb force.
-/// A steady map is a parameter struct with `SteadyParts<T> parts(T v, T x) const noexcept`.
+/// A steady map is a parameter struct with `SteadyParts<T> parts(T v, T x) const noexcept`. A map that a model may hold
+/// (model.hpp) offers besides:
+///
+///   scaled(factor)                level and viscous part × factor
+///   viscous_alone()               the same without level
+///   viscous_coefficient(side)     viscous part over v for side = ±1 [N·s/m]; so that part is proportional to v
+///   identified_range()            lowest and highest velocity of the data behind it [m/s], where there are any
+///
 /// Real time: safe.
 
+#include <array>
 #include <concepts>
+#include <optional>
 #include <stribeck/core/scalar.hpp>
+#include <variant>
 
 namespace stribeck::friction {
 
@@ -27,6 +37,18 @@ template <class M, class T>
 concept SteadyMap = Real<T> && requires(const M& map, const T& t) {
   { map.parts(t, t) } -> std::same_as<SteadyParts<T>>;
 };
+
+template <class M>
+concept SteadyLaw = SteadyMap<M, double> && std::copyable<M> && requires(const M& map, double x) {
+  { map.scaled(x) } -> std::same_as<M>;
+  { map.viscous_alone() } -> std::same_as<M>;
+  { map.viscous_coefficient(x) } -> std::convertible_to<double>;
+  { map.identified_range() } -> std::same_as<std::optional<std::array<double, 2>>>;
+};
+template <class Maps>
+inline constexpr bool kAllSteadyLaws = false;
+template <class... M>
+inline constexpr bool kAllSteadyLaws<std::variant<M...>> = (SteadyLaw<M> && ...);
 
 /// Steady friction force [N] at velocity v [m/s] and position x [m].
 template <Real T, SteadyMap<T> M>

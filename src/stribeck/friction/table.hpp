@@ -33,9 +33,15 @@ class Table {
   /// identified on is tabulated up to exactly there: a kink inside a cell would cost newtons.
   template <SteadyMap<double> M>
   static Table build(const M& map, double v_max) noexcept {
+    static_assert(
+        requires { map.viscous_coefficient(1.0); },
+        "the table holds viscous friction as one coefficient for each direction: give the map "
+        "viscous_coefficient(side), and put into its level whatever is not proportional to v");
     Table t;
     std::array<double, 2> ends{v_max, v_max};
-    if constexpr (requires { map.velocity_range; }) ends = {map.velocity_range[1], -map.velocity_range[0]};
+    if constexpr (requires { map.identified_range(); }) {
+      if (const auto range = map.identified_range()) ends = {(*range)[1], -(*range)[0]};
+    }
     for (const int side : {0, 1}) {
       const double direction = side == 0 ? 1.0 : -1.0;
       const double end = ends[static_cast<std::size_t>(side)];

@@ -1,37 +1,17 @@
 #include <limits>
 #include <stribeck/friction/table.hpp>
+#include <stribeck/plant/any_mechanics.hpp>
 #include <stribeck/plant/axis.hpp>
-#include <stribeck/plant/mechanics.hpp>
 
 namespace stribeck::plant {
 namespace {
 
 using Map = friction::Composed<friction::Table>;
-using LuGre = friction::LuGre<double>;
-using Gms = friction::Gms<double>;
 
-using AnyMechanics = std::variant<Mechanics<Map, LuGre, false, false>, Mechanics<Map, LuGre, false, true>,
-                                  Mechanics<Map, LuGre, true, false>, Mechanics<Map, LuGre, true, true>,
-                                  Mechanics<Map, Gms, false, false>, Mechanics<Map, Gms, false, true>,
-                                  Mechanics<Map, Gms, true, false>, Mechanics<Map, Gms, true, true>>;
-
-template <class Law>
-AnyMechanics make(const AxisParams& p, const Map& map, const Law& law) {
-  const bool voltage = std::holds_alternative<VoltageDrive>(p.drive);
-  if (p.axial_mode) {
-    if (voltage) return Mechanics<Map, Law, true, true>(p, map, law);
-    return Mechanics<Map, Law, false, true>(p, map, law);
-  }
-  if (voltage) return Mechanics<Map, Law, true, false>(p, map, law);
-  return Mechanics<Map, Law, false, false>(p, map, law);
-}
-
-AnyMechanics make(const AxisParams& p, double v_max) {
+auto make(const AxisParams& p, double v_max) {
   const friction::Table table = std::visit(
       [&](const auto& steady) { return friction::Table::build(steady, v_max); }, p.friction.steady);
-  const Map map{table, p.friction.eccentric};
-  if (const auto* gms = std::get_if<Gms>(&p.friction.dynamics)) return make(p, map, *gms);
-  return make(p, map, std::get<LuGre>(p.friction.dynamics));
+  return make_mechanics(p, Map{table, p.friction.eccentric}, p.friction.dynamics);
 }
 
 double rounded(double x, double step) { return step * std::nearbyint(x / step); }
@@ -68,7 +48,7 @@ struct Axis::Implementation {
   AxisParams params;
   double period;
   Fidelity fidelity{};
-  AnyMechanics mechanics;
+  AnyMechanics<Map> mechanics;
   std::optional<NoiseSource> noise;
   std::optional<double> amplifier_gain;
   std::array<double, 8> waiting{};  ///< voltages that have not acted yet, oldest first

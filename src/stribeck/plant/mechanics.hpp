@@ -18,6 +18,7 @@
 /// Real time: safe.
 
 #include <algorithm>
+#include <stribeck/friction/model.hpp>
 #include <stribeck/plant/integrator.hpp>
 #include <stribeck/plant/params.hpp>
 
@@ -30,67 +31,17 @@ struct Held {
   double cutting = 0.0;  ///< on the table against +x [N]
 };
 
-/// Continuous states that a friction model brings, and its force from them.
-template <class Friction>
-struct FrictionStates;
-
-template <>
-struct FrictionStates<friction::LuGre<double>> {
-  static constexpr std::size_t kCount = 1;
-  static constexpr bool kSettles = false;
-  friction::LuGre<double> law;
-
-  double evaluate(const double* q, double v, const friction::SteadyParts<double>& p,
-                  double* rate) const noexcept {
-    rate[0] = law.rate(q[0], v, p);
-    return law.force(q[0], rate[0], v, p);
-  }
-  /// Fastest decay [1/s] when sliding at speed v with level g.
-  [[nodiscard]] double rate_bound(double v, double level) const noexcept { return law.sigma0 * v / level; }
-  [[nodiscard]] double stiffness() const noexcept { return law.sigma0; }
-  [[nodiscard]] double damping() const noexcept { return law.sigma1; }
-};
-
-template <>
-struct FrictionStates<friction::Gms<double>> {
-  static constexpr std::size_t kCount = friction::Gms<double>::kMaxElements;
-  static constexpr bool kSettles = true;  ///< changes between stick and slip after every sub-step
-  friction::Gms<double> law;
-  friction::Gms<double>::State state;  ///< holds which elements slip; forces are copied in and out
-
-  double evaluate(const double* q, double v, const friction::SteadyParts<double>& p,
-                  double* rate) const noexcept {
-    friction::Gms<double>::State s = state;
-    for (std::size_t i = 0; i < kCount; ++i) {
-      rate[i] = 0.0;
-      s.force[i] = q[i];
-    }
-    for (std::size_t i = 0; i < law.elements.size(); ++i)
-      rate[i] = law.rate(i, q[i], state.slipping[i], v, p);
-    return law.force(s, v, p);
-  }
-  void settle(double* q, double v_before, double v, const friction::SteadyParts<double>& p) noexcept {
-    for (std::size_t i = 0; i < kCount; ++i) state.force[i] = q[i];
-    law.settle(state, v_before, v, p);
-    for (std::size_t i = 0; i < kCount; ++i) q[i] = state.force[i];
-  }
-  [[nodiscard]] double rate_bound(double, double level) const noexcept { return law.attraction / level; }
-  [[nodiscard]] double stiffness() const noexcept { return law.stiffness(); }
-  [[nodiscard]] double damping() const noexcept { return law.damping_coefficient; }
-};
-
 /// One drive; Map is the steady-state curve, Friction the law over it.
-template <class Map, class Friction, bool kVoltage, bool kMode>
+template <class Map, friction::PreSlidingLaw Friction, bool kVoltage, bool kMode>
 class Mechanics {
  public:
   static constexpr std::size_t kFriction = 2;
-  static constexpr std::size_t kCurrent = kFriction + FrictionStates<Friction>::kCount;
+  static constexpr std::size_t kCurrent = kFriction + friction::Integrated<Friction>::kCount;
   static constexpr std::size_t kTable = kCurrent + (kVoltage ? 1 : 0);
   static constexpr std::size_t kStates = kTable + (kMode ? 2 : 0);
   using StateVector = Vec<double, kStates>;
 
-  Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept : map_(map) {
-    friction_.law = law;
+  Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept : map_(map), friction_(law) {
     set(p);
   }
 
@@ -100,7 +51,7 @@ class Mechanics {
     friction_share_ = 1.0;
     y_[0] = x;
     if constexpr (kMode) y_[kTable] = x;
-    if constexpr (requires { friction_.state; }) friction_.state = {};
+    friction_.place({}, &y_[kFriction]);
   }
 
   /// Level and viscous part of friction from now on, as a share of the map's; 1 after reset().
@@ -147,13 +98,13 @@ class Mechanics {
   }
   /// Friction force at the present state [N].
   [[nodiscard]] double friction_force() const noexcept {
-    std::array<double, FrictionStates<Friction>::kCount> rate;
+    std::array<double, friction::Integrated<Friction>::kCount> rate;
     return friction_.evaluate(&y_[kFriction], y_[1], parts(map_, y_[1], y_[0]), rate.data());
   }
 
   /// Fastest rate [1/s] of the equations other than the decay of friction, for which advance() itself allows.
   [[nodiscard]] double rate_bound() const noexcept {
-    double fastest = std::sqrt(friction_.stiffness() / mass_) + friction_.damping() / mass_;
+    double fastest = std::sqrt(friction_.law().stiffness() / mass_) + friction_.law().damping() / mass_;
     if constexpr (kVoltage) fastest = std::max(fastest, resistance_ / inductance_);
     if constexpr (kMode) {
       const double w2 = spring_ / mass_ + spring_ / table_mass_;
@@ -180,7 +131,7 @@ class Mechanics {
 
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) const noexcept {
-    const double decay = friction_.rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
+    const double decay = friction_.law().rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
     const double steps = decay * (1.0 / kStableStep);
     // A run that has diverged (NaN) keeps the number it was given, so that whoever looks for a stable one
     // learns of it.
@@ -198,7 +149,7 @@ class Mechanics {
     } else {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(map_, y, held); });
     }
-    if constexpr (FrictionStates<Friction>::kSettles) {
+    if constexpr (friction::Integrated<Friction>::kSettles) {
       friction_.settle(&y_[kFriction], before, y_[1], parts(map_, y_[1], y_[0]));
     }
   }
@@ -253,7 +204,7 @@ class Mechanics {
   }
 
   Map map_;
-  FrictionStates<Friction> friction_;
+  friction::Integrated<Friction> friction_;
   StateVector y_{};
   double friction_share_ = 1.0;
   double mass_ = 1.0;

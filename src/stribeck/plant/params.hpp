@@ -186,7 +186,7 @@ struct AxisParams {
   }
   template <class Report>
   void validate(Report&& report) const {
-    if (std::holds_alternative<friction::Static>(friction.dynamics)) {
+    if (!friction::has_pre_sliding(friction.dynamics)) {
       report("friction.dynamics",
              "a virtual machine needs lugre or gms: a step of friction at rest cannot be simulated");
     }

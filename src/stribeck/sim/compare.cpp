@@ -230,12 +230,7 @@ friction::AxisModel AxisKnowledge::model(FrictionUse use, const std::string& axi
       break;
     case FrictionUse::kViscous: {
       friction::AxisModel m = need(conventional, "conventional");
-      if (auto* map = std::get_if<friction::Conventional<double>>(&m.friction.steady)) {
-        *map = {0.0, map->alpha2, {}};
-      } else if (auto* by_direction = std::get_if<friction::Gaussian<double>>(&m.friction.steady)) {
-        for (auto* branch : {&by_direction->positive, &by_direction->negative})
-          *branch = {0.0, branch->eta1, {}};
-      }
+      std::visit([](auto& map) { map = map.viscous_alone(); }, m.friction.steady);
       m.friction.eccentric = {};
       return m;
     }

@@ -56,7 +56,7 @@ class FrictionAdaptation {
     double residual = 0.0;  ///< ε of the last step [N]
     double stir = 0.0;      ///< what the last step of θ changes in the force fed forward [N]
     ResidualNoise::State noise;
-    std::array<BristleState, 4> bristles;
+    std::array<FrictionFeedforward::Bristle, 4> bristles;
     bool started = false;
     bool informed = false;  ///< P holds its start
     double position = 0.0;  ///< where the axis is, within the encoder's step [m]
@@ -95,7 +95,7 @@ class FrictionAdaptation {
     // No force acts before it is put out.
     bounds_[kDelay][0] = min_of(bounds_[kDelay][0], delay / period);
     if (model.friction.eccentric.empty()) spread_[kSine] = spread_[kCosine] = 0.0;
-    if (std::holds_alternative<friction::Static>(model.friction.dynamics)) spread_[kStiffness] = 0.0;
+    if (!friction::has_pre_sliding(model.friction.dynamics)) spread_[kStiffness] = 0.0;
   }
 
   /// One period: force [N] that acted on the axis over it, encoder position now [m], velocity [m/s] and acceleration [m/s²] of the

@@ -32,16 +32,14 @@ struct FrictionScales {
   [[nodiscard]] constexpr double level(double v) const noexcept { return v < 0.0 ? negative : positive; }
 };
 
-/// Bristles of any dynamics, with the steady map given at every step.
-struct BristleState {
-  double z = 0.0;  ///< LuGre [m]
-  friction::Gms<double>::State gms;
-};
-
-class FrictionFeedforward {
+/// Over any friction::BasicModel; FrictionFeedforward is that of the built-in laws.
+template <class Model>
+class BasicFrictionFeedforward {
  public:
+  using Bristle = typename friction::StateOf<decltype(Model::dynamics)>::Type;
+
   struct State {
-    BristleState bristle;   ///< where the reference is now
+    Bristle bristle;        ///< where the reference is now
     double position = 0.0;  ///< of the reference [m]
     double velocity = 0.0;  ///< [m/s]
     bool started = false;
@@ -55,9 +53,8 @@ class FrictionFeedforward {
     [[nodiscard]] double sum() const noexcept { return bristle + viscous + additive; }
   };
 
-  FrictionFeedforward() = default;
-  FrictionFeedforward(const friction::Model& model, double period) noexcept
-      : model_(model), period_(period) {}
+  BasicFrictionFeedforward() = default;
+  BasicFrictionFeedforward(const Model& model, double period) noexcept : model_(model), period_(period) {}
 
   /// One period: the reference at the sample, and how much later the hold begins [s].
   Force step(State& s, const MotionAhead& r, double delay = 0.0,
@@ -71,7 +68,7 @@ class FrictionFeedforward {
     s.position = r.position;
     s.velocity = r.velocity;
 
-    BristleState ahead = s.bristle;
+    Bristle ahead = s.bristle;
     for (double t = 0.0; t < delay; t += period_) {
       const double dt = min_of(period_, delay - t);
       follow(ahead, at(r, t), at(r, t + dt), dt, scales);
@@ -86,8 +83,8 @@ class FrictionFeedforward {
       p.level *= scales.level(v);
       const double early = r.velocity_at(middle - 0.25 * h);
       const double late = r.velocity_at(middle + 0.25 * h);
-      mean.bristle += advance(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
-      if (part + 1 < kParts) advance(ahead, p, late, v, 0.5 * h, scales.stiffness);
+      mean.bristle += force_after(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
+      if (part + 1 < kParts) advance(ahead, p, late, 0.5 * h, scales.stiffness);
       mean.viscous += scales.viscous * p.viscous / kParts;
       mean.additive += p.additive / kParts;
     }
@@ -96,7 +93,7 @@ class FrictionFeedforward {
 
   /// Mean force over the last hold, in which the axis moved by `travel` [m] to where it is now, for several sets of scales. Level
   /// and viscous friction are taken at velocity v [m/s]: the reference's, which does not tremble.
-  std::array<Force, 4> follow(BristleState* bristles, const FrictionScales* scales, std::size_t count,
+  std::array<Force, 4> follow(Bristle* bristles, const FrictionScales* scales, std::size_t count,
                               bool& started, double travel, double v, double x) const noexcept {
     std::array<Force, 4> force{};
     auto p = model_.parts(v, x - 0.5 * travel);
@@ -108,53 +105,30 @@ class FrictionFeedforward {
     const double moved = travel / period_;
     for (std::size_t i = 0; i < count; ++i) {
       p.level = level * scales[i].level(v);
-      force[i] = {advance(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness),
+      force[i] = {force_after(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness),
                   scales[i].viscous * p.viscous, p.additive};
-      advance(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness);
+      advance(bristles[i], p, moved, 0.5 * period_, scales[i].stiffness);
     }
     return force;
   }
 
   /// Shifts the force of the bristle by up to `force` [N], within the level of friction; returns what it took. Used at rest, where
   /// an observer sees what friction really holds.
-  double shift(BristleState& b, double force, double position, const FrictionScales& scales) const noexcept {
+  double shift(Bristle& b, double force, double position, const FrictionScales& scales) const noexcept {
     const double level = model_.parts(0.0, position).level * min_of(scales.positive, scales.negative);
-    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
-      const double now = lugre->sigma0 * b.z;
-      const double then = clamp_to(now + force, -level, level);
-      b.z = then / lugre->sigma0;
-      return then - now;
-    }
-    if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
-      double moved = 0.0;
-      for (std::size_t i = 0; i < gms->elements.size(); ++i) {
-        const double share = gms->elements[i].share;
-        const double then = clamp_to(b.gms.force[i] + share * force, -share * level, share * level);
-        moved += then - b.gms.force[i];
-        b.gms.force[i] = then;
-        b.gms.slipping[i] = 0.0;
-      }
-      return moved;
-    }
-    return 0.0;
+    return with_law(b, [&](const auto& law, auto& s) noexcept { return law.shift(s, force, level); });
   }
 
-  [[nodiscard]] const friction::Model& model() const noexcept { return model_; }
+  [[nodiscard]] const Model& model() const noexcept { return model_; }
 
  private:
-  void start(BristleState& b, const friction::SteadyParts<double>& p, double v,
+  void start(Bristle& b, const friction::SteadyParts<double>& p, double v,
              const FrictionScales& scales) const noexcept {
-    b = {};
-    if (v == 0.0) return;
-    const double level = p.level * scales.level(v) * sign(v);
-    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
-      b.z = level / lugre->sigma0;
-    } else if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
-      for (std::size_t i = 0; i < gms->elements.size(); ++i) {
-        b.gms.force[i] = gms->elements[i].share * level;
-        b.gms.slipping[i] = 1.0;
-      }
-    }
+    const double level = v == 0.0 ? 0.0 : p.level * scales.level(v) * sign(v);
+    with_law(b, [&](const auto& law, auto& s) noexcept {
+      s = {};
+      if (v != 0.0) law.slide(s, level);
+    });
   }
 
   struct Point {
@@ -165,7 +139,7 @@ class FrictionFeedforward {
 
   /// Takes a bristle from one point of the reference to another, dt later; a turn between them lies where a velocity that changes
   /// evenly puts it.
-  void follow(BristleState& b, const Point& from, const Point& to, double dt,
+  void follow(Bristle& b, const Point& from, const Point& to, double dt,
               const FrictionScales& scales) const noexcept {
     Point begin = from;
     if (from.velocity * to.velocity < 0.0) {
@@ -179,42 +153,39 @@ class FrictionFeedforward {
     }
     along(b, begin, to, dt, scales);
   }
-  void along(BristleState& b, const Point& from, const Point& to, double dt,
+  void along(Bristle& b, const Point& from, const Point& to, double dt,
              const FrictionScales& scales) const noexcept {
     if (!(dt > 0.0)) return;
     const double v = 0.5 * (from.velocity + to.velocity);
     auto p = model_.parts(v, 0.5 * (from.position + to.position));
     p.level *= scales.level(v);
     const double moved = (to.position - from.position) / dt;
-    advance(b, p, moved, moved, dt, scales.stiffness);
+    advance(b, p, moved, dt, scales.stiffness);
   }
 
-  /// Steady parts that are held, as a map.
-  struct Held {
-    friction::SteadyParts<double> p;
-    [[nodiscard]] friction::SteadyParts<double> parts(double, double) const noexcept { return p; }
-  };
-
-  /// Moves a bristle on by dt at velocity v; returns its force at the end, with the damping of velocity v_end.
-  double advance(BristleState& b, const friction::SteadyParts<double>& p, double v, double v_end, double dt,
-                 double stiffness) const noexcept {
-    const double scaled = stiffness * v;
-    if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
-      const double y = lugre->sigma0 * abs(scaled) / p.level * dt;
-      b.z = exp(-y) * b.z + scaled * dt * friction::hold_gain(y);
-      const double rate = lugre->rate(b.z, stiffness * v_end, p) / stiffness;
-      return lugre->sigma0 * b.z + lugre->damping(v_end) * rate;
-    }
-    if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
-      const Held level{{p.level, 0.0, 0.0}};
-      const double force = gms->step(level, b.gms, scaled, 0.0, dt);
-      return force - gms->damping(scaled) * scaled + gms->damping(v_end) * v_end;
-    }
-    return p.level * sign(v_end);
+  template <class Act>
+  decltype(auto) with_law(Bristle& b, Act&& act) const noexcept {
+    return friction::with_law(model_.dynamics, b, act);
   }
 
-  friction::Model model_;
+  /// Moves a bristle on by dt at velocity v.
+  void advance(Bristle& b, const friction::SteadyParts<double>& p, double v, double dt,
+               double stiffness) const noexcept {
+    with_law(b, [&](const auto& law, auto& s) noexcept { law.advance(s, stiffness * v, p.level, dt); });
+  }
+  /// The same; returns its force at the end, with the damping of velocity v_end.
+  double force_after(Bristle& b, const friction::SteadyParts<double>& p, double v, double v_end, double dt,
+                     double stiffness) const noexcept {
+    return with_law(b, [&](const auto& law, auto& s) noexcept {
+      law.advance(s, stiffness * v, p.level, dt);
+      return law.bristle(s, v_end, p.level, stiffness);
+    });
+  }
+
+  Model model_;
   double period_ = 1e-3;
 };
+
+using FrictionFeedforward = BasicFrictionFeedforward<friction::Model>;
 
 }  // namespace stribeck::control

@@ -90,9 +90,8 @@ struct ReversalParams {
 
 class ReversalFeedforward {
  public:
-  static constexpr std::size_t kMostElements = 8;
-  static_assert(kMostElements >= ReversalParams::kMostPoints &&
-                kMostElements >= friction::Gms<double>::kMaxElements);
+  static constexpr std::size_t kMostElements = friction::kMostStops;
+  static_assert(kMostElements >= ReversalParams::kMostPoints);
 
   /// Hysteresis at one place of the motion.
   struct Memory {
@@ -123,12 +122,10 @@ class ReversalFeedforward {
       from_table();
     } else if (params_.distance) {
       distance_ = *params_.distance;
-    } else if (const auto* lugre = std::get_if<friction::LuGre<double>>(&model_.dynamics)) {
-      distance_ = 1.0 / lugre->sigma0;
+    } else if (const auto own = friction::build_up_of(model_.dynamics)) {
       stretch_ = levels;
-    } else if (const auto* gms = std::get_if<friction::Gms<double>>(&model_.dynamics)) {
-      stretch_ = levels;
-      for (const auto& e : gms->elements) elements_.push_back({e.share, 2.0 * e.share / e.stiffness});
+      distance_ = own->distance;
+      elements_ = own->stops;
     }
   }
 
@@ -162,10 +159,6 @@ class ReversalFeedforward {
   [[nodiscard]] const friction::Model& model() const noexcept { return model_; }
 
  private:
-  struct Element {
-    double weight = 0.0;
-    double reach = 0.0;  ///< [m], or [m/N] of level: distance from −1 to 1
-  };
   /// In place of a velocity of 0, to take the level of a direction [m/s].
   static constexpr double kBarelyMoving = 1e-12;
   /// Closer than this to its end, the exponential is there.
@@ -341,7 +334,7 @@ class ReversalFeedforward {
   double period_ = 1e-3;
   double distance_ = ReversalParams::kUsualDistance;  ///< [m], or [m/N] of level
   std::array<double, 2> stretch_{1.0, 1.0};  ///< of distances, backward and forward [-], or level [N]
-  FixedVector<Element, kMostElements> elements_;
+  FixedVector<friction::Stop, kMostElements> elements_;  ///< reach in [m], or [m/N] of level
 };
 
 }  // namespace stribeck::control

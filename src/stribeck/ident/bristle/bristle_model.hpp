@@ -23,7 +23,6 @@ namespace stribeck::ident::bristle {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
-using friction::SteadyParts;
 
 inline constexpr int kMostElements = 6;
 
@@ -35,11 +34,21 @@ struct Scales {
   double fading = 1.0;      ///< v_d [m/s]
 };
 
-/// A steady map that is already known at the place.
-template <class T>
-struct Held {
-  SteadyParts<T> held;
-  [[nodiscard]] SteadyParts<T> parts(const T&, const T&) const noexcept { return held; }
+/// A law with its state along a path.
+template <class AnyLaw, class T>
+struct Bristle {
+  AnyLaw law;
+  typename AnyLaw::State state;
+
+  void start(const T& share, double level) { law.carry(state, share * T(level)); }
+  void settle(const T& level, double direction) { law.slide(state, level * T(direction)); }
+  /// Mean force over a step.
+  T advance(const PathStep& step, const T& level) {
+    const auto before = state;
+    const T v(step.v);
+    law.advance(state, v, level, step.dt);
+    return law.mean_bristle(before, state, v, step.dt);
+  }
 };
 
 /// Own parameters of LuGre: ln(σ0·δ/g), σ1 and ln v_d in their scales.
@@ -47,20 +56,7 @@ struct LuGreCase {
   static constexpr int kMostOwn = 3;
 
   template <class T>
-  struct Law {
-    friction::LuGre<T> law;
-    typename friction::LuGre<T>::State state;
-
-    void start(const T& share, double level) { state.z = share * T(level) / law.sigma0; }
-    void settle(const T& level, double direction) { state.z = level * T(direction) / law.sigma0; }
-    /// Mean force over a step.
-    T advance(const PathStep& step, const T& level) {
-      const T before = state.z;
-      const T v(step.v);
-      (void)law.step(Held<T>{{level, T(0.0), T(0.0)}}, state, v, T(0.0), step.dt);
-      return T(0.5) * law.sigma0 * (before + state.z) + law.damping(v) * (state.z - before) / T(step.dt);
-    }
-  };
+  using Law = Bristle<friction::LuGre<T>, T>;
 
   template <class T>
   static Law<T> make(const T* p, int, const Scales& s) {
@@ -78,34 +74,7 @@ struct GmsCase {
   static constexpr int kMostOwn = 2 * kMostElements + 2;
 
   template <class T>
-  struct Law {
-    friction::Gms<T> law;
-    typename friction::Gms<T>::State state;
-
-    void start(const T& share, double level) {
-      for (std::size_t i = 0; i < law.elements.size(); ++i) {
-        state.force[i] = share * T(level) * law.elements[i].share;
-        state.slipping[i] = T(0.0);
-      }
-    }
-    void settle(const T& level, double direction) {
-      for (std::size_t i = 0; i < law.elements.size(); ++i) {
-        state.force[i] = level * law.elements[i].share * T(direction);
-        state.slipping[i] = T(1.0);
-      }
-    }
-    T sum() const {
-      T f(0.0);
-      for (std::size_t i = 0; i < law.elements.size(); ++i) f = f + state.force[i];
-      return f;
-    }
-    T advance(const PathStep& step, const T& level) {
-      const T before = sum();
-      const T v(step.v);
-      (void)law.step(Held<T>{{level, T(0.0), T(0.0)}}, state, v, T(0.0), step.dt);
-      return T(0.5) * (before + sum()) + law.damping(v) * v;
-    }
-  };
+  using Law = Bristle<friction::Gms<T>, T>;
 
   template <class T>
   static Law<T> make(const T* p, int own, const Scales& s) {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <stribeck/core/vec.hpp>
+#include <stribeck/friction/dynamics.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/plant/integrator.hpp>
-#include <stribeck/plant/mechanics.hpp>
 #include <string>
 #include <utility>
 
@@ -157,14 +157,12 @@ class StaticAxis {
   State y_{};
 };
 
-/// LuGre or GMS over the map.
-template <class Map, class Law>
+/// A law with pre-sliding over the map.
+template <class Map, friction::PreSlidingLaw Law>
 class DynamicAxis {
  public:
   DynamicAxis(const friction::AxisModel& model, const Map& map, const Law& law, double)
-      : map_(map), mass_(model.mass), load_(model.load) {
-    friction_.law = law;
-  }
+      : map_(map), friction_(law), mass_(model.mass), load_(model.load) {}
 
   void place(double x, double v) {
     y_[0] = x;
@@ -175,26 +173,25 @@ class DynamicAxis {
     const auto p = map_.parts(v(), x());
     const double carried = v() != 0.0 ? p.level * (v() > 0.0 ? 1.0 : -1.0)
                                       : std::clamp(force - load_ - p.additive, -p.level, p.level);
-    if constexpr (kGms) {
-      for (std::size_t i = 0; i < friction_.law.elements.size(); ++i) {
-        y_[2 + i] = carried * friction_.law.elements[i].share;
-        friction_.state.force[i] = y_[2 + i];
-        friction_.state.slipping[i] = v() != 0.0 ? 1.0 : 0.0;
-      }
+    typename Law::State state{};
+    if (v() != 0.0) {
+      friction_.law().slide(state, carried);
     } else {
-      y_[2] = carried / friction_.stiffness();
+      friction_.law().carry(state, carried);
     }
+    friction_.place(state, &y_[2]);
   }
   [[nodiscard]] double x() const { return y_[0]; }
   [[nodiscard]] double v() const { return y_[1]; }
 
   void advance(double force, double dt) {
     const double push = force - load_;
+    const Law& law = friction_.law();
     const auto p = map_.parts(v(), x());
     // The speed that the hold can reach at the most decides how fast bristles may decay in it.
     const double reach = std::abs(v()) + (std::abs(push) + p.level) / mass_ * dt;
-    const double rate = std::max(2.0 * std::sqrt(friction_.stiffness() / mass_) + friction_.damping() / mass_,
-                                 friction_.rate_bound(reach, p.level));
+    const double rate = std::max(2.0 * std::sqrt(law.stiffness() / mass_) + law.damping() / mass_,
+                                 law.rate_bound(reach, p.level));
     const double n = substeps(dt, kSafety * rate);
     check_substeps(n, dt, "bristles of this stiffness need");
     const double h = dt / n;
@@ -207,17 +204,17 @@ class DynamicAxis {
     for (int i = 0; i < static_cast<int>(n); ++i) {
       const double before = v();
       y_ = plant::rk3_step(y_, rhs(y_), h, rhs);
-      if constexpr (kGms) friction_.settle(&y_[2], before, v(), map_.parts(v(), x()));
+      if constexpr (Friction::kSettles) friction_.settle(&y_[2], before, v(), map_.parts(v(), x()));
     }
   }
 
  private:
-  static constexpr bool kGms = plant::FrictionStates<Law>::kSettles;
+  using Friction = friction::Integrated<Law>;
   static constexpr double kSafety = 1.0 / 0.8;  ///< Kutta's third order is stable to 2.5; 0.8 is accurate too
-  using State = Vec<double, 2 + plant::FrictionStates<Law>::kCount>;
+  using State = Vec<double, 2 + Friction::kCount>;
 
   Map map_;
-  plant::FrictionStates<Law> friction_;
+  Friction friction_;
   double mass_;
   double load_;
   State y_{};
@@ -232,7 +229,7 @@ void with_axis(const friction::AxisModel& model, double speed, Run&& run) {
         using Law = std::remove_cvref_t<decltype(law)>;
         using Map = friction::Composed<Base>;
         const Map map{base, model.friction.eccentric};
-        if constexpr (std::is_same_v<Law, friction::Static>) {
+        if constexpr (!friction::PreSlidingLaw<Law>) {
           StaticAxis<Map> axis(model, map, speed);
           run(axis);
         } else {

@@ -34,30 +34,6 @@ class Draws {
   boost::random::mt19937_64 generator_;
 };
 
-void scale(friction::Conventional<double>& map, double factor) {
-  map.alpha0 *= factor;
-  map.alpha2 *= factor;
-  if (map.stribeck) map.stribeck->alpha1 *= factor;
-}
-
-void scale(friction::Gaussian<double>& map, double factor) {
-  for (auto* branch : {&map.positive, &map.negative}) {
-    branch->eta0 *= factor;
-    branch->eta1 *= factor;
-    for (auto& term : branch->gaussians) term.a *= factor;
-  }
-}
-
-void stiffen(friction::Static&, double) {}
-void stiffen(friction::LuGre<double>& law, double factor) {
-  law.sigma0 *= factor;
-  law.sigma1 *= std::sqrt(factor);
-}
-void stiffen(friction::Gms<double>& law, double factor) {
-  for (auto& element : law.elements) element.stiffness *= factor;
-  law.damping_coefficient *= std::sqrt(factor);
-}
-
 /// Mean of both directions [N].
 double level_at_rest(const friction::Model& model) {
   constexpr double kAtRest = 1e-12;
@@ -117,11 +93,11 @@ Deviation draw(const Variation& variation, std::uint64_t seed, std::uint32_t mac
 
 plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& deviation) {
   plant::AxisParams p = nominal;
-  std::visit([&](auto& map) { scale(map, deviation.friction); }, p.friction.steady);
+  std::visit([&](auto& map) { map = map.scaled(deviation.friction); }, p.friction.steady);
   for (auto& term : p.friction.eccentric) {
     if (term.form == friction::EccentricForm::kProportional) term.amplitude *= deviation.friction;
   }
-  std::visit([&](auto& law) { stiffen(law, deviation.stiffness); }, p.friction.dynamics);
+  std::visit([&](auto& law) { law = law.stiffened(deviation.stiffness); }, p.friction.dynamics);
   p.mass *= deviation.mass;
   if (p.rotor_inertia) *p.rotor_inertia *= deviation.mass;
   p.delay_periods += deviation.delay;
