@@ -22,23 +22,17 @@ constexpr double kMilli = 1e3;
 
 /// Writes the metrics into an object, in the order that users know.
 void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {
-  out["max_contour_error_um"] = number_or_null(m.max_contour_error * kMicro);
-  out["quadrant_glitch_um"] = number_or_null(m.quadrant_glitch * kMicro);
-  out["rms_um"] = number_or_null(m.rms * kMicro);
-  out["sd_um"] = number_or_null(m.sd * kMicro);
-  out["mean_abs_um"] = number_or_null(m.mean_abs * kMicro);
-  out["power_W"] = number_or_null(m.power);
-  out["mean_abs_ui_W"] = number_or_null(m.mean_abs_ui);
-  out["mechanical_power_W"] = number_or_null(m.mechanical_power);
-  out["input_variation_V"] = number_or_null(m.input_variation);
-  Json tracking = Json::array();
-  for (std::size_t i = 0; i < std::min(axes, control::kMostAxes); ++i) {
-    tracking.push_back(number_or_null(m.mean_abs_tracking[i] * kMicro));
+  for (const sim::Figure& f : sim::kFigures) {
+    if (const auto* run = std::get_if<sim::Figure::OfRun>(&f.member)) {
+      out[f.key] = number_or_null(m.**run * f.key_scale);
+    } else {
+      const sim::AxisValues& values = m.*std::get<sim::Figure::OfAxis>(f.member);
+      Json each = Json::array();
+      for (std::size_t i = 0; i < std::min(axes, control::kMostAxes); ++i)
+        each.push_back(number_or_null(values[i] * f.key_scale));
+      out[f.key] = std::move(each);
+    }
   }
-  out["mean_abs_tracking_um"] = std::move(tracking);
-  out["max_orientation_error_urad"] = number_or_null(m.max_orientation_error * kMicro);
-  out["mean_orientation_error_urad"] = number_or_null(m.mean_orientation_error * kMicro);
-  out["quadrant_ratio"] = number_or_null(m.quadrant_ratio);
 }
 
 /// Cutting force against the feed, true and estimated.

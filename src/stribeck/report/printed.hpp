@@ -8,7 +8,9 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <stribeck/sim/metrics.hpp>
 #include <string_view>
 
 namespace stribeck::report {
@@ -19,6 +21,15 @@ struct PrintedRow {
   double quadrant_glitch_um = 0.0;
   double rms_um = 0.0;
   double sd_um = 0.0;
+
+  /// The printed value of a figure; none of most.
+  [[nodiscard]] constexpr std::optional<double> of(sim::Figure::OfRun figure) const noexcept {
+    if (figure == &sim::Metrics::max_contour_error) return max_contour_error_um;
+    if (figure == &sim::Metrics::quadrant_glitch) return quadrant_glitch_um;
+    if (figure == &sim::Metrics::rms) return rms_um;
+    if (figure == &sim::Metrics::sd) return sd_um;
+    return {};
+  }
 };
 
 struct PrintedTable {

@@ -13,10 +13,22 @@
 namespace stribeck::report {
 namespace {
 
-std::string micrometres(double metres) { return decimals(metres * 1e6, 2); }
+using Figure = sim::Figure::OfRun;
 
-std::string with_spread(double mean, double spread) {
-  return std::isfinite(spread) ? micrometres(mean) + " ±" + micrometres(spread) : micrometres(mean);
+/// A figure of a row in the unit people read, with its spread where that is asked for and known. Volts get three digits
+/// that count, as they range over decades.
+std::string entry(const sim::CompareRow& r, Figure which, bool with_spread) {
+  const double scale = sim::figure_of(which).scale;
+  const double spread = r.spread.*which * scale;
+  if (which == &sim::Metrics::input_variation) return significant(r.mean.*which * scale, 3);
+  std::string text = decimals(r.mean.*which * scale, 2);
+  if (with_spread && std::isfinite(spread)) text += " ±" + decimals(spread, 2);
+  return text;
+}
+
+TextColumn figure_column(Figure which, std::string group = {}) {
+  const sim::Figure& f = sim::figure_of(which);
+  return {std::string(f.name), std::string(f.unit), {}, true, std::move(group)};
 }
 
 }  // namespace
@@ -83,29 +95,29 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
     TextColumn id{"", "", {}, false};
     id.least = kLongestId;
     TextColumn label{"controller", "", {}, false};
-    TextColumn max{"max", "µm", {}};
-    TextColumn glitch{"glitch", "µm", {}};
-    TextColumn rms{"RMS", "µm", {}};
-    TextColumn mean{"mean |ε|", "µm", {}};
-    TextColumn sd{"SD", "µm", {}};
-    TextColumn variation{"mean |Δu|", "mV", {}};
-    TextColumn print_max{"max", "µm", {}, true, "thesis"};
-    TextColumn print_glitch{"glitch", "µm", {}, true, "thesis"};
-    TextColumn print_rms{"RMS", "µm", {}, true, "thesis"};
+    using sim::Metrics;
+    std::vector<Figure> shown{&Metrics::max_contour_error, &Metrics::quadrant_glitch, &Metrics::rms,
+                              &Metrics::mean_abs};
+    if (print == nullptr) shown.insert(shown.end(), {&Metrics::sd, &Metrics::input_variation});
+    const std::vector<Figure> printed_too{&Metrics::max_contour_error, &Metrics::quadrant_glitch,
+                                          &Metrics::rms};
+    std::vector<TextColumn> figures;
+    for (const Figure f : shown) figures.push_back(figure_column(f));
+    std::vector<TextColumn> prints;
+    for (const Figure f : printed_too) prints.push_back(figure_column(f, "thesis"));
     for (const sim::CompareRow& r : result.rows) {
       if (r.travel != travel) continue;
       id.entries.push_back(clean_text(r.controller.id));
       label.entries.push_back(clean_text(r.controller.label));
-      max.entries.push_back(with_spread(r.mean.max_contour_error, r.spread.max_contour_error));
-      glitch.entries.push_back(micrometres(r.mean.quadrant_glitch));
-      rms.entries.push_back(with_spread(r.mean.rms, r.spread.rms));
-      mean.entries.push_back(micrometres(r.mean.mean_abs));
-      sd.entries.push_back(micrometres(r.mean.sd));
-      variation.entries.push_back(significant(1e3 * r.mean.input_variation, 3));
+      for (std::size_t i = 0; i < shown.size(); ++i) {
+        const bool with_spread = shown[i] == &Metrics::max_contour_error || shown[i] == &Metrics::rms;
+        figures[i].entries.push_back(entry(r, shown[i], with_spread));
+      }
       const PrintedRow* p = print != nullptr ? print->find(r.controller.id) : nullptr;
-      print_max.entries.push_back(p != nullptr ? decimals(p->max_contour_error_um, 2) : "");
-      print_glitch.entries.push_back(p != nullptr ? decimals(p->quadrant_glitch_um, 2) : "");
-      print_rms.entries.push_back(p != nullptr ? decimals(p->rms_um, 2) : "");
+      for (std::size_t i = 0; i < printed_too.size(); ++i) {
+        const auto value = p != nullptr ? p->of(printed_too[i]) : std::nullopt;
+        prints[i].entries.push_back(value ? decimals(*value, 2) : "");
+      }
     }
     if (!out.empty()) out += '\n';
     out += fmt::format("{}, {} error, mean of {} trial{}", result.spec.travels[travel].pace_in_words(),
@@ -113,11 +125,10 @@ std::string text_table(const sim::CompareResult& result, std::span<const Printed
                        result.spec.trials == 1 ? "" : "s ± standard deviation between them");
     if (print != nullptr) out += fmt::format("; printed: {}", print->source);
     out += "\n";
-    if (print != nullptr) {
-      out += lay_out({id, label, max, glitch, rms, mean, print_max, print_glitch, print_rms});
-    } else {
-      out += lay_out({id, label, max, glitch, rms, mean, sd, variation});
-    }
+    std::vector<TextColumn> columns{id, label};
+    columns.insert(columns.end(), figures.begin(), figures.end());
+    if (print != nullptr) columns.insert(columns.end(), prints.begin(), prints.end());
+    out += lay_out(std::move(columns));
   }
   return out;
 }

@@ -8,36 +8,16 @@
 namespace stribeck::sim {
 namespace {
 
-/// Applies f(double& into, member of each) to every figure, so that mean and spread name no figure twice.
-template <class F>
-void for_each_figure(F&& f) {
-  f([](auto& m) -> auto& { return m.max_contour_error; });
-  f([](auto& m) -> auto& { return m.quadrant_glitch; });
-  f([](auto& m) -> auto& { return m.rms; });
-  f([](auto& m) -> auto& { return m.sd; });
-  f([](auto& m) -> auto& { return m.mean_abs; });
-  for (std::size_t i = 0; i < control::kMostAxes; ++i)
-    f([i](auto& m) -> auto& { return m.mean_abs_tracking[i]; });
-  f([](auto& m) -> auto& { return m.power; });
-  f([](auto& m) -> auto& { return m.mean_abs_ui; });
-  f([](auto& m) -> auto& { return m.input_variation; });
-  f([](auto& m) -> auto& { return m.max_orientation_error; });
-  f([](auto& m) -> auto& { return m.mean_orientation_error; });
-  f([](auto& m) -> auto& { return m.quadrant_ratio; });
-  f([](auto& m) -> auto& { return m.mechanical_power; });
-}
-
 void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& spread) {
   const double n = static_cast<double>(trials.size());
-  for_each_figure([&](auto get) {
+  for_each_number([&](auto get) {
     double sum = 0.0;
     for (const Metrics& m : trials) sum += get(m);
     const double average = sum / n;
     double square = 0.0;
     for (const Metrics& m : trials) square += (get(m) - average) * (get(m) - average);
     get(mean) = average;
-    get(spread) =
-        trials.size() > 1 ? std::sqrt(square / (n - 1.0)) : std::numeric_limits<double>::quiet_NaN();
+    get(spread) = trials.size() > 1 ? std::sqrt(square / (n - 1.0)) : Metrics::kUnknown;
   });
 }
 

@@ -11,6 +11,8 @@
 ///   orientation       max and mean angle between the tool axis and the one wanted at the nearest point of the path
 ///
 /// ε contour error [m], of the tool tip where the path gives a tool axis; u voltage [V], i current [A], F force put out [N].
+/// A new figure is a member of Metrics, its line in kFigures and its sum in MetricsCollector, all in this file: means over
+/// trials, JSON, tables and claims loop over kFigures.
 /// Real time: no.
 
 #include <algorithm>
@@ -18,12 +20,16 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/sim/axis_values.hpp>
+#include <string_view>
+#include <variant>
 
 namespace stribeck::sim {
 
 inline constexpr double kGlitchTravel = 0.15e-3;  ///< [m]
 
 struct Metrics {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
   double max_contour_error = 0.0;  ///< [m]
   double quadrant_glitch = 0.0;    ///< [m]; NaN when no axis reversed
   double rms = 0.0;                ///< [m]
@@ -32,22 +38,94 @@ struct Metrics {
   AxisValues mean_abs_tracking;    ///< [m]
   double power = 0.0;        ///< electrical, R·i² + K_e·θ̇·i, sum over the axes [W]; NaN when not known
   double mean_abs_ui = 0.0;  ///< [W]; NaN when the current is not known
-  double input_variation = 0.0;  ///< [V]
-  double max_orientation_error =
-      std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
-  double mean_orientation_error =
-      std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis
-  double quadrant_ratio =
-      std::numeric_limits<double>::quiet_NaN();  ///< NaN without a quadrant or a stretch between two
-  double mechanical_power = std::numeric_limits<double>::quiet_NaN();  ///< sum over the axes [W]
+  double input_variation = 0.0;              ///< [V]
+  double max_orientation_error = kUnknown;   ///< [rad]; NaN without a tool axis
+  double mean_orientation_error = kUnknown;  ///< [rad]; NaN without a tool axis
+  double quadrant_ratio = kUnknown;          ///< NaN without a quadrant or a stretch between two
+  double mechanical_power = kUnknown;        ///< sum over the axes [W]
 
   /// Every figure NaN: not known.
-  static Metrics unknown() noexcept {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone, kNone, kNone, kNone, control::spread<control::kMostAxes>({}, kNone), kNone, kNone,
-            kNone, kNone, kNone, kNone, kNone};
+  static Metrics unknown() noexcept;
+};
+
+/// A figure of merit as files and tables have it.
+struct Figure {
+  using OfRun = double Metrics::*;
+  using OfAxis = AxisValues Metrics::*;
+  static constexpr int kFurther = -1;
+
+  std::variant<OfRun, OfAxis> member;
+  std::string_view key;      ///< in JSON, with its unit
+  double key_scale;          ///< from SI to that unit
+  std::string_view name;     ///< heads a column
+  std::string_view unit;     ///< shown; empty: a pure number
+  double scale;              ///< from SI to that unit
+  int column = 0;            ///< rank in the main table of a report, kFurther in its second one; 0: in none
+  bool marks_best = true;    ///< the smallest of a table is marked
+  bool where_known = false;  ///< a column only where some run knows it
+  std::string_view tracking_name =
+      {};  ///< on a single axis, where the error is that of tracking; empty: name
+
+  [[nodiscard]] constexpr std::string_view head(bool single_axis) const noexcept {
+    return single_axis && !tracking_name.empty() ? tracking_name : name;
   }
 };
+
+/// In the order of the JSON.
+inline constexpr std::array kFigures{
+    Figure{&Metrics::max_contour_error, "max_contour_error_um", 1e6, "max", "µm", 1e6, 1},
+    Figure{&Metrics::quadrant_glitch, "quadrant_glitch_um", 1e6, "glitch", "µm", 1e6, 2},
+    Figure{&Metrics::rms, "rms_um", 1e6, "RMS", "µm", 1e6, 3},
+    Figure{&Metrics::sd, "sd_um", 1e6, "SD", "µm", 1e6, Figure::kFurther},
+    Figure{&Metrics::mean_abs, "mean_abs_um", 1e6, "mean |ε|", "µm", 1e6, 4, true, false, "mean |e|"},
+    Figure{&Metrics::power, "power_W", 1.0, "power", "W", 1.0},
+    Figure{&Metrics::mean_abs_ui, "mean_abs_ui_W", 1.0, "mean |u·i|", "W", 1.0, 9, false, true},
+    Figure{&Metrics::mechanical_power, "mechanical_power_W", 1.0, "mechanical power", "W", 1.0},
+    Figure{&Metrics::input_variation, "input_variation_V", 1.0, "mean |Δu|", "mV", 1e3, 8, false},
+    Figure{&Metrics::mean_abs_tracking, "mean_abs_tracking_um", 1e6, "mean |e|", "µm", 1e6, Figure::kFurther},
+    Figure{&Metrics::max_orientation_error, "max_orientation_error_urad", 1e6, "tool axis max", "µrad", 1e6,
+           6, true, true},
+    Figure{&Metrics::mean_orientation_error, "mean_orientation_error_urad", 1e6, "tool axis mean", "µrad",
+           1e6, 7, true, true},
+    Figure{&Metrics::quadrant_ratio, "quadrant_ratio", 1.0, "quadrant ratio", "", 1.0, 5, false, true}};
+
+/// The line of a member; every one has its own.
+constexpr const Figure& figure_of(std::variant<Figure::OfRun, Figure::OfAxis> member) noexcept {
+  for (const Figure& f : kFigures) {
+    if (f.member == member) return f;
+  }
+  return kFigures.front();
+}
+
+/// Calls act(get) for every number of the figures, each axis one by one; get(m) is the number of one Metrics.
+template <class Act>
+void for_each_number(Act&& act) {
+  for (const Figure& f : kFigures) {
+    if (const auto* run = std::get_if<Figure::OfRun>(&f.member)) {
+      act([member = *run](auto& m) -> auto& { return m.*member; });
+    } else {
+      const Figure::OfAxis member = std::get<Figure::OfAxis>(f.member);
+      for (std::size_t i = 0; i < control::kMostAxes; ++i)
+        act([ member, i ](auto& m) -> auto& { return (m.*member)[i]; });
+    }
+  }
+}
+
+/// A member without its line in kFigures would be missing in means and files.
+static_assert([] {
+  std::size_t numbers = 0;
+  for (const Figure& f : kFigures) {
+    numbers += f.member.index() == 0 ? 1 : control::kMostAxes;
+    if (&figure_of(f.member) != &f) return false;  // listed twice
+  }
+  return numbers * sizeof(double) == sizeof(Metrics);
+}());
+
+inline Metrics Metrics::unknown() noexcept {
+  Metrics m;
+  for_each_number([&](auto get) { get(m) = kUnknown; });
+  return m;
+}
 
 /// Marks the samples that lie within the first travel after a reversal of an axis.
 template <std::size_t N>
@@ -88,7 +166,7 @@ class MetricsCollector {
     Vec<double, N> current;
     Vec<double, N> power;
     bool in_glitch = false;
-    double orientation_error = std::numeric_limits<double>::quiet_NaN();
+    double orientation_error = Metrics::kUnknown;
     double mechanical_power = 0.0;
   };
 
@@ -171,7 +249,7 @@ class MetricsCollector {
   int length_ = 0;
   double window_max_ = 0.0;
   double max_ = 0.0;
-  double glitch_ = std::numeric_limits<double>::quiet_NaN();
+  double glitch_ = Metrics::kUnknown;
   double sum_ = 0.0;
   double sum_abs_ = 0.0;
   double sum_square_ = 0.0;

@@ -84,69 +84,56 @@ std::string against_print(const Block& block) {
 // ---- table
 // --------------------------------------------------------------------------------------------------------
 
-struct Figure {
+/// A column of figures: of the runs, or of one axis.
+struct FigureColumn {
+  const sim::Figure* figure;
   std::string head;
-  std::string unit;
-  double scale;
-  double (*of)(const sim::Metrics&);
-  double PrintedRow::*printed;
-  bool smaller_is_better = true;
+  std::size_t axis = 0;
+
+  [[nodiscard]] double of(const sim::Metrics& m) const {
+    if (const auto* run = std::get_if<sim::Figure::OfRun>(&figure->member)) return m.**run;
+    return (m.*std::get<sim::Figure::OfAxis>(figure->member))[axis];
+  }
+  [[nodiscard]] std::optional<double> printed(const PrintedRow& row) const {
+    const auto* run = std::get_if<sim::Figure::OfRun>(&figure->member);
+    return run != nullptr ? row.of(*run) : std::nullopt;
+  }
 };
 
-/// What decides.
-std::vector<Figure> main_figures(const sim::CompareResult& result) {
-  using sim::Metrics;
-  const std::string mean = result.axes.size() == 1 ? "mean |e|" : "mean |ε|";
-  std::vector<Figure> all{{"max", "µm", kMicro, [](const Metrics& m) { return m.max_contour_error; },
-                           &PrintedRow::max_contour_error_um},
-                          {"glitch", "µm", kMicro, [](const Metrics& m) { return m.quadrant_glitch; },
-                           &PrintedRow::quadrant_glitch_um},
-                          {"RMS", "µm", kMicro, [](const Metrics& m) { return m.rms; }, &PrintedRow::rms_um},
-                          {mean, "µm", kMicro, [](const Metrics& m) { return m.mean_abs; }, nullptr}};
-  if (std::any_of(result.rows.begin(), result.rows.end(),
-                  [](const sim::CompareRow& r) { return std::isfinite(r.mean.quadrant_ratio); })) {
-    all.push_back(
-        {"quadrant ratio", "", 1.0, [](const Metrics& m) { return m.quadrant_ratio; }, nullptr, false});
+/// The figures that decide, by rank.
+std::vector<FigureColumn> main_figures(const sim::CompareResult& result) {
+  std::vector<FigureColumn> all;
+  for (const sim::Figure& f : sim::kFigures) {
+    const FigureColumn column{&f, std::string(f.head(result.axes.size() == 1))};
+    const bool known = std::any_of(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
+      return std::isfinite(column.of(r.mean));
+    });
+    if (f.column > 0 && (known || !f.where_known)) all.push_back(column);
   }
-  const auto tool_axis = [](const sim::CompareRow& r) { return std::isfinite(r.mean.max_orientation_error); };
-  if (std::any_of(result.rows.begin(), result.rows.end(), tool_axis)) {
-    all.push_back(
-        {"tool axis max", "µrad", kMicro, [](const Metrics& m) { return m.max_orientation_error; }, nullptr});
-    all.push_back({"tool axis mean", "µrad", kMicro,
-                   [](const Metrics& m) { return m.mean_orientation_error; }, nullptr});
-  }
-  all.push_back(
-      {"mean |Δu|", "mV", kMilli, [](const Metrics& m) { return m.input_variation; }, nullptr, false});
-  const bool current_known =
-      std::any_of(result.rows.begin(), result.rows.end(),
-                  [](const sim::CompareRow& r) { return std::isfinite(r.mean.mean_abs_ui); });
-  if (current_known)
-    all.push_back({"mean |u·i|", "W", 1.0, [](const Metrics& m) { return m.mean_abs_ui; }, nullptr, false});
+  std::sort(all.begin(), all.end(),
+            [](const FigureColumn& a, const FigureColumn& b) { return a.figure->column < b.figure->column; });
   return all;
 }
 
-/// What is looked at least: all in one table would be wider than a page.
-std::vector<Figure> further_figures(const sim::CompareResult& result) {
-  using sim::Metrics;
-  std::vector<Figure> all{{"SD", "µm", kMicro, [](const Metrics& m) { return m.sd; }, &PrintedRow::sd_um}};
-  using Get = double (*)(const Metrics&);
-  constexpr std::array<Get, control::kMostAxes> kTracking{
-      [](const Metrics& m) { return m.mean_abs_tracking[0]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[1]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[2]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[3]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[4]; },
-      [](const Metrics& m) { return m.mean_abs_tracking[5]; }};
-  // The tracking error of one axis alone is in the main table.
-  if (result.axes.size() < 2) return all;
-  for (std::size_t i = 0; i < std::min(result.axes.size(), kTracking.size()); ++i)
-    all.push_back({"mean |e| " + result.axes[i], "µm", kMicro, kTracking[i], nullptr});
+/// The others, in a table of their own: one with all would be wider than a page.
+std::vector<FigureColumn> further_figures(const sim::CompareResult& result) {
+  std::vector<FigureColumn> all;
+  for (const sim::Figure& f : sim::kFigures) {
+    if (f.column != sim::Figure::kFurther) continue;
+    if (std::holds_alternative<sim::Figure::OfRun>(f.member)) {
+      all.push_back({&f, std::string(f.name)});
+      continue;
+    }
+    // The tracking error of one axis alone is in the main table.
+    const std::size_t axes = result.axes.size() < 2 ? 0 : std::min(result.axes.size(), control::kMostAxes);
+    for (std::size_t i = 0; i < axes; ++i) all.push_back({&f, std::string(f.name) + " " + result.axes[i], i});
+  }
   return all;
 }
 
-Table controllers_table(const Block& block, const std::vector<Figure>& figures) {
+Table controllers_table(const Block& block, const std::vector<FigureColumn>& figures) {
   Table t{"At " + block.text, {{"controller", "", false}}, {}};
-  for (const Figure& f : figures) t.columns.push_back({f.head, f.unit});
+  for (const FigureColumn& f : figures) t.columns.push_back({f.head, std::string(f.figure->unit)});
   std::vector<double> best(figures.size(), std::numeric_limits<double>::infinity());
   for (const sim::CompareRow* r : block.rows) {
     for (std::size_t i = 0; i < figures.size(); ++i) best[i] = std::fmin(best[i], figures[i].of(r->mean));
@@ -156,17 +143,18 @@ Table controllers_table(const Block& block, const std::vector<Figure>& figures) 
     const PrintedRow* printed = block.printed != nullptr ? block.printed->find(r.controller.id) : nullptr;
     std::vector<Cell> row{{name_of(r), "", r.controller.label, false, color_of(r, block.rows)}};
     for (std::size_t i = 0; i < figures.size(); ++i) {
-      const Figure& f = figures[i];
+      const FigureColumn& f = figures[i];
+      const double scale = f.figure->scale;
       const double value = f.of(r.mean);
       const double spread = f.of(r.spread);
-      Cell cell{decimals(value * f.scale, 2)};
-      if (std::isfinite(spread)) cell.spread = "± " + decimals(spread * f.scale, 2);
-      cell.best = f.smaller_is_better && value == best[i] && block.rows.size() > 1;
-      if (printed != nullptr && f.printed != nullptr) {
-        const double print = printed->*f.printed;
-        cell.note = "thesis " + decimals(print, 2);
+      Cell cell{decimals(value * scale, 2)};
+      if (std::isfinite(spread)) cell.spread = "± " + decimals(spread * scale, 2);
+      cell.best = f.figure->marks_best && value == best[i] && block.rows.size() > 1;
+      if (const auto print = printed != nullptr ? f.printed(*printed) : std::nullopt) {
+        cell.note = "thesis " + decimals(*print, 2);
         // Printed standard deviations contradict the printed RMS; a ratio to them would say nothing.
-        if (f.printed != &PrintedRow::sd_um) cell.note += " · ×" + decimals(value * f.scale / print, 2);
+        if (f.figure != &sim::figure_of(&sim::Metrics::sd))
+          cell.note += " · ×" + decimals(value * scale / *print, 2);
       }
       row.push_back(std::move(cell));
     }
@@ -508,7 +496,7 @@ std::vector<Plot> force_plots(const Block& block, const CompareReportInput& inpu
 
 /// Bars of these rows of a block, which are all or those of the finer scales.
 Plot bar_plot(const Block& block, const Rows& rows, const std::string& error, std::string_view head,
-              double sim::Metrics::*figure, double PrintedRow::*printed) {
+              sim::Figure::OfRun figure) {
   Plot p;
   p.title = fmt::format("{} of the {} at {}", head, error, block.text);
   if (rows.size() < block.rows.size()) p.title += ": " + names_of(rows, block.rows) + " alone";
@@ -534,8 +522,9 @@ Plot bar_plot(const Block& block, const Rows& rows, const std::string& error, st
     if (const PrintedRow* row = block.printed != nullptr ? block.printed->find(r.controller.id) : nullptr;
         row != nullptr) {
       print.x.push_back(at + 0.4);
-      print.y.push_back(row->*printed);
-      top = std::fmax(top, row->*printed);
+      const double printed = row->of(figure).value_or(kNaN);
+      print.y.push_back(printed);
+      top = std::fmax(top, printed);
     }
   }
   // A few bars need not be as wide as the drawing.
@@ -702,7 +691,7 @@ std::string compare_report(const CompareReportInput& input) {
   const std::string error = error_name(result);
   const std::string letter = one_axis ? "e" : "ε";
   page.section("Figures");
-  const std::vector<Figure> figures = main_figures(result);
+  const std::vector<FigureColumn> figures = main_figures(result);
   bool printed = false;
   for (const Block& b : blocks) {
     page.table(controllers_table(b, figures));
@@ -722,7 +711,7 @@ std::string compare_report(const CompareReportInput& input) {
         "not compared.");
   }
   if (!blocks.empty()) {
-    const std::vector<Figure> further = further_figures(result);
+    const std::vector<FigureColumn> further = further_figures(result);
     page.details(one_axis ? "Standard deviations" : "Standard deviations and tracking errors of the axes",
                  [&] {
                    for (const Block& b : blocks) page.table(controllers_table(b, further));
@@ -732,9 +721,8 @@ std::string compare_report(const CompareReportInput& input) {
   }
   for (const Block& b : blocks) {
     const auto bars = [&](const Rows& rows) {
-      return std::vector<Plot>{bar_plot(b, rows, error, "Maximum", &sim::Metrics::max_contour_error,
-                                        &PrintedRow::max_contour_error_um),
-                               bar_plot(b, rows, error, "RMS", &sim::Metrics::rms, &PrintedRow::rms_um)};
+      return std::vector<Plot>{bar_plot(b, rows, error, "Maximum", &sim::Metrics::max_contour_error),
+                               bar_plot(b, rows, error, "RMS", &sim::Metrics::rms)};
     };
     page.figures(bars(b.rows), 2, "");
     for (const Rows& fine : finer_rows(b.rows))

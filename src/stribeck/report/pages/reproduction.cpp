@@ -19,18 +19,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMicro = 1e6;
 constexpr double kDetail = 0.5;
 
-using Figure = double sim::Metrics::*;
-
-/// In the unit that people read.
-struct Scale {
-  double factor;
-  const char* unit;
-};
-Scale scale_of(Figure figure) {
-  if (figure == &sim::Metrics::mean_abs_ui || figure == &sim::Metrics::power) return {1.0, "W"};
-  if (figure == &sim::Metrics::input_variation) return {1e3, "mV"};
-  return {kMicro, "µm"};
-}
+using Figure = sim::Figure::OfRun;
 
 const sim::CompareRow* find_row(const sim::CompareResult& result, std::string_view id, std::size_t travel) {
   for (const sim::CompareRow& r : result.rows) {
@@ -68,10 +57,10 @@ ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& res
     f.printed = f.ours = f.low = f.high = kNaN;
     return f;
   }
-  const Scale scale = scale_of(claim.figure);
-  MeanAndSpread ours{row->mean.*claim.figure * scale.factor, row->spread.*claim.figure * scale.factor};
-  f.unit = scale.unit;
-  f.printed = claim.printed * scale.factor;
+  const sim::Figure& shown = sim::figure_of(claim.figure);
+  MeanAndSpread ours{row->mean.*claim.figure * shown.scale, row->spread.*claim.figure * shown.scale};
+  f.unit = shown.unit;
+  f.printed = claim.printed * shown.scale;
   if (against != nullptr) {
     std::vector<double> changes;
     for (std::size_t i = 0; i < row->trials.size(); ++i)
@@ -90,50 +79,54 @@ ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& res
   return f;
 }
 
+/// A column of the measured table; the head only where it is not that of the figure.
+struct MeasuredColumn {
+  Figure figure;
+  int digits = 2;
+  std::string_view head = {};
+};
+
 /// The quadrant ratio is what goes beyond the thesis, which prints none.
-Table measured_table(const sim::CompareResult& result, bool with_quadrants) {
+std::vector<MeasuredColumn> measured_columns(const sim::CompareResult& result, bool with_quadrants) {
+  using sim::Metrics;
   const bool one_axis = result.axes.size() == 1;
-  const bool quadrants = with_quadrants && !one_axis &&
-                         std::any_of(result.rows.begin(), result.rows.end(),
-                                     [](const auto& r) { return std::isfinite(r.mean.quadrant_ratio); });
-  const bool current = std::any_of(result.rows.begin(), result.rows.end(),
-                                   [](const auto& r) { return std::isfinite(r.mean.mean_abs_ui); });
+  std::vector<MeasuredColumn> all{{&Metrics::max_contour_error, 2, one_axis ? "max |e|" : ""}};
+  if (!one_axis) all.push_back({&Metrics::quadrant_glitch});
+  if (with_quadrants && !one_axis) all.push_back({&Metrics::quadrant_ratio});
+  all.insert(all.end(), {{&Metrics::rms},
+                         {&Metrics::mean_abs},
+                         {&Metrics::input_variation, 1},
+                         {&Metrics::mean_abs_ui},
+                         {&Metrics::max_orientation_error, 1, "orientation max"},
+                         {&Metrics::mean_orientation_error, 1, "orientation mean"}});
+  std::erase_if(all, [&](const MeasuredColumn& c) {
+    return sim::figure_of(c.figure).where_known &&
+           std::none_of(result.rows.begin(), result.rows.end(),
+                        [&](const sim::CompareRow& r) { return std::isfinite(r.mean.*c.figure); });
+  });
+  return all;
+}
+
+Table measured_table(const sim::CompareResult& result, bool with_quadrants) {
+  const std::vector<MeasuredColumn> columns = measured_columns(result, with_quadrants);
   Table t{"", {{"controller", "", false}}, {}};
   if (result.spec.travels.size() > 1) t.columns.push_back({"motion", "", false});
-  t.columns.push_back({one_axis ? "max |e|" : "max", "µm"});
-  if (!one_axis) t.columns.push_back({"glitch", "µm"});
-  if (quadrants) t.columns.push_back({"quadrant ratio"});
-  t.columns.push_back({"RMS", "µm"});
-  t.columns.push_back({one_axis ? "mean |e|" : "mean |ε|", "µm"});
-  t.columns.push_back({"mean |Δu|", "mV"});
-  if (current) t.columns.push_back({"mean |u·i|", "W"});
-  const bool tool_axis = std::any_of(result.rows.begin(), result.rows.end(), [](const auto& r) {
-    return std::isfinite(r.mean.max_orientation_error);
-  });
-  if (tool_axis) {
-    t.columns.push_back({"orientation max", "µrad"});
-    t.columns.push_back({"orientation mean", "µrad"});
+  for (const MeasuredColumn& c : columns) {
+    const sim::Figure& f = sim::figure_of(c.figure);
+    t.columns.push_back(
+        {std::string(c.head.empty() ? f.head(result.axes.size() == 1) : c.head), std::string(f.unit)});
   }
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
     const sim::CompareRow& r = result.rows[k];
-    const auto cell = [&](Figure f, double scale, int digits = 2) {
-      Cell c{decimals(r.mean.*f * scale, digits)};
-      if (std::isfinite(r.spread.*f)) c.spread = "± " + decimals(r.spread.*f * scale, digits);
-      return c;
-    };
     std::vector<Cell> row{{"(" + r.controller.id + ") " + r.controller.label, "", "", false,
                            controller_color(r.controller.id, k)}};
     if (result.spec.travels.size() > 1) row.push_back({result.spec.travels[r.travel].pace_in_words()});
-    row.push_back(cell(&sim::Metrics::max_contour_error, kMicro));
-    if (!one_axis) row.push_back(cell(&sim::Metrics::quadrant_glitch, kMicro));
-    if (quadrants) row.push_back(cell(&sim::Metrics::quadrant_ratio, 1.0));
-    row.push_back(cell(&sim::Metrics::rms, kMicro));
-    row.push_back(cell(&sim::Metrics::mean_abs, kMicro));
-    row.push_back(cell(&sim::Metrics::input_variation, 1e3, 1));
-    if (current) row.push_back(cell(&sim::Metrics::mean_abs_ui, 1.0));
-    if (tool_axis) {
-      row.push_back(cell(&sim::Metrics::max_orientation_error, kMicro, 1));
-      row.push_back(cell(&sim::Metrics::mean_orientation_error, kMicro, 1));
+    for (const MeasuredColumn& c : columns) {
+      const double scale = sim::figure_of(c.figure).scale;
+      Cell cell{decimals(r.mean.*c.figure * scale, c.digits)};
+      if (std::isfinite(r.spread.*c.figure))
+        cell.spread = "± " + decimals(r.spread.*c.figure * scale, c.digits);
+      row.push_back(std::move(cell));
     }
     t.rows.push_back(std::move(row));
   }
@@ -192,7 +185,7 @@ Plot bars(const Rows& some, const Rows& all, Figure figure, const char* title, c
     for (std::size_t k = 0; k < some[i]->trials.size(); ++k) {
       s.x.push_back(static_cast<double>(k) + 1.0 +
                     width * (static_cast<double>(i) - 0.5 * static_cast<double>(some.size() - 1)));
-      s.y.push_back(some[i]->trials[k].*figure * scale_of(figure).factor);
+      s.y.push_back(some[i]->trials[k].*figure * sim::figure_of(figure).scale);
       if (std::isfinite(s.y.back())) top = std::fmax(top, s.y.back());
     }
     p.series.push_back(std::move(s));

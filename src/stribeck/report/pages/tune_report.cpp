@@ -25,13 +25,20 @@ double decibels(double factor) { return 20.0 * std::log10(factor); }
 std::string arrow(const std::string& a, const std::string& b) { return a + " → " + b; }
 
 /// A figure of a travel before and after; what could not be run is "–".
-std::string figure(const sim::TunedController& c, std::size_t travel, double sim::Metrics::*which,
-                   double scale) {
+std::string figure(const sim::TunedController& c, std::size_t travel, sim::Figure::OfRun which) {
+  const double scale = sim::figure_of(which).scale;
   const auto one = [&](const std::vector<sim::TravelScore>& scores) {
     return travel < scores.size() ? decimals(scores[travel].mean.*which * scale, 2) : std::string("–");
   };
   return arrow(one(c.before), one(c.after));
 }
+
+/// What the tables of a travel show.
+constexpr std::array kShown{&sim::Metrics::max_contour_error, &sim::Metrics::rms,
+                            &sim::Metrics::input_variation};
+/// What the JSON has of a travel.
+constexpr std::array kInJson{&sim::Metrics::max_contour_error, &sim::Metrics::quadrant_glitch,
+                             &sim::Metrics::rms, &sim::Metrics::input_variation, &sim::Metrics::power};
 
 std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
 
@@ -120,18 +127,18 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
     TextColumn id{"", "", {}, false};
     id.least = kLongestId;
     TextColumn label{"controller", "", {}, false};
-    TextColumn max{"max", "µm", {}};
-    TextColumn rms{"RMS", "µm", {}};
-    TextColumn variation{"mean |Δu|", "mV", {}};
     for (const sim::TunedController& c : result.controllers) {
       id.entries.push_back(clean_text(c.start.id));
       label.entries.push_back(clean_text(c.start.label));
-      max.entries.push_back(figure(c, t, &sim::Metrics::max_contour_error, 1e6));
-      rms.entries.push_back(figure(c, t, &sim::Metrics::rms, 1e6));
-      variation.entries.push_back(figure(c, t, &sim::Metrics::input_variation, 1e3));
+    }
+    std::vector<TextColumn> columns{id, label};
+    for (const auto which : kShown) {
+      const sim::Figure& f = sim::figure_of(which);
+      TextColumn& column = columns.emplace_back(TextColumn{std::string(f.name), std::string(f.unit), {}});
+      for (const sim::TunedController& c : result.controllers) column.entries.push_back(figure(c, t, which));
     }
     out += fmt::format("\n{}, at its own gains → tuned\n", spec.compare.travels[t].pace_in_words()) +
-           lay_out({id, label, max, rms, variation});
+           lay_out(columns);
   }
   TextColumn id{"", "", {}, false};
   id.least = kLongestId;
@@ -170,11 +177,12 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
   const auto figures = [](const std::vector<sim::TravelScore>& scores, std::size_t t) {
     if (t >= scores.size()) return Json(nullptr);
     const sim::Metrics& m = scores[t].mean;
-    return Json{{"max_contour_error_um", number_or_null(m.max_contour_error * 1e6)},
-                {"quadrant_glitch_um", number_or_null(m.quadrant_glitch * 1e6)},
-                {"rms_um", number_or_null(m.rms * 1e6)},
-                {"input_variation_V", number_or_null(m.input_variation)},
-                {"power_W", number_or_null(m.power)}};
+    Json one;
+    for (const auto which : kInJson) {
+      const sim::Figure& f = sim::figure_of(which);
+      one[f.key] = number_or_null(m.*which * f.key_scale);
+    }
+    return one;
   };
   Json out;
   out["schema"] = "stribeck.tune/1";
@@ -226,17 +234,14 @@ std::string tune_report(const TuneReportInput& input) {
   for (std::size_t t = 0; t < input.spec.compare.travels.size(); ++t) {
     page.section(input.spec.compare.travels[t].pace_in_words());
     Table table;
-    table.columns = {{"", "", false},
-                     {"controller", "", false},
-                     {"max", "µm, own → tuned", true},
-                     {"RMS", "µm, own → tuned", true},
-                     {"mean |Δu|", "mV, own → tuned", true}};
+    table.columns = {{"", "", false}, {"controller", "", false}};
+    for (const auto which : kShown) {
+      const sim::Figure& f = sim::figure_of(which);
+      table.columns.push_back({std::string(f.name), std::string(f.unit) + ", own → tuned", true});
+    }
     for (const sim::TunedController& c : r.controllers) {
-      table.rows.push_back({{c.start.id},
-                            {c.start.label},
-                            {figure(c, t, &sim::Metrics::max_contour_error, 1e6)},
-                            {figure(c, t, &sim::Metrics::rms, 1e6)},
-                            {figure(c, t, &sim::Metrics::input_variation, 1e3)}});
+      table.rows.push_back({{c.start.id}, {c.start.label}});
+      for (const auto which : kShown) table.rows.back().push_back({figure(c, t, which)});
     }
     page.table(table);
   }
