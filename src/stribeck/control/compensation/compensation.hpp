@@ -72,14 +72,14 @@ class Compensation {
     double last_acceleration = 0.0;  ///< of the reference [m/s²]
     double last_velocity = 0.0;      ///< of the reference [m/s]
     double last_jerk = 0.0;          ///< of the reference [m/s³]
-    double ahead = 0.0;              ///< what accelerates the mass, of the last step [N]
+    double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
     bool limited = false;  ///< the last force was cut
     /// Forces commanded, and the feed-forward in them, newest first [N].
     std::array<double, kMostDelay + 3> force{};
-    std::array<double, kMostDelay + 3> fed{};
-    /// What steps of the adaptation changed in the feed-forward, against the one before [N].
-    std::array<double, kMostDelay + 3> stirred{};
+    std::array<double, kMostDelay + 3> feedforward_history{};
+    /// The part of its change from period to period that comes from steps of θ [N].
+    std::array<double, kMostDelay + 3> change_by_theta_history{};
   };
 
   Compensation() = default;
@@ -114,7 +114,7 @@ class Compensation {
 
   /// What the encoder says now [m], and its differenced velocity [m/s]. To be called once per period, before step().
   void observe(State& s, double position, double velocity) const noexcept {
-    const double net = acted(s.force) - acted(s.fed);
+    const double net = force_acting(s.force) - force_acting(s.feedforward_history);
     if (params_.observer == Observer::kDisturbance) {
       s.estimate = observer_.step(s.disturbance, net, velocity);
     } else if (params_.observer == Observer::kKalman) {
@@ -126,9 +126,11 @@ class Compensation {
     // The reference in the middle of the period that has passed, at rest exactly at rest.
     const double middle = 0.5 * period_;
     const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
-    adaptation_.step(s.adaptation, acted(s.force) - params_.model.load,
-                     acted(s.fed) - acted(s.fed, 1) - acted(s.stirred), position, v,
-                     s.last_acceleration + middle * s.last_jerk, !s.limited && s.guard.trust == 1.0);
+    adaptation_.step(s.adaptation, force_acting(s.force) - params_.model.load,
+                     force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
+                         force_acting(s.change_by_theta_history),
+                     position, v, s.last_acceleration + middle * s.last_jerk,
+                     !s.limited && s.guard.trust == 1.0);
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 
@@ -136,7 +138,7 @@ class Compensation {
   double step(State& s, double reference, double velocity, double acceleration,
               StatusCounter& status) const noexcept {
     s.friction = params_.model.load;
-    double ahead = 0.0;
+    double inertia_change = 0.0;
     if (params_.feedforward != Feedforward::kNone) {
       if (!params_.model.friction.covers(velocity)) status.raise(Status::kOutsideVelocityRange);
     }
@@ -158,29 +160,29 @@ class Compensation {
                         : reversal_.step(s.reversal, coming, velocity, scales).sum();
       if (adaptation_.enabled())
         s.friction += adaptation_.extra(s.adaptation, coming.position_at(middle), accelerates);
-      ahead = params_.model.mass * (accelerates - acceleration);
+      inertia_change = params_.model.mass * (accelerates - acceleration);
     }
     s.started = true;
     s.last_acceleration = acceleration;
     s.last_velocity = velocity;
-    s.ahead = ahead + params_.model.mass * acceleration;
-    return s.friction + ahead + s.guard.trust * s.estimate;
+    s.inertia_force = inertia_change + params_.model.mass * acceleration;
+    return s.friction + inertia_change + s.guard.trust * s.estimate;
   }
 
   /// Tells the observers the force [N] that was really commanded, after limits.
   void applied(State& s, double force, bool limited, StatusCounter& status) const noexcept {
-    if (params_.guarded && guard_.step(s.guard, force - s.friction - s.ahead, s.last_velocity)) {
+    if (params_.guarded && guard_.step(s.guard, force - s.friction - s.inertia_force, s.last_velocity)) {
       status.raise(Status::kOscillation);
       adaptation_.halve(s.adaptation);
     }
     for (std::size_t i = past_; i > 0; --i) {
       s.force[i] = s.force[i - 1];
-      s.fed[i] = s.fed[i - 1];
-      s.stirred[i] = s.stirred[i - 1];
+      s.feedforward_history[i] = s.feedforward_history[i - 1];
+      s.change_by_theta_history[i] = s.change_by_theta_history[i - 1];
     }
     s.force[0] = force;
-    s.fed[0] = s.friction;
-    s.stirred[0] = follows_adaptation() ? s.adaptation.stir : 0.0;
+    s.feedforward_history[0] = s.friction;
+    s.change_by_theta_history[0] = follows_adaptation() ? s.adaptation.feedforward_change_by_theta : 0.0;
     s.limited = limited;
   }
 
@@ -217,7 +219,7 @@ class Compensation {
     s.estimate -= moved;
     *d -= moved;
     // What was commanded counts as if it had been fed forward like this.
-    for (double& fed : s.fed) fed += moved;
+    for (double& force : s.feedforward_history) force += moved;
   }
 
   /// Jerk of the reference that will go on. A step of acceleration, as trapezoidal planners make it, is none: the velocity of the
@@ -236,9 +238,9 @@ class Compensation {
   static constexpr double kRattle = 0.3;
 
   /// Mean over the last period of what was commanded, later by the delay.
-  [[nodiscard]] double acted(const std::array<double, kMostDelay + 3>& commanded,
-                             std::size_t ago = 0) const noexcept {
-    const std::size_t i = whole_ + ago;
+  [[nodiscard]] double force_acting(const std::array<double, kMostDelay + 3>& commanded,
+                                    std::size_t periods_ago = 0) const noexcept {
+    const std::size_t i = whole_ + periods_ago;
     if (rest_ == 0.0) return commanded[i];
     return (1.0 - rest_) * commanded[i] + rest_ * commanded[i + 1];
   }

@@ -51,10 +51,10 @@ class FrictionAdaptation {
   using Vector = Vec<double, kCount>;
 
   struct State {
-    Vector theta;           ///< deviations from 1, or from 0 for μ, c and s
-    Vector deviation;       ///< standard deviations of θ
-    double residual = 0.0;  ///< ε of the last step [N]
-    double stir = 0.0;      ///< what the last step of θ changes in the force fed forward [N]
+    Vector theta;                              ///< deviations from 1, or from 0 for μ, c and s
+    Vector deviation;                          ///< standard deviations of θ
+    double residual = 0.0;                     ///< ε of the last step [N]
+    double feedforward_change_by_theta = 0.0;  ///< change of the feed-forward by the last step of θ [N]
     ResidualNoise::State noise;
     std::array<FrictionFeedforward::Bristle, 4> bristles;
     bool started = false;
@@ -104,7 +104,7 @@ class FrictionAdaptation {
   void step(State& s, double force, double change, double position, double v, double acceleration,
             bool learn) const noexcept {
     if (!params_.enabled) return;
-    s.stir = 0.0;
+    s.feedforward_change_by_theta = 0.0;
     if (!s.informed) {
       s.informed = true;
       s.position = s.reading = position;
@@ -145,14 +145,14 @@ class FrictionAdaptation {
     // P·φ and the gain
     Vector pf;
     for (std::size_t i = 0; i < kCount; ++i) pf[i] = dot(s.p[i], phi);
-    const double owed = max_of(dot(phi, pf), 0.0);
+    const double predicted_variance = max_of(dot(phi, pf), 0.0);
     const double least = variance_ + rounding_ * resolution * resolution;
-    const double sum = noise_.step(s.noise, s.residual, owed, least) + owed;
+    const double sum = noise_.step(s.noise, s.residual, predicted_variance, least) + predicted_variance;
     const double share = s.residual / sum;
     for (std::size_t i = 0; i < kCount; ++i) {
       const double last = s.theta[i];
       s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
-      s.stir += (s.theta[i] - last) * force_of[i];
+      s.feedforward_change_by_theta += (s.theta[i] - last) * force_of[i];
       for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
     }
     for (std::size_t i = 0; i < kCount; ++i) {

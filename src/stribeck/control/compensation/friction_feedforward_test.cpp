@@ -189,7 +189,7 @@ TEST(Compensation, AJerkGoesOnAndAStepOfAccelerationDoesNot) {
   const auto of = [&](std::initializer_list<Sample> samples) {
     Compensation::State s;
     for (const Sample& r : samples) law.step(s, 0.0, r.velocity, r.acceleration, status);
-    return s.ahead;
+    return s.inertia_force;
   };
   constexpr double kStep = 2.0 * kPeriod;  // of velocity, under 2 m/s²
   EXPECT_DOUBLE_EQ(of({{0.0, 0.0}, {0.0, 0.0}, {0.0, 2.0}}), 500.0);

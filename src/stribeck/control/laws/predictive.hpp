@@ -305,7 +305,7 @@ class Predictive {
     const auto& c = s.compensation[i];
     // Accelerations asked for, newest first, reach the mass later by the delay.
     const auto acceleration = [&](std::size_t n) {
-      return (c.force[n] - c.fed[n] - c.estimate) / common_.mass(i);
+      return (c.force[n] - c.feedforward_history[n] - c.estimate) / common_.mass(i);
     };
     const double periods = clamp_to(setup_.compensation[i].delay / t, 0.0, static_cast<double>(kMostDelay));
     const auto whole = static_cast<std::size_t>(periods);

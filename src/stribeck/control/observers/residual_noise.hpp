@@ -4,8 +4,8 @@
 ///   m_j = mean of e over block j of n samples      e = ε·√(r/(r + h))
 ///   r̂ ← r̂ + (n·(m_j − m_{j−1})²/2 − r̂)/N          r = max(r̂, least)
 ///
-///   ε residual [N]; h = φᵀPφ, the variance that it may owe to what has not been learned [N²]; N blocks, from a few, which stand for
-///   what is assumed, up to those of the memory.
+///   ε residual [N]; h = φᵀPφ, the part of its variance that the filter predicts, because θ is not known yet [N²]; N blocks,
+///   from a few, which stand for what is assumed, up to those of the memory.
 ///
 /// Means over blocks longer than the correlation are independent, and n times their variance is the spectral density at low
 /// frequency, which is what is left of the noise in an estimate over many blocks. From differences of neighbours, because a
@@ -35,10 +35,10 @@ class ResidualNoise {
       : samples_(max_of(1, static_cast<int>(min_of(kBlock / period, 1e6) + 0.5))),
         most_(max_of(memory / kBlock, kFew + 1.0)) {}
 
-  /// One sample of ε [N] with what it may owe to θ, h [N²], where at least `least` [N²] is assumed. Returns r.
-  double step(State& s, double residual, double owed, double least) const noexcept {
+  /// One sample of ε [N] with h [N²], where at least `least` [N²] is assumed. Returns r.
+  double step(State& s, double residual, double predicted_variance, double least) const noexcept {
     const double r = max_of(s.estimate, least);
-    s.sum += residual * sqrt(r / (r + owed));
+    s.sum += residual * sqrt(r / (r + predicted_variance));
     if (++s.samples < samples_) return r;
     const double mean = s.sum / samples_;
     const double change = mean - s.last;
