@@ -10,7 +10,7 @@
 ///
 /// Friction follows the reference, not the measurement: a measured velocity that trembles around zero would make the force
 /// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
-/// by the delay. With adaptation the model is corrected on line (friction_adaptation.hpp). A
+/// by the delay. With adaptation the model is corrected on line (friction_rls.hpp). A
 /// guarded loop that oscillates loses the observer's velocity at once and its estimate by halves.
 /// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. A delay must not be
 /// longer than kMostDelay periods. Not modelled: adaptation corrects dynamic and reversal feed-forward only.
@@ -19,8 +19,8 @@
 #include <array>
 #include <limits>
 #include <stribeck/control/compensation/drift_monitor.hpp>
-#include <stribeck/control/compensation/friction_adaptation.hpp>
 #include <stribeck/control/compensation/friction_feedforward.hpp>
+#include <stribeck/control/compensation/friction_rls.hpp>
 #include <stribeck/control/compensation/oscillation_guard.hpp>
 #include <stribeck/control/compensation/reversal_feedforward.hpp>
 #include <stribeck/control/observers/adaptive_friction.hpp>
@@ -64,7 +64,7 @@ class Compensation {
     AdaptiveFriction::State adaptive;
     FrictionFeedforward::State feedforward;
     ReversalFeedforward::State reversal;
-    FrictionAdaptation::State adaptation;
+    FrictionRls::State adaptation;
     DriftMonitor::State drift;
     OscillationGuard::State guard;
     double friction = 0.0;           ///< feed-forward of the last step [N]
@@ -252,7 +252,7 @@ class Compensation {
   KalmanObserver kalman_;
   FrictionFeedforward feedforward_;
   ReversalFeedforward reversal_;
-  FrictionAdaptation adaptation_;
+  FrictionRls adaptation_;
   OscillationGuard guard_;
   std::size_t whole_ = 0;  ///< of the delay, in periods
   double rest_ = 0.0;

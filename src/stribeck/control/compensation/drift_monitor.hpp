@@ -14,7 +14,7 @@
 /// Real time: safe.
 
 #include <limits>
-#include <stribeck/control/compensation/friction_adaptation.hpp>
+#include <stribeck/control/compensation/friction_rls.hpp>
 
 namespace stribeck::control {
 
@@ -89,7 +89,7 @@ class DriftMonitor {
   };
 
   /// One period of `dt` [s].
-  static void step(State& s, const FrictionAdaptation::State& a, bool moving, double dt) noexcept {
+  static void step(State& s, const FrictionRls::State& a, bool moving, double dt) noexcept {
     if (!moving) return;
     const double level = level_of(a);
     s.moved += dt;
@@ -98,8 +98,8 @@ class DriftMonitor {
     s.slow += dt / min_of(kSlow, s.moved) * (level - s.slow);
   }
 
-  static Drift report(const State& s, const FrictionAdaptation::State& a, double period) noexcept {
-    using A = FrictionAdaptation;
+  static Drift report(const State& s, const FrictionRls::State& a, double period) noexcept {
+    using A = FrictionRls;
     Drift d;
     d.positive = a.theta[A::kPositive];
     d.negative = a.theta[A::kNegative];
@@ -136,8 +136,8 @@ class DriftMonitor {
   }
 
  private:
-  static double level_of(const FrictionAdaptation::State& a) noexcept {
-    return 0.5 * (a.theta[FrictionAdaptation::kPositive] + a.theta[FrictionAdaptation::kNegative]);
+  static double level_of(const FrictionRls::State& a) noexcept {
+    return 0.5 * (a.theta[FrictionRls::kPositive] + a.theta[FrictionRls::kNegative]);
   }
 
   static constexpr double kFast = 10.0;     ///< [s]

@@ -44,7 +44,7 @@ struct AdaptationParams {
   double correlation = 0.05;  ///< correlation time of the residual then [s]
 };
 
-class FrictionAdaptation {
+class FrictionRls {
  public:
   static constexpr std::size_t kCount = 8;
   enum Index : std::size_t { kPositive, kNegative, kViscous, kStiffness, kMass, kSine, kCosine, kDelay };
@@ -68,10 +68,10 @@ class FrictionAdaptation {
     Mat<double, kCount> p;
   };
 
-  FrictionAdaptation() = default;
+  FrictionRls() = default;
   /// `delay` [s]: what is assumed of it.
-  FrictionAdaptation(const AdaptationParams& params, const friction::AxisModel& model,
-                     double encoder_resolution, double delay, double period) noexcept
+  FrictionRls(const AdaptationParams& params, const friction::AxisModel& model, double encoder_resolution,
+              double delay, double period) noexcept
       : params_(params),
         model_(model.friction, period),
         mass_(model.mass),
