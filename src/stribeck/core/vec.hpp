@@ -66,6 +66,19 @@ constexpr Vec<T, N> operator*(const Mat<T, N>& m, const Vec<T, N>& v) noexcept {
 }
 
 template <class T, std::size_t N>
+constexpr Mat<T, N> operator*(const Mat<T, N>& a, const Mat<T, N>& b) noexcept {
+  Mat<T, N> r;
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = 0; j < N; ++j) {
+      T sum = a[i][0] * b[0][j];
+      for (std::size_t k = 1; k < N; ++k) sum = sum + a[i][k] * b[k][j];
+      r[i][j] = sum;
+    }
+  }
+  return r;
+}
+
+template <class T, std::size_t N>
 constexpr Mat<T, N> transpose(const Mat<T, N>& m) noexcept {
   Mat<T, N> r;
   for (std::size_t i = 0; i < N; ++i) {

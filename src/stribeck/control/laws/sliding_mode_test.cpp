@@ -149,21 +149,12 @@ Case case_of(const Point& x, const SlidingModeParams& p, const Room& room) {
     const double z = scale * in_box(x[at + 2]);
     return Mat<double, 3>{{{{{0.0, -z, v}}, {{z, 0.0, -u}}, {{-v, u, 0.0}}}}};
   };
-  const auto product = [](const Mat<double, 3>& f, const Mat<double, 3>& g) {
-    Mat<double, 3> m;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t j = 0; j < 3; ++j) m[i][k] += f[i][j] * g[j][k];
-      }
-    }
-    return m;
-  };
   const auto omega = skew(4, 10.0);
-  auto bend = product(omega, omega);
+  auto bend = omega * omega;
   const auto turn = skew(7, 100.0);
   for (std::size_t i = 0; i < 3; ++i) bend[i] = bend[i] + turn[i];
-  c.r.frame_rate = product(omega, c.r.frame);
-  c.r.frame_acceleration = product(bend, c.r.frame);
+  c.r.frame_rate = omega * c.r.frame;
+  c.r.frame_acceleration = bend * c.r.frame;
 
   V3 local, surface, wanted;
   const double size = std::pow(10.0, -3.5 + 3.5 * in_box(x[10]));

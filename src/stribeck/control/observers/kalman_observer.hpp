@@ -9,8 +9,7 @@
 /// position is a state too: with a differenced encoder as the measurement the noise would not be white.
 /// Source: Erkorkmaz, Altintas 2001, as the thesis cites for its observer; Anderson, Moore, Optimal
 /// Filtering, 1979. Not modelled: coloured force noise.
-/// Real time: safe; the constructor (iterates the
-/// Riccati equation) configure only.
+/// Real time: safe; the constructor (iterates the Riccati equation) configure only.
 
 #include <stribeck/core/vec.hpp>
 
@@ -46,8 +45,7 @@ class KalmanObserver {
       for (std::size_t a = 0; a < 3; ++a) {
         for (std::size_t b = 0; b < 3; ++b) updated[a][b] = p[a][b] - k[a] * top[b];
       }
-      const M3 half = multiply(phi, updated);
-      p = multiply(half, transpose(phi));
+      p = phi * updated * transpose(phi);
       for (std::size_t a = 0; a < 3; ++a) p[a] = p[a] + noise[a];
       const double change = norm(k - gain_);
       gain_ = k;
@@ -91,13 +89,6 @@ class KalmanObserver {
 
  private:
   static constexpr int kIterations = 100000;
-  static constexpr Mat<double, 3> multiply(const Mat<double, 3>& a, const Mat<double, 3>& b) noexcept {
-    Mat<double, 3> r;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) r[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-    }
-    return r;
-  }
 
   Vec<double, 3> gain_{};
   double t_ = 1.0;

@@ -26,17 +26,8 @@ constexpr double kSurface = 0.1e-3;
 constexpr std::size_t kMostStates = 4;
 using Matrix = Mat<double, kMostStates + 1>;
 
-Matrix product(const Matrix& a, const Matrix& b) {
-  Matrix c;
-  for (std::size_t i = 0; i <= kMostStates; ++i) {
-    for (std::size_t k = 0; k <= kMostStates; ++k) {
-      for (std::size_t j = 0; j <= kMostStates; ++j) c[i][j] += a[i][k] * b[k][j];
-    }
-  }
-  return c;
-}
-
-/// exp(a·t) by its series, on a step that is short enough, and squared.
+/// exp(a·t) by its series, on a step that is short enough, and squared. By hand, as the elimination below: Eigen's exp() alone
+/// takes 4 s to compile, more than this file.
 Matrix exponential(const Matrix& a, double t) {
   double size = 0.0;
   for (const auto& row : a.row) {
@@ -49,11 +40,11 @@ Matrix exponential(const Matrix& a, double t) {
   Matrix term;
   for (std::size_t i = 0; i <= kMostStates; ++i) sum[i][i] = term[i][i] = 1.0;
   for (int n = 1; n <= 12; ++n) {
-    term = product(term, a);
+    term = term * a;
     for (auto& row : term.row) row = (h / n) * row;
     for (std::size_t i = 0; i <= kMostStates; ++i) sum[i] = sum[i] + term[i];
   }
-  for (int i = 0; i < halvings; ++i) sum = product(sum, sum);
+  for (int i = 0; i < halvings; ++i) sum = sum * sum;
   return sum;
 }
 
