@@ -250,7 +250,7 @@ TEST(CInterface, OneAxisIsTheCppController) {
     // One axis of the contouring law adds its terms in another order: 1 nN of 300 N.
     ASSERT_NEAR(force, expected, 1e-9) << k;
     ASSERT_EQ(stribeck_controller_signals(h.c, 0, &s, sizeof s), STRIBECK_OK);
-    ASSERT_NEAR(s.friction, state.compensation.friction, 1e-9);
+    ASSERT_NEAR(s.friction, state.compensation[0].friction, 1e-9);
     ASSERT_EQ(s.force, force);
   }
   EXPECT_TRUE(std::isfinite(s.level));

@@ -27,7 +27,7 @@ constexpr std::size_t kMostStates = 4;
 using Matrix = Mat<double, kMostStates + 1>;
 
 /// exp(a·t) by its series, on a step that is short enough, and squared. By hand, as the elimination below: Eigen's exp() alone
-/// takes 4 s to compile, more than this file.
+/// takes 4 s to compile.
 Matrix exponential(const Matrix& a, double t) {
   double size = 0.0;
   for (const auto& row : a.row) {
