@@ -102,11 +102,11 @@ std::string controllers(const Options& o) {
 /// Largest speed of the table [m/s].
 double table_speed(const Options& o, const std::string& file, const friction::AxisModel& model) {
   if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
-  const auto* g = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
-  if (g == nullptr)
+  const auto range = model.friction.identified_range();
+  if (!range)
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", file));
-  return std::min(-g->velocity_range[0], g->velocity_range[1]);
+  return std::min(-(*range)[0], (*range)[1]);
 }
 
 std::string tables(const Options& o, Json& json, std::string& words) {

@@ -99,9 +99,13 @@ struct BasicModel {
     return p;
   }
 
+  /// Velocities of the data behind the steady map [m/s]; none where it does not say.
+  [[nodiscard]] std::optional<std::array<double, 2>> identified_range() const noexcept {
+    return std::visit([](const auto& map) noexcept { return map.identified_range(); }, steady);
+  }
   /// Whether the model was identified at this velocity; a map without a range covers all.
   [[nodiscard]] bool covers(double v) const noexcept {
-    const auto range = std::visit([](const auto& map) noexcept { return map.identified_range(); }, steady);
+    const auto range = identified_range();
     return !range || (v >= (*range)[0] && v <= (*range)[1]);
   }
 

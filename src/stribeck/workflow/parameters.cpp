@@ -71,7 +71,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
         map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
     const bool eccentric = !gaussian && !model.friction.eccentric.empty();
     // A model without bristles does not take the place of one that has them.
-    if (!p.knowledge[i].whole || !std::holds_alternative<friction::Static>(model.friction.dynamics))
+    if (!p.knowledge[i].whole || friction::has_pre_sliding(model.friction.dynamics))
       p.knowledge[i].whole = model;
     (gaussian    ? p.knowledge[i].gaussian
      : eccentric ? p.knowledge[i].eccentric

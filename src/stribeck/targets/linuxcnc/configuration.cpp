@@ -231,9 +231,9 @@ std::string contour_control(const Configuration& c) {
 
 /// Viscous friction [N s/m], both directions' mean.
 double viscous_of(const friction::AxisModel& model) {
-  if (const auto* g = std::get_if<friction::Gaussian<double>>(&model.friction.steady))
-    return 0.5 * (g->positive.eta1 + g->negative.eta1);
-  return std::get<friction::Conventional<double>>(model.friction.steady).alpha2;
+  return std::visit(
+      [](const auto& map) { return 0.5 * (map.viscous_coefficient(1.0) + map.viscous_coefficient(-1.0)); },
+      model.friction.steady);
 }
 
 /// Stock pid at the same gains, in N and machine units; friction beyond FF1 from a lincurve where wanted.

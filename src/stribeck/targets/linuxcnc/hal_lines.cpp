@@ -51,7 +51,7 @@ std::string setp(const std::string& component, std::string_view parameter, doubl
 
 std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
                              const std::string& feedforward) {
-  const bool bristles = !std::holds_alternative<friction::Static>(model.friction.dynamics);
+  const bool bristles = friction::has_pre_sliding(model.friction.dynamics);
   const std::string word = !feedforward.empty() ? feedforward : bristles ? "dynamic" : "reversal";
   const auto which = std::find(kFeedforward.begin(), kFeedforward.end(), word) - kFeedforward.begin();
   return setp(name, "omega", omega) + choice(name, "law", 0) +
