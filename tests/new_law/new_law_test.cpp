@@ -1,4 +1,4 @@
-/// A fourth dynamic law runs in plant, feed-forward and reversal logic without a line there (dahl.hpp). Its reference is LuGre
+/// A fourth dynamic law runs in plant, feed-forward, reversal logic and replay without a line there (dahl.hpp). Its reference is LuGre
 /// without damping, the same law in other coordinates.
 
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 #include <stribeck/control/compensation/friction_feedforward.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/friction/test_maps.hpp>
+#include <stribeck/ident/replay/replay_axis.hpp>
 #include <stribeck/plant/any_mechanics.hpp>
 
 #include "dahl.hpp"
@@ -94,6 +95,35 @@ TEST(NewLaw, ReversalTakesItsDistance) {
   EXPECT_TRUE(own->stops.empty());
   EXPECT_DOUBLE_EQ(own->distance, 1.0 / kSigma);
   EXPECT_FALSE(friction::build_up_of(test::Laws(friction::Static{})).has_value());
+}
+
+TEST(NewLaw, ReplayFollowsIt) {
+  constexpr double kMass = 57650.0;
+  constexpr double kLoad = 40.0;
+  const auto path = [&](const test::Laws& law) {
+    std::vector<double> x;
+    ident::replay::with_axis(kMass, kLoad, model_of(law), 9.5e-3, [&](auto& axis) {
+      axis.place(1e-3, 2e-3);
+      axis.settle(0.0);
+      for (int k = 0; k < 1000; ++k) {
+        axis.advance(2600.0 * std::sin(2 * kPi * k / 500.0), kPeriod);
+        x.push_back(axis.x());
+      }
+    });
+    return x;
+  };
+  const std::vector<double> dahl = path(kDahl);
+  const std::vector<double> lugre = path(kLuGre);
+  const std::vector<double> plain = path(friction::Static{});
+  double moved = 0.0;
+  double from_static = 0.0;
+  for (std::size_t k = 0; k < dahl.size(); ++k) {
+    ASSERT_NEAR(dahl[k], lugre[k], 1e-11) << k;
+    moved = std::max(moved, std::abs(dahl[k] - dahl[0]));
+    from_static = std::max(from_static, std::abs(dahl[k] - plain[k]));
+  }
+  EXPECT_GT(moved, 1e-3);
+  EXPECT_GT(from_static, 1e-7);  // it does not run as friction without dynamics
 }
 
 TEST(NewLaw, VariationStiffensIt) {

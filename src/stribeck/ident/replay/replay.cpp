@@ -3,12 +3,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <stribeck/core/vec.hpp>
-#include <stribeck/friction/dynamics.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay.hpp>
-#include <stribeck/plant/integrator.hpp>
+#include <stribeck/ident/replay/replay_axis.hpp>
 #include <string>
 #include <utility>
 
@@ -16,228 +14,12 @@ namespace stribeck::ident::replay {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFewestSubsteps = 4.0;
-constexpr double kLongestSubstep = 0.5e-3;  ///< [s]; a Stribeck part of 1 mm/s passed at 1 m/s² takes 1 ms
 constexpr double kMostSubsteps = 4096.0;
 
 std::string text(const char* format, auto... values) {
   std::array<char, 320> buffer;
   std::snprintf(buffer.data(), buffer.size(), format, values...);
   return buffer.data();
-}
-
-/// Sub-steps for a hold of dt when the fastest rate of the equations is `rate` [1/s].
-double substeps(double dt, double rate) {
-  return std::max({kFewestSubsteps, std::ceil(dt / kLongestSubstep), std::ceil(dt * rate)});
-}
-
-void check_substeps(double n, double dt, const char* what) {
-  if (n <= kMostSubsteps) return;
-  throw Refused(
-      text("replay: %s %.3g sub-steps in a hold of %.4g s, more than %g (check mass and units, use the "
-           "model without dynamics or a softer one)",
-           what, n, dt, kMostSubsteps));
-}
-
-/// Greatest steepness of friction in velocity, either side of standstill [N·s/m].
-template <class Map>
-double steepness(const Map& map, double speed) {
-  constexpr int kPoints = 2000;
-  double most = 0.0;
-  for (const double s : {-1.0, 1.0}) {
-    double before = kNaN;
-    for (int i = 0; i <= kPoints; ++i) {
-      const double v = s * speed * (i + 1e-6) / kPoints;
-      const double force = friction::steady_force(map, v);
-      if (i > 0) most = std::max(most, std::abs(force - before) * kPoints / speed);
-      before = force;
-    }
-  }
-  return most;
-}
-
-/// Friction that is its steady state at once. Standstill is exact: a state of its own, left only when the
-/// force leaves the level of friction.
-template <class Map>
-class StaticAxis {
- public:
-  StaticAxis(const friction::AxisModel& model, const Map& map, double speed)
-      : map_(map), mass_(model.mass), load_(model.load), rate_(2.0 * steepness(map, speed) / model.mass) {}
-
-  void place(double x, double v) {
-    y_[0] = x;
-    y_[1] = v;
-  }
-  void settle(double) {}
-  [[nodiscard]] double x() const { return y_[0]; }
-  [[nodiscard]] double v() const { return y_[1]; }
-
-  void advance(double force, double dt) {
-    const double n = substeps(dt, rate_);
-    check_substeps(n, dt, "friction as steep as this over so small a mass needs");
-    const double push = force - load_;
-    for (int i = 0; i < static_cast<int>(n); ++i) {
-      if (!pass(push, dt / n)) return;
-    }
-  }
-
- private:
-  using State = Vec<double, 2>;
-  static constexpr double kTiny = 1e-12;  ///< velocity that only tells a direction [m/s]
-  static constexpr int kMostEvents = 8;
-
-  /// Direction in which the axis leaves standstill; 0: it stays.
-  [[nodiscard]] int breaks(double push) const {
-    const auto forward = map_.parts(kTiny, y_[0]);
-    if (push - forward.additive > forward.level) return 1;
-    const auto backward = map_.parts(-kTiny, y_[0]);
-    return push - backward.additive < -backward.level ? -1 : 0;
-  }
-
-  /// One step while the direction s does not change; beyond v = 0 friction is that of standstill.
-  [[nodiscard]] State step(double push, double h, double s) const {
-    const auto rhs = [&](const State& y) {
-      const double v = y[1] * s > kTiny ? y[1] : s * kTiny;
-      return State{{y[1], (push - friction::steady_force(map_, v, y[0])) / mass_}};
-    };
-    return plant::rk3_step(y_, rhs(y_), h, rhs);
-  }
-
-  /// Instant in (0, h] at which the velocity reaches zero; it is past zero at h (Illinois).
-  [[nodiscard]] double stop_time(double push, double h, double s, double v_end) const {
-    double a = 0.0;
-    double b = h;
-    double fa = y_[1] * s;
-    double fb = v_end * s;
-    double t = h;
-    for (int i = 0; i < 40; ++i) {
-      t = (a * fb - b * fa) / (fb - fa);
-      const double ft = step(push, t, s)[1] * s;
-      if (std::abs(ft) <= kTiny) break;
-      if (ft > 0.0) {
-        a = t;
-        fa = ft;
-        fb *= 0.5;
-      } else {
-        b = t;
-        fb = ft;
-        fa *= 0.5;
-      }
-    }
-    return t;
-  }
-
-  /// False: the axis stands, and stays so while the force is held.
-  bool pass(double push, double h) {
-    for (int events = 0; events < kMostEvents; ++events) {
-      const bool standing = y_[1] == 0.0;
-      const int direction = standing ? breaks(push) : (y_[1] > 0.0 ? 1 : -1);
-      if (direction == 0) return false;
-      const double s = direction;
-      const State end = step(push, h, s);
-      if (end[1] * s > 0.0) {
-        y_ = end;
-        return true;
-      }
-      if (standing) return false;  // friction rises at once by more than the force is above it
-      const double t = stop_time(push, h, s, end[1]);
-      y_ = step(push, t, s);
-      y_[1] = 0.0;
-      h -= t;
-      if (!(h > 0.0)) return true;
-    }
-    y_[1] = 0.0;  // the force is at the border of standstill to rounding
-    return true;
-  }
-
-  Map map_;
-  double mass_;
-  double load_;
-  double rate_;  ///< [1/s]
-  State y_{};
-};
-
-/// A law with pre-sliding over the map.
-template <class Map, friction::PreSlidingLaw Law>
-class DynamicAxis {
- public:
-  DynamicAxis(const friction::AxisModel& model, const Map& map, const Law& law, double)
-      : map_(map), friction_(law), mass_(model.mass), load_(model.load) {}
-
-  void place(double x, double v) {
-    y_[0] = x;
-    y_[1] = v;
-  }
-  /// Bristles where sliding puts them, at rest where they carry `force`.
-  void settle(double force) {
-    const auto p = map_.parts(v(), x());
-    const double carried = v() != 0.0 ? p.level * (v() > 0.0 ? 1.0 : -1.0)
-                                      : std::clamp(force - load_ - p.additive, -p.level, p.level);
-    typename Law::State state{};
-    if (v() != 0.0) {
-      friction_.law().slide(state, carried);
-    } else {
-      friction_.law().carry(state, carried);
-    }
-    friction_.place(state, &y_[2]);
-  }
-  [[nodiscard]] double x() const { return y_[0]; }
-  [[nodiscard]] double v() const { return y_[1]; }
-
-  void advance(double force, double dt) {
-    const double push = force - load_;
-    const Law& law = friction_.law();
-    const auto p = map_.parts(v(), x());
-    // The speed that the hold can reach at the most decides how fast bristles may decay in it.
-    const double reach = std::abs(v()) + (std::abs(push) + p.level) / mass_ * dt;
-    const double rate = std::max(2.0 * std::sqrt(law.stiffness() / mass_) + law.damping() / mass_,
-                                 law.rate_bound(reach, p.level));
-    const double n = substeps(dt, kSafety * rate);
-    check_substeps(n, dt, "bristles of this stiffness need");
-    const double h = dt / n;
-    const auto rhs = [&](const State& y) {
-      State d;
-      d[0] = y[1];
-      d[1] = (push - friction_.evaluate(&y[2], y[1], map_.parts(y[1], y[0]), &d[2])) / mass_;
-      return d;
-    };
-    for (int i = 0; i < static_cast<int>(n); ++i) {
-      const double before = v();
-      y_ = plant::rk3_step(y_, rhs(y_), h, rhs);
-      if constexpr (Friction::kSettles) friction_.settle(&y_[2], before, v(), map_.parts(v(), x()));
-    }
-  }
-
- private:
-  using Friction = friction::Integrated<Law>;
-  static constexpr double kSafety = 1.0 / 0.8;  ///< Kutta's third order is stable to 2.5; 0.8 is accurate too
-  using State = Vec<double, 2 + Friction::kCount>;
-
-  Map map_;
-  Friction friction_;
-  double mass_;
-  double load_;
-  State y_{};
-};
-
-/// Calls run(axis) with the axis that the model asks for.
-template <class Run>
-void with_axis(const friction::AxisModel& model, double speed, Run&& run) {
-  std::visit(
-      [&](const auto& base, const auto& law) {
-        using Base = std::remove_cvref_t<decltype(base)>;
-        using Law = std::remove_cvref_t<decltype(law)>;
-        using Map = friction::Composed<Base>;
-        const Map map{base, model.friction.eccentric};
-        if constexpr (!friction::PreSlidingLaw<Law>) {
-          StaticAxis<Map> axis(model, map, speed);
-          run(axis);
-        } else {
-          DynamicAxis<Map, Law> axis(model, map, law, speed);
-          run(axis);
-        }
-      },
-      model.friction.steady, model.friction.dynamics);
 }
 
 /// What a replay needs of a record, found once.
@@ -437,6 +219,14 @@ class ControlLoop {
 
 }  // namespace
 
+void check_substeps(double n, double dt, const char* what) {
+  if (n <= kMostSubsteps) return;
+  throw Refused(
+      text("replay: %s %.3g sub-steps in a hold of %.4g s, more than %g (check mass and units, use the "
+           "model without dynamics or a softer one)",
+           what, n, dt, kMostSubsteps));
+}
+
 Start start_of(const log::Record& record, std::size_t row, double noise) {
   using Eigen::Index;
   constexpr std::size_t kFewest = 4;
@@ -483,7 +273,7 @@ OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& r
     replay->x.resize(n);
     replay->v.resize(n);
     replay->f = record.f;
-    with_axis(model, course.speed, [&](auto& axis) {
+    with_axis(model.mass, model.load, model.friction, course.speed, [&](auto& axis) {
       const Start start = course.first();
       axis.place(start.x, start.v);
       axis.settle(force(-delay.whole));
@@ -519,7 +309,7 @@ Replay replay_closed_loop(const friction::AxisModel& model, const ReplayControll
   out.x.resize(n);
   out.v.resize(n);
   out.f.resize(n);
-  with_axis(model, course.speed, [&](auto& axis) {
+  with_axis(model.mass, model.load, model.friction, course.speed, [&](auto& axis) {
     const Start start = course.first();
     axis.place(start.x, start.v);
     axis.settle(record.f[0]);
