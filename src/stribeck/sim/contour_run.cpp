@@ -6,8 +6,6 @@
 namespace stribeck::sim {
 namespace {
 
-/// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step.
-constexpr double kStableRate = 1.7;
 constexpr int kLoopIsLost = 32;
 
 /// Contour error and, where there is a tool axis, its error.
@@ -184,7 +182,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     drives.run<N>(controller, part, {substeps, false, false}, 1, 0, &seen);
     return seen;
   };
-  const double least = drives.rate_bound() * period / kStableRate;
+  const double least = least_substeps(drives.rate_bound(), period);
   if (!(least <= kMostSubsteps)) {
     throw Refused(
         "the machine needs more than 512 sub-steps per control period for its fastest rate (friction "
@@ -197,23 +195,18 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     }
     return true;
   };
-  int n = std::max(2, static_cast<int>(std::ceil(least)));
   bool followed = false;
-  for (; n <= kMostSubsteps; n += (n + 1) / 2) {
-    const auto coarse = trace(n);
-    const auto fine = trace(2 * n);
+  const auto judge = [&](int n, const auto& coarse, const auto& fine) {
     const bool follows_now = follows(coarse) && follows(fine);
     // Too few sub-steps can lose the path; when many lose it too, it is the loop.
-    if (!follows_now && n >= kLoopIsLost) break;
+    if (!follows_now && n >= kLoopIsLost) return Substeps::kGiveUp;
     followed = followed || follows_now;
-    double worst = 0.0;
-    for (std::size_t k = 0; k < coarse.size(); ++k) {
-      const double d = std::abs(fine[k].contour_error - coarse[k].contour_error);
-      worst = std::isfinite(d) ? std::max(worst, d) : std::numeric_limits<double>::infinity();
-    }
-    // At a reversal the order falls to two: the coarse run is off by 4/3 of the difference.
-    if (worst * 4.0 / 3.0 <= accuracy && follows_now) return n;
-  }
+    RunError error;
+    for (std::size_t k = 0; k < coarse.size(); ++k)
+      error.add(std::abs(fine[k].contour_error - coarse[k].contour_error));
+    return error.within(accuracy) && follows_now ? Substeps::kEnough : Substeps::kMore;
+  };
+  if (const auto n = search_substeps(least, trace, judge)) return *n;
   if (!followed) {
     throw Refused(
         "the loop does not follow the path (error above a tenth of its extent): it is unstable or too slow "

@@ -14,6 +14,7 @@
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/sim/part/travel.hpp>
+#include <stribeck/sim/substeps.hpp>
 
 namespace stribeck::sim {
 
@@ -39,9 +40,6 @@ struct ContourSample {
 
 /// A loop that is farther from its path than this share of the path's extent has lost it.
 inline constexpr double kLost = 0.1;
-
-/// No run is simulated with more sub-steps per control period.
-inline constexpr int kMostSubsteps = 512;
 
 namespace detail {
 template <std::size_t N, class Variant>

@@ -7,7 +7,6 @@
 namespace stribeck::sim {
 namespace {
 
-constexpr double kStableRate = 1.7;
 /// Logs have streams of their own, so that no experiment meets the noise of the log its compensator came
 /// from.
 constexpr std::uint32_t kClosedLoopTrial = 0x10000;
@@ -36,8 +35,8 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   return log;
 }
 
-/// What is given up for an open loop that multiplies errors: a share of the way so far, and many sub-steps before it.
-constexpr double kShareOfWay = 0.02;
+/// What is given up for an open loop that multiplies errors: a share of the travel so far, and many sub-steps before it.
+constexpr double kShareOfTravel = 0.02;
 constexpr int kEnoughSubsteps = 32;
 
 /// Sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
@@ -46,27 +45,29 @@ template <class Run>
 int choose(const Machine& machine, std::size_t which, double accuracy, bool open, Run&& run) {
   const MachineAxis& axis = machine.axes[which].second;
   const plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
-  const double least = plant.rate_bound() * machine.sample_time / kStableRate;
-  int acceptable = 0;
-  for (int n = std::max(2, static_cast<int>(std::ceil(std::min(least, 2.0 * kMostSubsteps))));
-       n <= kMostSubsteps; n += (n + 1) / 2) {
-    const Recording coarse = run(plant::Fidelity{n, false, false});
-    const Recording fine = run(plant::Fidelity{2 * n, false, false});
-    double worst = 0.0;   // error [m]
-    double beyond = 0.0;  // the same less the share of the way [m]
-    double way = 0.0;
+  std::optional<int> acceptable;
+  const auto judge = [&](int n, const Recording& coarse, const Recording& fine) {
+    RunError error;       // [m]
+    RunError open_error;  // the same less a share of the travel so far [m]
+    double travel = 0.0;
     for (std::size_t k = 0; k < coarse.x.size(); ++k) {
       const double d = std::abs(coarse.x[k] - fine.x[k]);
-      worst = std::isfinite(d) ? std::max(worst, d) : std::numeric_limits<double>::infinity();
-      if (k > 0) way += std::abs(fine.x[k] - fine.x[k - 1]);
-      const double over = d - kShareOfWay * way;
-      beyond = std::isfinite(over) ? std::max(beyond, over) : std::numeric_limits<double>::infinity();
+      error.add(d);
+      if (k > 0) travel += std::abs(fine.x[k] - fine.x[k - 1]);
+      open_error.add(d - kShareOfTravel * travel);
     }
-    if (worst * 4.0 / 3.0 <= accuracy) return n;
-    if (open && acceptable == 0 && beyond * 4.0 / 3.0 <= accuracy) acceptable = n;
-    if (acceptable > 0 && n >= kEnoughSubsteps) return acceptable;
-  }
-  if (acceptable > 0) return acceptable;
+    if (error.within(accuracy)) return Substeps::kEnough;
+    if (open && !acceptable && open_error.within(accuracy)) acceptable = n;
+    return acceptable && n >= kEnoughSubsteps ? Substeps::kGiveUp : Substeps::kMore;
+  };
+  const auto n = search_substeps(
+      least_substeps(plant.rate_bound(), machine.sample_time),
+      [&](int substeps) {
+        return run(plant::Fidelity{substeps, false, false});
+      },
+      judge);
+  if (n) return *n;
+  if (acceptable) return *acceptable;
   throw Refused("axis " + machine.axes[which].first +
                 ": its position does not settle within the accuracy for up to 512 sub-steps per control "
                 "period: unstable with the commissioning gains, or too stiff for sample_time");

@@ -1,0 +1,54 @@
+#pragma once
+/// The search for the number of sub-steps of a control period with which a simulation is accurate.
+///
+///   n₀ = max(2, ⌈rate·T/1.7⌉)      n ← n + ⌈n/2⌉ until a run with 2n sub-steps agrees with that of n
+///
+///   rate of the equations [1/s], T control period [s]
+///
+/// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step. At a reversal the
+/// order falls to two, so that the run of n is off by 4/3 of the difference.
+/// Real time: no.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace stribeck::sim {
+
+/// More sub-steps of a control period than this are not tried.
+inline constexpr int kMostSubsteps = 512;
+
+/// Least number of sub-steps for the rate, as a fraction too.
+inline double least_substeps(double rate, double period) { return rate * period / 1.7; }
+
+/// Error of a run from its largest difference against one with twice as many sub-steps; infinite where one is not finite.
+class RunError {
+ public:
+  void add(double difference) {
+    worst_ =
+        std::isfinite(difference) ? std::max(worst_, difference) : std::numeric_limits<double>::infinity();
+  }
+  [[nodiscard]] bool within(double accuracy) const { return worst_ * 4.0 / 3.0 <= accuracy; }
+
+ private:
+  double worst_ = 0.0;
+};
+
+enum class Substeps { kEnough, kMore, kGiveUp };
+
+/// run(n) simulates, judge(n, coarse, fine) says whether n is enough. Empty: it gave up, or kMostSubsteps are not enough.
+template <class Run, class Judge>
+std::optional<int> search_substeps(double least, Run&& run, Judge&& judge) {
+  for (int n = std::max(2, static_cast<int>(std::ceil(std::min(least, 2.0 * kMostSubsteps))));
+       n <= kMostSubsteps; n += (n + 1) / 2) {
+    const auto coarse = run(n);
+    const auto fine = run(2 * n);
+    const Substeps found = judge(n, coarse, fine);
+    if (found == Substeps::kEnough) return n;
+    if (found == Substeps::kGiveUp) return {};
+  }
+  return {};
+}
+
+}  // namespace stribeck::sim
