@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stribeck/path/corner.hpp>
 #include <stribeck/path/derivatives.hpp>
 #include <stribeck/path/pieces.hpp>
 #include <string_view>
@@ -53,10 +54,6 @@ constexpr std::string_view describe(PolylineStatus s) noexcept {
       return "the memory given is too small";
   }
   return "unknown status";
-}
-
-namespace detail {
-inline constexpr double kBend = 35.0 / 256.0;  // E(0)
 }
 
 template <std::size_t N>
@@ -101,7 +98,7 @@ class BlendedPolyline {
   template <Real T>
   static Vec<T, N> blend(const Leg& before, const Leg& after, const T& s) noexcept {
     constexpr std::array<Vec<double, 1>, 5> kBlend{
-        {{{detail::kBend}}, {{140.0 / 256}}, {{-70.0 / 256}}, {{28.0 / 256}}, {{-5.0 / 256}}}};
+        {{{35.0 / 256}}, {{140.0 / 256}}, {{-70.0 / 256}}, {{28.0 / 256}}, {{-5.0 / 256}}}};
     const double d = after.blend;
     const T bend = detail::polynomial(kBlend, 1.0 / (d * d) * (s * s))[0];
     Vec<T, N> q;
@@ -137,8 +134,7 @@ PolylineResult round_corners(std::span<const Vec<double, N>> points, double tole
                              std::span<typename BlendedPolyline<N>::Leg> legs,
                              BlendedPolyline<N>& path) noexcept {
   using Leg = typename BlendedPolyline<N>::Leg;
-  constexpr double kLeastStretch = 2e-3;                // cos(θ/2) at 179.77°
-  constexpr double kCornerShare = 2.0 * detail::kBend;  // of d·sin(θ/2)
+  constexpr double kLeastStretch = 2e-3;  // cos(θ/2) at 179.77°
   const std::size_t n = points.size();
   if (n < (closed ? 3U : 2U)) return {PolylineStatus::kTooFewPoints, n, 0.0};
   if (!(tolerance > 0.0) || !isfinite(tolerance)) return {PolylineStatus::kToleranceNotPositive, 0, 0.0};
@@ -161,15 +157,13 @@ PolylineResult round_corners(std::span<const Vec<double, N>> points, double tole
   for (std::size_t i = closed ? 0 : 1; i < count; ++i) {
     const Leg& before = legs[i > 0 ? i - 1 : count - 1];
     Leg& after = legs[i];
-    // |t₂ − t₁| = 2·sin(θ/2) and |t₂ + t₁| = 2·cos(θ/2) keep their digits where θ is small or nearly 180°.
-    const double sine = 0.5 * norm(after.direction - before.direction);
-    if (0.5 * norm(after.direction + before.direction) < kLeastStretch)
-      return {PolylineStatus::kTurnsBack, i, 0.0};
-    if (!(sine > 0.0)) continue;
+    const HalfTurn turn = half_turn(before.direction, after.direction);
+    if (turn.cosine < kLeastStretch) return {PolylineStatus::kTurnsBack, i, 0.0};
+    if (!(turn.sine > 0.0)) continue;
     const double room = 0.5 * (before.length < after.length ? before.length : after.length);
-    const double wanted = tolerance / (kCornerShare * sine);
+    const double wanted = blend_length(tolerance, turn.sine);
     after.blend = wanted < room ? wanted : room;
-    const double off = kCornerShare * after.blend * sine;
+    const double off = blend_deviation(after.blend, turn.sine);
     deviation = off > deviation ? off : deviation;
   }
   path = BlendedPolyline<N>(legs.first(count), closed);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/path/corner.hpp>
 #include <stribeck/path/frame.hpp>
 #include <stribeck/sim/part/part_path.hpp>
 
@@ -107,7 +108,6 @@ bool smooth(const Segment<N>& before, const Segment<N>& after) {
 template <std::size_t N>
 double join(Leg<N>& leg, Leg<N>& next) {
   constexpr double kSharpest = 0.25881904510252074;  // cos(150°/2)
-  constexpr double kCornerShare = 35.0 / 128.0;      // of d·sin(θ/2), as in polyline.hpp
   constexpr double kMostTurn = 0.5;                  // of an arc within a corner [rad]
   if (leg.end.junction == Junction::kStop) {
     leg.stops = true;
@@ -118,12 +118,11 @@ double join(Leg<N>& leg, Leg<N>& next) {
   if (smooth(before, after)) return 0.0;
   const Vec<double, N> t0 = before.template derivatives<1>(before.length)[1];
   const Vec<double, N> t1 = after.template derivatives<1>(0.0)[1];
-  const double sine = 0.5 * norm(t1 - t0);
-  const double cosine = 0.5 * norm(t1 + t0);
+  const path::HalfTurn turn = path::half_turn(t0, t1);
   double tolerance = leg.end.tolerance;
-  bool stop = cosine < kSharpest;
+  bool stop = turn.cosine < kSharpest;
   if (leg.end.junction == Junction::kExact) {
-    stop = stop || sine > std::sin(0.5 * kPi / 180.0);
+    stop = stop || turn.sine > std::sin(0.5 * kPi / 180.0);
     tolerance = kExactTolerance;
   }
   if (stop || !(tolerance > 0.0)) {
@@ -136,10 +135,10 @@ double join(Leg<N>& leg, Leg<N>& next) {
   }
   double off = 0.0;
   const bool straight = before.kind == SegmentKind::kLine && after.kind == SegmentKind::kLine;
-  if (straight) d = std::min(d, tolerance / (kCornerShare * sine));
+  if (straight) d = std::min(d, path::blend_length(tolerance, turn.sine));
   for (int i = 0; i < 40; ++i) {
     leg.corner = path::make_corner(before, before.length - d, after, d);
-    off = straight ? kCornerShare * d * sine : deviation_of(before, after, leg.corner);
+    off = straight ? path::blend_deviation(d, turn.sine) : deviation_of(before, after, leg.corner);
     if (off <= tolerance * (1.0 + 1e-9)) break;
     // The deviation grows with d, or with its square where only the curvature jumps.
     d *= std::clamp(0.98 * std::sqrt(tolerance / off), 0.1, 0.95);
