@@ -1,0 +1,156 @@
+#pragma once
+/// One controller of tuning.hpp on its paths: margins of its loop, cost under simulation, and how far it is from the limits.
+///
+/// Inside sim/study only.
+/// Real time: no. Errors: Refused of the loop (contour_run.hpp, loop_margins.hpp).
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stribeck/sim/study/tuning.hpp>
+#include <vector>
+
+namespace stribeck::sim::tuning {
+
+/// Numbers that say how far a point is from breaking the limits: each must be ≤ 0.
+struct Point {
+  bool stable = false;
+  double objective =
+      std::numeric_limits<double>::infinity();  ///< [m]; infinite: not simulated, or the path was lost
+  LoopMargins margins;
+  std::vector<double> variation;  ///< per travel [V]; empty: not simulated
+  std::vector<double> excess;
+  double far = 0.0;          ///< the largest excess, not cut off
+  std::size_t farthest = 0;  ///< of which limit
+
+  [[nodiscard]] double worst() const {
+    double w = -std::numeric_limits<double>::infinity();
+    for (const double e : excess) w = std::max(w, e);
+    return w;
+  }
+};
+
+/// Excesses are cut off here, so that a linear model of them is not led by what is far from the limit.
+inline constexpr double kMostExcess = 2.0;
+/// Noise of the confirmation.
+inline constexpr std::uint32_t kCheckTrial = 2 * kSearchTrial;
+inline constexpr std::uint32_t kCheckTrials = 10;
+
+/// Noise that a point is looked at with, and the variation of the reference under it.
+struct Trials {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::vector<double> variation_limit;  ///< per travel [V]
+};
+
+template <std::size_t N>
+class Task {
+ public:
+  Task(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
+       const std::vector<std::size_t>& axes, const std::vector<Route<N>>& routes, Drives& drives)
+      : machine_(machine), knowledge_(knowledge), spec_(spec), axes_(axes), routes_(routes), drives_(drives) {
+    for (std::size_t i = 0; i < N && i < spec.limits.axial_mode.size(); ++i)
+      modes_[i] = spec.limits.axial_mode[i];
+  }
+
+  [[nodiscard]] LoopMargins margins(const ControllerSpec& c) const {
+    return loop_margins<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
+  }
+
+  void choose_substeps(const ControllerSpec& c) {
+    substeps_.clear();
+    for (const auto& route : routes_) {
+      substeps_.push_back(substeps_for<N>(drives_, setup(c, route), c, route, spec_.compare.accuracy));
+    }
+  }
+
+  /// Variation of the input and J on these trials.
+  void run(const ControllerSpec& c, const Trials& trials, Point& p) {
+    p.variation.assign(routes_.size(), 0.0);
+    double sum = 0.0;
+    for (std::size_t t = 0; t < routes_.size(); ++t) {
+      const auto controller = make_controller<N>(c.law, setup(c, routes_[t]));
+      for (std::uint32_t trial = 0; trial < trials.count; ++trial) {
+        const Metrics m = drives_.run<N>(controller, routes_[t], {substeps_[t], true, true},
+                                         spec_.compare.seed, trials.first + trial);
+        sum += m.max_contour_error + m.rms;
+        p.variation[t] += m.input_variation / trials.count;
+        if (!(m.max_contour_error <= kLost * routes_[t].size)) sum = std::numeric_limits<double>::infinity();
+      }
+    }
+    p.objective = sum / static_cast<double>(routes_.size() * trials.count);
+  }
+
+  /// Margins, then a run unless the loop is unstable.
+  Point evaluate(const ControllerSpec& c, const Trials& trials) {
+    Point p;
+    try {
+      p = only_margins(margins(c));
+    } catch (const Refused&) {
+      // A law that has no margins is as good as unstable; this also keeps exceptions out of the frames of the optimiser.
+      for (int i = 0; i < 3; ++i) add(p, kMostExcess);
+    }
+    if (p.stable) run(c, trials, p);
+    for (std::size_t t = 0; t < routes_.size(); ++t) {
+      add(p, p.stable ? p.variation[t] / ((1.0 - kKeptBack) * trials.variation_limit[t]) - 1.0 : kMostExcess);
+    }
+    return p;
+  }
+
+  /// A point of which only the margins are known.
+  [[nodiscard]] Point only_margins(const LoopMargins& m) const {
+    Point p;
+    p.margins = m;
+    p.stable = m.stable;
+    const TuneLimits& l = spec_.limits;
+    add(p, 1.0 - m.phase / l.phase_margin);
+    add(p, std::log2(l.gain_margin / m.gain));
+    add(p, l.delay_margin - m.delay / machine_.sample_time);
+    return p;
+  }
+  /// Of a point that may have been run as well.
+  [[nodiscard]] static bool keeps_margins(const Point& p) {
+    return p.stable && std::all_of(p.excess.begin(), p.excess.begin() + 3, [](double e) { return e <= 0.0; });
+  }
+
+  /// The limit that is broken most.
+  [[nodiscard]] Miss broken(const Point& p, const Trials& trials) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const TuneLimits& l = spec_.limits;
+    if (!p.stable) return {Limit::kStability, kNone, kNone};
+    const std::size_t i = p.farthest;
+    if (p.worst() <= 0.0) return {Limit::kPath, kNone, kNone};
+    if (i == 0) return {Limit::kPhaseMargin, p.margins.phase, l.phase_margin};
+    if (i == 1) return {Limit::kGainMargin, p.margins.gain, l.gain_margin};
+    if (i == 2) return {Limit::kDelayMargin, p.margins.delay / machine_.sample_time, l.delay_margin};
+    return {Limit::kInputVariation, p.variation[i - 3], trials.variation_limit[i - 3], i - 3};
+  }
+
+ private:
+  /// One more limit of a point.
+  static void add(Point& p, double e) {
+    if (std::isnan(e)) e = std::numeric_limits<double>::infinity();
+    if (p.excess.empty() || e > p.far) {
+      p.far = e;
+      p.farthest = p.excess.size();
+    }
+    p.excess.push_back(std::clamp(e, -kMostExcess, kMostExcess));
+  }
+
+  [[nodiscard]] control::Setup<N> setup(const ControllerSpec& c, const Route<N>& route) const {
+    auto s = make_setup<N>(machine_, knowledge_, axes_, c);
+    s.lap = route.lap;
+    return s;
+  }
+
+  const Machine& machine_;
+  const std::vector<AxisKnowledge>& knowledge_;
+  const TuneSpec& spec_;
+  const std::vector<std::size_t>& axes_;
+  const std::vector<Route<N>>& routes_;
+  Drives& drives_;
+  DeclaredModes<N> modes_;
+  std::vector<int> substeps_;
+};
+
+}  // namespace stribeck::sim::tuning
