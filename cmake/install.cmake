@@ -15,7 +15,7 @@ endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/capi/include/stribeck DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT stribeckTargets NAMESPACE stribeck:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)
 file(WRITE ${PROJECT_BINARY_DIR}/stribeckConfig.cmake
-     "include(CMakeFindDependencyMacro)\nfind_dependency(Threads)\ninclude(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)\n")
+     "include(CMakeFindDependencyMacro)\nfind_dependency(Threads)\nfind_dependency(fmt)\ninclude(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)\n")
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/stribeckConfig.cmake ${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)

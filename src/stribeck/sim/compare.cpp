@@ -1,6 +1,7 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/cutting_estimate.hpp>
 #include <stribeck/sim/parallel.hpp>
@@ -30,11 +31,7 @@ bool switches(const control::LawParams& law) {
 
 std::string name_of(const ControllerSpec& c, double speed) {
   std::string text = "controller (" + c.id + ")";
-  if (std::isfinite(speed)) {
-    char where[64];
-    std::snprintf(where, sizeof where, " at %.6g mm/s", speed * 1e3);
-    text += where;
-  }
+  if (std::isfinite(speed)) text += fmt::format(" at {:.6g} mm/s", speed * 1e3);
   return text;
 }
 
@@ -74,10 +71,9 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
       [&](const auto& params) {
         if constexpr (requires { params.stable(setup.period); }) {
           if (!params.stable(setup.period)) {
-            char period[32];
-            std::snprintf(period, sizeof period, "%.4g ms", setup.period * 1e3);
-            throw Refused("its gains are unstable at a control period of " + std::string(period) +
-                          " (choose lower ones)");
+            throw Refused(
+                fmt::format("its gains are unstable at a control period of {:.4g} ms (choose lower ones)",
+                            setup.period * 1e3));
           }
         }
       },
@@ -270,11 +266,10 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.adaptation.enabled = which.adaptation == control::Adaptation::kOn;
     c.reversal = which.reversal;
     if (!(c.model.delay <= static_cast<double>(control::kMostDelay) * machine.sample_time)) {
-      char text[128];
-      std::snprintf(text, sizeof text, ": a delay of %.4g ms, expected at most %zu control periods (%.4g ms)",
-                    c.model.delay * 1e3, control::kMostDelay,
-                    static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3);
-      throw Refused("axis " + name + text);
+      throw Refused(
+          fmt::format("axis {}: a delay of {:.4g} ms, expected at most {} control periods ({:.4g} ms)", name,
+                      c.model.delay * 1e3, control::kMostDelay,
+                      static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3));
     }
     c.delay = c.model.delay;
     c.encoder_resolution = axis.plant.encoder.resolution;

@@ -1,4 +1,5 @@
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/sim/experiments_beyond.hpp>
 
@@ -154,9 +155,7 @@ Experiment bi_circle() {
                {},
                {}};
   for (const auto& [along_path, across] : {std::pair{40.0, 60.0}, std::pair{60.0, 70.0}}) {
-    char name[64];
-    std::snprintf(name, sizeof name, "ω_t = %.0f, ω_n = %.0f rad/s", along_path, across);
-    Setting s{name,
+    Setting s{fmt::format("ω_t = {:.0f}, ω_n = {:.0f} rad/s", along_path, across),
               "biaxial-table",
               ParameterSource::kIdentified,
               spec_of({t}, biaxial_controllers(ContouringParams::critical(along_path, across))),
@@ -333,10 +332,7 @@ Travel along(path::Shape shape, double size, double speed, double laps) {
   Travel t;
   t.path = path::Curve{shape, size};
   for (const auto& [value, name] : EnumNames<path::Shape>::names) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*s of %.6g mm", static_cast<int>(name.size()), name.data(),
-                  size * 1e3);
-    if (value == shape) t.name = text;
+    if (value == shape) t.name = fmt::format("{} of {:.6g} mm", name, size * 1e3);
   }
   t.speed = speed;
   t.laps = laps;

@@ -1,6 +1,7 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stribeck/sim/part/travel.hpp>
 
@@ -61,13 +62,8 @@ double Travel::constant_speed() const {
 
 std::string Travel::pace_in_words() const {
   if (part() != nullptr) return "its programmed feed";
-  char text[64];
-  if (pace == path::Pace::kRate) {
-    std::snprintf(text, sizeof text, "one lap in %.4g s", lap() / speed);
-  } else {
-    std::snprintf(text, sizeof text, "%.6g mm/s", speed * 1e3);
-  }
-  return text;
+  if (pace == path::Pace::kRate) return fmt::format("one lap in {:.4g} s", lap() / speed);
+  return fmt::format("{:.6g} mm/s", speed * 1e3);
 }
 
 namespace {

@@ -1,7 +1,8 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <boost/random/mersenne_twister.hpp>
 #include <cmath>
-#include <cstdio>
 #include <random>
 #include <stribeck/sim/contour_run.hpp>
 #include <stribeck/sim/study/variation.hpp>
@@ -50,10 +51,9 @@ void check_fields(const T& owner) {
     using M = std::decay_t<decltype(member)>;
     const auto check_number = [&](double x) {
       if (f.quantity.permits(x)) return;
-      char text[96];
-      std::snprintf(text, sizeof text, "got %.6g, expected %s %.6g and at most %.6g", x,
-                    f.quantity.min_excluded ? "above" : "at least", f.quantity.min, f.quantity.max);
-      refuse(f.name, text);
+      refuse(f.name,
+             fmt::format("got {:.6g}, expected {} {:.6g} and at most {:.6g}", x,
+                         f.quantity.min_excluded ? "above" : "at least", f.quantity.min, f.quantity.max));
     };
     if constexpr (std::is_arithmetic_v<M>) {
       check_number(static_cast<double>(member));
