@@ -1,23 +1,12 @@
 #pragma once
-/// Masses moved exactly by held forces, and a path with torsion, for the tests of this folder. Included by tests only.
+/// Setups of masses, and a path with torsion, for the tests of this folder. Included by tests only.
 
 #include <stribeck/control/setup.hpp>
+#include <stribeck/control/test_mass.hpp>
 #include <stribeck/path/curve.hpp>
 #include <stribeck/path/fourier.hpp>
 
 namespace stribeck::control::test {
-
-inline constexpr double kMass = 50.0;
-
-struct Mass {
-  double x = 0.0;
-  double v = 0.0;
-  void move(double force, double dt, double mass = kMass) {
-    const double a = force / mass;
-    x += dt * v + 0.5 * dt * dt * a;
-    v += dt * a;
-  }
-};
 
 template <std::size_t N>
 Setup<N> masses(double period) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stribeck/control/observers/kalman_observer.hpp>
 #include <stribeck/control/test_mass.hpp>
 
@@ -33,6 +34,26 @@ TEST(KalmanObserver, GainIsThatOfScipysRiccatiSolver) {
   EXPECT_NEAR(s.estimate[0], 0.9830365089899638, 1e-9);
   EXPECT_NEAR(s.estimate[1], 295.02701148126175, 1e-6);
   EXPECT_NEAR(s.estimate[2], -2552250095.08357, 30.0);
+}
+
+TEST(KalmanObserver, AnswerIsItsOwnLag) {
+  const double mass = 50.0;
+  const KalmanObserver o(KalmanObserver::density(60.0, 1e-7, mass), 1e-14 / 12.0, mass, 1e-3);
+  KalmanObserver::State s;
+  Mass axis;
+  Vec<double, 3> error{};
+  o.step(s, 0.0, 0.0);
+  for (int k = 0; k < 300; ++k) {
+    const double d = 10.0 * std::sin(0.03 * k);
+    axis.move(-d, 1e-3, mass);
+    EXPECT_NEAR(o.step(s, 0.0, axis.x), o.answer(error, d), 1e-9);
+  }
+  // Two thirds of a step are reached within half to three times 1/ω.
+  error = {};
+  int k = 0;
+  while (o.answer(error, 1.0) < 0.63) ++k;
+  EXPECT_GT(k, 1000 * 0.5 / 60.0);
+  EXPECT_LT(k, 1000 * 3.0 / 60.0);
 }
 
 }  // namespace

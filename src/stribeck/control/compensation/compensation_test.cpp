@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/control/compensation/test_followed.hpp>
+
+namespace stribeck::control {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = kFollowPeriod;
+
+TEST(Compensation, AJerkGoesOnAndAStepOfAccelerationDoesNot) {
+  // The force that accelerates: over the coming period the mean of m·r̈, which is m·(a + j·T/2) for a jerk that lasts, and m·a after
+  // a step.
+  CompensationParams p;
+  p.model.mass = 250.0;
+  p.model.friction.steady = friction::Conventional<double>{1000.0, 0.0, {}};
+  p.model.friction.dynamics = friction::LuGre<double>{3e8, 0.0, {}};
+  p.feedforward = Feedforward::kDynamic;
+  const Compensation law(p, kPeriod);
+  StatusCounter status;
+  struct Sample {
+    double velocity, acceleration;
+  };
+  const auto of = [&](std::initializer_list<Sample> samples) {
+    Compensation::State s;
+    for (const Sample& r : samples) law.step(s, 0.0, r.velocity, r.acceleration, status);
+    return s.inertia_force;
+  };
+  constexpr double kStep = 2.0 * kPeriod;  // of velocity, under 2 m/s²
+  EXPECT_DOUBLE_EQ(of({{0.0, 0.0}, {0.0, 0.0}, {0.0, 2.0}}), 500.0);
+  EXPECT_NEAR(of({{0.0, 0.0}, {0.0, 2.0}, {kStep, 2.0}}), 500.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 2.0}, {kStep, -2.0}}), -500.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 0.0}, {0.5 * kStep, 2.0}}), 250.0 * 3.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 2.0}, {0.75 * kStep, 1.0}}), 250.0 * 0.5, 1e-9);
+  // Velocities that do not fit ask for nothing beyond the change of the acceleration.
+  EXPECT_NEAR(of({{0.0, 0.0}, {1.0, 2.0}}), 250.0 * 3.0, 1e-9);
+  EXPECT_NEAR(of({{0.0, 0.0}, {-1.0, 2.0}}), 500.0, 1e-9);
+}
+
+TEST(DynamicCompensation, LeavesAHundredthOfWhatTheSteadyMapLeaves) {
+  const CompensationParams dynamic = whole(1000.0, 3e8);
+  CompensationParams steady = dynamic;
+  steady.feedforward = Feedforward::kSteady;
+  const double with_map = follow(steady, 1000.0, 3e8, 5e4, 0, 10.0).worst;
+  EXPECT_GT(with_map, 3e-6);
+  EXPECT_LT(follow(dynamic, 1000.0, 3e8, 5e4, 0, 10.0).worst, 0.01 * with_map);
+}
+
+TEST(DynamicCompensation, AKnownDelayCostsLittle) {
+  CompensationParams p = whole(1000.0, 3e8);
+  const double unknown = follow(p, 1000.0, 3e8, 5e4, 1, 10.0).worst;
+  p.delay = kPeriod;
+  const double known = follow(p, 1000.0, 3e8, 5e4, 1, 10.0).worst;
+  EXPECT_GT(unknown, 0.5e-6);
+  EXPECT_LT(known, 0.1 * unknown);
+}
+
+TEST(DynamicCompensation, AtRestTheObserverHandsOverToTheBristle) {
+  const Compensation c(whole(1000.0, 3e8), kPeriod);
+  Compensation::State s;
+  StatusCounter status;
+  c.observe(s, 0.0, 0.0);
+  double sum = c.step(s, 0.0, 0.0, 0.0, status);
+  c.applied(s, sum, false, status);
+  s.disturbance.disturbance = 600.0;
+  s.estimate = 600.0;
+  // What is added does not jump, and after a while all of it is in the bristle. The axis stands and holds the force.
+  const auto& d = s.disturbance.disturbance;
+  for (int k = 0; k < 400; ++k) {
+    sum = c.step(s, 0.0, 0.0, 0.0, status);
+    EXPECT_NEAR(sum, 600.0, 1e-6);
+    c.applied(s, sum, false, status);
+  }
+  EXPECT_NEAR(s.friction, 600.0, 0.1);
+  EXPECT_NEAR(d, 0.0, 0.1);
+  // Never beyond the level of friction.
+  s.estimate = s.disturbance.disturbance = 900.0;
+  for (int k = 0; k < 400; ++k) c.step(s, 0.0, 0.0, 0.0, status);
+  EXPECT_NEAR(s.friction, 1000.0, 1e-6);
+}
+
+TEST(DynamicCompensation, WhatTheGuardTookDoesNotComeBackThroughTheBristle) {
+  const Compensation c(whole(1000.0, 3e8), kPeriod);
+  Compensation::State s;
+  StatusCounter status;
+  c.applied(s, c.step(s, 0.0, 0.0, 0.0, status), false, status);
+  s.guard.trust = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    s.estimate = s.disturbance.disturbance = 600.0;
+    const double force = c.step(s, 0.0, 0.0, 0.0, status);
+    ASSERT_EQ(force, 0.0);
+    c.applied(s, force, false, status);
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::control

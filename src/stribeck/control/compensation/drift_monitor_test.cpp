@@ -1,0 +1,45 @@
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <stribeck/control/compensation/drift_monitor.hpp>
+#include <utility>
+
+namespace stribeck::control {
+namespace {
+
+constexpr double kPeriod = 5e-3;
+
+TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
+  using A = FrictionRls;
+  const auto verdict = [](std::initializer_list<std::pair<std::size_t, double>> theta, double deviation) {
+    A::State a;
+    a.informed = true;
+    for (const auto& [i, value] : theta) a.theta[i] = value;
+    for (std::size_t i = 0; i < A::kCount; ++i) {
+      a.deviation[i] = deviation;
+      a.p[i][i] = deviation * deviation;
+    }
+    return DriftMonitor::report({}, a, kPeriod).verdict;
+  };
+  EXPECT_EQ(verdict({}, 0.03), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, 0.3}}, 0.2), DriftVerdict::kNotYet);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, 0.3}}, 0.03), DriftVerdict::kMuchMore);
+  EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, -0.2}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kLess);
+  // Within two standard deviations of the level, 0.11/√2 each, nothing has changed.
+  EXPECT_EQ(verdict({{A::kPositive, -0.13}, {A::kNegative, -0.13}}, 0.11), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, -0.17}, {A::kNegative, -0.17}}, 0.11), DriftVerdict::kLess);
+  EXPECT_EQ(verdict({{A::kPositive, 0.13}, {A::kNegative, 0.13}}, 0.11), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kViscous, 0.3}}, 0.03), DriftVerdict::kMoreViscous);
+  EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.03), DriftVerdict::kLessViscous);
+  EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.11), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kMass, 0.2}}, 0.03), DriftVerdict::kAnotherMass);
+  EXPECT_EQ(verdict({{A::kDelay, 1.5}, {A::kMass, 0.2}}, 0.03), DriftVerdict::kAnotherDelay);
+  EXPECT_EQ(verdict({{A::kDelay, 0.9}}, 0.03), DriftVerdict::kAsCommissioned);
+  // The level goes first: what is wrong there is in all of it.
+  EXPECT_EQ(verdict({{A::kViscous, 0.3}, {A::kPositive, 0.12}, {A::kNegative, 0.12}}, 0.03),
+            DriftVerdict::kMore);
+}
+
+}  // namespace
+}  // namespace stribeck::control
