@@ -1,5 +1,5 @@
 #pragma once
-/// What every controller may know of the machine, and how the parameters of a controller are given for any number of axes.
+/// The interface of every controller: what it may know of the machine (Setup), and the parts that all laws share (Common).
 ///
 /// A controller for N axes is
 ///
@@ -9,8 +9,8 @@
 ///     Vec<double, N> step(State&, const path::PathPoint<N>& r, const Vec<double, N>& measured) const;   // [m] → [N]
 ///   }
 ///
-/// and every controller answers inputs that are not finite with its last forces and Status::kNotFinite, and holds its forces
-/// within ±force_limit.
+/// Every controller answers inputs that are not finite with its last forces and Status::kNotFinite, and keeps its forces
+/// within ±force_limit. A new law: docs/guides/write-a-controller.md.
 /// Real time: safe; constructors configure only.
 
 #include <limits>
@@ -64,7 +64,7 @@ class Common {
   bool begin(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
     double sum = 0.0;
     for (std::size_t i = 0; i < N; ++i) {
-      // Sums of what is not finite are not finite, or NaN.
+      // A sum with a value that is not finite is infinite or NaN.
       sum += measured[i] + r.position[i] + r.velocity[i] + r.acceleration[i];
       for (std::size_t k = 0; k < N; ++k)
         sum += r.frame[i][k] + r.frame_rate[i][k] + r.frame_acceleration[i][k];

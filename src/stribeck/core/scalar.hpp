@@ -1,11 +1,11 @@
 #pragma once
 /// The scalar of the scalar-generic tier: double in the servo loop, a truncated Taylor series along a path,
-/// a jet (automatic derivatives) in identification, later a SIMD pack in batches.
+/// a jet (automatic derivatives) in identification.
 ///
 /// Laws are written once, as templates over a Real T, under these rules:
 ///   - no `if` or `?:` on a value that depends on data: select(condition, a, b), both sides evaluated;
 ///   - functions are called without a namespace (exp, not std::exp), so that each scalar brings its own;
-///   - value_of(x) is the only way down to double.
+///   - value_of(x) is the only conversion to double.
 /// Derivatives at a kink (sgn, abs) are one-sided from the current side, never infinite.
 /// Real time: safe.
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What a step of the real-time tier has to report. A status is latched and counted, never thrown. Real time:
-/// safe.
+/// Reports of a step of the real-time tier. A status is latched and counted, never thrown.
+/// Real time: safe.
 
 #include <array>
 #include <cstdint>

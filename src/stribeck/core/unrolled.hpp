@@ -1,5 +1,5 @@
 #pragma once
-/// Loops of a few turns whose number is a constant, without the loop: optimisers keep those at -O2.
+/// Short loops with a constant number of turns, unrolled: at -O2 compilers keep such loops.
 /// Real time: safe.
 
 #include <cstddef>

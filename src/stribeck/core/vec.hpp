@@ -1,7 +1,7 @@
 #pragma once
 /// Small vectors and matrices over any Real scalar, by value.
 /// Real time: safe.
-/// Not Eigen: these also hold Taylor series and packs, for which Eigen needs traits of each scalar.
+/// Not Eigen: these also hold Taylor series and jets, for which Eigen needs traits of each scalar.
 
 #include <array>
 #include <cstddef>

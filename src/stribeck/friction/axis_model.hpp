@@ -1,5 +1,5 @@
 #pragma once
-/// What a compensator may know of an axis: the result of an identification, as it stands in an axis file.
+/// The parameters of an axis that a compensator may know: the result of an identification, the content of an axis file.
 ///
 ///   f_u = m·a + F_friction(v, x) + load            load: gravity and the like [N], positive against +x
 ///

@@ -13,7 +13,7 @@
 /// near(v) hands out the cubic of one cell, for the stages of a small step that stay close to v: finding the
 /// cell costs as much as the cubic.
 ///
-/// Written for double only: a pack would have to gather.
+/// Written for double only: the cell is read off the bits of |v|.
 /// Not modelled: viscous parts that are not proportional to v; additive parts of the base map.
 /// Real time: safe; build() configure only.
 

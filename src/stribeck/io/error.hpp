@@ -1,11 +1,11 @@
 #pragma once
-/// What is wrong with something that the user gave, one line each:
+/// Problems with input of the user, one line each:
 ///
 ///   FILE:LINE: key: got VALUE, expected WHAT (WAY OUT)
 ///
-/// Parts that are not known are left out. A reader collects all Problems before it throws them as one
-/// InputError; what() is the first line and how many follow. Paths are shown as the user gave them. Real
-/// time: no.
+/// Unknown parts are left out. A reader collects all Problems before it throws them as one InputError; what() is the first
+/// line and the number of the others. Paths are shown as the user gave them.
+/// Real time: no.
 
 #include <cstddef>
 #include <stdexcept>

@@ -1,12 +1,12 @@
 #pragma once
-/// What a path is: any type with
+/// The interface of a path: any type with
 ///
 ///   static constexpr std::size_t kAxes               number of axes N
 ///   Vec<T, N> point(const T& φ) const noexcept       T = double or a Taylor series, written once
 ///   double period() const noexcept                   range of φ: one lap, or from end to end
 ///   bool closed() const noexcept                     φ and φ + period() are the same place
 ///
-/// Derivatives come from Taylor arithmetic and are exact; nobody types them.
+/// Derivatives come from Taylor arithmetic and are exact; no path writes its own.
 /// Real time: safe.
 
 #include <array>

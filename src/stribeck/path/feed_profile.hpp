@@ -1,9 +1,9 @@
 #pragma once
-/// Way along a path over time, in stretches of constant jerk: ṡ and s̈ are continuous.
+/// Distance along a path over time, in stretches of constant jerk: ṡ and s̈ are continuous.
 ///
 ///   s = s_i + v_i·τ + a_i·τ²/2 + j_i·τ³/6,   τ = t − t_i,  t_i ≤ t < t_{i+1}
 ///
-/// Made by sim::plan_part; the memory of the phases belongs to the caller. Before its beginning and after its end it rests.
+/// sim::plan_part makes it; the caller owns the memory of the phases. Before its beginning and after its end it is at rest.
 /// Real time: safe.
 
 #include <span>

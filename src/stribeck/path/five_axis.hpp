@@ -101,7 +101,7 @@ concept ToolPath = PathCurve<C> && C::kAxes == 5 && requires(const C& c, double 
   { c.direction(phi) } -> std::same_as<Vec<double, 3>>;
 };
 
-/// What the workpiece sees of a position of the axes.
+/// Tool tip and tool axis in the workpiece, from the positions of the axes.
 struct TipDeviation {
   double contour = 0.0;  ///< distance of the tip from its path [m]
   double orientation =

@@ -170,19 +170,19 @@ Frame<N> transported_frame(const Vec<Taylor<L>, N>& q, const Mat<double, N>& rt)
 template <std::size_t N>
 Mat<double, N> transport(const Mat<double, N>& rt, const Vec<double, N>& x0, const Vec<double, N>& x1,
                          const Vec<double, N>& t1) noexcept {
-  const Vec<double, N> way = x1 - x0;
-  const double c1 = dot(way, way);
-  const double ahead = dot(way, rt[0]);
+  const Vec<double, N> chord = x1 - x0;
+  const double c1 = dot(chord, chord);
+  const double ahead = dot(chord, rt[0]);
   Mat<double, N> m = rt;
   m[0] = t1;
   // A chord of rounding errors points anywhere, and two reflections in such planes turn the normals anywhere. Then, and when
   // nothing moves, the projection below is all there is to do.
   if (ahead * ahead > 0.25 * c1 && c1 > 1e-200) {
     const double k1 = 2.0 / c1;
-    const Vec<double, N> second = t1 - (rt[0] - (k1 * ahead) * way);
+    const Vec<double, N> second = t1 - (rt[0] - (k1 * ahead) * chord);
     const double k2 = 2.0 / dot(second, second);
     for (std::size_t i = 1; i < N; ++i) {
-      const Vec<double, N> a = rt[i] - (k1 * dot(way, rt[i])) * way;
+      const Vec<double, N> a = rt[i] - (k1 * dot(chord, rt[i])) * chord;
       m[i] = a - (k2 * dot(second, a)) * second;
     }
   }

@@ -1,16 +1,16 @@
 #pragma once
-/// The moving frame of a motion that somebody else plans: from position, velocity and acceleration of one sample after the other.
+/// The moving frame of a motion that another planner makes: from position, velocity and acceleration, sample after sample.
 ///
 ///   t = ṙ/|ṙ|,  ṫ, ẗ by the series of the motion in time (jerk: difference of the accelerations);  normals transported (frame.hpp)
 ///
-///   Slower than `slowest` [m/s]: the last frame holds, and Ṙ = R̈ = 0. They fade in up to twice that speed.
+///   Slower than `slowest` [m/s]: the last frame is kept, and Ṙ = R̈ = 0. They fade in up to twice that speed.
 ///   Turning faster than `fastest` [rad/s], as in a corner: R still follows, Ṙ and R̈ stay within fastest and fastest².
-///   Turned by more than 60° from one sample to the next: the least rotation; by more than 120°, as where the motion turns
-///   back: the normals nearest to the last ones.
+///   Turned by more than 60° from one sample to the next: the smallest rotation; by more than 120°, as where the motion
+///   reverses: the normals nearest to the last ones.
 ///
-/// With Ṙ = R̈ = 0 a contouring law is PD along and across the path, which is stable: what fades out is only what a turning frame
-/// adds. A planner with unlimited jerk makes ẗ a row of pulses; the limit cuts them.
-/// Not modelled: what comes after the sample.
+/// With Ṙ = R̈ = 0 a contouring law is PD along and across the path, which is stable: only the terms of the turning frame fade
+/// out. A planner with unlimited jerk makes ẗ a row of pulses; the limit cuts them.
+/// Not modelled: the motion after the sample.
 /// Real time: safe; the constructor configure only.
 
 #include <stribeck/path/reference.hpp>

@@ -143,14 +143,14 @@ PolylineResult round_corners(std::span<const Vec<double, N>> points, double tole
   double begin = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t to = i + 1 < n ? i + 1 : 0;
-    const Vec<double, N> way = points[to] - points[i];
-    const double length = norm(way);
+    const Vec<double, N> chord = points[to] - points[i];
+    const double length = norm(chord);
     if (!isfinite(length)) {
       const bool at_end = isfinite(norm(points[i]));
       return {PolylineStatus::kNotFinite, at_end ? to : i, 0.0};
     }
     if (!(length > 1e-100)) return {PolylineStatus::kEqualNeighbours, to, 0.0};
-    legs[i] = Leg{begin, length, 0.0, points[i], (1.0 / length) * way};
+    legs[i] = Leg{begin, length, 0.0, points[i], (1.0 / length) * chord};
     begin += length;
   }
   double deviation = 0.0;

@@ -28,7 +28,7 @@ struct PathPoint {
   double phi = 0.0;                      ///< parameter of the path
 };
 
-/// What the law of motion is a law of.
+/// The quantity that the law of motion defines.
 enum class Pace { kSpeed, kRate };
 
 template <PathCurve C>
@@ -81,11 +81,11 @@ class Reference {
       phi_ = now_.s;
       look();
     } else {
-      const double way = now_.s - before.s + missed_;
-      if (way == 0.0) return;
-      if (!extend(way)) {
+      const double distance = now_.s - before.s + missed_;
+      if (distance == 0.0) return;
+      if (!extend(distance)) {
         missed_ = 0.0;
-        phi_ = runge_kutta(way);
+        phi_ = runge_kutta(distance);
         look();
       }
     }
@@ -121,10 +121,10 @@ class Reference {
   }
 
   /// One step by the series; false, and nothing moved, where it does not reach.
-  bool extend(double way) noexcept {
+  bool extend(double distance) noexcept {
     const Taylor<kOrder - 1> f = stretch_;
-    // s(δ) = f₀δ + f₁δ²/2 + f₂δ³/3 + f₃δ⁴/4 = way, reversed.
-    const double x = way * inverse_.c[0];
+    // s(δ) = f₀δ + f₁δ²/2 + f₂δ³/3 + f₃δ⁴/4 = distance, reversed.
+    const double x = distance * inverse_.c[0];
     const double a = f.c[1] * inverse_.c[0] / 2.0;
     const double b = f.c[2] * inverse_.c[0] / 3.0;
     const double c = f.c[3] * inverse_.c[0] / 4.0;
@@ -147,14 +147,14 @@ class Reference {
         step * (0.5 * (f.c[0] + g.c[0]) +
                 step * (3.0 / 28.0 * (f.c[1] - g.c[1]) +
                         step * (1.0 / 42.0 * (f.c[2] + g.c[2]) + step * (1.0 / 280.0 * (f.c[3] - g.c[3])))));
-    missed_ = way - travelled;
+    missed_ = distance - travelled;
     return true;
   }
 
-  /// φ after a way [m], by RK4 in the distance.
-  [[nodiscard]] double runge_kutta(double way) const noexcept {
+  /// φ after a distance [m], by RK4 in the distance.
+  [[nodiscard]] double runge_kutta(double distance) const noexcept {
     constexpr int kSteps = 2;
-    const double h = way / kSteps;
+    const double h = distance / kSteps;
     double phi = phi_;
     for (int i = 0; i < kSteps; ++i) {
       const double k1 = 1.0 / stretch(curve_, phi);

@@ -6,7 +6,7 @@
 ///   corner  q = Σ c_k·(x/l)^k,  k = 0 … 9: value and four derivatives as those of its neighbours at both ends
 ///
 ///   x = φ − φ_i place in the segment [m], l its range of φ; t, u, v unit vectors, r radius, g its growth, Θ angle turned
-///   through, h way along the axis of the helix. φ is distance along lines and circles; in a corner |q'| falls to cos(θ/2).
+///   through, h travel along the axis of the helix. φ is distance along lines and circles; in a corner |q'| falls to cos(θ/2).
 ///
 /// Where two segments meet in a corner that is not rounded, motion has to stop: the path has no tangent there.
 /// The memory of the segments belongs to the caller.
@@ -26,13 +26,13 @@ enum class SegmentKind : std::uint8_t { kLine, kArc, kCorner };
 
 template <std::size_t N>
 struct Segment {
-  double begin = 0.0;   ///< φ of its first point [m]
-  double length = 0.0;  ///< range of φ [m]
-  double way = 0.0;     ///< distance travelled up to it [m]
-  double extent = 0.0;  ///< distance along it [m]
-  double radius = 0.0;  ///< r [m]
-  double growth = 0.0;  ///< g [m]
-  double angle = 0.0;   ///< Θ [rad], positive from u to v
+  double begin = 0.0;      ///< φ of its first point [m]
+  double length = 0.0;     ///< range of φ [m]
+  double travelled = 0.0;  ///< distance travelled up to it [m]
+  double extent = 0.0;     ///< distance along it [m]
+  double radius = 0.0;     ///< r [m]
+  double growth = 0.0;     ///< g [m]
+  double angle = 0.0;      ///< Θ [rad], positive from u to v
   SegmentKind kind = SegmentKind::kLine;
   /// line: p, t; arc: c, u, v, h; corner: coefficients from the constant upwards.
   std::array<Vec<double, N>, 10> c{};

@@ -3,7 +3,7 @@
 ///
 ///   t_j = a/j, t_a = |Δv|/a − t_j     where |Δv| ≥ a²/j
 ///   t_j = √(|Δv|/j), t_a = 0          else: the acceleration stays below a
-///   duration T = 2·t_j + t_a,   way = (v₀ + v₁)/2·T, since speed is symmetric about the middle
+///   duration T = 2·t_j + t_a,   distance = (v₀ + v₁)/2·T, since speed is symmetric about the middle
 ///
 ///   v speed [m/s], a acceleration [m/s²], j jerk [m/s³]; speeds not negative, limits positive.
 /// Source: Biagiotti, Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, section 3.4 (double S).
@@ -17,7 +17,7 @@ namespace stribeck::path {
 /// A stretch of constant jerk.
 struct FeedPhase {
   double time = 0.0;          ///< its beginning [s]
-  double s = 0.0;             ///< way at its beginning [m]
+  double s = 0.0;             ///< distance at its beginning [m]
   double speed = 0.0;         ///< [m/s]
   double acceleration = 0.0;  ///< [m/s²]
   double jerk = 0.0;          ///< [m/s³]
@@ -42,7 +42,7 @@ struct SpeedRamp {
     jerk = v1 < v0 ? -j : j;
   }
   [[nodiscard]] double duration() const noexcept { return 2.0 * jerk_time + hold_time; }
-  [[nodiscard]] double way() const noexcept { return 0.5 * (from + to) * duration(); }
+  [[nodiscard]] double distance() const noexcept { return 0.5 * (from + to) * duration(); }
 
   /// Its phases, begun at a time and a place.
   [[nodiscard]] std::array<FeedPhase, 3> phases(double time, double s) const noexcept {
@@ -57,8 +57,8 @@ struct SpeedRamp {
   }
 };
 
-/// Speed on a ramp at a way from its beginning [m], 0 to way(), by bisection of the time.
-inline double speed_after(const SpeedRamp& ramp, double way) noexcept {
+/// Speed on a ramp at a distance from its beginning [m], 0 to distance(), by bisection of the time.
+inline double speed_after(const SpeedRamp& ramp, double distance) noexcept {
   const auto p = ramp.phases(0.0, 0.0);
   double low = 0.0;
   double high = ramp.duration();
@@ -70,29 +70,30 @@ inline double speed_after(const SpeedRamp& ramp, double way) noexcept {
     const FeedPhase& f = at(t);
     const double x = t - f.time;
     const double s = f.s + x * (f.speed + x * (0.5 * f.acceleration + x * f.jerk / 6.0));
-    (s < way ? low : high) = t;
+    (s < distance ? low : high) = t;
   }
   const FeedPhase& f = at(high);
   const double x = high - f.time;
   return f.speed + x * (f.acceleration + 0.5 * x * f.jerk);
 }
 
-/// The highest speed up to `most` that a ramp from v reaches within a way [m]; it lies between v and most.
-inline double reachable(double v, double way, double most, double a, double j) noexcept {
-  if (!(most > v) || SpeedRamp(v, most, a, j).way() <= way) return max_of(v, most);
+/// The highest speed up to `most` that a ramp from v reaches within a distance [m]; it lies between v and most.
+inline double reachable(double v, double distance, double most, double a, double j) noexcept {
+  if (!(most > v) || SpeedRamp(v, most, a, j).distance() <= distance) return max_of(v, most);
   double low = v;
   double high = most;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    (SpeedRamp(v, middle, a, j).way() <= way ? low : high) = middle;
+    (SpeedRamp(v, middle, a, j).distance() <= distance ? low : high) = middle;
   }
   return low;
 }
 
-/// The highest speed up to `most` from which and to which ramps from v0 and to v1 fit into a way [m].
-inline double reachable_between(double v0, double v1, double way, double most, double a, double j) noexcept {
+/// The highest speed up to `most` from which and to which ramps from v0 and to v1 fit into a distance [m].
+inline double reachable_between(double v0, double v1, double distance, double most, double a,
+                                double j) noexcept {
   const auto fits = [&](double v) {
-    return SpeedRamp(v0, v, a, j).way() + SpeedRamp(v, v1, a, j).way() <= way;
+    return SpeedRamp(v0, v, a, j).distance() + SpeedRamp(v, v1, a, j).distance() <= distance;
   };
   double low = max_of(v0, v1);
   if (!(most > low) || fits(most)) return max_of(low, most);

@@ -1,5 +1,5 @@
 #pragma once
-/// Parameters of a virtual drive: what is true of the machine, and no controller may see.
+/// Parameters of a virtual drive. They are the truth of the simulation; no controller may read them.
 ///
 ///   control word → D/A (bits, range) → delay → amplifier and motor → screw → axis with friction, noise
 ///   → encoder

@@ -30,7 +30,7 @@ struct TextColumn {
   }
 };
 
-/// The heads and rows of all columns; what is wider than a terminal is taken from the text columns.
+/// Heads and rows of all columns; if the table is wider than a terminal, text columns are shortened.
 std::string lay_out(std::vector<TextColumn> columns);
 
 }  // namespace stribeck::report

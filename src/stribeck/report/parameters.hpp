@@ -47,7 +47,7 @@ struct FrictionMap {
 /// The map, and everything in it as difference from the fit (or the model). Periodic terms are not in it.
 std::vector<Plot> friction_plots(const FrictionMap& map);
 
-/// What the model leaves, against velocity, position and time, with the mean of slices and twice its standard
+/// Residual of the model against velocity, position and time, with the mean of slices and twice its standard
 /// error; nothing where the result holds no residuals.
 std::vector<Plot> residual_plots(const ident::Result& result);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the thesis prints for the biaxial table, to stand beside a result. Never an input of a computation.
+/// Values that the thesis prints for the biaxial table, shown beside results. Never an input of a computation.
 ///
 /// Source: Bui, doctoral thesis, Toyohashi University of Technology, Tables 3.1 (3 mm/s) and 3.2 (9.5 mm/s):
 /// averages of 10 trials on hardware. SD is above RMS in 11 of the 12 rows, which one signal cannot have

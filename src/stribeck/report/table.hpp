@@ -15,7 +15,7 @@ namespace stribeck::report {
 
 inline constexpr std::size_t kTableWidth = 100;
 
-/// What is to be known of the paths that are travelled, one sentence each, without its full stop.
+/// Facts about the paths, one sentence each, without its full stop.
 std::vector<std::string> travel_warnings(const sim::CompareSpec& spec);
 
 /// The same, then what controllers reported while they ran (limits, models asked outside their range), one sentence for each row.

@@ -22,7 +22,7 @@ std::string right_aligned(std::string_view text, std::size_t width);
 /// With this many decimals; "–" where the value is not finite, never "-0.0".
 std::string decimals(double value, int digits);
 
-/// A number that somebody chose: as few digits as it needs, at most six. 9.5, 3, 0.475.
+/// A number that a user chose: as few digits as it needs, at most six. 9.5, 3, 0.475.
 std::string short_number(double value);
 
 /// With about this many significant digits and without an exponent where that reads well: 57.65, 1255,

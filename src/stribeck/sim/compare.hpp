@@ -40,7 +40,7 @@ struct stribeck::EnumNames<stribeck::sim::FrictionUse> {
 
 namespace stribeck::sim {
 
-/// A control law with what it feeds forward and observes.
+/// A control law with its feed-forward and its observer.
 struct ControllerSpec {
   std::string id;
   std::string label;
@@ -176,7 +176,7 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
 CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                        const CompareSpec& spec, std::uint32_t trial);
 
-/// What a controller of compare() knows of the machine's chosen axes.
+/// Data of the chosen axes that a controller of compare() may use.
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                              const std::vector<std::size_t>& axes, const ControllerSpec& which);

@@ -31,7 +31,7 @@ struct ContourSample {
   AxisValues force;             ///< asked of the drives at this tick
   AxisValues friction;          ///< true friction
   AxisValues cutting;           ///< true cutting force, mean over the coming period
-  AxisValues cutting_estimate;  ///< what was foretold of it (cutting_estimate.hpp)
+  AxisValues cutting_estimate;  ///< its estimate (cutting_estimate.hpp)
   AxisValues local;             ///< true tracking error in the path's frame: along, then across
   double contour_error = 0.0;
   double orientation_error = std::numeric_limits<double>::quiet_NaN();  ///< [rad]; NaN without a tool axis

@@ -37,7 +37,7 @@ struct Experiment {
   std::string title;
   std::string source;                ///< where in the thesis
   std::vector<Setting> settings;     ///< the first is the one that `compare` runs
-  std::vector<std::string> remarks;  ///< what was assumed where the print is silent or wrong
+  std::vector<std::string> remarks;  ///< assumptions where the thesis gives no value or a wrong one
 };
 
 /// All of them, in the order of the thesis.

@@ -1,5 +1,5 @@
 #pragma once
-/// A virtual machine as its file describes it: what is true of every axis, and what a commissioning engineer
+/// A virtual machine as its file describes it: the true parameters of every axis, and the data that a commissioning engineer
 /// may know of it. Controllers and compensators are built from `commissioning`, `published` and identified
 /// axis files, never from `plant`.
 /// Real time: no.
@@ -13,7 +13,7 @@
 
 namespace stribeck::sim {
 
-/// What the axis may do.
+/// Limits of the axis.
 struct AxisLimits {
   double travel_min = 0.0;
   double travel_max = 0.0;
@@ -43,7 +43,7 @@ struct AxisLimits {
   }
 };
 
-/// What is known before anything has been identified: enough to move the axis and record a log.
+/// Rough data before identification: enough to move the axis and record a log.
 struct Commissioning {
   double mass = 0.0;            ///< nominal, from data sheets [kg]
   double friction = 0.0;        ///< rough level, from a first push by hand or a slow ramp [N]
@@ -74,7 +74,7 @@ struct Commissioning {
   }
 };
 
-/// Parameters that somebody printed for this machine, for comparison.
+/// Parameters printed for this machine, for comparison.
 struct Published {
   std::optional<friction::AxisModel> conventional;
   std::optional<friction::AxisModel> gaussian;

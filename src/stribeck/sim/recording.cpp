@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kClosedLoopTrial = 0x10000;
 constexpr std::uint32_t kOpenLoopTrial = 0x20000;
 
-/// What drives the axis at tick k, given what the encoder says.
+/// The force on the axis at tick k, given the position of the encoder.
 template <class Force>
 Recording record(const Machine& machine, std::size_t which, std::size_t rows, double start,
                  const plant::Fidelity& fidelity, const plant::Stream& stream, Force&& force) {

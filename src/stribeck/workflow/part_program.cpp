@@ -102,7 +102,7 @@ void check_places(const sim::Part<N>& part, const sim::Machine& machine, const s
              fmt::format("leaves the travel of axis {}, {:.6g} to {:.6g} mm: it goes to {:.6g} mm, {:.6g} "
                          "mm along the path (move the program with G10 L2 or G92, or make it smaller)",
                          name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3, p[i] * 1e3,
-                         (s.way + s.distance(s.length * k / steps)) * 1e3)});
+                         (s.travelled + s.distance(s.length * k / steps)) * 1e3)});
       }
     }
   }

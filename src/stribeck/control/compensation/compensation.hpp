@@ -1,17 +1,17 @@
 #pragma once
-/// What a controller adds to its feedback on one axis: friction feed-forward, load, and the estimate of an observer.
+/// The force that a controller adds to its feedback on one axis: friction feed-forward, load, and the estimate of an observer.
 ///
 ///   f_add = F_friction(r) + load + d̂ + m·(r̈ over the hold − r̈)
 ///
-///   steady    F at the reference's velocity and position now, by the steady map; as in the thesis
-///   dynamic   pre-sliding over the same map, mean over the hold that begins now, computation delay included
+///   steady    F of the steady map at the reference velocity and position of this sample, as in the thesis
+///   dynamic   pre-sliding over the same map, mean over the coming hold, computation delay included
 ///             (friction_feedforward.hpp); the acceleration likewise
-///   reversal  the same hold, with the build-up after a reversal shaped over distance (reversal_feedforward.hpp)
+///   reversal  the same hold, with the build-up after a reversal as a function of distance (reversal_feedforward.hpp)
 ///
-/// Friction follows the reference, not the measurement: a measured velocity that trembles around zero would make the force
-/// chatter. Its sign is that of the force it opposes: positive for ṙ > 0. Observers are told the force that really acted, later
-/// by the delay. With adaptation the model is corrected on line (friction_rls.hpp). A
-/// guarded loop that oscillates loses the observer's velocity at once and its estimate by halves.
+/// Friction follows the reference, not the measurement: the sign of a measured velocity near zero is noise, and the force would
+/// chatter. Sign: F > 0 for ṙ > 0. Observers get the force that really acted, later by the delay. With adaptation the model is
+/// corrected while the machine runs (friction_rls.hpp). If a guarded loop oscillates, it loses the velocity of the
+/// observer at once and its estimate by halves (oscillation_guard.hpp).
 /// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. A delay must not be
 /// longer than kMostDelay periods. Not modelled: adaptation corrects dynamic and reversal feed-forward only.
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
@@ -41,7 +41,7 @@ enum class Feedforward { kNone, kSteady, kDynamic, kReversal };
 inline constexpr std::size_t kMostDelay = 8;
 
 struct CompensationParams {
-  friction::AxisModel model;  ///< what was identified of the axis
+  friction::AxisModel model;  ///< identified model of the axis
   Feedforward feedforward = Feedforward::kNone;
   Observer observer = Observer::kNone;  ///< add the estimate of this observer
   /// Both poles of the disturbance observer, or the bandwidth of the Kalman observer [1/s].
@@ -112,7 +112,7 @@ class Compensation {
     past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
   }
 
-  /// What the encoder says now [m], and its differenced velocity [m/s]. To be called once per period, before step().
+  /// Takes the position of the encoder [m] and its differenced velocity [m/s]. To be called once per period, before step().
   void observe(State& s, double position, double velocity) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
     if (params_.observer == Observer::kDisturbance) {
@@ -218,7 +218,7 @@ class Compensation {
                                             adaptation_.scales(s.adaptation));
     s.estimate -= moved;
     *d -= moved;
-    // What was commanded counts as if it had been fed forward like this.
+    // Past commands count as if they had been fed forward like this.
     for (double& force : s.feedforward_history) force += moved;
   }
 
@@ -256,7 +256,7 @@ class Compensation {
   OscillationGuard guard_;
   std::size_t whole_ = 0;  ///< of the delay, in periods
   double rest_ = 0.0;
-  std::size_t past_ = 0;  ///< commands that somebody still asks for, beside the newest
+  std::size_t past_ = 0;  ///< past commands that are still needed, beside the newest
 };
 
 }  // namespace stribeck::control

@@ -1,16 +1,15 @@
 #pragma once
-/// What on-line adaptation says to the person who maintains the machine: how friction has changed since commissioning.
+/// Tells the person who maintains the machine how friction has changed since commissioning, as adaptation estimates it.
 ///
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
-///   verdict  by λ against 10 and 25 % and twice its standard deviation, once that is below 10 %; where λ says nothing, a delay beyond
-///            one period, viscous friction beyond 25 % and a mass beyond 15 %, each by more than three standard deviations
+///   verdict  by λ against 10 and 25 % and two standard deviations, if one of them is below 10 %; if λ is unchanged, by a delay
+///            above one period, viscous friction above 25 % or a mass above 15 %, each beyond three standard deviations
 ///
-/// Time counts while the axis moves. A trend that takes the level down by 2 % within 100 s counts as warming up.
+/// Time counts only while the axis moves. A trend that lowers the level by 2 % within 100 s is reported as warming up.
 /// Source: none; the limits are Stribeck's own.
-/// Not modelled: why; the break-away distance, which a loop that trembles misleads, has no part in the verdict; a
-/// model that was off from the start somewhere, which looks like a change where the axis moves there only.
-/// Lubrication, preload, covers and temperature look alike in a force.
+/// Not modelled: the cause (lubrication, preload, covers and temperature look alike in a force). The break-away distance is not
+/// used in the verdict, because a vibrating loop distorts it. An error of the identified model looks like a change.
 /// Real time: safe.
 
 #include <limits>
@@ -61,7 +60,7 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
   return "unknown";
 }
 
-/// One axis, as shares of what was identified.
+/// One axis, as shares of the identified values.
 struct Drift {
   double level = 0.0;
   double level_deviation = 0.0;  ///< standard deviation
@@ -93,7 +92,7 @@ class DriftMonitor {
     if (!moving) return;
     const double level = level_of(a);
     s.moved += dt;
-    // Averages over what there is, until there is enough.
+    // Until there is enough data, averages over all of it.
     s.fast += dt / min_of(kFast, s.moved) * (level - s.fast);
     s.slow += dt / min_of(kSlow, s.moved) * (level - s.slow);
   }

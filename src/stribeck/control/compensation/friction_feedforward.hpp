@@ -1,21 +1,21 @@
 #pragma once
-/// Friction of one axis ahead of its motion: the identified model, pre-sliding and all, driven by the reference.
+/// Friction of one axis at the motion of the reference: the identified model with its pre-sliding.
 ///
 ///   F̄ = (1/T)·∫ F(r(τ)) dτ over the coming hold,   F = bristle + χ·viscous(ṙ) + additive(r)
 ///   LuGre   bristle = σ0·z + σ1·ż,   ż = ṙ − σ0|ṙ|z/g        GMS   bristle = Σ F_i        static   bristle = g·sgn ṙ
 ///
-///   Adaptation scales what was identified: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ. The
+///   Adaptation scales the identified model: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ. The
 ///   break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher is the same bristle in a motion ρ times as fast.
 ///
-/// Because the bristle follows the reference, not the encoder, the force cannot chatter, nor close a loop: it is as stable as the
-/// reference. Its state goes on through partial reversals, short moves and dwell, where it holds. It begins relaxed at rest, and
-/// fully deflected in motion. A static model switches within a hold and gets its mean. What lies ahead is foreseen anew each period
-/// from where the reference is: a step of acceleration that nobody could know leaves no trace in the bristle.
+/// The bristle follows the reference, not the encoder: the force cannot chatter and closes no loop. Its state continues through
+/// partial reversals, short moves and dwell. It begins relaxed at rest, and fully deflected in motion. A static model switches
+/// within a hold and gets the mean. The part of the motion that lies ahead is predicted anew in each period from a copy of the
+/// state, so that a wrong prediction leaves no trace.
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
-/// Not modelled: what the tracking error does to the bristle; relaxation during a long dwell.
-/// Real time: safe; three evaluations of the map and four exponentials for each step, one of each more for a turn and for each period
-/// of delay begun (two where it turns there), at most ten periods; the constructor configure only.
+/// Not modelled: effect of the tracking error on the bristle; relaxation during a long dwell.
+/// Real time: safe; three evaluations of the map and four exponentials for each step, one of each more for a reversal and for each
+/// period of delay begun (two if it contains a reversal), at most ten periods; the constructor configure only.
 
 #include <stribeck/control/compensation/motion_ahead.hpp>
 #include <stribeck/friction/model.hpp>

@@ -1,26 +1,21 @@
 #pragma once
-/// On-line correction of an axis's friction model: level of both directions, viscous friction, break-away distance, mass and
-/// the term periodic in position.
+/// On-line correction of the friction model of one axis by recursive least squares.
 ///
-///   ε = G·[ f − F(x, θ) ]             residual: what an observer G sees beyond the model driven by the measured motion [N]
-///   φ = G·∂F/∂θ                       its sensitivities, through the same G
+///   ε = G·[ f − F(x, θ) ]             residual: force that the model, driven by the measured motion, does not explain [N]
+///   φ = G·∂F/∂θ                       sensitivities, by differences of four models in parallel
 ///   K = Pφ/(r + φᵀPφ)    θ ← θ + Kε, within bounds    P ← P − KφᵀP + P₀·T/T_m, no variance above P₀
 ///
-///   θ = (ψ₊, ψ₋, χ, ρ, μ, c, s, δ): scales of level and direction, of viscous friction, of stiffness, share of mass missed, and the
-///   periodic correction c·sin + s·cos at the period of the model's first eccentric term, as shares of its amplitude, and the delay
-///   δ in periods by which the force acts later than assumed, seen by what was fed forward. f force on
-///   the axis [N], x measured. r = variance of ε times its correlation, as the residual shows it (residual_noise.hpp), at least what
-///   is assumed; P₀ what may be missed; T_m memory [s].
+///   θ = (ψ₊, ψ₋, χ, ρ, μ, c, s, δ): scale of the level in each direction, of viscous friction, of stiffness; error of the mass
+///   as a share; periodic correction c·sin + s·cos at the first eccentric term, as shares of its amplitude; additional delay
+///   [periods]. f force on the axis [N], x measured position. G: an observer outside the loop; its lag cancels. r: variance of ε
+///   times its correlation (residual_noise.hpp). P₀: variance at the start. T_m: memory [s].
 ///
-/// Recursive least squares as a Kalman filter: what is not excited keeps its estimate and its bound, and P cannot wind up. It is
-/// frozen at rest, where the bristles take what is left, at the drive's limit and while freeze is asked for.
-/// The model follows the measured motion here, because an axis
-/// that sticks answers any force with friction: the missing force is in where it stands. G's lag cancels.
-/// The estimate lies outside the position loop but for the feed-forward, which follows the reference: θ moves with T_m ≫ the
-/// loop's time, within bounds. What a step of θ itself puts into the feed-forward is no motion of the reference: it follows the noise
-/// of ε, and left in φ_δ it finds a delay where there is none (9 ms at noise of 19 % of the level). So it is taken out there.
-/// Source: Ljung, System Identification, 1999, ch. 11; sensitivities by differences of models that run side by side.
-/// Not modelled: shape of the curve beyond level and slope; a period that drifts.
+/// A parameter that is not excited keeps its estimate, and P cannot wind up. Adaptation pauses at rest, at the limit of the
+/// drive and while freeze is set. The model follows the measured motion, because in pre-sliding the missing force shows in the
+/// position only. Steps of θ in the feed-forward are removed from φ_δ; otherwise noise looks like a delay.
+/// To change: bounds and memory are in AdaptationParams; reasons and measurements in docs/theory/feedforward.md.
+/// Source: Ljung, System Identification, 1999, ch. 11.
+/// Not modelled: shape of the friction curve beyond level and slope; a period that drifts.
 /// Real time: safe, about four steps of the model; the constructor configure only.
 
 #include <stribeck/control/compensation/friction_feedforward.hpp>
@@ -81,9 +76,9 @@ class FrictionRls {
     if (!params.enabled) return;
     const double level = model.friction.parts(0.0, 0.0).level;
     const double noise = params.noise_share * level;
-    // The observer only has to be much faster than what it shall see: it is in no loop.
+    // The observer only has to be much faster than the changes that it shall see: it is not in the loop.
     const double bandwidth = min_of(kBandwidth, 0.7 / period);
-    // What the encoder's rounding looks like through the observer comes on top.
+    // The rounding of the encoder, seen through the observer, is added.
     const double rounding = model.mass * bandwidth * bandwidth / sqrt(12.0);
     const double samples = max_of(1.0, 2.0 * params.correlation / period);
     variance_ = noise * noise * samples;
@@ -181,7 +176,7 @@ class FrictionRls {
   }
   /// By how much more the force acts late than assumed [s].
   [[nodiscard]] double delay(const State& s) const noexcept { return s.theta[kDelay] * period_; }
-  /// Takes back half of what was learned.
+  /// Takes back half of the corrections.
   void halve(State& s) const noexcept { s.theta = 0.5 * s.theta; }
 
   [[nodiscard]] bool enabled() const noexcept { return params_.enabled; }

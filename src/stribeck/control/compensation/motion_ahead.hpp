@@ -1,10 +1,10 @@
 #pragma once
-/// The reference of one axis over the coming hold: from the instant at which the force given now begins to act, for one period.
+/// The reference of one axis over the coming hold: from the instant at which the new force begins to act, for one period.
 ///
-///   r(τ) = r + ṙ·τ + r̈·τ²/2 + j·τ³/6,   0 ≤ τ ≤ T      τ [s] from the begin of the hold
+///   r(τ) = r + ṙ·τ + r̈·τ²/2 + j·τ³/6,   0 ≤ τ ≤ T      τ [s] from the beginning of the hold
 ///
-/// With a computation delay that instant lies behind the sample; the Taylor series reaches there. The jerk j is the difference of
-/// the reference's accelerations over one period, unless it was a step of acceleration (compensation.hpp).
+/// With a computation delay that instant is later than the sample; the Taylor series is continued to it. The jerk j is the
+/// difference of the accelerations of the reference over one period, unless that was a step of acceleration (compensation.hpp).
 /// Real time: safe.
 
 namespace stribeck::control {

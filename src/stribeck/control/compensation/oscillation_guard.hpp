@@ -1,16 +1,16 @@
 #pragma once
-/// Notices that a loop oscillates, and says how far to back off.
+/// Detects that a loop oscillates, and reduces the trust in everything that closes a loop beyond the control law itself.
 ///
-///   swing      the force beyond the feed-forward, averaged over four periods, turns back by more than `threshold` [N]
+///   swing      the force without the feed-forward, averaged over four periods, reverses by more than `threshold` [N]
 ///   run        swings whose distances in time lie within a factor of two of each other, none longer than 0.5 s
 ///   after 8 swings in a run:   trust ← trust/2, counted; below 1/8 it is 0
 ///
-/// trust is what is left of everything that closes a loop beyond the law itself: the observer's estimate and the adaptation. It
-/// stays down until the state is made anew: a machine that oscillated once shall not try again by itself. Reversals of the
-/// reference, which swing the force too, begin a new run.
+/// trust is the share that is left of the observer's estimate and of the adaptation. It does not recover until the state is
+/// made anew: a machine that oscillated once must not try again by itself. A reversal of the reference, which also makes the
+/// force swing, begins a new run.
 /// Source: hunting with an integrator and friction, Armstrong-Hélouvry, Dupont, Canudas de Wit 1994,
 /// doi:10.1016/0005-1098(94)90209-7; counting turning points is Stribeck's own.
-/// Not modelled: growing oscillation faster than 8 swings; oscillation slower than 1 Hz.
+/// Not modelled: an oscillation that grows within fewer than 8 swings; oscillation slower than 1 Hz.
 /// Real time: safe.
 
 #include <array>

@@ -1,22 +1,21 @@
 #pragma once
-/// Friction ahead of the reference, its change after a reversal shaped as controls shape it; docs/theory/reversal.md.
+/// Friction feed-forward whose change after a reversal is a function of distance, as in commercial controls.
 ///
 ///   F = g(v, x)·h + viscous + additive, mean over the hold that begins `lead` later     h: share of the level, −1 … 1
 ///   exponential  h' = (ς − h)·ς/d                d [m] distance, ς = ±1 direction of motion, ' by position
 ///   table        h = Σ w_i·q_i,  q_i' = 2/s_i, held within ±1     knots p(s_i), w_i = s_i·(slope of p before − after s_i)
 ///
-///   p(s) is the share of the reversal that is done after a distance s: h = −1 + 2·p(s) after a full one. The q_i are the
-///   stops of Prandtl and Ishlinskii: from rest h = p(2s) (Masing), a partial reversal starts where the last build-up got
-///   to, closed loops are forgotten. LuGre in the model brings d = g/σ0; GMS its elements, s_i = 2·α_i·g/k_i, w_i = α_i.
-///   Levels that differ between the directions rescale h at the turn: the force goes on.
-///   h depends on distance, not on time: it holds in dwell, and an axis that slows without reversing stays at g.
-///   A move of length s < short_move changes h by s/short_move of that. rate_limit bounds the change of g·h.
+///   p(s): share of the reversal that is done after a distance s; after a full reversal h = −1 + 2·p(s). The q_i are the stops
+///   of Prandtl and Ishlinskii: from rest h = p(2s) (Masing), a partial reversal starts from the present h, closed loops are
+///   forgotten. If the levels of the directions differ, h is rescaled at the reversal, so that the force does not jump.
 ///
-/// What lies ahead is predicted anew each period from where the reference is: a wrong prediction leaves no trace.
-/// Begins at h = 0 at rest, h = ς in motion. Scales as in friction_feedforward.hpp; distances go with level over stiffness.
-/// Sign: positive for v > 0, as friction. Source: Prandtl 1928, doi:10.1002/zamm.19280080202; Masing 1926; manuals there.
-/// Not modelled: damping σ1 and attraction C of the dynamics; LuGre's lag of the level; a stop with a step of acceleration
-/// looks like a reversal until it happens, by v̇·(lead + T)²/2 of travel; dwell time.
+/// Defaults come from the model: LuGre gives d = g/σ0; GMS its elements, s_i = 2·α_i·g/k_i, w_i = α_i. At rest the start is h = 0,
+/// in motion h = ς. h depends on distance, not on time: it keeps its value in dwell. A move of length s < short_move changes h by
+/// s/short_move of that; rate_limit bounds the change of g·h. Scales of adaptation as in friction_feedforward.hpp.
+/// Sign: positive for v > 0, as friction. Source: Prandtl 1928, doi:10.1002/zamm.19280080202; Masing 1926; the manuals listed in
+/// docs/theory/reversal.md.
+/// Not modelled: damping σ1 and attraction C of the dynamics; LuGre's lag of the level; dwell time. A stop with a step of
+/// acceleration looks like a reversal until it happens, by v̇·(lead + T)²/2 of travel.
 /// Real time: safe, 1 to 9 evaluations of the map; the constructor configure only.
 /// Errors: an input that is not finite gives the last force.
 

@@ -92,10 +92,10 @@ class BoundedMoves {
       double size = 0.0;
       for (std::size_t j = 0; j < n_; ++j) {
         const double to = clamp_to(w.y[j] - step_ * w.gradient[j], low[j], high[j]);
-        const double way = to - moves[j];
-        change = max_of(change, abs(way));
+        const double delta = to - moves[j];
+        change = max_of(change, abs(delta));
         size = max_of(size, abs(to));
-        w.y[j] = to + momentum_ * way;
+        w.y[j] = to + momentum_ * delta;
         moves[j] = to;
       }
       if (change <= kAccuracy * size) return k;

@@ -1,12 +1,12 @@
 #pragma once
-/// What a controller remembers of a lap, by the place in it: Cells cells of equal width in the path's parameter φ, each with the
-/// mean of M numbers over its width, so that laps may have any duration and speed.
+/// Memory of one lap of a controller: the path parameter φ is divided into cells of equal width, each with the mean of M numbers
+/// over its width, so that laps may have any duration and speed.
 ///
-///   place = φ·Cells/lap, counted on over the laps             what lies a lap back is read at place − Cells
+///   place = φ·Cells/lap, counted on over the laps             the value of one lap ago is at place − Cells
 ///   read   Σ w(x)·cell,  w = 2·(Gaussian of σ) − (Gaussian of √2σ)  =  Q = 1 − (1 − G)²,  G = exp(−ω²σ²/2)
 ///
-///   σ [cells]. Q has no phase: it looks ahead as far as back, since the last lap is known; ½ where ωσ = kHalfOfQ. Between two
-///   entries values are taken as straight.
+///   σ [cells]. Q has no phase: it uses cells before and after the place, since the last lap is known; ½ where ωσ = kHalfOfQ.
+///   Between two entries values are interpolated linearly.
 ///
 /// Ring ≥ Cells + kReach·σ + a few cells are kept. φ may be counted on over the laps or begin anew in each.
 /// Source: Tomizuka, Tsao, Chew 1989, doi:10.1115/1.3153060 (zero-phase low-pass in the loop of a lap).
@@ -46,22 +46,22 @@ class LapMemory {
     bool writing = false;
   };
 
-  /// Follows φ; cells_per_phi = Cells/lap. Returns the way since the last tick [cells], from −Cells/2 to Cells/2.
+  /// Follows φ; cells_per_phi = Cells/lap. Returns the cells moved since the last tick, from −Cells/2 to Cells/2.
   static double advance(State& s, double phi, double cells_per_phi) noexcept {
     constexpr double kCells = static_cast<double>(Cells);
-    double way = (phi - s.phi) * cells_per_phi;
-    if (!s.started) way = 0.0;
-    way -= kCells * std::floor(way / kCells + 0.5);
+    double moved = (phi - s.phi) * cells_per_phi;
+    if (!s.started) moved = 0.0;
+    moved -= kCells * std::floor(moved / kCells + 0.5);
     s.started = true;
     s.phi = phi;
-    s.place += way;
-    return way;
+    s.place += moved;
+    return moved;
   }
-  /// Whether a way is a jump or runs back: what is written must not go on over it.
-  static constexpr bool breaks(double way) noexcept {
-    return way < 0.0 || way > static_cast<double>(Cells / 8);
+  /// Whether a move is a jump or runs back: what is written must not go on over it.
+  static constexpr bool breaks(double moved) noexcept {
+    return moved < 0.0 || moved > static_cast<double>(Cells / 8);
   }
-  /// Enters nothing more that hangs together with what was entered.
+  /// The next entry does not continue the last one.
   static void interrupt(State& s) noexcept { s.writing = false; }
   /// Forgets all laps.
   static void forget(State& s) noexcept {
@@ -122,13 +122,13 @@ class LapMemory {
       s.covered = 0.0;
       s.sum = {};
     } else {
-      const double way = place - s.written;
+      const double moved = place - s.written;
       double from = s.written;
       V at = s.value;
       while (from < place) {
         const double border = std::floor(from + 0.5) + 0.5;
         const double to = min_of(border, place);
-        const V there = s.value + ((to - s.written) / way) * (value - s.value);
+        const V there = s.value + ((to - s.written) / moved) * (value - s.value);
         s.sum = s.sum + (0.5 * (to - from)) * (at + there);
         s.covered += to - from;
         if (to == border) {

@@ -1,24 +1,21 @@
 #pragma once
-/// Iterative learning: contouring control with feed-forward, and the force that was missing at each place of the path, found
-/// after the fact and given in advance in the next pass.
+/// Iterative learning: contouring control with feed-forward, and the force that was missing at each place of the path in the last
+/// pass, added in the next one.
 ///
 ///   F = m·(r̈ + a_fb) + F_friction + load + d̂ + F_j(φ)                a_fb = −R(K_v ė_l + K_p e_l + R̈ᵀe + 2Ṙᵀė)
 ///   F_{j+1}(φ) = Q{ F_j(φ) + γ_j·M_j(φ) },   M = m·(ā_fb − δ²e/T²),   F_1 = 0                  j: pass (lap)
 ///
-///   M [N]: what the axis lacked around a tick, by the mass's second difference and the feedback that acted there (mean of the
-///   two periods beside it, later by the delay): the exact inverse of the sampled loop, whatever its gains, so that all
-///   frequencies are learned alike. φ parameter of the path; F_j is given for the middle of the hold that the force will have,
-///   delay included. Q: zero-phase low-pass of lap_memory.hpp, ½ at the cut-off. From pass to pass at ω: factor() =
-///   Q·|1 − γ·cos²(ωT/2)·(mass and friction as they are against the model)|; below 1 everywhere: it converges.
-///   γ_j falls from γ to its least when passes no longer get better: what is left is noise, and is averaged. A pass that is twice
-///   as bad as the first: all is forgotten, and γ halved (State::given_up).
+///   M [N]: missing force around a tick, from the second difference of the error and the mean of the feedback that acted in the
+///   two periods beside it: the exact inverse of the sampled loop. φ parameter of the path; F_j is read for the middle of the
+///   coming hold, delay included. Q: zero-phase low-pass of lap_memory.hpp, ½ at the cut-off. γ_j falls from γ to its smallest
+///   value when passes no longer improve. It converges where factor() is below 1 at every frequency.
 ///
-/// The memory has kCells cells per lap, force and velocity of each axis; where the velocity is not that of the last pass within
-/// 2 % (other speed or path, run-in), what was learned is not given, and is learned anew. A φ that jumps or runs back: all is
-/// forgotten. No lap (Setup::lap NaN): contouring control. Axes at their force limit learn nothing; F_j stays within it.
+/// If a pass is twice as bad as the first, the memory is cleared and γ halved (State::given_up). Where the velocity differs by more
+/// than 2 % from the last pass (other speed or path, run-in), the learned force is not added and is learned anew. A φ that jumps or
+/// runs back clears the memory. Without a lap (Setup::lap NaN) it is contouring control. Axes at their force limit do not learn.
 /// Source: Bristow, Tharayil, Alleyne 2006, doi:10.1109/MCS.2006.1636313 (plant inversion, Q); Saab 2001, IEEE
 /// Trans. Automatic Control 46, 877–887 (a gain that falls, against noise). docs/theory/learning.md.
-/// Not modelled: what differs from pass to pass; a path that is only moved aside.
+/// Not modelled: differences from pass to pass; a path that is only moved to another place.
 /// Real time: safe, a tick reads 11 to 726 cells; the constructor configure only. State: up to 230 kB.
 
 #include <array>
@@ -76,7 +73,7 @@ struct LearningParams {
     int delay = 0;           ///< more than the controller knows of [periods]
   };
 
-  /// What is left of an error of frequency ω [rad/s] after a pass, along (0) or across (1, …) the path, sampled with this
+  /// The remaining share of an error of frequency ω [rad/s] after a pass, along (0) or across (1, …) the path, sampled with this
   /// period [s]: Q·|1 − γ·cos²(ωT/2)·(C + m z²/h)/(C + m' z^d z²/h + κ)|, C the feedback, m z²/h the mass under a hold.
   [[nodiscard]] double factor(std::size_t direction, double omega, double period) const noexcept {
     return factor(direction, omega, period, Truth{});
@@ -154,8 +151,8 @@ class Learning {
     std::array<V, 3> e{};                     ///< tracking errors, the last one first [m]
     V missing;                                ///< M of the last tick but one [N]
     std::array<int, N> held{};                ///< ticks for which an axis does not learn
-    double way = 0.0;                         ///< of the last tick [cells]
-    double trust = 0.0;                       ///< share of what was learned that is given
+    double moved = 0.0;                       ///< of the last tick [cells]
+    double trust = 0.0;                       ///< share of the learned force that is applied
     V learned;                                ///< F_j of the last step [N]
     // How it goes.
     std::uint32_t passes = 0;    ///< that were learned from
@@ -197,7 +194,7 @@ class Learning {
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
   V step(State& s, const path::PathPoint<N>& r, const V& measured) const noexcept {
     if (!common_.begin(s, r, measured)) {
-      s.known = 0;  // differences over what is missing would be wrong
+      s.known = 0;  // differences over missing ticks would be wrong
       return s.force;
     }
     const V e = common_.error(s);
@@ -233,16 +230,16 @@ class Learning {
   static constexpr double kLeastShare = 0.125;
 
   void learn(State& s, double phi, const V& e) const noexcept {
-    const double way = Memory::advance(s.memory, phi, cells_per_phi_);
-    s.way = way;
-    if (Memory::breaks(way)) {
+    const double moved = Memory::advance(s.memory, phi, cells_per_phi_);
+    s.moved = moved;
+    if (Memory::breaks(moved)) {
       start_over(s);
       s.known = 0;
     }
     s.e[2] = s.e[1];
     s.e[1] = s.e[0];
     s.e[0] = e;
-    if (s.known < whole_ + 4 || !(s.width * abs(way) < kMostWidth)) return;
+    if (s.known < whole_ + 4 || !(s.width * abs(moved) < kMostWidth)) return;
     // M around the last tick.
     V missing;
     for (std::size_t i = 0; i < N; ++i) {
@@ -329,12 +326,12 @@ class Learning {
   void recall(State& s, const path::PathPoint<N>& r, const V& feedback) const noexcept {
     for (std::size_t k = kHistory - 1; k > 0; --k) s.command[k] = s.command[k - 1];
     Command& now = s.command[0];
-    now.place = s.memory.place + ahead_ * s.way;
+    now.place = s.memory.place + ahead_ * s.moved;
     now.feedback = feedback;
     now.velocity = r.velocity + (ahead_ * period_) * r.acceleration;
     now.learned = {};
     if (s.known < kHistory) ++s.known;
-    const double width = max_of(s.width * abs(s.way), Memory::kLeastWidth);
+    const double width = max_of(s.width * abs(s.moved), Memory::kLeastWidth);
     const double place = now.place - static_cast<double>(kCells);
     const Motion motion =
         width < kMostWidth ? motion_at(s, place, now.velocity, r.acceleration) : Motion::kOther;
@@ -348,9 +345,9 @@ class Learning {
     s.learned = now.learned;
   }
 
-  /// What the last pass did at a place, against a velocity [m/s]: the same, or the same within a tick (a corner), or another.
+  /// Compares the velocity of the last pass at a place with a velocity [m/s]: same, same within a tick (a corner), or different.
   Motion motion_at(const State& s, double place, const V& velocity, const V& acceleration) const noexcept {
-    const double step = max_of(1.0, abs(s.way));
+    const double step = max_of(1.0, abs(s.moved));
     if (!Memory::knows(s.memory, place - step)) return Motion::kOther;
     const double most = kSame * norm(velocity) + period_ * norm(acceleration);
     const auto like = [&](double there) {

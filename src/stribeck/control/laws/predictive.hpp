@@ -1,19 +1,20 @@
 #pragma once
-/// Model predictive contouring control: of all forces within the drives' limits, those that bring the predicted errors to zero
-/// best; and where the path asks for more than the drives have, the path is travelled more slowly, not left.
+/// Model predictive contouring control: forces within the limits of the drives that bring the predicted errors to zero best. Where
+/// the path needs more force than the drives have, the machine slows down and stays on the path.
 ///
 ///   F = m·(r̄̈ + u_0) + F_friction + load + d̂                     |F_j| ≤ limit over the whole horizon
 ///   u: least of Σ (q_e·e² + q_v·ė² + u²) + value of what follows   per axis (bounded_moves.hpp)
 ///   r = r(θ), θ̇ ≤ 1: the fastest that the limits allow             for all axes together (progress.hpp)
 ///
-///   e = x − r at the samples to come, r̄̈ mean of r̈ over a period. Friction along the path, load and d̂ take their part of
-///   the force first, progress gets the rest less a reserve for the errors. θ falls behind the programme by `lag` [s] and
-///   catches up. One axis alone has no path to keep and is not slowed. Without limits in sight u = −k_p e − k_v ė.
-///   Delay (CompensationParams::delay): errors are predicted to where the force begins to act.
+///   e = x − r at the samples to come, r̄̈ mean of r̈ over a period. Friction along the path, load and d̂ are subtracted from the
+///   limit first; progress gets the rest less a reserve for the errors. θ falls behind the programme by `lag` [s] and
+///   catches up. A single axis has no path to keep and is not slowed. If no limit is active, u = −k_p e − k_v ė.
+///   Delay (CompensationParams::delay): errors are predicted to the time at which the force begins to act.
 ///
-/// With points ahead (kPreview) corners are seen; with the present one alone its acceleration is taken to last.
+/// With points ahead (kPreview) the law sees corners in advance; with the present point alone it assumes a constant acceleration.
 /// Source: after Lam, Manzie, Good 2010, doi:10.1109/CDC.2010.5717042, with progress found first (docs/theory/predictive.md).
-/// Not modelled: elasticity; jerk of progress; limits of axes with different delays; slowing for an axis that only a disturbance limits.
+/// Not modelled: elasticity; jerk of progress; limits of axes with different delays; slowing for an axis at its limit because of a
+/// disturbance alone.
 /// Real time: safe, time bounded by `iterations`; the constructor configure only. State: 23 KiB for two axes, 50 for five.
 /// Errors: setup.hpp.
 
@@ -267,11 +268,11 @@ class Predictive {
     const double t = setup_.period;
     const double g = 1.0 - f;
     Knot k;
-    const V way = b.position - a.position;
+    const V chord = b.position - a.position;
     k.position =
-        a.position + (f * f * (3.0 - 2.0 * f)) * way + (t * f * g) * (g * a.velocity - f * b.velocity);
+        a.position + (f * f * (3.0 - 2.0 * f)) * chord + (t * f * g) * (g * a.velocity - f * b.velocity);
     k.velocity =
-        (6.0 * f * g / t) * way + (g * (1.0 - 3.0 * f)) * a.velocity + (f * (3.0 * f - 2.0)) * b.velocity;
+        (6.0 * f * g / t) * chord + (g * (1.0 - 3.0 * f)) * a.velocity + (f * (3.0 * f - 2.0)) * b.velocity;
     k.acceleration = g * a.acceleration + f * b.acceleration;
     return k;
   }
@@ -350,7 +351,7 @@ class Predictive {
     return (s.velocity[j + 1][i] - s.velocity[j][i]) / setup_.period;
   }
 
-  /// What the reference does beside its mean accelerations.
+  /// Deviation of the reference from its mean accelerations.
   void drifts(State& s, std::size_t i) const noexcept {
     for (std::size_t j = 0; j < moves_.moves(); ++j)
       s.drift[j] = s.position[j][i] - s.position[j + 1][i] +
@@ -414,7 +415,7 @@ class Predictive {
       stage.most = rate * rate;
     }
     progress_.reach(s.stages, n, wanted * wanted);
-    // No slower than what the memory of the path can hold.
+    // No slower than the memory of the path allows.
     const double longest = static_cast<double>(s.known < kMostLag - 2 ? s.known : kMostLag - 2) * t;
     const double least = 1.0 - clamp_to((longest - s.lag) / (kApproach * t), 0.0, 1.0);
     typename Progress<N, kMost>::Moved m{s.rate, 0.0, 0.0};

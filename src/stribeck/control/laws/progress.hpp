@@ -1,6 +1,6 @@
 #pragma once
-/// How fast a path may be travelled under limits of acceleration and speed of every axis: the fastest progress that the coming
-/// stretch of it allows, never faster than asked.
+/// The fastest progress along a path that the limits of acceleration and speed of every axis allow over the coming stretch, never
+/// faster than programmed.
 ///
 ///   a = c·(z + T·w) + d·w         low ≤ a ≤ high          z⁺ = z + 2T·w,  0 ≤ z ≤ most          every axis, every stage
 ///
@@ -8,9 +8,9 @@
 ///   the programmed length T. Backwards: the greatest z_j from which some w leads to a z that the next stage permits (reach());
 ///   Newton's method finds it. Forwards: at every stage the greatest w (advance()).
 ///
-/// Where nothing is permitted, w lies where the bounds are missed least, and brakes.
+/// If no w satisfies all bounds, the w that violates them least is taken, and it brakes.
 /// Source: Pham, Pham 2018, doi:10.1109/TRO.2018.2819195; Bobrow, Dubowsky, Gibson 1985, doi:10.1177/027836498500400301.
-/// Not modelled: jerk; what comes after the last stage.
+/// Not modelled: jerk; the path beyond the last stage.
 /// Real time: safe.
 
 #include <array>

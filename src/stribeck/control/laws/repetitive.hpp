@@ -1,21 +1,20 @@
 #pragma once
-/// Repetitive control: PD with feed-forward, and a memory of what the PD had to do at each place of the lap, given in advance
-/// the next time round.
+/// Repetitive control: PD with feed-forward, and a memory of the feedback at each place of the lap, added in the next lap.
 ///
 ///   a = r̈ − k_v ė − k_p e + u_j(φ)                    F = m·a + F_friction + load + d̂
 ///   u_{j+1}(φ) = Q{ u_j(φ) + γ·a_fb(φ, d periods later) },   a_fb = −k_v ė − k_p e,   u_1 = 0       j: lap
 ///
-///   γ [1] learning, d lead of the learning [periods], φ parameter of the path, u [m/s²]. Q: low-pass without phase,
-///   Q = 1 − (1 − G)², G Gaussian, Q = ½ at the cut-off ω_q [rad/s]; it looks ahead as far as back, since the last lap is known.
-///   From lap to lap at frequency ω: factor |Q(ω)|·|1 − γ z^d T(z)|, z = e^{iωT}, T = CP/(1 + CP) of the sampled PD loop. Below
-///   1 everywhere: it converges (factor(), converges()); for a double pole with ωT ≤ 0.35 and d = 2 it is, even without Q. What
-///   stays of a periodic error is the share (1 − Q)/(1 − factor).
+///   γ [1] learning, d lead of the learning [periods], φ parameter of the path, u [m/s²]. Q: low-pass without phase of
+///   lap_memory.hpp, ½ at the cut-off ω_q [rad/s].
+///   From lap to lap at frequency ω: factor |Q(ω)|·|1 − γ z^d T(z)|, z = e^{iωT}, T = CP/(1 + CP) of the sampled PD loop. It
+///   converges where the factor is below 1 at every frequency (factor(), converges()); for a double pole with ωT ≤ 0.35 and d = 2
+///   it does, even without Q. The share (1 − Q)/(1 − factor) of a periodic error remains.
 ///
 /// The memory has kBins places per lap, so that laps may have any duration and speed; a place holds the mean over its width.
-/// No lap (Setup::lap NaN), a φ that jumps or runs back, a lap shorter than 50/ω_q: PD, nothing learned. The memory asks for no
+/// Without a lap (Setup::lap NaN), with a φ that jumps or runs back, or with a lap shorter than 50/ω_q it is PD. The memory adds no
 /// more than force_limit.
-/// Source: Tomizuka, Tsao, Chew 1989, doi:10.1115/1.3153060; Kawato et al. 1987, doi:10.1007/BF00364149 (learning what the
-/// feedback did).
+/// Source: Tomizuka, Tsao, Chew 1989, doi:10.1115/1.3153060; Kawato et al. 1987, doi:10.1007/BF00364149 (learning from the
+/// feedback).
 /// Not modelled: observers beside it (factor() does not count them); changes of speed from lap to lap.
 /// Real time: safe, a tick reads 11 to 364 places of the memory (11 σ of G); the constructor configure only. The state holds
 /// 16 KiB per axis.
@@ -63,7 +62,7 @@ struct RepetitiveParams {
             .or_default()};
   }
 
-  /// What is left of an error of frequency ω [rad/s] after a lap, for an axis, sampled with this period [s].
+  /// The remaining share of an error of frequency ω [rad/s] after a lap, for an axis, sampled with this period [s].
   [[nodiscard]] double factor(std::size_t axis, double omega, double period) const noexcept {
     const double p = spread<kMostAxes>(kp, 0.0)[axis];
     const double v = spread<kMostAxes>(kv, 0.0)[axis] / period;
@@ -109,7 +108,7 @@ class Repetitive {
   /// Two laps of u + γ·a_fb [m/s²]: what lies a lap back is read while the present one is written.
   using Memory = LapMemory<N, kBins, 2 * kBins>;
 
-  /// What was given at a past tick, and where.
+  /// Force of a past tick, and its place.
   struct Given {
     double place = 0.0;
     V learned;
@@ -141,12 +140,12 @@ class Repetitive {
     for (std::size_t i = 0; i < N; ++i) feedback[i] = -kv_[i] * rate[i] - kp_[i] * e[i];
     s.learned = {};
     if (isfinite(r.phi * bins_per_phi_)) {
-      const double way = Memory::advance(s.memory, r.phi, bins_per_phi_);
-      if (Memory::breaks(way)) {
+      const double moved = Memory::advance(s.memory, r.phi, bins_per_phi_);
+      if (Memory::breaks(moved)) {
         Memory::interrupt(s.memory);
         s.known = 0;
       }
-      const double width = max_of(width_ * abs(way), Memory::kLeastWidth);
+      const double width = max_of(width_ * abs(moved), Memory::kLeastWidth);
       const double place = s.memory.place;
       if (width < kMostWidth) s.learned = Memory::read(s.memory, place - static_cast<double>(kBins), width);
       remember(s);

@@ -1,5 +1,5 @@
 #pragma once
-/// What every control law must do, whatever it is. Included by tests only.
+/// Tests that every control law must pass. Included by tests only.
 
 #include <gtest/gtest.h>
 

@@ -1,18 +1,17 @@
 #pragma once
-/// Cutting-force observer: takes the identified friction off the force of a drive and splits what is left into a slow part and
-/// waves of known frequencies (once per turn of the spindle, once per tooth …).
+/// Cutting-force observer: subtracts the identified friction from the force of a drive and splits the rest into a slow part and
+/// oscillations of known frequencies (once per turn of the spindle, once per tooth …).
 ///
 ///   ẋ = v,   v̇ = (f − F_friction(ṙ, r) − load − d)/m,   d = d₀ + Σ c_k,   ċ_k = −ω_k s_k,   ṡ_k = ω_k c_k,   y = x
 ///
-///   Stationary Kalman filter, exact over a period with f held. d₀, c_k, s_k walk at random with densities that stand to the
-///   encoder's r as  q₀ = m²ω₀⁶ r,  q_k = 2σ²ω_k⁴ m² r:  slow poles on Butterworth's circle of radius ω₀, wave poles near
-///   −σ ± jω_k. So ω₀ [rad/s] and σ [1/s] are all there is to choose: d₀ follows with 2/ω₀ of lag, a wave with 1/σ.
+///   Stationary Kalman filter, exact over a period with f held. d₀, c_k, s_k are random walks; the ratios of their densities to
+///   the encoder's r are  q₀ = m²ω₀⁶ r,  q_k = 2σ²ω_k⁴ m² r:  slow poles on Butterworth's circle of radius ω₀, poles of the
+///   oscillations near −σ ± jω_k. Only ω₀ [rad/s] and σ [1/s] are to be chosen: d₀ follows with a lag of 2/ω₀, an oscillation
+///   with 1/σ. f force on the axis [N], m mass [kg], ω_k [rad/s]. d > 0 brakes a motion in +x; a controller may add it.
 ///
-///   f force on the axis [N], m mass [kg], ω_k [rad/s]. d > 0 brakes a motion in +x; a controller may add it.
-///
-/// What it cannot tell: slow errors of the friction model from the mean cutting force (10 % of Coulomb friction is 10 % of it
-/// in d₀, exactly); a friction term periodic in position from a wave when speed/period meets ω_k within σ. After a reversal the
-/// error of the friction model is a step, which shows for some 1/ω₀ in d₀ and 1/σ in the waves.
+/// It cannot separate slow errors of the friction model from the mean cutting force (10 % of Coulomb friction adds 10 % of it
+/// to d₀, exactly), nor a periodic friction term from an oscillation if speed/period meets ω_k within σ. After a reversal the
+/// error of the friction model is a step, which shows for about 1/ω₀ in d₀ and 1/σ in the oscillations.
 /// Source: Johnson 1971 (waveform models of disturbances); Anderson, Moore, Optimal Filtering, 1979.
 /// Not modelled: frequencies above half the sampling rate (they alias), changing spindle speed, delay, flexible axes.
 /// Real time: safe; the constructor (iterates the Riccati equation) configure only.
@@ -30,7 +29,7 @@ class CuttingForceObserver {
   static constexpr std::size_t kStates = 3 + 2 * Waves;
 
   struct Params {
-    friction::AxisModel model;              ///< what was identified of the axis
+    friction::AxisModel model;              ///< identified model of the axis
     std::array<double, Waves> frequency{};  ///< ω_k [rad/s]
     double slow_bandwidth = 100.0;          ///< ω₀ [rad/s]
     double wave_bandwidth = 5.0;            ///< σ [1/s]

@@ -6,12 +6,10 @@
 ///   f force on the axis [N], f_ff feed-forward of friction in it [N], v measured velocity [m/s], d̂ estimate
 ///   [N], p both poles [1/s], m mass [kg]. d̂ > 0 brakes a motion in +x; a controller adds it to its force.
 ///
-/// Advanced exactly over one period with f and v held. f_ff is taken off, or friction would be compensated
-/// twice. The error obeys s² + k_ev·s + k_ed/m.
-/// Source: thesis (2.22), with the corrections in
-/// docs/corrections-to-the-thesis.md.
-/// Not modelled: the half sample by which a differentiated encoder is
-/// late.
+/// Advanced exactly over one period with f and v held. f_ff is subtracted, because friction would be compensated
+/// twice otherwise. The error obeys s² + k_ev·s + k_ed/m.
+/// Source: thesis (2.22), with the corrections in docs/corrections-to-the-thesis.md.
+/// Not modelled: the half sample by which a differentiated encoder is late.
 /// Real time: safe; configure() configure only.
 
 #include <stribeck/core/fields.hpp>

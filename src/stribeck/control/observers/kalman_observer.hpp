@@ -5,10 +5,10 @@
 ///
 ///   Steady gain of the filter discretised with f held over a period; q_d [N²·s⁻¹], r = resolution²/12 [m²].
 ///
-/// d̂ > 0 brakes a motion in +x; a controller adds it to its force. The encoder gives the position, so the
-/// position is a state too: with a differenced encoder as the measurement the noise would not be white.
-/// Source: Erkorkmaz, Altintas 2001, as the thesis cites for its observer; Anderson, Moore, Optimal
-/// Filtering, 1979. Not modelled: coloured force noise.
+/// d̂ > 0 brakes a motion in +x; a controller adds it to its force. The encoder measures the position, so the
+/// position is a state too: the noise of a differenced encoder would not be white.
+/// Source: Erkorkmaz, Altintas 2001, as the thesis cites for its observer; Anderson, Moore, Optimal Filtering, 1979.
+/// Not modelled: coloured force noise.
 /// Real time: safe; the constructor (iterates the Riccati equation) configure only.
 
 #include <stribeck/core/vec.hpp>

@@ -1,16 +1,16 @@
 #pragma once
-/// What the noise of a residual weighs in a filter that takes it for white: its variance times its correlation in samples, r [N²].
+/// Noise of a residual for a filter that assumes white noise: its variance times its correlation in samples, r [N²].
 ///
 ///   m_j = mean of e over block j of n samples      e = ε·√(r/(r + h))
 ///   r̂ ← r̂ + (n·(m_j − m_{j−1})²/2 − r̂)/N          r = max(r̂, least)
 ///
-///   ε residual [N]; h = φᵀPφ, the part of its variance that the filter predicts, because θ is not known yet [N²]; N blocks,
-///   from a few, which stand for what is assumed, up to those of the memory.
+///   ε residual [N]; h = φᵀPφ, the part of its variance that comes from parameters not yet learned [N²]; N blocks: few at the
+///   start, which stand for the assumed value, and at most as many as the memory holds.
 ///
 /// Means over blocks longer than the correlation are independent, and n times their variance is the spectral density at low
-/// frequency, which is what is left of the noise in an estimate over many blocks. From differences of neighbours, because a
-/// residual that keeps its bias says that something is to be learned, and not that it is uncertain.
-/// Source: differences: von Neumann 1941, doi:10.1214/aoms/1177731677; the residual against what the filter expects of it: Mehra
+/// frequency, which is the noise of an estimate over many blocks. Differences of neighbouring blocks are used, because a constant
+/// residual is something to learn and not noise.
+/// Source: differences: von Neumann 1941, doi:10.1214/aoms/1177731677; residual against the expectation of the filter: Mehra
 /// 1972, doi:10.1109/TAC.1972.1100100.
 /// Not modelled: correlation longer than a block.
 /// Real time: safe.

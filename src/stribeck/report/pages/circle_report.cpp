@@ -114,7 +114,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
   for (std::size_t i = 0; i < input.logs.size(); ++i) {
     const CircleLog& log = input.logs[i];
     const sim::CircleTest& t = log.circles[c];
-    // The first is what the others are measured by: grey.
+    // The first is the reference of the others: grey.
     const std::string color = controller_color("", i);
     const Drawn d = drawn(t);
     over.series.push_back(common.around(d.angle, d.error, log.label, color, 1.5));

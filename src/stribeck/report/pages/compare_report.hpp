@@ -20,9 +20,9 @@
 
 namespace stribeck::report {
 
-/// What the compensators of one axis know, and where from.
+/// Parameters of the compensators of one axis, and their origin.
 struct AxisEvidence {
-  std::optional<sim::AxisKnowledge> knowledge = {};  ///< what the controllers were given
+  std::optional<sim::AxisKnowledge> knowledge = {};  ///< parameters of the controllers
   /// What was identified here, by kind of model: "conventional", "gaussian", "eccentric"; empty for printed parameters.
   std::vector<std::pair<std::string, ident::Result>> models = {};
   std::optional<friction::Model> truth = {};  ///< of a virtual machine only

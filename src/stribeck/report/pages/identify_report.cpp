@@ -57,7 +57,7 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   return text;
 }
 
-/// What is left, seen from every side.
+/// The residual: against velocity, position and time, and its spectrum.
 void residuals(Page& page, const ident::Result& r, bool heading) {
   std::vector<Plot> plots = residual_plots(r);
   const bool points = !plots.empty();

@@ -20,9 +20,9 @@ struct IdentifyReportInput {
   std::string version = {};
 };
 
-/// What was determined and how, e.g. "conventional model by jog"; a method without a model in plain words.
+/// Kind of result and method, e.g. "conventional model by jog"; a method without a model in plain words.
 std::string headline(const ident::Result& result);
-/// What it rests on: "5000 rows", "8 slips".
+/// The data used: "5000 rows", "8 slips".
 std::string counted(const ident::Result& result);
 
 std::string identify_report(const IdentifyReportInput& input);

@@ -1,5 +1,5 @@
 #pragma once
-/// The thesis page by page: what was printed beside what comes out here.
+/// The experiments of the thesis: printed values beside computed ones.
 ///
 /// A section is one table or figure of the thesis in one setting (machine, parameters, gains). It holds figures, each with the
 /// printed value, ours and the spread of ours, drawings after the thesis's, and remarks on what was assumed and why a figure is

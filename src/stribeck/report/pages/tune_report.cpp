@@ -42,7 +42,7 @@ constexpr std::array kInJson{&sim::Metrics::max_contour_error, &sim::Metrics::qu
 
 std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
 
-/// What the nearest gains have and what is asked, of the limit that they miss most.
+/// Value and limit of the margin that the nearest gains miss most.
 std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
     return fmt::format("{} {}, asked are {}", what, nearest, asked);
@@ -67,7 +67,7 @@ std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   return "an unstable loop";
 }
 
-/// An arrow to what was found; "–" where nothing was.
+/// An arrow and the result; "–" if there is none.
 std::string margin(const sim::TunedController& c, double start, double tuned, int digits) {
   return arrow(decimals(start, digits), c.found() ? decimals(tuned, digits) : "–");
 }

@@ -26,7 +26,7 @@ bool is_beyond(const sim::CompareRow& r) {
          r.controller.feedforward == control::Feedforward::kReversal;
 }
 
-/// Experiments name their own controllers by letters; what somebody adds has a name.
+/// Experiments name their own controllers by letters; controllers that a user adds have a name.
 bool is_of_thesis(const sim::CompareRow& r) { return r.controller.id.size() == 1; }
 
 const sim::CompareRow* least(const Rows& rows, Figure figure) {

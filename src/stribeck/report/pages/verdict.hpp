@@ -1,5 +1,5 @@
 #pragma once
-/// What a comparison says in a few sentences, for one travel. Every number in them is a mean over the trials and stands in the
+/// The result of a comparison in a few sentences, for one travel. Every number in them is a mean over the trials and stands in the
 /// JSON of compare.
 ///
 /// Where there are controllers beyond the thesis (they feed forward friction with memory), the default one, or the one with the

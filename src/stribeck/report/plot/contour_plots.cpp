@@ -236,7 +236,7 @@ Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& tr
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (std::size_t k = 0; k < all.size(); ++k) {
-    // Less than a lap was scored: what was not is a gap, not a line.
+    // Less than a lap was scored: the rest is a gap, not a line.
     if (k > 0 && all[k].first - all[k - 1].first > 3.0 * longest) {
       lap.angle.push_back(kNaN);
       lap.samples.push_back(nullptr);

@@ -4,8 +4,8 @@
 ///   Plot plot{.title = …, .x_label = "velocity [mm/s]", .series = {…}};
 ///   std::vector<std::string> svg = render({plot, …});      one process draws them all
 ///
-/// Series are thinned to what the width can show; the least and the greatest of every slice survive.
-/// What is not finite is a gap. Text is drawn as it is, whatever it holds. An SVG has ids of its own
+/// Series are thinned to the width of the drawing; the smallest and the largest value of every slice remain.
+/// A value that is not finite is a gap. Text is drawn as it is, whatever it holds. An SVG has ids of its own
 /// (plot-1-…, counted through a call), a title for screen readers, the width of its place, no script, no link
 /// and no font file. Same plots, same bytes.
 ///
@@ -49,7 +49,7 @@ struct Marker {
   std::string label = {};
 };
 
-/// Text at a place of the plane, in the colour of what it explains.
+/// Text at a place of the plane, in the colour of the curve that it explains.
 struct Note {
   double x = 0.0;
   double y = 0.0;

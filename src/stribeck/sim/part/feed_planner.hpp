@@ -102,19 +102,19 @@ class FeedPlanner {
     SegmentLimits w = minima_.weakest(r.first, r.last);
     w.acceleration = std::min(w.acceleration, r.acceleration);
     w.jerk = std::min(w.jerk, r.jerk);
-    const double way = begin_[r.last] - begin_[r.first];
+    const double distance = begin_[r.last] - begin_[r.first];
     w.speed = std::max({w.speed, r.from, r.to});
-    double top = path::reachable_between(r.from, r.to, way, w.speed, w.acceleration, w.jerk);
+    double top = path::reachable_between(r.from, r.to, distance, w.speed, w.acceleration, w.jerk);
     if (top < w.speed || r.last - r.first == 1) return emit(r, top, w);
     // Up to the slowest segment that is reached at that speed: those in the ramps may be slower.
     for (;;) {
-      const double risen = begin_[r.first] + path::SpeedRamp(r.from, top, w.acceleration, w.jerk).way();
-      const double falls = begin_[r.last] - path::SpeedRamp(top, r.to, w.acceleration, w.jerk).way();
+      const double risen = begin_[r.first] + path::SpeedRamp(r.from, top, w.acceleration, w.jerk).distance();
+      const double falls = begin_[r.last] - path::SpeedRamp(top, r.to, w.acceleration, w.jerk).distance();
       const std::size_t enters = segment_at(risen, r);
       const std::size_t k = minima_.slowest(enters, segment_at(falls, r) + 1);
       const double next = minima_.speed(k);
       if (next <= top) return cross(r, k, top, risen, falls, w);
-      const double higher = path::reachable_between(r.from, r.to, way, next, w.acceleration, w.jerk);
+      const double higher = path::reachable_between(r.from, r.to, distance, next, w.acceleration, w.jerk);
       const Slow slow = too_slow(r, higher, w);
       if (slow.segment != kNone) return split(r, slow, top, w);
       top = higher;
@@ -124,7 +124,7 @@ class FeedPlanner {
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// The segment of a stretch at a way.
+  /// The segment of a stretch at a distance.
   [[nodiscard]] std::size_t segment_at(double s, const Stretch& r) const {
     const auto first = begin_.begin() + static_cast<std::ptrdiff_t>(r.first);
     const auto last = begin_.begin() + static_cast<std::ptrdiff_t>(r.last);
@@ -144,12 +144,12 @@ class FeedPlanner {
     const path::SpeedRamp down(r.to, top, w.acceleration, w.jerk);
     const double s0 = begin_[r.first];
     const double s1 = begin_[r.last];
-    for (std::size_t i = r.first; i < r.last && begin_[i] < s0 + up.way(); ++i) {
-      const double there = std::min(begin_[i + 1] - s0, up.way());
+    for (std::size_t i = r.first; i < r.last && begin_[i] < s0 + up.distance(); ++i) {
+      const double there = std::min(begin_[i + 1] - s0, up.distance());
       if (minima_.speed(i) < top && path::speed_after(up, there) > minima_.speed(i)) return {i, true};
     }
-    for (std::size_t i = r.last; i-- > r.first && begin_[i + 1] > s1 - down.way();) {
-      const double there = std::min(s1 - begin_[i], down.way());
+    for (std::size_t i = r.last; i-- > r.first && begin_[i + 1] > s1 - down.distance();) {
+      const double there = std::min(s1 - begin_[i], down.distance());
       if (minima_.speed(i) < top && path::speed_after(down, there) > minima_.speed(i)) return {i, false};
     }
     return {};
@@ -183,7 +183,7 @@ class FeedPlanner {
     if (v > top && too_slow(rest(v), v, w).segment != kNone) v = top;
     if (v > most || v < (slow.rising ? r.from : r.to)) return emit(r, top, w);
     const auto fits = [&](const Stretch& part) {
-      return path::SpeedRamp(part.from, part.to, w.acceleration, w.jerk).way() <=
+      return path::SpeedRamp(part.from, part.to, w.acceleration, w.jerk).distance() <=
              begin_[part.last] - begin_[part.first];
     };
     if (!fits(rest(v))) return emit(r, top, w);
@@ -206,7 +206,7 @@ class FeedPlanner {
     const double s1 = begin_[r.last];
     const path::SpeedRamp up(r.from, top, w.acceleration, w.jerk);
     const path::SpeedRamp down(top, r.to, w.acceleration, w.jerk);
-    const double cruise = std::max(s1 - s0 - up.way() - down.way(), 0.0);
+    const double cruise = std::max(s1 - s0 - up.distance() - down.distance(), 0.0);
     const auto add = [&](const path::SpeedRamp& ramp, double s) {
       const auto p = ramp.phases(time_, s);
       if (ramp.jerk_time > 0.0) phases_.push_back(p[0]);
@@ -216,14 +216,15 @@ class FeedPlanner {
     };
     add(up, s0);
     if (cruise > 0.0) {
-      phases_.push_back({time_, s0 + up.way(), top, 0.0, 0.0});
+      phases_.push_back({time_, s0 + up.distance(), top, 0.0, 0.0});
       time_ += cruise / top;
     }
-    add(down, s1 - down.way());
+    add(down, s1 - down.distance());
   }
 
   Minima minima_;
-  const std::vector<double>& begin_;  ///< way at the beginning of every segment, and at the end of the last
+  const std::vector<double>&
+      begin_;  ///< distance at the beginning of every segment, and at the end of the last
   std::vector<path::FeedPhase>& phases_;
   std::vector<Stretch> todo_;
   double time_ = 0.0;

@@ -23,11 +23,11 @@ Vec<double, N> narrowed(const Vec<double, 3>& v) {
 
 template <std::size_t N>
 Segment<N> line(const Vec<double, 3>& from, const Vec<double, 3>& to) {
-  const Vec<double, N> way = narrowed<N>(to) - narrowed<N>(from);
+  const Vec<double, N> chord = narrowed<N>(to) - narrowed<N>(from);
   Segment<N> s;
-  s.length = s.extent = norm(way);
+  s.length = s.extent = norm(chord);
   s.c[0] = narrowed<N>(from);
-  if (s.length > 0.0) s.c[1] = (1.0 / s.length) * way;
+  if (s.length > 0.0) s.c[1] = (1.0 / s.length) * chord;
   return s;
 }
 
@@ -181,9 +181,9 @@ path::PathPoint<N> PartMotion<N>::at(double time) noexcept {
   constexpr double kCorner = 0.5;  // cosine; as in motion_frame.hpp
   const path::SpeedLaw::Point law = part_.feed.at(time);
   const auto& segments = part_.segments;
-  while (segment_ + 1 < segments.size() && law.s >= segments[segment_ + 1].way) ++segment_;
+  while (segment_ + 1 < segments.size() && law.s >= segments[segment_ + 1].travelled) ++segment_;
   const Segment<N>& s = segments[segment_];
-  const double x = s.place(law.s - s.way);
+  const double x = s.place(law.s - s.travelled);
   const auto q = s.point(Taylor<4>::variable(x));
   const Taylor<3> stretch = norm(path::differentiated<3, 1>(q));
   const Taylor<2> inverse = Taylor<2>(1.0) / path::shortened<2>(stretch);
@@ -287,7 +287,7 @@ std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std:
     if (leg.segment.length > kNoWay) {
       legs.push_back(std::move(leg));
     } else if (!legs.empty() && m.junction == Junction::kStop) {
-      // A move without a way asks for what it asks at the end of the last one.
+      // A move without travel acts at the end of the last one.
       legs.back().end.junction = Junction::kStop;
       legs.back().end.dwell += m.dwell;
     }
@@ -312,9 +312,9 @@ std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std:
   double phi = 0.0;
   const auto add = [&](Segment<N> s, double feed) {
     s.begin = phi;
-    s.way = begin.back();
+    s.travelled = begin.back();
     phi += s.length;
-    begin.push_back(s.way + s.extent);
+    begin.push_back(s.travelled + s.extent);
     segment_limits.push_back(limits_on<N>(s, feed, limits));
     part->segments.push_back(std::move(s));
   };

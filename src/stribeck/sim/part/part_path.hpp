@@ -28,7 +28,7 @@ enum class Junction : std::uint8_t {
   kStop,
 };
 
-/// Resolution of what the interpreter prints [m].
+/// Resolution of the interpreter's output [m].
 inline constexpr double kExactTolerance = 1e-7;
 
 /// One programmed move, from where the last one ended; SI.
@@ -52,12 +52,12 @@ struct PartLimits {
   Vec<double, N> jerk;
 };
 
-/// What was made of a program.
+/// Facts about the planned path of a program.
 struct PartSummary {
-  std::size_t moves = 0;    ///< with a way
+  std::size_t moves = 0;    ///< with travel
   std::size_t stops = 0;    ///< between the first move and the last
   std::size_t corners = 0;  ///< rounded
-  std::size_t limited = 0;  ///< moves whose feed is above what the axes can
+  std::size_t limited = 0;  ///< moves whose feed is above the limits of the axes
   double length = 0.0;      ///< travelled [m]
   double duration = 0.0;    ///< [s]
   double deviation = 0.0;   ///< largest between the programmed and the rounded path [m]
@@ -87,7 +87,7 @@ struct PartPath {
   }
 };
 
-/// With two axes, z of the moves is left out. Null where no move has a way. Limits are positive, the axis-wise ones of the machine.
+/// With two axes, z of the moves is left out. Null where no move has travel. Limits are positive, the axis-wise ones of the machine.
 template <std::size_t N>
 std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std::vector<PartMove>& moves,
                                          const PartLimits<N>& limits);

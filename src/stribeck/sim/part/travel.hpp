@@ -43,14 +43,14 @@ struct Travel {
   [[nodiscard]] std::size_t axes() const {
     return std::visit([](const auto& p) { return std::decay_t<decltype(p)>::kAxes; }, path);
   }
-  /// Length of one lap, in what the law is a law of.
+  /// Length of one lap, in the unit of the law of motion.
   [[nodiscard]] double lap() const {
     return std::visit(
         [&](const auto& p) { return pace == path::Pace::kRate ? p.period() : path::lap_length(p); }, path);
   }
   /// Not of a part.
   [[nodiscard]] path::SpeedLaw law() const { return {speed, run_in, (settle_laps + laps) * lap()}; }
-  /// What was planned for a part program; null for other paths.
+  /// The plan of a part program; null for other paths.
   [[nodiscard]] const PartSummary* part() const;
   /// From rest to rest [s].
   [[nodiscard]] double duration() const;

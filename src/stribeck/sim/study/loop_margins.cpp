@@ -254,7 +254,7 @@ struct Response {
 
   friend bool operator==(const Response&, const Response&) = default;
 
-  /// Differences what has not died out; false where two differences are not enough.
+  /// Differences a response that has not decayed; false where two differences are not enough.
   bool settle() {
     for (; integrators <= 2; ++integrators) {
       double peak = 0.0;

@@ -40,7 +40,7 @@ struct LoopMargins {
   friend bool operator==(const LoopMargins&, const LoopMargins&) = default;
 };
 
-/// What is known of the drives beside the setup's masses and delays: a first axial mode.
+/// Further data of the drives, beside masses and delays of the setup: a first axial mode.
 template <std::size_t N>
 using DeclaredModes = std::array<std::optional<plant::AxialMode>, N>;
 

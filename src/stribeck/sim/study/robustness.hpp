@@ -1,5 +1,5 @@
 #pragma once
-/// How controllers do on machines that are not the one that was identified.
+/// Runs controllers on machines that differ from the identified one, and collects their errors.
 ///
 /// Machine i of a seed (variation.hpp) runs every controller on every travel. Controllers are built once, from the nominal
 /// machine and what was identified of it; the machines alone differ. A machine has its own noise, the same for

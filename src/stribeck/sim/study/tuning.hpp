@@ -55,7 +55,7 @@ struct TunedGain {
   double tuned = 0.0;
 };
 
-/// What a travel came to.
+/// The results of one travel.
 struct TravelScore {
   Metrics mean;
   Metrics spread;

@@ -65,7 +65,7 @@ class Search {
     const Point begin = best_;
     const ControllerSpec begin_spec = best_spec_;
     explore();
-    // A part from the start, which somebody chose, the rest from the best there is by then.
+    // A part begins at the given gains, the rest at the best ones found so far.
     minimise(begin_spec, begin, 0.3, left_ - left_ / 3);
     for (double region = 0.3; region > 0.02;) {
       const double before = best_.objective;
@@ -86,7 +86,7 @@ class Search {
     auto found = gains_of(best_spec_, N);
     for (const std::size_t i : live_)
       out.gains.push_back({old[i].name, old[i].quantity, *old[i].value, *found[i].value});
-    // What has no effect stays as it was.
+    // Settings without effect keep their values.
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (std::find(live_.begin(), live_.end(), i) == live_.end()) *found[i].value = *old[i].value;
     }
@@ -103,7 +103,7 @@ class Search {
       if (begin_at(c)) break;
     }
     if (!found_) {
-      // No speed has the margins: what is asked of the gains is another ratio to each other.
+      // No speed has the margins: the gains need another ratio to each other.
       for (const ControllerSpec& c : shapes_with_margins()) {
         begin_at(c);
         --left_;
@@ -340,7 +340,7 @@ class Search {
   static double objective(unsigned n, const double* x, double*, void* data) {
     auto& s = *static_cast<Search*>(data);
     const double j = s.look(n, x).objective;
-    // What was not simulated, or lost the path, is much worse than the start; limits say by how much.
+    // A point that was not simulated, or lost the path, counts as much worse than the start; limits say by how much.
     return std::min(j / s.scale_, 5.0);
   }
   static void excess(unsigned m, double* result, unsigned n, const double* x, double*, void* data) {

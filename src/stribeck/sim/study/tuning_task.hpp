@@ -30,7 +30,7 @@ struct Point {
   }
 };
 
-/// Excesses are cut off here, so that a linear model of them is not led by what is far from the limit.
+/// Excesses are cut off here, so that points far from the limit do not dominate a linear model of them.
 inline constexpr double kMostExcess = 2.0;
 /// Noise of the confirmation.
 inline constexpr std::uint32_t kCheckTrial = 2 * kSearchTrial;

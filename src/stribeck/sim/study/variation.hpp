@@ -1,5 +1,5 @@
 #pragma once
-/// Machines like a given one and not quite it: every axis draws its own deviations from what was identified.
+/// Machines that differ at random from a given one: every axis gets its own deviations from the identified values.
 ///
 ///   friction    level and viscous part × (1 ± 0.3)
 ///   stiffness   σ0 of LuGre, every k_i of GMS × s = 1 ± 0.5; their damping × √s, the same damping ratio
@@ -123,7 +123,7 @@ struct PeriodicDeviation {
   double phase = 0.0;   ///< [rad]
 };
 
-/// What one axis drew.
+/// The random deviations of one axis.
 struct Deviation {
   double friction = 1.0;   ///< factor
   double stiffness = 1.0;  ///< factor
