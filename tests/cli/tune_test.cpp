@@ -49,10 +49,11 @@ TEST(Tune, SaysNoWhenNoGainsMeetTheLimits) {
   EXPECT_EQ(said.code, 1);
   EXPECT_THAT(said.err, HasSubstr("stribeck: controller (f): none found in "));
   EXPECT_THAT(said.err, HasSubstr("a mean |Δu| of "));
-  EXPECT_THAT(said.err, HasSubstr(" mV at 9.5 mm/s, asked are"));
+  EXPECT_THAT(said.err, HasSubstr(" mV at 9.5 mm/s, where at most"));
   EXPECT_THAT(
       said.err,
-      HasSubstr("asked are at most 0.001000 mV less 0.5 % for other noise (raise --input-variation)"));
+      HasSubstr(
+          "where at most 0.001000 mV less 0.5 % for other noise are allowed (raise --input-variation)"));
   EXPECT_THAT(said.out, HasSubstr("50.8 → –"));
   EXPECT_FALSE(nlohmann::json::parse(text_of(f / "t.json"))["controllers"][0]["missed"].is_null());
   EXPECT_FALSE(std::filesystem::exists(f / "tuned/f.toml"));

@@ -176,7 +176,7 @@ struct AxisParams {
         field("converter", &AxisParams::converter, "D/A converter of the control word"),
         field("encoder", &AxisParams::encoder, "position measurement"),
         field("delay_periods", &AxisParams::delay_periods, pure_number().not_negative().at_most(8.0),
-              "whole periods by which the control word acts late, beyond the hold")
+              "whole control periods of delay of the control word, in addition to the hold")
             .or_default(),
         field("friction", &AxisParams::friction, "true friction; needs dynamics"),
         field("axial_mode", &AxisParams::axial_mode, "first axial mode; left out: rigid").or_default(),

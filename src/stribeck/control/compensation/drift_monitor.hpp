@@ -42,12 +42,11 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
     case DriftVerdict::kMore:
       return "more friction than at commissioning: watch lubrication and covers";
     case DriftVerdict::kMuchMore:
-      return "much more friction than at commissioning: check lubrication, covers and preload, or identify "
-             "anew";
+      return "much more friction than at commissioning: check lubrication, covers and preload, or identify again";
     case DriftVerdict::kLess:
       return "less friction than at commissioning: warm, or preload is going";
     case DriftVerdict::kMuchLess:
-      return "much less friction than at commissioning: check preload, or identify anew";
+      return "much less friction than at commissioning: check preload, or identify again";
     case DriftVerdict::kMoreViscous:
       return "friction rises more with speed than at commissioning: colder, or another lubricant";
     case DriftVerdict::kLessViscous:
@@ -55,7 +54,7 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
     case DriftVerdict::kAnotherMass:
       return "another mass than at commissioning: a workpiece, or a changed drive";
     case DriftVerdict::kAnotherDelay:
-      return "the force acts later or earlier than the axis file says: identify anew";
+      return "the force acts later or earlier than the axis file says: identify again";
   }
   return "unknown";
 }

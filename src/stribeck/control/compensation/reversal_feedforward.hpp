@@ -73,7 +73,7 @@ struct ReversalParams {
   template <class Report>
   void validate(Report&& report) const {
     if (build_up.empty()) return;
-    if (distance) report("distance", "leave it out, or leave out build_up: each says how friction builds up");
+    if (distance) report("distance", "leave out this or build_up: both define how friction builds up");
     double before = -1.0;
     for (const auto& point : build_up) {
       if (!(point.distance > before)) {

@@ -43,7 +43,7 @@ struct CascadeParams {
     using P = CascadeParams;
     return std::tuple{
         field("position_gain", &P::position_gain, quantity("1/s", "1/s").positive(),
-              "gains of the position loops (Kv factor), one per axis; the last one stands for the rest")
+              "gains of the position loops (Kv factor), one per axis; the last one applies to the others too")
             .or_default(),
         field("velocity_gain", &P::velocity_gain, quantity("1/s", "1/s").positive(),
               "gains of the velocity loops, in the same order")

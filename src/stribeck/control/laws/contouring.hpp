@@ -32,8 +32,9 @@ struct ContouringParams {
 
   static constexpr auto fields() {
     return std::tuple{
-        field("kp", &ContouringParams::kp, quantity("1/s2", "1/s2").positive(),
-              "proportional gains, along the path first, then across it; the last one stands for the rest")
+        field(
+            "kp", &ContouringParams::kp, quantity("1/s2", "1/s2").positive(),
+            "proportional gains, along the path first, then across it; the last one applies to the others too")
             .or_default(),
         field("kv", &ContouringParams::kv, quantity("1/s", "1/s").positive(),
               "derivative gains, in the same order")

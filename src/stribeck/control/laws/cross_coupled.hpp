@@ -41,7 +41,7 @@ struct CrossCoupledParams {
     using P = CrossCoupledParams;
     return std::tuple{
         field("kp", &P::kp, quantity("1/s2", "1/s2").positive(),
-              "proportional gains, one per axis; the last one stands for the rest")
+              "proportional gains, one per axis; the last one applies to the others too")
             .or_default(),
         field("kv", &P::kv, quantity("1/s", "1/s").positive(), "derivative gains, in the same order")
             .or_default(),

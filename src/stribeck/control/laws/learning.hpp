@@ -47,8 +47,9 @@ struct LearningParams {
   static constexpr auto fields() {
     using P = LearningParams;
     return std::tuple{
-        field("kp", &P::kp, quantity("1/s2", "1/s2").positive(),
-              "proportional gains, along the path first, then across it; the last one stands for the rest")
+        field(
+            "kp", &P::kp, quantity("1/s2", "1/s2").positive(),
+            "proportional gains, along the path first, then across it; the last one applies to the others too")
             .or_default(),
         field("kv", &P::kv, quantity("1/s", "1/s").positive(), "derivative gains, in the same order")
             .or_default(),

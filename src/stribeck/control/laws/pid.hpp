@@ -35,7 +35,7 @@ struct PidParams {
   static constexpr auto fields() {
     return std::tuple{
         field("kp", &PidParams::kp, quantity("1/s2", "1/s2").positive(),
-              "proportional gains, one per axis; the last one stands for the rest")
+              "proportional gains, one per axis; the last one applies to the others too")
             .or_default(),
         field("ki", &PidParams::ki, quantity("1/s3", "1/s3").not_negative(),
               "integral gains, in the same order")

@@ -71,7 +71,7 @@ struct PredictiveParams {
               "share of the force limit that progress leaves for feedback")
             .or_default(),
         field("speed_limit", &P::speed_limit, quantity("m/s", "mm/s").positive(),
-              "largest speed, one per axis; the last one stands for the rest; none: no limit")
+              "largest speed, one per axis; the last one applies to the others too; none: no limit")
             .or_default(),
         field("error_rate", &P::error_rate,
               "rate of the tracking error: difference-of-error, observed, or late for comparison")

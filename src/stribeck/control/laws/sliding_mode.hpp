@@ -75,8 +75,9 @@ struct SlidingModeParams {
   static constexpr auto fields() {
     using P = SlidingModeParams;
     return std::tuple{
-        field("lambda", &P::lambda, quantity("1/s", "1/s").positive(),
-              "slope of the surface, along the path first, then across it; the last one stands for the rest")
+        field(
+            "lambda", &P::lambda, quantity("1/s", "1/s").positive(),
+            "slope of the surface, along the path first, then across it; the last one applies to the others too")
             .or_default(),
         field("a", &P::a, quantity("1/s", "1/s").not_negative(),
               "gain towards the surface, in the same order")
@@ -103,7 +104,7 @@ struct SlidingModeParams {
               "adaptive: how fast the gain follows the distance from the surface")
             .or_default(),
         field("layer", &P::layer, pure_number().positive(),
-              "adaptive: distance at which the gain stands still, in gains times control periods")
+              "adaptive: |s| at which the gain does not change, in gains times control periods")
             .or_default(),
         field("gamma_least", &P::gamma_least, quantity("m/s2", "mm/s2").positive(),
               "adaptive: least switching gain, along the path first, then across it")

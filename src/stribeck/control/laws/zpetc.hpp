@@ -52,7 +52,7 @@ struct ZpetcParams {
 
   static constexpr auto fields() {
     return std::tuple{field("kp", &ZpetcParams::kp, quantity("1/s2", "1/s2").positive(),
-                            "proportional gains, one per axis; the last one stands for the rest")
+                            "proportional gains, one per axis; the last one applies to the others too")
                           .or_default(),
                       field("kv", &ZpetcParams::kv, quantity("1/s", "1/s").positive(),
                             "derivative gains, in the same order")

@@ -120,7 +120,7 @@ class CsvReader {
       if (!is_data(header)) {
         body = rest;
         separator_ = best_separator(header, first_row(rest));
-        note("the given names of the columns stand in place of those in line " + std::to_string(line));
+        note("the given names of the columns replace those in line " + std::to_string(line));
       }
       std::vector<std::string> names;
       for (const auto& name : options_.names) names.push_back(header_of(name));

@@ -130,7 +130,7 @@ class TwinCatReader : Reader {
       std::string names_of;
       for (const auto& name : scaled_) names_of += (names_of.empty() ? "" : ", ") + in_quotes(name);
       note("the header names scale factors and offsets of " + names_of +
-           "; the values are taken as they stand (in the files known they are applied)");
+           "; the values are used as they are (in all known files the factors are already applied)");
     }
     sample_times_.resize(groups_.size());
     if (const KeyRow* times = find(rows, "SampleTime[ms]")) read_sample_times(*times);

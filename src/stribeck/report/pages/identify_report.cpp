@@ -30,7 +30,7 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   }
   text += ".";
   if (std::isfinite(r.held_out_rms)) {
-    text += fmt::format(" On motion that was not fitted, the model leaves {} {} RMS.",
+    text += fmt::format(" On held-out motion the error of the model is {} {} RMS.",
                         significant(r.held_out_rms, 3), units.force);
   }
   for (const auto& term : r.friction.eccentric) {
@@ -68,8 +68,7 @@ void residuals(Page& page, const ident::Result& r, bool heading) {
   std::string caption;
   if (points) {
     caption =
-        "Measured less modelled force of every row that was fitted, thinned. A band of means that leaves "
-        "zero is a part of friction that the model does not have.";
+        "Measured less modelled force of every row that was fitted, thinned. Where the band of means differs from zero, the model lacks a part of the friction.";
   }
   if (spectrum) {
     caption += std::string(caption.empty() ? "" : " ") +
@@ -121,7 +120,7 @@ std::string identify_report(const IdentifyReportInput& input) {
         friction_plots(map), 2,
         std::string("Left: friction against velocity. Right: the same as difference from the fit, where "
                     "its 95 % band can be seen. Measured points are thinned.") +
-            (r.friction.eccentric.empty() ? "" : " Terms periodic in position are taken out."));
+            (r.friction.eccentric.empty() ? "" : " Periodic terms are subtracted."));
     if (first) page.section("Parameters");
     page.table(parameter_table(r));
     residuals(page, r, first);

@@ -45,7 +45,7 @@ std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
 /// Value and limit of the margin that the nearest gains miss most.
 std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
-    return fmt::format("{} {}, asked are {}", what, nearest, asked);
+    return fmt::format("{} {}, where {} are required", what, nearest, asked);
   };
   switch (m.limit) {
     case sim::Limit::kPhaseMargin:
@@ -56,9 +56,10 @@ std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
     case sim::Limit::kDelayMargin:
       return pair("a delay margin of", decimals(m.nearest, 2), short_number(m.asked) + " control periods");
     case sim::Limit::kInputVariation:
-      return fmt::format("a mean |Δu| of {} mV at {}, asked are at most {} mV less {} % for other noise",
-                         significant(m.nearest * 1e3, 4), spec.compare.travels[m.travel].pace_in_words(),
-                         significant(m.asked * 1e3, 4), short_number(100.0 * sim::kKeptBack));
+      return fmt::format(
+          "a mean |Δu| of {} mV at {}, where at most {} mV less {} % for other noise are allowed",
+          significant(m.nearest * 1e3, 4), spec.compare.travels[m.travel].pace_in_words(),
+          significant(m.asked * 1e3, 4), short_number(100.0 * sim::kKeptBack));
     case sim::Limit::kPath:
       return "all limits kept, but the path is lost";
     case sim::Limit::kStability:

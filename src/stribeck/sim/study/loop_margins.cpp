@@ -430,7 +430,7 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
           for (std::size_t j = 0; j < N; ++j) response.taps[j] = line->answer(j);
           if (!response.settle()) {
             throw Refused(
-                "the law's answer to a small error neither dies out nor becomes a line: it has no margins");
+                "the response of the law to a small error neither decays nor becomes a straight line: it has no margins");
           }
           if (std::find(seen.begin(), seen.end(), response) != seen.end()) continue;
           for (std::size_t i = 0; i < N; ++i) {
