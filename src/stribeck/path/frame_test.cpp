@@ -1,3 +1,5 @@
+/// Tests of frame.hpp. Longer than 500 lines: three kinds of frame, each on plane, space and standstill.
+
 #include <gtest/gtest.h>
 
 #include <array>

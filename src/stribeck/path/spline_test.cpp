@@ -1,3 +1,5 @@
+/// Tests of spline.hpp and spline_fit.hpp. Longer than 500 lines: both are judged on the same curves.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

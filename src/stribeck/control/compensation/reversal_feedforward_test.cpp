@@ -1,3 +1,5 @@
+/// Tests of reversal_feedforward.hpp. Longer than 500 lines: build-up by table, distance and model on one set of motions.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

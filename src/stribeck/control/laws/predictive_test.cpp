@@ -1,3 +1,5 @@
+/// Tests of predictive.hpp. Longer than 500 lines: limits, preview and slowing down share one simulated drive.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

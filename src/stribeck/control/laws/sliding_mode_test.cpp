@@ -1,3 +1,5 @@
+/// Tests of sliding_mode.hpp. Longer than 500 lines: six variants of the law share the fixtures of one proof.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
