@@ -17,7 +17,8 @@
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/report/pages/circle_report.hpp>
 #include <stribeck/report/text.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {

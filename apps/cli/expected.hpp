@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <stribeck/core/fields.hpp>
 #include <string>
 #include <vector>
 
@@ -18,5 +19,13 @@ namespace stribeck::cli {
 CLI::Validator number_from(double low, double high);
 CLI::Validator whole_from(std::uint64_t low, std::uint64_t high);
 CLI::Validator one_of(std::vector<std::string> words);
+
+/// The words of an enumeration, for one_of().
+template <NamedEnum E>
+std::vector<std::string> words_of() {
+  std::vector<std::string> words;
+  for (const auto& [value, word] : EnumNames<E>::names) words.emplace_back(word);
+  return words;
+}
 
 }  // namespace stribeck::cli

@@ -6,7 +6,6 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/option_groups.hpp>
 #include <stribeck/control/laws/contouring.hpp>
-#include <stribeck/workflow/log_record.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path_options.hpp>
 
@@ -18,14 +17,13 @@ namespace {
 
 template <NamedEnum E>
 CLI::Validator names_of() {
-  std::vector<std::string> names;
-  for (const auto& [value, name] : EnumNames<E>::names) names.emplace_back(name);
-  return one_of(std::move(names));
+  return one_of(words_of<E>());
 }
 
 }  // namespace
 
-void add_log_options(CLI::App& verb, LogOptions& o) {
+void add_log_options(CLI::App& verb, LogArguments& arguments) {
+  LogOptions& o = arguments.options;
   verb.add_option("--axis", o.axis,
                   "Name of the axis; a log of several axes has columns like x_NAME or NAME_ActualPosition")
       ->type_name("NAME");
@@ -48,7 +46,7 @@ void add_log_options(CLI::App& verb, LogOptions& o) {
   verb.add_option("--keep", o.keep,
                   "Do not repair findings of this kind, repeatable (--inspect shows the kinds)")
       ->type_name("KIND");
-  verb.add_option("--map-file", o.map_file,
+  verb.add_option("--map-file", arguments.map_file,
                   "TOML file with map, axis, gain, lead, where, runs, sample_time, keep")
       ->type_name("MAP.toml");
 }

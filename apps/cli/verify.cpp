@@ -15,7 +15,7 @@
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/verify_report.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -24,7 +24,7 @@ namespace {
 struct Options {
   Common common;
   std::vector<std::string> files;  ///< axis files, then the log
-  LogOptions log;
+  LogArguments log;
   std::string controller;
   std::string force_shift;
 };
@@ -63,17 +63,17 @@ int verify(const Options& o) {
   }
   std::optional<ident::replay::ReplayController> controller;
   if (!o.controller.empty())
-    controller =
-        read_one<ident::replay::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
+    controller = read_one<ident::replay::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
 
+  const LogOptions log_options = o.log.resolved();
   report::VerifyReportInput page;
-  page.axis = with_map_file(o.log).axis;
+  page.axis = log_options.axis;
   page.source = path;
   page.command = typed_command();
   page.version = STRIBECK_VERSION;
-  const io::Log log = read_log(path, o.log);
+  const io::Log log = read_log(path, log_options);
   page.warnings = log.notes;
-  const ident::log::Conditioned clean = condition_log(log, o.log, &page.warnings);
+  const ident::log::Conditioned clean = condition_log(log, log_options, &page.warnings);
   for (const ident::log::Finding& f : clean.findings) page.warnings.push_back(f.text);
 
   std::string why;

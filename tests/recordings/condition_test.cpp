@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/workflow/inspect.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 #include <tests/recordings/recording.hpp>
 #include <vector>

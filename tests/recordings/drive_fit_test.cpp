@@ -12,7 +12,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
@@ -37,7 +37,7 @@ constexpr std::size_t kCycles = 4;           // the last one ends 0.12 s early
 ident::log::Record emps(const std::string& log) {
   workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
-  return workflow::make_record(io::read_csv(log), options);
+  return plain_record(io::read_csv(log), options);
 }
 
 ident::log::Record rows(const ident::log::Record& whole, std::size_t from, std::size_t to) {

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 
 namespace stribeck::test {
@@ -13,6 +15,20 @@ inline std::string recording(const std::string& name) {
   const char* given = std::getenv("STRIBECK_DATA_DIR");
   const std::filesystem::path root = given != nullptr ? given : STRIBECK_SOURCE_DIR "/../shared/data";
   return std::filesystem::exists(root / name) ? (root / name).string() : std::string();
+}
+
+/// A record of the columns as they stand, without any repair.
+inline ident::log::Record plain_record(const io::Log& log, const workflow::LogOptions& options) {
+  const ident::log::RawLog raw = workflow::logged_axis(log, options).runs.at(0);
+  ident::log::Record record;
+  record.source = log.source;
+  record.t = raw.x.t;
+  record.x = raw.x.y;
+  record.r = raw.r.y;
+  record.v = raw.v.y;
+  record.f = raw.f.y;
+  record.sample_time = (record.t.back() - record.t.front()) / static_cast<double>(record.t.size() - 1);
+  return record;
 }
 
 }  // namespace stribeck::test

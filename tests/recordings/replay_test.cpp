@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
@@ -19,7 +19,7 @@ const ident::replay::ReplayController kEmps{
 ident::log::Record emps(const std::string& log) {
   workflow::LogOptions options;
   options.gain = "35.15065188248547 N/V";
-  return workflow::make_record(io::read_csv(log), options);
+  return plain_record(io::read_csv(log), options);
 }
 
 friction::AxisModel published() {

@@ -7,6 +7,7 @@
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/identify.hpp>
 #include <utility>
 
 namespace stribeck::workflow {
@@ -76,38 +77,6 @@ ident::log::Record as_record(const sim::Recording& recording, const std::string&
   record.f = recording.f;
   record.loop = recording.r.empty() ? ident::log::Loop::kOpen : ident::log::Loop::kClosed;
   return record;
-}
-
-void require_determined(const ident::Result& result, const std::string& source) {
-  if (!std::isfinite(result.mass)) {
-    throw ident::Refused(
-        fmt::format("{}: these data do not give a mass: force and motion do not belong together", source));
-  }
-  if (!(result.mass > 0.0)) {
-    throw ident::Refused(
-        fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
-                    "opposite signs, or columns are exchanged (see --map and --gain)",
-                    source, result.mass * 1e-3));
-  }
-  if (!(result.mass_interval.low > 0.0)) {
-    throw ident::Refused(fmt::format(
-        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
-        "log has too little acceleration (add a log of pulses), or its columns are not what they are called",
-        source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
-  }
-  for (const ident::CurvePoint& p : result.curve) {
-    if (!std::isfinite(p.friction))
-      throw ident::Refused(fmt::format("{}: these data do not give any friction", source));
-  }
-}
-
-friction::AxisModel as_model(const ident::Result& result) {
-  friction::AxisModel model;
-  model.mass = result.mass;
-  model.load = result.load;
-  model.delay = result.delay;
-  model.friction = result.friction;
-  return model;
 }
 
 const ident::Result* CommissionedAxis::find(std::string_view kind) const {

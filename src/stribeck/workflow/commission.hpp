@@ -51,10 +51,6 @@ ident::excitation::Excitation design(const sim::Machine& machine, std::size_t ax
 /// Plays an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);
-/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, numbers that are not finite.
-void require_determined(const ident::Result& result, const std::string& source);
-/// What goes into an axis file.
-friction::AxisModel as_model(const ident::Result& result);
 /// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one;
 /// the whole model, bristles included, comes from the pulses and whichever sine the machine has;
 /// the conventional model comes from pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
@@ -190,7 +191,7 @@ void add_findings(const ident::log::Conditioned& c, const io::Log& log, Inspecti
 
 }  // namespace
 
-Inspection inspect(const io::Log& log, const LogOptions& given) {
+Inspection inspect(const io::Log& log, const LogOptions& options) {
   Inspection out;
   out.json["schema"] = "stribeck.inspect/1";
   out.json["file"] = log.source;
@@ -211,7 +212,7 @@ Inspection inspect(const io::Log& log, const LogOptions& given) {
   out.json["notes"] = log.notes;
   if (!log.notes.empty()) {
     std::vector<std::string> notes;
-    const bool runs = !given.runs.empty() || !given.where.empty() || !given.map_file.empty();
+    const bool runs = !options.runs.empty() || !options.where.empty();
     for (const std::string& note : log.notes) {
       // Runs one below the other begin their time anew.
       if (!(runs && note.find("time goes back") != std::string::npos)) notes.push_back(note);
@@ -231,8 +232,7 @@ Inspection inspect(const io::Log& log, const LogOptions& given) {
     out.json["refused"] = why;
   };
   try {
-    const LogOptions options = with_map_file(given);
-    const LoggedAxis axis = logged_axis(log, options);
+    LoggedAxis axis = logged_axis(log, options);
     out.text += "\nTaken as\n";
     for (const auto& [quantity, column] : axis.columns) {
       out.text += fmt::format("  {:<9} {}\n", quantity, column);
@@ -241,7 +241,7 @@ Inspection inspect(const io::Log& log, const LogOptions& given) {
     if (axis.runs.size() > 1) out.text += fmt::format("  {} runs\n", axis.runs.size());
     add_lines(out.text, axis.notes, "-");
     for (const std::string& note : axis.notes) out.json["notes"].push_back(note);
-    const ident::log::Conditioned c = condition_log(log, options);
+    const ident::log::Conditioned c = condition_axis(std::move(axis), log.source, options);
     add_sampling(c, out);
     add_findings(c, log, out);
     out.text += "\nCan be identified\n";

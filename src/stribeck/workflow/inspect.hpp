@@ -7,7 +7,7 @@
 ///    "time_s", "repaired"}], "records", "can_tell", "cannot_tell", "refused"}
 
 #include <nlohmann/json.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 
 namespace stribeck::workflow {

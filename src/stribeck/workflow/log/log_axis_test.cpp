@@ -6,7 +6,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/inspect.hpp>
-#include <stribeck/workflow/log_record.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <string>
 #include <vector>
 
@@ -64,7 +64,7 @@ std::string refusal(const std::string& text, const workflow::LogOptions& options
 constexpr std::size_t kRow = 123;
 double x_at() { return 0.05 * std::sin(2.0 * std::numbers::pi * 0.123); }
 
-TEST(LogRecord, NamesOfTheControls) {
+TEST(LogAxis, NamesOfTheControls) {
   struct Case {
     std::string header;
     std::string axis;
@@ -84,7 +84,7 @@ TEST(LogRecord, NamesOfTheControls) {
   }
 }
 
-TEST(LogRecord, TwoCandidatesAreRefused) {
+TEST(LogAxis, TwoCandidatesAreRefused) {
   EXPECT_THAT(
       refusal(csv("t [s],x [mm],pos [mm],f [N]", {"t", "x_mm", "x_mm", "f"})),
       AllOf(HasSubstr("2 columns"), HasSubstr("x [mm]"), HasSubstr("pos [mm]"), HasSubstr("--map x=")));
@@ -97,7 +97,7 @@ TEST(LogRecord, TwoCandidatesAreRefused) {
 }
 
 // A unit may be put right, but not make another quantity of a column whose unit stands in the file.
-TEST(LogRecord, UnitsOfMaps) {
+TEST(LogAxis, UnitsOfMaps) {
   const std::string text = csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"});
   EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}),
               AllOf(HasSubstr("--map"), HasSubstr("has the unit mm in the file")));
@@ -115,7 +115,7 @@ TEST(LogRecord, UnitsOfMaps) {
       "N");
 }
 
-TEST(LogRecord, ScalesOfTheForce) {
+TEST(LogAxis, ScalesOfTheForce) {
   const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
   const std::string volts = csv("t [s],x [mm],u [V]", {"t", "x_mm", "volts"});
   EXPECT_NEAR(axis_of(volts, {.gain = "1048 N/V"}).f.y[kRow], f, 1e-2);  // six decimals in the file
@@ -139,7 +139,7 @@ TEST(LogRecord, ScalesOfTheForce) {
   EXPECT_EQ(axis_of(both).force_unit, "A");
 }
 
-TEST(LogRecord, TurningAxes) {
+TEST(LogAxis, TurningAxes) {
   const std::string text =
       csv("t [s],pos [deg],velocity [rpm],torque [Nm]", {"t", "turns_deg", "rpm", "torque"});
   const ident::log::RawLog angle = axis_of(text);
@@ -156,7 +156,7 @@ TEST(LogRecord, TurningAxes) {
               HasSubstr("--lead"));
 }
 
-TEST(LogRecord, RowsAndRuns) {
+TEST(LogAxis, RowsAndRuns) {
   const std::string text = csv("t [s],part,x [mm],f [N]", {"t", "part", "x_mm", "f"});
   const ident::log::RawLog one = axis_of(text, {.where = {"part=1"}});
   EXPECT_EQ(one.x.y.size(), 1000U);
@@ -172,22 +172,27 @@ TEST(LogRecord, RowsAndRuns) {
   EXPECT_THAT(refusal(text, {.runs = {"parts"}}), AllOf(HasSubstr("--runs"), HasSubstr("part")));
 }
 
-TEST(LogRecord, MapFileSaysTheSame) {
+TEST(LogAxis, MapFileSaysTheSame) {
   const Folder folder;
   const std::string map = folder.write("map.toml",
                                        "map = [\"x=weg mm\", \"current=i_motor A\"]\ngain = \"2 N/A\"\n"
                                        "keep = [\"unsigned\"]\n");
   const std::string text = csv("t [s],weg,i_motor", {"t", "x_mm", "f"});
   workflow::LogOptions options;
-  options.map_file = map;
-  const ident::log::RawLog raw = axis_of(text, options);
+  const auto with = [&](const std::string& file) { return workflow::with_map_file(options, file); };
+  const ident::log::RawLog raw = axis_of(text, with(map));
   EXPECT_NEAR(raw.x.y[kRow], x_at(), 1e-8);
   const double f = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"})).f.y[kRow];
   EXPECT_NEAR(raw.f.y[kRow], 2.0 * f, 1e-4);
   options.gain = "3 N/A";  // the command line goes first
-  EXPECT_NEAR(axis_of(text, options).f.y[kRow], 3.0 * f, 1e-4);
-  options.map_file = folder.write("bad.toml", "maps = [\"x=weg mm\"]\n");
-  EXPECT_THAT(refusal(text, options), AllOf(HasSubstr("maps"), HasSubstr("map")));
+  EXPECT_NEAR(axis_of(text, with(map)).f.y[kRow], 3.0 * f, 1e-4);
+  const std::string bad = folder.write("bad.toml", "maps = [\"x=weg mm\"]\n");
+  try {
+    static_cast<void>(with(bad));
+    ADD_FAILURE() << "accepted";
+  } catch (const io::InputError& e) {
+    EXPECT_THAT(e.problems().front().text(), AllOf(HasSubstr("maps"), HasSubstr("map")));
+  }
 }
 
 TEST(Inspect, SaysWhatALogHolds) {

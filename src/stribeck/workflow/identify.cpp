@@ -1,0 +1,372 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/map/steady_runs.hpp>
+#include <stribeck/ident/methods/break_away.hpp>
+#include <stribeck/ident/methods/equal_speed.hpp>
+#include <stribeck/ident/methods/position_map.hpp>
+#include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/enum_words.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+using Records = std::vector<ident::log::Record>;
+
+/// Which options a method takes, beyond those of every method.
+struct Takes {
+  Method method;
+  std::vector<ModelChoice> models;
+  bool terms, mass, cut_off, turn, solver;
+};
+
+const Takes& takes_of(Method method) {
+  using enum ModelChoice;
+  using M = Method;
+  static const std::vector<Takes> all{
+      {M::kAuto, {kAuto, kConventional, kGaussian}, true, true, true, false, false},
+      {M::kVelocityMap, {kAuto, kGaussian}, true, true, false, false, false},
+      {M::kPositionMap, {kAuto}, false, true, false, true, false},
+      {M::kJog, {kAuto, kConventional, kGaussian}, true, true, false, false, true},
+      {M::kLeastSquares, {kAuto, kConventional}, false, false, false, false, true},
+      {M::kIdimLs, {kAuto, kConventional, kAsymmetric}, false, false, false, false, false},
+      {M::kBreakAway, {kAuto}, false, true, false, false, false},
+      {M::kGravity, {kAuto}, false, false, false, false, false},
+      {M::kConstantAcceleration, {kAuto}, false, false, false, false, false}};
+  return *std::find_if(all.begin(), all.end(), [&](const Takes& t) { return t.method == method; });
+}
+
+/// Every option that the method would ignore is refused; `which` names the method.
+void check_taken(const IdentifyOptions& o, Method method, const std::string& which) {
+  const Takes& m = takes_of(method);
+  const auto takes = [&](bool given, bool taken, const char* option) {
+    if (given && !taken) refuse_option(option, which + " does not take it");
+  };
+  takes(o.terms.has_value(), m.terms, "--terms");
+  takes(!o.mass.empty(), m.mass, "--mass");
+  takes(!o.cut_off.empty(), m.cut_off, "--cut-off");
+  takes(!o.turn.empty(), m.turn, "--turn");
+  takes(o.solver != ident::Solver::kDerivatives, m.solver, "--solver");
+  if (std::find(m.models.begin(), m.models.end(), o.model) == m.models.end()) {
+    std::vector<std::string> models;
+    for (const ModelChoice model : m.models) models.emplace_back(enum_name(model));
+    refuse_option("--model", fmt::format("got {}, which {} cannot give (expected {})", enum_name(o.model),
+                                         which, report::joined(models, ", ")));
+  }
+  if (o.terms.value_or(0) > 0 && o.model == ModelChoice::kConventional)
+    refuse_option("--terms", fmt::format("got {}, but --model conventional has no Gaussians", *o.terms));
+}
+
+/// What auto turns out to be.
+void check_auto(const IdentifyOptions& o, Method method, const char* why) {
+  check_taken(o, method, fmt::format("the method for this log ({}, {})", enum_name(method), why));
+}
+
+std::optional<double> optional_si(const std::string& text, const Quantity& quantity, const char* option) {
+  if (text.empty()) return std::nullopt;
+  return option_si(option, text, quantity);
+}
+
+/// From a milligram, in whatever unit of force, to more than any table.
+std::optional<double> given_mass(const IdentifyOptions& o) {
+  return optional_si(o.mass, quantity("kg", "N s2/mm").at_least(1e-6).at_most(1e9), "--mass");
+}
+
+/// Between one period of the log and half the sampling frequency.
+double given_cut_off(const IdentifyOptions& o, const Records& records) {
+  const auto f = optional_si(o.cut_off, quantity("Hz", "Hz").positive(), "--cut-off");
+  if (!f) return 0.0;
+  double least = 0.0, most = std::numeric_limits<double>::infinity();
+  for (const ident::log::Record& r : records) {
+    least = std::max(least, 1.0 / (r.t.back() - r.t.front()));
+    most = std::min(most, 0.5 / r.sample_time);
+  }
+  if (!(*f > least) || !(*f < most)) {
+    refuse_option("--cut-off",
+                  fmt::format("got {}, expected above {:.4g} Hz, one period of the log, and below {:.6g} "
+                              "Hz, half of its sampling frequency",
+                              io::in_quotes(o.cut_off), least, most));
+  }
+  return *f;
+}
+
+/// A known travel of one turn that this log can show.
+std::optional<double> given_turn(const IdentifyOptions& o, const Records& records) {
+  const bool turns = records.front().position_unit == "rad";
+  const auto turn =
+      optional_si(o.turn, (turns ? quantity("rad", "rad") : quantity("m", "mm")).positive(), "--turn");
+  if (!turn) return turn;
+  // Parts of a much longer turn lie closer together than this method can tell apart; a shorter one is not seen.
+  constexpr double kLongest = 20.0, kShortest = 1.0 / 2000.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const ident::log::Record& r : records) {
+    const auto [a, b] = std::minmax_element(r.x.begin(), r.x.end());
+    low = std::min(low, *a), high = std::max(high, *b);
+  }
+  const double travel = high - low;
+  if (!(*turn <= kLongest * travel) || !(*turn >= kShortest * travel)) {
+    const double shown = turns ? 1.0 : 1e3;
+    const char* unit = turns ? "rad" : "mm";
+    refuse_option("--turn", fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the way of "
+                                        "{:.4g} {} in this log",
+                                        io::in_quotes(o.turn), shown * kShortest * travel,
+                                        shown * kLongest * travel, unit, shown * travel, unit));
+  }
+  return turn;
+}
+
+/// Runs of constant speed, each logged by itself: the speeds of a jog as many controls export them.
+bool steady_speeds(const Records& records, std::size_t runs) {
+  constexpr std::size_t kFewestRuns = 4;
+  if (runs < kFewestRuns) return false;
+  std::size_t steady = 0;
+  std::vector<char> seen(records.size(), 0);
+  try {
+    for (const ident::map::SteadyRun& run : ident::map::find_steady_runs(records).runs) {
+      if (!seen[run.record]) ++steady;
+      seen[run.record] = 1;
+    }
+  } catch (const ident::Refused&) {
+    return false;
+  }
+  return 10 * steady >= 7 * records.size();
+}
+
+Identification by_jog(const IdentifyOptions& o, const Records& records) {
+  ident::methods::JogOptions options;
+  options.solver = o.solver;
+  if (o.terms) options.terms = o.terms;
+  options.gaussians = o.model != ModelChoice::kConventional;
+  options.mass = given_mass(o);
+  ident::methods::Jog jog = ident::methods::identify_jog(records, options);
+  return {std::move(jog.result), Method::kJog, false, std::move(jog.groups)};
+}
+
+Identification by_position(const IdentifyOptions& o, const Records& records, bool holding) {
+  ident::methods::PositionMapOptions options;
+  options.mass = given_mass(o);
+  options.turn = given_turn(o, records);
+  options.holding = holding;
+  return {ident::methods::identify_position_map(records, options), Method::kPositionMap, holding};
+}
+
+Identification by_least_squares(const IdentifyOptions& o, const Records& records) {
+  // Pulses are driven in open loop, jogs follow a position: without pulses everything is taken for them.
+  Records pulses, jogs;
+  for (const ident::log::Record& r : records) (r.r.empty() ? pulses : jogs).push_back(r);
+  const bool closed_loop_only = pulses.empty();
+  if (closed_loop_only) std::swap(pulses, jogs);
+  ident::methods::LeastSquaresAOptions options;
+  options.solver = o.solver;
+  ident::methods::LeastSquaresA a = jogs.empty() ? ident::methods::identify_least_squares_a(pulses, options)
+                                        : ident::methods::identify_least_squares_a(pulses, jogs, options);
+  Identification found{a.result, Method::kLeastSquares, false, {}, std::move(a)};
+  if (closed_loop_only) {
+    found.result.warnings.push_back(
+        records.front().source +
+        ": least squares is made for pulses in open loop; in a closed-loop log the force reacts to the "
+        "noise, and mass and interval can be far off (use --method velocity-map)");
+  }
+  return found;
+}
+
+Identification by_idim_ls(const IdentifyOptions& o, const Records& records) {
+  if (records.size() > 1) {
+    refuse_option("LOG",
+                  fmt::format("{} records, but --method idim-ls takes one without gaps", records.size()));
+  }
+  ident::methods::IdimOptions options;
+  options.by_direction = o.model == ModelChoice::kAsymmetric;
+  ident::methods::IdimResult idim = ident::methods::identify_idim_ls(records.front(), options);
+  return {std::move(idim.result), Method::kIdimLs, false, {}, {}, std::move(idim.published)};
+}
+
+Identification by_break_away(const IdentifyOptions& o, const Records& records) {
+  ident::methods::BreakAwayOptions options;
+  options.mass = given_mass(o);
+  return {ident::methods::identify_break_away(records, options).result, Method::kBreakAway};
+}
+
+Identification by_velocity(const IdentifyOptions& o, const Records& records) {
+  ident::methods::VelocityMapOptions options;
+  if (o.terms) options.terms = o.terms;
+  options.mass = given_mass(o);
+  return {ident::methods::identify_velocity_map(records, options), Method::kVelocityMap};
+}
+
+/// The whole drive at once, whatever the motion.
+Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
+  ident::drive::DriveFitOptions options;
+  if (o.terms) options.terms = o.terms;
+  if (o.model == ModelChoice::kConventional) options.most_terms = 0;
+  if (o.model == ModelChoice::kGaussian) options.symmetric = false;
+  options.mass = given_mass(o);
+  options.cut_off = given_cut_off(o, records);
+  Records with_positions;
+  for (const ident::log::Record& r : records) with_positions.push_back(ident::map::with_positions(r));
+  return {ident::drive::identify_drive(with_positions, options), Method::kAuto};
+}
+
+/// The method that the motion asks for.
+Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
+  if (ident::methods::held_at_standstill(axis.records)) {
+    check_auto(o, Method::kPositionMap, "the axis is held at standstill");
+    return by_position(o, axis.records, true);
+  }
+  if (steady_speeds(axis.records, axis.runs)) {
+    check_auto(o, Method::kJog, "runs of constant speed");
+    return by_jog(o, axis.records);
+  }
+  if (axis.one_direction) {
+    check_auto(o, Method::kPositionMap, "the axis moves in one direction only");
+    Identification found = by_position(o, axis.records, false);
+    found.result.warnings.insert(found.result.warnings.begin(),
+                                 "one direction only: mass, and friction of that direction with any "
+                                 "load in it; add the way back for the rest");
+    return found;
+  }
+  return by_drive_fit(o, axis.records);
+}
+
+Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
+  const Records& records = axis.records;
+  switch (o.method) {
+    case Method::kVelocityMap:
+      return by_velocity(o, records);
+    case Method::kPositionMap:
+      return by_position(o, records, ident::methods::held_at_standstill(records));
+    case Method::kJog:
+      return by_jog(o, records);
+    case Method::kLeastSquares:
+      return by_least_squares(o, records);
+    case Method::kIdimLs:
+      return by_idim_ls(o, records);
+    case Method::kBreakAway:
+      return by_break_away(o, records);
+    case Method::kGravity:
+      return {ident::methods::identify_gravity(records), Method::kGravity};
+    case Method::kConstantAcceleration:
+      return {ident::methods::identify_constant_acceleration(records), Method::kConstantAcceleration};
+    case Method::kAuto:
+      break;
+  }
+  return by_motion(o, axis);
+}
+
+/// Constant speeds, standstill and ramps say nothing about the mass; the result says so.
+bool tells_mass(Method method) {
+  return method != Method::kJog && method != Method::kPositionMap && method != Method::kBreakAway &&
+         method != Method::kGravity;
+}
+
+}  // namespace
+
+void check_options(const IdentifyOptions& options) {
+  check_taken(options, options.method, "--method " + std::string(enum_name(options.method)));
+}
+
+AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options) {
+  AxisRecords axis;
+  axis.axis = options.axis;
+  constexpr double kFewForward = 0.002;  // of the moving rows: noise at standstill
+  bool forward = false, backward = false;
+  for (const std::string& path : logs) {
+    const io::Log log = read_log(path, options);
+    std::vector<std::string> notes;
+    // Gaps are found again, with their repair, when the log is cleaned.
+    for (const std::string& note : log.notes) {
+      if (!note.starts_with("time has")) notes.push_back(note);
+    }
+    ident::log::Conditioned clean = condition_log(log, options, &notes);
+    for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
+    for (std::string& note : notes) {
+      axis.notes.push_back(note.starts_with(path) ? std::move(note) : fmt::format("{}: {}", path, note));
+    }
+    forward = forward || clean.coverage.forward > kFewForward;
+    backward = backward || clean.coverage.forward < 1.0 - kFewForward;
+    axis.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
+    for (ident::log::Record& r : clean.records) axis.records.push_back(std::move(r));
+    axis.sources += (axis.sources.empty() ? "" : ", ") + path;
+  }
+  axis.one_direction = forward != backward;
+  return axis;
+}
+
+Identification identify(const AxisRecords& axis, const IdentifyOptions& options) {
+  check_options(options);
+  Identification found = by_method(options, axis);
+  ident::Result& result = found.result;
+  if (tells_mass(found.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
+  result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
+  return found;
+}
+
+void require_determined(const ident::Result& result, const std::string& source) {
+  if (!std::isfinite(result.mass)) {
+    throw ident::Refused(
+        fmt::format("{}: these data do not give a mass: force and motion do not belong together", source));
+  }
+  if (!(result.mass > 0.0)) {
+    throw ident::Refused(
+        fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
+                    "opposite signs, or columns are exchanged (see --map and --gain)",
+                    source, result.mass * 1e-3));
+  }
+  if (!(result.mass_interval.low > 0.0)) {
+    throw ident::Refused(fmt::format(
+        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
+        "log has too little acceleration (add a log of pulses), or its columns are not what they are called",
+        source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
+  }
+  for (const ident::CurvePoint& p : result.curve) {
+    if (!std::isfinite(p.friction))
+      throw ident::Refused(fmt::format("{}: these data do not give any friction", source));
+  }
+}
+
+friction::AxisModel as_model(const ident::Result& result) {
+  friction::AxisModel model;
+  model.mass = result.mass;
+  model.load = result.load;
+  model.delay = result.delay;
+  model.friction = result.friction;
+  return model;
+}
+
+friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
+  const ident::Result& result = found.result;
+  if (result.force_unit != "N" || result.position_unit != "m") {
+    refuse_option("--output",
+                  fmt::format("an axis file holds newtons and metres, but this log was identified in {} and "
+                              "{}; give --gain{}",
+                              result.force_unit, result.position_unit,
+                              result.position_unit == "m" ? "" : " and --lead"));
+  }
+  if (found.holding_only && !result.friction.eccentric.empty()) {
+    refuse_option("--output",
+                  "an axis file needs mass and friction, which holding at standstill does not tell");
+  }
+  if (axis.one_direction) {
+    refuse_option(
+        "--output",
+        "an axis file holds friction of both directions, but the axis moves in one only; add the way back");
+  }
+  if (!(result.mass > 0.0)) {
+    refuse_option("--output",
+                  "an axis file needs the mass, which this log does not tell; give --mass or add a log "
+                  "with acceleration");
+  }
+  return as_model(result);
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,118 @@
+#pragma once
+/// Mass and friction of an axis from its logs: reads them, chooses the method, identifies.
+///
+///   const auto axis = workflow::read_axis({"log.csv"}, {});
+///   const auto found = workflow::identify(axis, {});
+///   found.result.mass, found.result.mass_interval
+///
+/// Method::kAuto takes the position map for an axis that is held at standstill or moves in one direction only,
+/// jog for runs of constant speed, and the fit of the whole drive otherwise.
+///
+/// Real time: no.
+/// Errors: InputError for logs and options, ident::Refused where the logs do not tell the answer.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/methods/idim_ls.hpp>
+#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/result.hpp>
+#include <stribeck/workflow/log/log_options.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace stribeck::workflow {
+
+enum class Method {
+  kAuto,
+  kVelocityMap,
+  kPositionMap,
+  kJog,
+  kLeastSquares,
+  kIdimLs,
+  kBreakAway,
+  kGravity,
+  kConstantAcceleration
+};
+
+/// Which friction law is fitted. kAsymmetric: viscous and Coulomb friction of each direction.
+enum class ModelChoice { kAuto, kConventional, kGaussian, kAsymmetric };
+
+/// Texts stand with their unit, as a user says them; empty: identified, or chosen from the data.
+struct IdentifyOptions {
+  Method method = Method::kAuto;
+  ModelChoice model = ModelChoice::kAuto;
+  ident::methods::Solver solver = ident::Solver::kDerivatives;
+  std::optional<int> terms{};  ///< Gaussians of each direction
+  std::string mass{};          ///< known equivalent mass, "57.65 N s2/mm"
+  std::string cut_off{};       ///< of the low-pass filter, "50 Hz"
+  std::string turn{};          ///< known travel of one turn, "10 mm"
+};
+
+/// Records of one axis from all its logs, and what was found while they were read.
+struct AxisRecords {
+  std::vector<ident::log::Record> records;
+  std::size_t runs = 0;            ///< logged apart from each other
+  bool one_direction = false;      ///< all of them move in the same direction
+  std::vector<std::string> notes;  ///< each begins with its log
+  std::string sources;             ///< names of the logs
+  std::string axis;                ///< name of the axis; empty: none was given
+};
+
+struct Identification {
+  ident::Result result;
+  Method method = Method::kAuto;        ///< that was used; kAuto: the fit of the whole drive
+  bool holding_only = false;            ///< the axis was held at standstill: neither mass nor friction
+  std::vector<ident::Result> beside{};  ///< results that stand beside it: other days
+  std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquares
+  std::optional<ident::IdimResult::Published> published{};  ///< of Method::kIdimLs
+};
+
+/// Refuses options that the method would ignore.
+void check_options(const IdentifyOptions& options);
+
+/// Reads and cleans logs of one axis.
+AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options);
+
+/// The result with all warnings. Refuses a mass that is not determined, except where the method does not tell any.
+Identification identify(const AxisRecords& axis, const IdentifyOptions& options);
+
+/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, numbers that are not finite.
+void require_determined(const ident::Result& result, const std::string& source);
+
+/// What goes into an axis file.
+friction::AxisModel as_model(const ident::Result& result);
+
+/// The same, refused with place --output where the result is none of both directions in newtons and metres.
+friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
+
+}  // namespace stribeck::workflow
+
+template <>
+struct stribeck::EnumNames<stribeck::workflow::Method> {
+  using M = stribeck::workflow::Method;
+  static constexpr std::array names{
+      std::pair{M::kAuto, std::string_view{"auto"}},
+      std::pair{M::kVelocityMap, std::string_view{"velocity-map"}},
+      std::pair{M::kPositionMap, std::string_view{"position-map"}},
+      std::pair{M::kJog, std::string_view{"jog"}},
+      std::pair{M::kLeastSquares, std::string_view{"least-squares"}},
+      std::pair{M::kBreakAway, std::string_view{"break-away"}},
+      std::pair{M::kGravity, std::string_view{"gravity"}},
+      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}},
+      std::pair{M::kIdimLs, std::string_view{"idim-ls"}}};
+};
+
+template <>
+struct stribeck::EnumNames<stribeck::workflow::ModelChoice> {
+  using M = stribeck::workflow::ModelChoice;
+  static constexpr std::array names{std::pair{M::kAuto, std::string_view{"auto"}},
+                                    std::pair{M::kGaussian, std::string_view{"gaussian"}},
+                                    std::pair{M::kConventional, std::string_view{"conventional"}},
+                                    std::pair{M::kAsymmetric, std::string_view{"asymmetric"}}};
+};

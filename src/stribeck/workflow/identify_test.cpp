@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/identify_text.hpp>
+#include <string>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+using workflow::IdentifyOptions;
+using workflow::Method;
+using workflow::ModelChoice;
+
+constexpr double kMass = 50.0;     // [kg]
+constexpr double kViscous = 30.0;  // [N s/m]
+constexpr double kCoulomb = 10.0;  // [N]
+
+/// Two sines of an axis with Coulomb and viscous friction, and a force noise of 0.3 N that repeats itself.
+std::string sines(const std::string& header = "t [s],x [mm],f [N]") {
+  std::string out = header + "\n";
+  for (int k = 0; k < 6000; ++k) {
+    const double t = 1e-3 * k;
+    double x = 0.0, v = 0.0, a = 0.0;
+    for (const double w : {2.0 * std::numbers::pi, 1.3 * std::numbers::pi}) {
+      x += 0.03 * std::sin(w * t);
+      v += 0.03 * w * std::cos(w * t);
+      a -= 0.03 * w * w * std::sin(w * t);
+    }
+    const double f =
+        kMass * a + kViscous * v + (v > 0.0 ? kCoulomb : -kCoulomb) + 0.3 * std::sin(997.0 * t * t);
+    out += fmt::format("{:.3f},{:.6f},{:.5f}\n", t, 1e3 * x, f);
+  }
+  return out;
+}
+
+std::string refusal(const IdentifyOptions& options) {
+  try {
+    check_options(options);
+  } catch (const io::InputError& e) {
+    return e.problems().front().text();
+  }
+  return "accepted";
+}
+
+TEST(Identify, FindsMassAndFrictionOfALog) {
+  const Folder folder;
+  const std::string log = folder.write("log.csv", sines());
+  const workflow::AxisRecords axis = workflow::read_axis({log}, {});
+  ASSERT_EQ(axis.records.size(), 1U);
+  EXPECT_EQ(axis.sources, log);
+  EXPECT_FALSE(axis.one_direction);
+  const workflow::Identification found = workflow::identify(axis, {});
+  EXPECT_EQ(found.method, Method::kAuto);
+  // 6000 rows with 0.3 N of noise tell a mass whose force has an amplitude of 60 N to a few parts in a thousand.
+  EXPECT_NEAR(found.result.mass, kMass, 0.01 * kMass);
+  EXPECT_LT(found.result.mass_interval.low, found.result.mass);
+  EXPECT_GT(found.result.mass_interval.high, found.result.mass);
+  const auto parts = axis_file_model(found, axis).friction.parts(0.1, 0.0);
+  EXPECT_NEAR(parts.level + parts.viscous, kCoulomb + 0.1 * kViscous, 0.5);
+  EXPECT_EQ(to_json(found, "x")["axis"], "x");
+  EXPECT_THAT(text_of(found, "x"), HasSubstr("mass"));
+}
+
+TEST(Identify, NotesNameTheirLog) {
+  const Folder folder;
+  std::string text = sines();
+  text.erase(text.find("\n1.000,") + 1, text.find("\n1.400,") - text.find("\n1.000,"));  // 0.4 s are missing
+  const std::string log = folder.write("gap.csv", text);
+  const workflow::AxisRecords axis = workflow::read_axis({log}, {});
+  ASSERT_EQ(axis.notes.size(), 1U);
+  EXPECT_THAT(axis.notes.front(), ::testing::StartsWith(log + ": "));
+}
+
+TEST(Identify, OwnUnitIsNoAxisFile) {
+  const Folder folder;
+  const workflow::AxisRecords axis =
+      workflow::read_axis({folder.write("v.csv", sines("t [s],x [mm],u [V]"))}, {});
+  const workflow::Identification found = workflow::identify(axis, {});
+  try {
+    static_cast<void>(axis_file_model(found, axis));
+    ADD_FAILURE() << "accepted";
+  } catch (const io::InputError& e) {
+    EXPECT_THAT(e.problems().front().text(), HasSubstr("--output: an axis file holds newtons and metres"));
+    EXPECT_THAT(e.problems().front().text(), HasSubstr("give --gain"));
+  }
+}
+
+TEST(Identify, OptionsThatAMethodIgnoresAreRefused) {
+  EXPECT_EQ(refusal({}), "accepted");
+  EXPECT_EQ(refusal({.method = Method::kGravity, .terms = 2}), "--terms: --method gravity does not take it");
+  EXPECT_EQ(refusal({.method = Method::kLeastSquares, .mass = "5 kg"}),
+            "--mass: --method least-squares does not take it");
+  EXPECT_EQ(refusal({.method = Method::kJog, .turn = "5 mm"}), "--turn: --method jog does not take it");
+  EXPECT_EQ(
+      refusal({.method = Method::kIdimLs, .model = ModelChoice::kGaussian}),
+      "--model: got gaussian, which --method idim-ls cannot give (expected auto, conventional, asymmetric)");
+  EXPECT_EQ(refusal({.model = ModelChoice::kConventional, .terms = 2}),
+            "--terms: got 2, but --model conventional has no Gaussians");
+}
+
+}  // namespace
+}  // namespace stribeck::test

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stribeck/report/json.hpp>
+#include <stribeck/report/table.hpp>
+#include <stribeck/workflow/identify_text.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// Names and SI units in the order of the law.
+std::vector<std::pair<std::string, std::string>> published_names(bool by_direction) {
+  if (by_direction) return {{"M", "kg"}, {"Fv+", "N s/m"}, {"Fc+", "N"}, {"Fv-", "N s/m"}, {"Fc-", "N"}};
+  return {{"M", "kg"}, {"Fv", "N s/m"}, {"Fc", "N"}, {"offset", "N"}};
+}
+
+nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, bool by_direction) {
+  nlohmann::ordered_json json;
+  const auto names = published_names(by_direction);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    json["parameters"].push_back(
+        {{"name", names[i].first}, {"value", p.value[i]}, {"sd", p.deviation[i]}, {"unit", names[i].second}});
+  }
+  json["error_norm_N"] = p.error_norm;
+  json["relative_error_percent"] = 100.0 * p.relative_error;
+  json["error_sd_N"] = p.error_deviation;
+  json["condition"] = p.condition;
+  return json;
+}
+
+/// The figures as papers print them; their deviations take the residuals for white.
+std::string published_text(const ident::IdimResult::Published& p, bool by_direction) {
+  std::string out = "\nAs the published protocol prints it (standard deviations for white residuals):\n";
+  const auto names = published_names(by_direction);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out += fmt::format("  {:<7}{:10.4f} ({:.4f}) {}\n", names[i].first, p.value[i], p.deviation[i],
+                       names[i].second);
+  }
+  return out +
+         fmt::format(
+             "  error: norm {:.4f} N, relative {:.4f} %, standard deviation {:.4f} N; condition {:.4f}\n",
+             p.error_norm, 100.0 * p.relative_error, p.error_deviation, p.condition);
+}
+
+std::string model_a_text(const ident::methods::LeastSquaresA& a) {
+  std::string out = fmt::format(
+      "\nMass by the printed forward Euler form: {:.4g} N s2/mm; by simple least squares, without Coulomb "
+      "friction: {:.4g} N s2/mm.\n",
+      a.mass_euler * 1e-3, a.simple_mass * 1e-3);
+  const auto line = [&](const char* name, const std::optional<ident::methods::ViscousCorrection>& c) {
+    if (!c) return;
+    out += fmt::format(
+        "Viscous coefficient corrected by jogging, {}: {:.5g} N s/mm (95 %: {:.5g} … {:.5g}), Coulomb "
+        "{:.5g} and {:.5g} N",
+        name, c->alpha2 * 1e-3, c->alpha2_interval.low * 1e-3, c->alpha2_interval.high * 1e-3,
+        c->alpha0_positive, c->alpha0_negative);
+    if (c->stribeck)
+      out += fmt::format(", static {:.5g} N, v0 {:.3g} mm/s", c->stribeck->alpha1, c->stribeck->v0 * 1e3);
+    out += ".\n";
+  };
+  line("disturbance observer", a.observer);
+  line("Kalman", a.kalman);
+  return out;
+}
+
+/// Whether the published protocol was asked for each direction: five numbers, else four.
+bool by_direction(const ident::IdimResult::Published& published) { return published.value.size() > 4; }
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Identification& found, const std::string& axis) {
+  const ident::Result& result = found.result;
+  auto json = report::to_json(result, axis);
+  if (found.published) json["published"] = published_json(*found.published, by_direction(*found.published));
+  if (result.peaks) json["peaks"] = {{"positive", (*result.peaks)[0]}, {"negative", (*result.peaks)[1]}};
+  if (found.model_a) {
+    json["forward_euler_mass_kg"] = found.model_a->mass_euler;
+    json["simple_least_squares_mass_kg"] = found.model_a->simple_mass;
+  }
+  for (const ident::Result& other : found.beside) json["beside"].push_back(report::to_json(other, axis));
+  return json;
+}
+
+std::string text_of(const Identification& found, const std::string& axis) {
+  const ident::Result& result = found.result;
+  std::string out = report::text_table(result, axis);
+  for (const ident::Result& other : found.beside) out += report::text_table(other, axis);
+  if (result.peaks && found.method == Method::kVelocityMap) {
+    out += fmt::format(
+        "\nPeaks of the smoothed map, by which the thesis chooses the number of "
+        "terms: {} for v > 0, {} for v < 0.\n",
+        (*result.peaks)[0], (*result.peaks)[1]);
+  }
+  if (found.model_a) out += model_a_text(*found.model_a);
+  if (found.published) out += published_text(*found.published, by_direction(*found.published));
+  return out;
+}
+
+}  // namespace stribeck::workflow

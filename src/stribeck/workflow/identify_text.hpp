@@ -1,0 +1,17 @@
+#pragma once
+/// What an identification shows: JSON for programs, tables for people.
+/// Real time: no.
+
+#include <nlohmann/json_fwd.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <string>
+
+namespace stribeck::workflow {
+
+/// The result (report/json.hpp), and beside it the figures of one method alone: "published", "peaks", "beside", …
+nlohmann::ordered_json to_json(const Identification& found, const std::string& axis);
+
+/// Tables of the result and of those beside it, then the figures of one method alone.
+std::string text_of(const Identification& found, const std::string& axis);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,283 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <iterator>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+LogQuantity quantity_called(std::string_view name) {
+  if (const auto known = enum_value<LogQuantity>(name)) return *known;
+  std::string names;
+  for (const auto& [value, word] : EnumNames<LogQuantity>::names)
+    names += (names.empty() ? "" : ", ") + std::string(word);
+  refuse_option("--map", fmt::format("unknown quantity {}, expected one of {}", io::in_quotes(name), names));
+}
+
+/// A unit given for a column may scale the file's own, but not make another quantity of it.
+void check_same_dimension(const io::Column& column, const std::string& unit) {
+  if (unit.empty() || column.unit_assumed || column.unit_text == "1") return;
+  if (!io::is_unit(column.unit_text) || !io::is_unit(unit)) return;
+  try {
+    static_cast<void>(io::conversion(unit, column.unit_text));
+  } catch (const io::InputError&) {
+    refuse_option("--map",
+                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or "
+                              "map another column (to scale a force, use --gain)",
+                              io::in_quotes(header_of(column)), column.unit_text, unit));
+  }
+}
+
+/// What a column's name says: the signal and the axis that stands in it.
+struct Label {
+  std::string base;
+  std::string axis;
+};
+
+std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
+  const std::string name = lower(c.name);
+  std::vector<Label> out{{name, {}}};
+  for (const char mark : {'|', '/'}) {
+    const auto at = name.rfind(mark);
+    if (at != std::string::npos && at > 0 && at + 1 < name.size())
+      out.push_back({name.substr(0, at), name.substr(at + 1)});
+  }
+  const auto bar = name.find('_');
+  if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
+    const std::string prefix = name.substr(0, bar);
+    const bool is_axis =
+        std::string_view("xyzabcuvws").find(prefix[0]) != std::string_view::npos &&
+        std::all_of(prefix.begin() + 1, prefix.end(), [](unsigned char d) { return std::isdigit(d); });
+    if (is_axis) out.push_back({name.substr(bar + 1), prefix});
+  }
+  const auto digit = name.find_last_not_of("0123456789");
+  if (digit != std::string::npos && digit + 1 < name.size())
+    out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
+  const auto last = name.rfind('_');
+  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower(axis))
+    out.push_back({name.substr(0, last), lower(axis)});
+  return out;
+}
+
+/// "x" is the axis X1 of a log that calls its axes so; "X1" may stand in the metadata for the axis 1.
+bool same_axis(const io::Log& log, const std::string& wanted, const std::string& found) {
+  const std::string w = lower(wanted);
+  if (w == found) return true;
+  const auto is_first = [](const std::string& name, const std::string& short_name) {
+    return name.size() == short_name.size() + 1 && name.compare(0, short_name.size(), short_name) == 0 &&
+           name.back() == '1';
+  };
+  if (is_first(found, w)) return true;
+  for (const auto& [key, value] : log.metadata) {
+    if (lower(key) != "axis " + found) continue;
+    const std::string v = lower(value);
+    if (v == w || is_first(v, w)) return true;
+  }
+  return false;
+}
+
+struct Candidate {
+  const io::Column* column = nullptr;
+  std::string axis;
+  std::size_t family = 0;
+  std::size_t rank = 0;
+};
+
+std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, const std::string& axis) {
+  std::vector<Candidate> out;
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty()) continue;
+    for (const Label& label : labels_of(c, axis)) {
+      bool done = false;
+      for (std::size_t f = 0; f < k.families.size() && !done; ++f) {
+        const auto at = std::find(k.families[f].begin(), k.families[f].end(), label.base);
+        if (at == k.families[f].end()) continue;
+        out.push_back({&c, label.axis, f, static_cast<std::size_t>(at - k.families[f].begin())});
+        done = true;
+      }
+      if (done) break;
+    }
+  }
+  return out;
+}
+
+/// The column of a quantity by its name, or none. Throws when several could be it.
+const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const std::string& axis) {
+  std::vector<Candidate> all = candidates(log, k, axis);
+  if (all.empty()) return nullptr;
+  const auto keep = [&](auto&& good) {
+    std::vector<Candidate> some;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(some), good);
+    return some;
+  };
+  if (!axis.empty()) {
+    std::vector<Candidate> of_axis =
+        keep([&](const Candidate& c) { return !c.axis.empty() && lower(axis) == c.axis; });
+    if (of_axis.empty())
+      of_axis = keep([&](const Candidate& c) { return !c.axis.empty() && same_axis(log, axis, c.axis); });
+    if (of_axis.empty()) of_axis = keep([](const Candidate& c) { return c.axis.empty(); });
+    all = std::move(of_axis);
+    if (all.empty()) return nullptr;
+  }
+  std::vector<std::string> axes;
+  for (const Candidate& c : all) {
+    if (std::find(axes.begin(), axes.end(), c.axis) == axes.end()) axes.push_back(c.axis);
+  }
+  if (axes.size() > 1 && axis.empty()) {
+    // A column without an axis in its name goes before those with one.
+    const std::vector<Candidate> plain = keep([](const Candidate& c) { return c.axis.empty(); });
+    if (plain.empty()) {
+      std::string list;
+      for (const std::string& a : axes) list += (list.empty() ? "" : ", ") + a;
+      throw io::InputError({log.source, 0, std::string(enum_name(k.what)),
+                            fmt::format("a log of several axes: {} (choose one with --axis NAME)", list)});
+    }
+    all = plain;
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    return std::pair{a.family, a.rank} < std::pair{b.family, b.rank};
+  });
+  const auto rivals =
+      keep([&](const Candidate& c) { return c.family != all.front().family || c.rank == all.front().rank; });
+  if (rivals.size() > 1) {
+    std::string list;
+    for (const Candidate& c : all) list += (list.empty() ? "" : ", ") + io::in_quotes(header_of(*c.column));
+    throw io::InputError({log.source, 0, std::string(enum_name(k.what)),
+                          fmt::format("{} columns could be it: {} (choose one with --map {}=\"COLUMN UNIT\")",
+                                      all.size(), list, enum_name(k.what))});
+  }
+  return all.front().column;
+}
+
+}  // namespace
+
+const std::string& header_of(const io::Column& c) { return c.header.empty() ? c.name : c.header; }
+
+std::string column_names(const io::Log& log) {
+  std::string names;
+  constexpr std::size_t kMost = 60;
+  for (std::size_t i = 0; i < log.columns.size() && i < kMost; ++i)
+    names += (names.empty() ? "" : ", ") + io::in_quotes(header_of(log.columns[i]));
+  if (log.columns.size() > kMost) names += fmt::format(", and {} more", log.columns.size() - kMost);
+  return names;
+}
+
+std::string header_with_unit(const NamedColumn& named) {
+  return header_of(*named.column) + (named.unit.empty() ? "" : " [" + named.unit + "]");
+}
+
+AxisColumns::AxisColumns(const io::Log& log, const LogOptions& options) : log_(log), axis_(options.axis) {
+  for (const std::string& text : options.maps) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals + 1 == text.size()) {
+      refuse_option("--map",
+                    fmt::format("got {}, expected quantity=\"column unit\", e.g. x=\"Istposition mm\"",
+                                io::in_quotes(text)));
+    }
+    const LogQuantity what = quantity_called(text.substr(0, equals));
+    NamedColumn named = named_column(log, text.substr(equals + 1));
+    for (const auto& [other, column] : maps_) {
+      if (other == what)
+        refuse_option("--map", fmt::format("{} is given twice, expected one column for it", enum_name(what)));
+      if (column.column == named.column) {
+        refuse_option("--map",
+                      fmt::format("column {} is given for {} and {}, expected one quantity for it",
+                                  io::in_quotes(named.column->header), enum_name(other), enum_name(what)));
+      }
+    }
+    maps_.emplace_back(what, std::move(named));
+  }
+}
+
+std::optional<NamedColumn> AxisColumns::mapped(LogQuantity what) const {
+  for (const auto& [quantity, column] : maps_) {
+    if (quantity == what) return column;
+  }
+  return std::nullopt;
+}
+
+std::optional<NamedColumn> AxisColumns::find(LogQuantity what) const {
+  if (auto named = mapped(what)) return named;
+  const io::Column* c = find_by_name(log_, known_column(what), axis_);
+  if (c == nullptr) return std::nullopt;
+  return NamedColumn{c, c->unit_text};
+}
+
+NamedColumn named_column(const io::Log& log, const std::string& text) {
+  NamedColumn named{log.find(text), {}};
+  // Try shorter and shorter names: a unit may itself hold blanks ("N s/mm").
+  for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
+       blank = text.rfind(' ', blank - 1)) {
+    if (const io::Column* c = log.find(text.substr(0, blank))) {
+      named.column = c;
+      named.unit = text.substr(blank + 1);
+    }
+  }
+  if (named.column == nullptr) static_cast<void>(log.at(text));  // throws with the columns there are
+  if (named.column->values.empty()) {
+    refuse_option("--map", fmt::format("column {} holds text, expected numbers",
+                                       io::in_quotes(header_of(*named.column))));
+  }
+  check_same_dimension(*named.column, named.unit);
+  if (named.unit.empty()) named.unit = named.column->unit_text;
+  return named;
+}
+
+NamedColumn position_column(const io::Log& log, const std::string& axis) {
+  const io::Column* c = log.find(axis);
+  if (c == nullptr || c->values.empty()) {
+    // A column without an axis in its name could be any axis's.
+    const std::vector<Candidate> all = candidates(log, known_column(LogQuantity::kPosition), axis);
+    const bool any = std::any_of(all.begin(), all.end(), [&](const Candidate& some) {
+      return !some.axis.empty() && same_axis(log, axis, some.axis);
+    });
+    c = any ? find_by_name(log, known_column(LogQuantity::kPosition), axis) : nullptr;
+  }
+  if (c != nullptr) return {c, c->unit_text};
+  throw io::InputError(
+      {log.source, 0, axis,
+       fmt::format(
+           "no column for the position of this axis; the log has {} (name it with --map {}=\"COLUMN UNIT\")",
+           column_names(log), axis)});
+}
+
+std::vector<double> positions(const io::Log& log, const NamedColumn& named) {
+  const Quantity q = known_column(LogQuantity::kPosition).quantity;
+  check_unit(log, *named.column, named.unit, q);
+  return converted(*named.column, io::conversion(named.unit, q.unit), 1.0);
+}
+
+void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q) {
+  io::Column empty;
+  empty.name = column.name;
+  empty.unit_text = unit;
+  empty.header = column.header;
+  try {
+    static_cast<void>(io::in_si(empty, q));
+  } catch (const io::InputError& e) {
+    io::Problem p = e.problems().front();
+    p.file = log.source;
+    if (unit.empty())
+      p.message += fmt::format("; or give it with --map QUANTITY=\"{} {}\"", column.name,
+                               q.shown.empty() ? q.unit : q.shown);
+    throw io::InputError(p);
+  }
+}
+
+void refuse_column(const io::Log& log, const NamedColumn& c, const std::string& message) {
+  throw io::InputError({log.source, 0, "column " + io::in_quotes(header_of(*c.column)), message});
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+#include <array>
+#include <optional>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/effort.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// Where no gain says otherwise, the first of these that a log has is the force.
+constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuantity::kTorque,
+                             LogQuantity::kPercent, LogQuantity::kVoltage};
+
+/// What a unit says of an effort, whatever its name: a torque in percent is a percentage.
+LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
+  for (const LogQuantity what : kForces) {
+    const bool fits = what == LogQuantity::kPercent
+                          ? unit == "%" || unit == "pct" || unit == "percent"
+                          : conversion_between(unit, known_column(what).quantity.unit).has_value();
+    if (fits) return what;
+  }
+  return by_name;
+}
+
+/// All that the force could be, and why some of it could not be told apart.
+struct Candidates {
+  std::vector<Effort> efforts;
+  std::optional<io::InputError> ambiguous;
+};
+
+Candidates find_candidates(const AxisColumns& columns, bool with_gain) {
+  Candidates found;
+  for (const bool by_map : {true, false}) {
+    for (const LogQuantity what : kForces) {
+      std::optional<NamedColumn> named = columns.mapped(what);
+      if (by_map != named.has_value()) continue;
+      try {
+        if (!by_map) named = columns.find(what);
+      } catch (const io::InputError& e) {
+        // With a gain another quantity may still be meant.
+        if (!with_gain) throw;
+        if (!found.ambiguous) found.ambiguous = e;
+      }
+      if (!named) continue;
+      Effort e;
+      e.what = by_map || named->unit.empty() ? what : kind_by_unit(named->unit, what);
+      e.from = std::move(*named);
+      found.efforts.push_back(std::move(e));
+      if (!with_gain) break;
+    }
+    if (!found.efforts.empty()) break;
+  }
+  if (!found.efforts.empty()) return found;
+  if (found.ambiguous) throw *found.ambiguous;
+  throw io::InputError(
+      {columns.log().source, 0, "force",
+       fmt::format("no column for the force, nor for torque, current, voltage or percent; the log has {} "
+                   "(name it with --map force=\"COLUMN UNIT\")",
+                   column_names(columns.log()))});
+}
+
+/// A force, or a torque, which the lead makes a force.
+void scale(Effort& e, double factor, bool is_torque, double per_radian) {
+  e.factor = factor;
+  e.unit = "N";
+  if (!is_torque) return;
+  if (per_radian != 0.0) {
+    e.factor /= per_radian;
+    e.by_lead = true;
+  } else {
+    e.unit = "N m";
+  }
+}
+
+/// Whether the gain is one of this effort, which is scaled then.
+bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion) {
+  const std::string per =
+      e.what == LogQuantity::kPercent ? "" : "/(" + std::string(known_column(e.what).quantity.unit) + ")";
+  struct Target {
+    std::string unit;
+    bool torque;
+  };
+  for (const Target& t :
+       {Target{e.what == LogQuantity::kTorque ? "1/m" : "N" + per, false}, Target{"N m" + per, true}}) {
+    double factor = 0.0;
+    try {
+      factor = io::to_si(gain, Quantity{t.unit, t.unit});
+    } catch (const io::InputError&) {
+      continue;
+    }
+    if (factor == 0.0) refuse_option("--gain", "got 0, expected the force per unit of the column");
+    scale(e, factor, t.torque, motion.per_radian);
+    if (e.unit != "N" && !motion.angle) {
+      refuse_option("--gain", fmt::format("got {}, a torque; give the travel per turn too (--lead \"5 mm\")",
+                                          io::in_quotes(gain)));
+    }
+    return true;
+  }
+  return false;
+}
+
+[[noreturn]] void refuse_gain(const Candidates& found, const std::string& gain) {
+  if (found.ambiguous) throw *found.ambiguous;
+  const Effort& first = found.efforts.front();
+  if (found.efforts.size() == 1 && first.what == LogQuantity::kForce) {
+    refuse_option(
+        "--gain",
+        fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain out, "
+                    "or map what it is for (--map voltage=\"COLUMN V\")",
+                    io::in_quotes(gain), io::in_quotes(header_of(*first.from.column))));
+  }
+  std::string kinds;
+  for (const Effort& e : found.efforts) kinds += (kinds.empty() ? "" : ", ") + std::string(enum_name(e.what));
+  const auto unit_like = [](LogQuantity what) {
+    switch (what) {
+      case LogQuantity::kVoltage:
+        return "N/V";
+      case LogQuantity::kCurrent:
+        return "N/A";
+      case LogQuantity::kPercent:
+        return "N (at 100 %)";
+      case LogQuantity::kTorque:
+        return "1/mm";
+      default:
+        return "N/V, N/A";
+    }
+  };
+  refuse_option("--gain", fmt::format("got {}, expected a number with a unit like {} for the {} of this log",
+                                      io::in_quotes(gain), unit_like(first.what), kinds));
+}
+
+Effort with_gain(Candidates found, const std::string& gain, const MotionColumns& motion) {
+  for (Effort& e : found.efforts) {
+    if (e.what == LogQuantity::kForce) continue;  // has its scale
+    if (apply_gain(e, gain, motion)) return e;
+  }
+  refuse_gain(found, gain);
+}
+
+/// Says in which unit an effort of unknown scale stays.
+void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
+  const std::string& unit = e.from.unit;
+  const auto known = [&](const char* si) { return unit.empty() ? std::string("units") : std::string(si); };
+  const char* gain_unit = "1/mm";
+  switch (e.what) {
+    case LogQuantity::kCurrent:
+      e.unit = known("A");
+      gain_unit = "N/A";
+      break;
+    case LogQuantity::kVoltage:
+      e.unit = known("V");
+      gain_unit = "N/V";
+      break;
+    case LogQuantity::kPercent:
+      e.unit = "%";
+      gain_unit = "N";
+      break;
+    default:
+      e.unit = known("N m");
+  }
+  notes.push_back(
+      fmt::format("the scale of the force is not known: {} is identified in its own unit, {} (with "
+                  "--gain \"1048 {}\" it becomes newton)",
+                  io::in_quotes(header_of(*e.from.column)), e.unit, gain_unit));
+}
+
+void set_conversion(Effort& e, const io::Log& log) {
+  const Quantity q = known_column(e.what).quantity;
+  const std::string& unit = e.from.unit;
+  if (e.unit == "units" || (e.unit == "%" && unit.empty())) return;
+  if (const auto c = conversion_between(unit, q.unit)) {
+    e.conversion = *c;
+    if (e.unit == "%") e.factor = 100.0;
+  } else {
+    check_unit(log, *e.from.column, unit, q);
+  }
+}
+
+}  // namespace
+
+Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const std::string& gain,
+                   std::vector<std::string>& notes) {
+  Candidates found = find_candidates(columns, !gain.empty());
+  Effort effort = gain.empty() ? found.efforts.front() : with_gain(std::move(found), gain, motion);
+  if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
+    scale(effort, 1.0, true, motion.per_radian);
+    if (effort.unit != "N") {
+      notes.emplace_back(
+          motion.angle
+              ? "the force is a torque in N m about an angle in rad"
+              : "the force stands as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
+    }
+  } else if (gain.empty() && effort.what != LogQuantity::kForce) {
+    keep_own_unit(effort, notes);
+  }
+  set_conversion(effort, columns.log());
+  return effort;
+}
+
+}  // namespace stribeck::workflow

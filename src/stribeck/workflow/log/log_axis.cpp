@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+#include <algorithm>
+
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/effort.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/log/log_times.hpp>
+#include <stribeck/workflow/log/motion_columns.hpp>
+#include <stribeck/workflow/log/runs.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// Index of the times of position or velocity, on which the axis stands; −1: rows of a given sample time.
+int base_time_of(const AxisColumns& columns, const NamedColumn& base, const LogTimes& times,
+                 double sample_time) {
+  const io::Log& log = columns.log();
+  const int index = times.index_of(*base.column);
+  if (index < 0 && sample_time == 0.0) {
+    throw io::InputError(
+        {log.source, 0, "t",
+         fmt::format("no column for the time; the log has {} (name it with --map t=\"COLUMN UNIT\", or "
+                     "give the time between rows with --sample-time \"1 ms\")",
+                     column_names(log))});
+  }
+  if (index >= 0 && &log.columns[static_cast<std::size_t>(index)] == base.column)
+    refuse_column(log, base, "is the time itself, expected a position");
+  return index;
+}
+
+/// Makes signals of columns, for one run after the other.
+struct Signals {
+  const io::Log& log;
+  const Selection& selection;
+  LogTimes& times;
+  const NamedColumn& base;
+  int base_time;
+
+  ident::log::Signal of(const io::Column& column, const io::Conversion& conversion, double factor,
+                   std::size_t run) const {
+    ident::log::Signal s;
+    const int index = times.index_of(column);
+    // Those that share the time of the position need none of their own.
+    const bool own = index >= 0 && (&column == base.column || index != base_time);
+    if (selection.all) {
+      s.y = converted(column, conversion, factor);
+      if (own) s.t = times.seconds(index);
+      return s;
+    }
+    if (column.values.size() != log.rows)
+      refuse_option("--where",
+                    fmt::format("column {} has rows of its own", io::in_quotes(header_of(column))));
+    const std::vector<std::size_t>& rows = selection.runs[run];
+    s.y = converted(column, conversion, factor, rows);
+    if (own) {
+      const std::vector<double>& t = times.seconds(index);
+      s.t.reserve(rows.size());
+      for (const std::size_t row : rows) s.t.push_back(t[row]);
+    }
+    return s;
+  }
+};
+
+ident::log::Signal& signal_for(ident::log::RawLog& raw, LogQuantity what) {
+  switch (what) {
+    case LogQuantity::kPosition:
+      return raw.x;
+    case LogQuantity::kReference:
+      return raw.r;
+    case LogQuantity::kVelocity:
+      return raw.v;
+    default:
+      return raw.v_ref;
+  }
+}
+
+/// What two runs in one column look like to somebody who did not say so.
+void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::string>& notes) {
+  const std::string marks = marks_of_runs(log, log.columns[static_cast<std::size_t>(base_time)].values);
+  if (marks.empty()) return;
+  notes.push_back(
+      fmt::format("several runs one below the other, told apart by {}: take those that belong together "
+                  "with --where COLUMN=VALUE, and name them with --runs COLUMN",
+                  marks));
+}
+
+}  // namespace
+
+LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
+  LoggedAxis out;
+  const AxisColumns columns(log, options);
+  const MotionColumns motion = find_motion(columns, options.lead, out.notes);
+  const Effort effort = find_effort(columns, motion, options.gain, out.notes);
+  if (motion.per_radian != 0.0 && !motion.turns() && !effort.by_lead)
+    refuse_option(
+        "--lead",
+        "nothing in this log turns and the force is no torque: it would change nothing, leave it out");
+
+  LogTimes times(columns);
+  const double sample_time = options.sample_time.empty() ? 0.0
+                                                         : option_si("--sample-time", options.sample_time,
+                                                                     quantity("s", "ms").positive());
+  const NamedColumn& base = motion.base().from;
+  const int base_time = base_time_of(columns, base, times, sample_time);
+  const Selection selection = select_rows(log, options);
+  if (selection.all && base_time >= 0) note_unmarked_runs(log, base_time, out.notes);
+
+  for (const MotionColumn& m : motion.columns)
+    out.columns.emplace_back(enum_name(m.what), header_with_unit(m.from));
+  out.columns.emplace_back(enum_name(effort.what), header_with_unit(effort.from));
+  const Signals signals{log, selection, times, base, base_time};
+  const std::size_t runs = selection.all ? 1 : selection.runs.size();
+  for (std::size_t i = 0; i < runs; ++i) {
+    ident::log::RawLog raw;
+    raw.source = selection.all ? log.source : run_name(log, options, selection.runs[i].front());
+    raw.force_unit = effort.unit;
+    raw.position_unit = motion.angle ? "rad" : "m";
+    raw.sample_time = sample_time;
+    for (const MotionColumn& m : motion.columns)
+      signal_for(raw, m.what) = signals.of(*m.from.column, m.conversion, m.factor, i);
+    raw.f = signals.of(*effort.from.column, effort.conversion, effort.factor, i);
+    if (!selection.all) {
+      raw.row = selection.runs[i];
+      for (std::size_t& k : raw.row) ++k;  // counted from 1
+    }
+    out.runs.push_back(std::move(raw));
+  }
+  return out;
+}
+
+ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& source, const LogOptions& options) {
+  ident::log::Conditioned clean;
+  try {
+    clean = ident::log::condition(std::move(axis.runs), ident::log::ConditionOptions{options.keep});
+  } catch (const ident::Refused& why) {
+    // The log itself is at fault, not what it can tell.
+    throw io::InputError(io::Problem{"", 0, "", why.what()});
+  }
+  if (std::find(options.keep.begin(), options.keep.end(), "mixed-runs") != options.keep.end()) return clean;
+  for (ident::log::Finding& f : ident::log::warn_of_mixed_runs(clean.records)) {
+    f.text = source + ": " + f.text;
+    clean.findings.push_back(std::move(f));
+  }
+  return clean;
+}
+
+ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& options,
+                                 std::vector<std::string>* notes) {
+  LoggedAxis axis = logged_axis(log, options);
+  if (notes != nullptr) notes->insert(notes->end(), axis.notes.begin(), axis.notes.end());
+  return condition_axis(std::move(axis), log.source, options);
+}
+
+}  // namespace stribeck::workflow

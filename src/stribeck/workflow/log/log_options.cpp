@@ -1,0 +1,73 @@
+#include <stribeck/core/fields.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/log/log_options.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <tuple>
+#include <utility>
+
+namespace stribeck::workflow {
+namespace {
+
+/// The map file: any of the options, so that nothing is typed twice.
+struct MapFile {
+  std::string axis;
+  std::vector<std::string> map;
+  std::string gain;
+  std::string lead;
+  std::vector<std::string> where;
+  std::vector<std::string> runs;
+  std::string sample_time;
+  std::vector<std::string> keep;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("axis", &MapFile::axis, "name of the axis in the log").or_default(),
+        field("map", &MapFile::map, "which column is what, each quantity=column unit").or_default(),
+        field("gain", &MapFile::gain, "force per volt, ampere, newton metre or percent, with its unit")
+            .or_default(),
+        field("lead", &MapFile::lead, "travel per turn, with its unit").or_default(),
+        field("where", &MapFile::where, "rows that count, each COLUMN=VALUE").or_default(),
+        field("runs", &MapFile::runs, "columns whose change begins a new run").or_default(),
+        field("sample_time", &MapFile::sample_time,
+              "time between rows, with its unit, for logs without times")
+            .or_default(),
+        field("keep", &MapFile::keep, "kinds of findings that are left alone").or_default()};
+  }
+};
+
+}  // namespace
+
+LogOptions with_map_file(LogOptions o, const std::string& map_file) {
+  if (map_file.empty()) return o;
+  const auto file = io::read_toml<MapFile>(map_file);
+  const auto one = [](std::string& mine, const std::string& theirs) {
+    if (mine.empty()) mine = theirs;
+  };
+  const auto both = [](std::vector<std::string>& mine, const std::vector<std::string>& theirs) {
+    mine.insert(mine.end(), theirs.begin(), theirs.end());
+  };
+  one(o.axis, file.axis);
+  one(o.gain, file.gain);
+  one(o.lead, file.lead);
+  one(o.sample_time, file.sample_time);
+  both(o.maps, file.map);  // behind those that were given: the first of a quantity counts
+  both(o.where, file.where);
+  both(o.keep, file.keep);
+  if (o.runs.empty()) o.runs = file.runs;
+  return o;
+}
+
+io::Log read_log(const std::string& path, const LogOptions& options) {
+  io::ReadOptions read;
+  if (!options.sample_time.empty())
+    read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
+  for (const std::string& text : options.maps) {
+    if (text.rfind("t=", 0) != 0) continue;
+    // Only a name that stands there as it is; a unit behind it is for later.
+    read.time_column =
+        text.substr(2, text.rfind(' ') == std::string::npos ? std::string::npos : text.rfind(' ') - 2);
+  }
+  return io::read_log(path, read);
+}
+
+}  // namespace stribeck::workflow

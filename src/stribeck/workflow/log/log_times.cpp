@@ -1,0 +1,32 @@
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/log_times.hpp>
+
+namespace stribeck::workflow {
+
+LogTimes::LogTimes(const AxisColumns& columns) : log_(columns.log()) {
+  if (const auto named = columns.mapped(LogQuantity::kTime)) {
+    mapped_ = static_cast<int>(named->column - log_.columns.data());
+    unit_ = named->unit;
+  }
+}
+
+int LogTimes::index_of(const io::Column& column) const {
+  if (mapped_ >= 0) return mapped_;
+  return column.time >= 0 ? column.time : io::time_column(log_);
+}
+
+const std::vector<double>& LogTimes::seconds(int index) {
+  const auto known = converted_.find(index);
+  if (known != converted_.end()) return known->second;
+  io::Column column = log_.columns[static_cast<std::size_t>(index)];
+  if (!unit_.empty()) column.unit_text = unit_;
+  try {
+    return converted_.emplace(index, io::in_si(column, quantity("s", "s"))).first->second;
+  } catch (const io::InputError& e) {
+    io::Problem p = e.problems().front();
+    p.file = log_.source;
+    throw io::InputError(p);
+  }
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <numbers>
+#include <optional>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/motion_columns.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+bool is_velocity(LogQuantity what) {
+  return what == LogQuantity::kVelocity || what == LogQuantity::kReferenceVelocity;
+}
+
+double travel_per_radian(const std::string& lead) {
+  if (lead.empty()) return 0.0;
+  const double travel = option_si("--lead", lead, quantity("m", "mm"));
+  if (travel == 0.0) refuse_option("--lead", "got 0, expected the travel per turn");
+  return travel / (2.0 * std::numbers::pi);
+}
+
+/// The columns there are, in the order in which they are shown.
+std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
+  const std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
+  const std::optional<NamedColumn> v = columns.find(LogQuantity::kVelocity);
+  if (!x && !v) {
+    throw io::InputError(
+        {columns.log().source, 0, "x",
+         fmt::format("no column for the position, nor for the velocity; the log has {} (name it with --map "
+                     "x=\"COLUMN UNIT\")",
+                     column_names(columns.log()))});
+  }
+  const std::optional<NamedColumn> r = columns.find(LogQuantity::kReference);
+  std::vector<MotionColumn> all;
+  if (x) all.push_back({LogQuantity::kPosition, *x});
+  if (r) all.push_back({LogQuantity::kReference, *r});
+  if (v) all.push_back({LogQuantity::kVelocity, *v});
+  if (r) return all;
+  if (const auto v_ref = columns.find(LogQuantity::kReferenceVelocity))
+    all.push_back({LogQuantity::kReferenceVelocity, *v_ref});
+  return all;
+}
+
+/// Sets conversion and angle from the unit.
+void convert(const io::Log& log, MotionColumn& m) {
+  const bool velocity = is_velocity(m.what);
+  const std::string& unit = m.from.unit;
+  const auto linear = conversion_between(unit, velocity ? "m/s" : "m");
+  const auto turning = conversion_between(unit, velocity ? "rad/s" : "rad");
+  if (!linear && !turning) {
+    check_unit(log, *m.from.column, unit, velocity ? quantity("m/s", "mm/s") : quantity("m", "mm"));
+    refuse_column(
+        log, m.from,
+        fmt::format("unit {} is none of a {}", io::in_quotes(unit), velocity ? "velocity" : "position"));
+  }
+  m.angle = !linear;
+  m.conversion = linear ? *linear : *turning;
+}
+
+/// All columns must agree on whether the axis turns.
+void check_agreement(const io::Log& log, const MotionColumn& m, const MotionColumns& motion) {
+  if (m.angle && motion.per_radian == 0.0 && !motion.angle) {
+    refuse_column(log, m.from,
+                  fmt::format("turns ({}), the position does not; give the travel per turn (--lead \"5 mm\")",
+                              m.from.unit));
+  }
+  if (!m.angle && motion.angle) {
+    refuse_column(
+        log, m.from,
+        fmt::format("is a length ({}), the position is an angle; give the travel per turn (--lead \"5 mm\")",
+                    m.from.unit));
+  }
+}
+
+bool is_base(const MotionColumn& m, const std::vector<MotionColumn>& all) {
+  if (m.what == LogQuantity::kPosition) return true;
+  return m.what == LogQuantity::kVelocity &&
+         std::none_of(all.begin(), all.end(),
+                      [](const MotionColumn& other) { return other.what == LogQuantity::kPosition; });
+}
+
+}  // namespace
+
+const MotionColumn& MotionColumns::base() const {
+  return *std::find_if(columns.begin(), columns.end(),
+                       [&](const MotionColumn& m) { return is_base(m, columns); });
+}
+
+bool MotionColumns::turns() const {
+  return std::any_of(columns.begin(), columns.end(), [](const MotionColumn& m) { return m.angle; });
+}
+
+MotionColumns find_motion(const AxisColumns& columns, const std::string& lead,
+                          std::vector<std::string>& notes) {
+  const io::Log& log = columns.log();
+  MotionColumns motion;
+  motion.per_radian = travel_per_radian(lead);
+  const std::vector<MotionColumn> all = motion_of(columns);
+  for (MotionColumn m : all) {
+    const bool base = is_base(m, all);
+    if (m.from.unit.empty() && !base && !columns.mapped(m.what)) {
+      notes.push_back(
+          fmt::format("column {} has no unit and is not used (give it with --map {}=\"COLUMN UNIT\")",
+                      io::in_quotes(header_of(*m.from.column)), enum_name(m.what)));
+      continue;
+    }
+    convert(log, m);
+    if (base) motion.angle = m.angle && motion.per_radian == 0.0;
+    check_agreement(log, m, motion);
+    if (m.angle && !motion.angle) m.factor = motion.per_radian;
+    motion.columns.push_back(m);
+  }
+  return motion;
+}
+
+}  // namespace stribeck::workflow

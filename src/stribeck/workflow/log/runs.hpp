@@ -1,0 +1,31 @@
+#pragma once
+/// Which rows of a log count, and where one run ends and the next begins: --where and --runs.
+///
+/// Real time: no.
+/// Errors: InputError naming the option.
+
+#include <cstddef>
+#include <cstdint>
+#include <stribeck/workflow/log/log_options.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+/// Which rows have the value: COLUMN=VALUE of --where; refused where none has.
+std::vector<std::uint8_t> rows_with(const io::Log& log, const std::string& where);
+
+/// Rows of the runs, from 0.
+struct Selection {
+  bool all = true;                             ///< one run of all rows, however long the columns are
+  std::vector<std::vector<std::size_t>> runs;  ///< otherwise
+};
+Selection select_rows(const io::Log& log, const LogOptions& options);
+
+/// The log's name with the values that tell the run of this row from others.
+std::string run_name(const io::Log& log, const LogOptions& options, std::size_t row);
+
+/// Names of the columns that change where the time `t` begins anew, and only there: they tell runs apart. "" where none does.
+std::string marks_of_runs(const io::Log& log, const std::vector<double>& t);
+
+}  // namespace stribeck::workflow
