@@ -14,6 +14,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/part_program.hpp>

@@ -39,7 +39,7 @@ IdentifyOptions identify_options(const Options& o) {
   IdentifyOptions options = o.identify;
   options.method = *enum_value<Method>(o.method);
   options.model = *enum_value<ModelChoice>(o.model);
-  if (o.solver == "simplex") options.solver = ident::Solver::kSimplex;
+  if (o.solver == "simplex") options.solver = ident::methods::Solver::kSimplex;
   return options;
 }
 
@@ -117,27 +117,29 @@ int run_identify(const Options& o) {
 }  // namespace
 
 void add_identify(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("identify", "Mass and friction of an axis from logs, with 95 % intervals");
+  auto* verb = app.add_subcommand(
+      "identify", "Identify mass and friction of an axis from its logs, with 95 % confidence intervals");
   auto o = std::make_shared<Options>();
   verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")
       ->required()
       ->type_name("LOG");
   verb->add_flag("--inspect", o->inspect,
-                 "Print what the logs hold and what could be identified; identify nothing");
-  verb->add_option("--model", o->model,
-                   "auto, conventional, gaussian, or asymmetric (idim-ls, friction by direction)")
+                 "Only print what the logs contain and what can be identified from them");
+  verb->add_option(
+          "--model", o->model,
+          "Friction model: auto, conventional, gaussian, or asymmetric (idim-ls only: friction by direction)")
       ->check(one_of(words_of<ModelChoice>()))
       ->capture_default_str();
   verb->add_option(
           "--method", o->method,
-          "auto (any motion); by name: velocity-map (Model C), position-map (Model D, or cogging at "
+          "Method: auto (any motion), or by name: velocity-map (Model C), position-map (Model D, or cogging at "
           "standstill), jog (Model B, constant speeds), least-squares (Model A, pulses, and jogs for the "
           "viscous correction), break-away (slow ramps), gravity (both directions at equal speed), "
           "constant-acceleration (mass), idim-ls (published protocol)")
       ->check(one_of(words_of<Method>()))
       ->capture_default_str();
   verb->add_option("--terms", o->identify.terms,
-                   "Gaussians of each direction; left out: chosen by held-out motion")
+                   "Number of Gaussians in each direction; left out: chosen by the error on held-out motion")
       ->check(whole_from(0, 6));
   verb->add_option("--mass", o->identify.mass,
                    "Known equivalent mass, e.g. \"57.65 N s2/mm\"; left out: identified")
@@ -145,10 +147,11 @@ void add_identify(CLI::App& app, Action& action) {
   verb->add_option("--cut-off", o->identify.cut_off,
                    "Low-pass filter at this frequency; left out: chosen from the noise")
       ->type_name("HZ");
-  verb->add_option("--turn", o->identify.turn,
-                   "Known travel of one turn, whose whole parts are searched (position-map)")
+  verb->add_option(
+          "--turn", o->identify.turn,
+          "Known travel per turn of the screw: periodic terms are searched at this period and its integer fractions (position-map)")
       ->type_name("TURN");
-  verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as papers use it)")
+  verb->add_option("--solver", o->solver, "derivatives, or simplex (Nelder-Mead, as in published methods)")
       ->check(one_of({"derivatives", "simplex"}))
       ->capture_default_str();
   add_log_options(*verb, o->log);

@@ -63,7 +63,8 @@ int verify(const Options& o) {
   }
   std::optional<ident::replay::ReplayController> controller;
   if (!o.controller.empty())
-    controller = read_one<ident::replay::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
+    controller =
+        read_one<ident::replay::ReplayController>(o.controller, "expected a controller, kind cascade or pd");
 
   const LogOptions log_options = o.log.resolved();
   report::VerifyReportInput page;

@@ -37,6 +37,11 @@ struct Needs {
   bool whole = false;
 
   static Needs of(const std::vector<sim::ControllerSpec>& controllers);
+  /// What either needs.
+  friend Needs operator|(const Needs& a, const Needs& b) noexcept {
+    return {a.conventional || b.conventional, a.gaussian || b.gaussian, a.eccentric || b.eccentric,
+            a.whole || b.whole};
+  }
 };
 
 /// Periods of the sine that the main job records.

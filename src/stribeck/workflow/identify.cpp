@@ -56,7 +56,7 @@ void check_taken(const IdentifyOptions& o, Method method, const std::string& whi
   takes(!o.mass.empty(), m.mass, "--mass");
   takes(!o.cut_off.empty(), m.cut_off, "--cut-off");
   takes(!o.turn.empty(), m.turn, "--turn");
-  takes(o.solver != ident::Solver::kDerivatives, m.solver, "--solver");
+  takes(o.solver != ident::methods::Solver::kDerivatives, m.solver, "--solver");
   if (std::find(m.models.begin(), m.models.end(), o.model) == m.models.end()) {
     std::vector<std::string> models;
     for (const ModelChoice model : m.models) models.emplace_back(enum_name(model));
@@ -117,10 +117,11 @@ std::optional<double> given_turn(const IdentifyOptions& o, const Records& record
   if (!(*turn <= kLongest * travel) || !(*turn >= kShortest * travel)) {
     const double shown = turns ? 1.0 : 1e3;
     const char* unit = turns ? "rad" : "mm";
-    refuse_option("--turn", fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the way of "
-                                        "{:.4g} {} in this log",
-                                        io::in_quotes(o.turn), shown * kShortest * travel,
-                                        shown * kLongest * travel, unit, shown * travel, unit));
+    refuse_option(
+        "--turn",
+        fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the travel of {:.4g} {} in this log",
+                    io::in_quotes(o.turn), shown * kShortest * travel, shown * kLongest * travel, unit,
+                    shown * travel, unit));
   }
   return turn;
 }
@@ -168,7 +169,8 @@ Identification by_least_squares(const IdentifyOptions& o, const Records& records
   if (closed_loop_only) std::swap(pulses, jogs);
   ident::methods::LeastSquaresAOptions options;
   options.solver = o.solver;
-  ident::methods::LeastSquaresA a = jogs.empty() ? ident::methods::identify_least_squares_a(pulses, options)
+  ident::methods::LeastSquaresA a = jogs.empty()
+                                        ? ident::methods::identify_least_squares_a(pulses, options)
                                         : ident::methods::identify_least_squares_a(pulses, jogs, options);
   Identification found{a.result, Method::kLeastSquares, false, {}, std::move(a)};
   if (closed_loop_only) {
@@ -230,9 +232,9 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
   if (axis.one_direction) {
     check_auto(o, Method::kPositionMap, "the axis moves in one direction only");
     Identification found = by_position(o, axis.records, false);
-    found.result.warnings.insert(found.result.warnings.begin(),
-                                 "one direction only: mass, and friction of that direction with any "
-                                 "load in it; add the way back for the rest");
+    found.result.warnings.insert(
+        found.result.warnings.begin(),
+        "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
     return found;
   }
   return by_drive_fit(o, axis.records);
@@ -354,16 +356,16 @@ friction::AxisModel axis_file_model(const Identification& found, const AxisRecor
   }
   if (found.holding_only && !result.friction.eccentric.empty()) {
     refuse_option("--output",
-                  "an axis file needs mass and friction, which holding at standstill does not tell");
+                  "an axis file needs mass and friction, which a log at standstill does not determine");
   }
   if (axis.one_direction) {
     refuse_option(
         "--output",
-        "an axis file holds friction of both directions, but the axis moves in one only; add the way back");
+        "an axis file holds friction of both directions, but the axis moves in one only; add the motion back");
   }
   if (!(result.mass > 0.0)) {
     refuse_option("--output",
-                  "an axis file needs the mass, which this log does not tell; give --mass or add a log "
+                  "an axis file needs the mass, which this log does not determine; give --mass or add a log "
                   "with acceleration");
   }
   return as_model(result);

@@ -47,7 +47,7 @@ enum class ModelChoice { kAuto, kConventional, kGaussian, kAsymmetric };
 struct IdentifyOptions {
   Method method = Method::kAuto;
   ModelChoice model = ModelChoice::kAuto;
-  ident::methods::Solver solver = ident::Solver::kDerivatives;
+  ident::methods::Solver solver = ident::methods::Solver::kDerivatives;
   std::optional<int> terms{};  ///< Gaussians of each direction
   std::string mass{};          ///< known equivalent mass, "57.65 N s2/mm"
   std::string cut_off{};       ///< of the low-pass filter, "50 Hz"
@@ -70,7 +70,7 @@ struct Identification {
   bool holding_only = false;            ///< the axis was held at standstill: neither mass nor friction
   std::vector<ident::Result> beside{};  ///< results that stand beside it: other days
   std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquares
-  std::optional<ident::IdimResult::Published> published{};  ///< of Method::kIdimLs
+  std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
 };
 
 /// Refuses options that the method would ignore.

@@ -14,7 +14,7 @@ std::vector<std::pair<std::string, std::string>> published_names(bool by_directi
   return {{"M", "kg"}, {"Fv", "N s/m"}, {"Fc", "N"}, {"offset", "N"}};
 }
 
-nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, bool by_direction) {
+nlohmann::ordered_json published_json(const ident::methods::IdimResult::Published& p, bool by_direction) {
   nlohmann::ordered_json json;
   const auto names = published_names(by_direction);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -29,7 +29,7 @@ nlohmann::ordered_json published_json(const ident::IdimResult::Published& p, boo
 }
 
 /// The figures as papers print them; their deviations take the residuals for white.
-std::string published_text(const ident::IdimResult::Published& p, bool by_direction) {
+std::string published_text(const ident::methods::IdimResult::Published& p, bool by_direction) {
   std::string out = "\nAs the published protocol prints it (standard deviations for white residuals):\n";
   const auto names = published_names(by_direction);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -64,7 +64,9 @@ std::string model_a_text(const ident::methods::LeastSquaresA& a) {
 }
 
 /// Whether the published protocol was asked for each direction: five numbers, else four.
-bool by_direction(const ident::IdimResult::Published& published) { return published.value.size() > 4; }
+bool by_direction(const ident::methods::IdimResult::Published& published) {
+  return published.value.size() > 4;
+}
 
 }  // namespace
 

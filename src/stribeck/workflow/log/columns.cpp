@@ -33,10 +33,12 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   try {
     static_cast<void>(io::conversion(unit, column.unit_text));
   } catch (const io::InputError&) {
-    refuse_option("--map",
-                  fmt::format("column {} stands in {} in the file, which is no {}; leave the unit out or "
-                              "map another column (to scale a force, use --gain)",
-                              io::in_quotes(header_of(column)), column.unit_text, unit));
+    refuse_option(
+        "--map",
+        fmt::format(
+            "column {} has the unit {} in the file, which is not a unit of a {}; leave the unit out or "
+            "map another column (to scale a force, use --gain)",
+            io::in_quotes(header_of(column)), column.unit_text, unit));
   }
 }
 
@@ -154,9 +156,10 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
   if (rivals.size() > 1) {
     std::string list;
     for (const Candidate& c : all) list += (list.empty() ? "" : ", ") + io::in_quotes(header_of(*c.column));
-    throw io::InputError({log.source, 0, std::string(enum_name(k.what)),
-                          fmt::format("{} columns could be it: {} (choose one with --map {}=\"COLUMN UNIT\")",
-                                      all.size(), list, enum_name(k.what))});
+    throw io::InputError(
+        {log.source, 0, std::string(enum_name(k.what)),
+         fmt::format("{} columns could be this quantity: {} (choose one with --map {}=\"COLUMN UNIT\")",
+                     all.size(), list, enum_name(k.what))});
   }
   return all.front().column;
 }

@@ -108,9 +108,9 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
   if (found.efforts.size() == 1 && first.what == LogQuantity::kForce) {
     refuse_option(
         "--gain",
-        fmt::format("got {}, but the force of this log, column {}, has its scale: leave the gain out, "
-                    "or map what it is for (--map voltage=\"COLUMN V\")",
-                    io::in_quotes(gain), io::in_quotes(header_of(*first.from.column))));
+        fmt::format(
+            "got {}, but the force of this log, column {}, has a scale already: leave the gain out, or map the column that it belongs to (--map voltage=\"COLUMN V\")",
+            io::in_quotes(gain), io::in_quotes(header_of(*first.from.column))));
   }
   std::string kinds;
   for (const Effort& e : found.efforts) kinds += (kinds.empty() ? "" : ", ") + std::string(enum_name(e.what));
@@ -191,7 +191,7 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
       notes.emplace_back(
           motion.angle
               ? "the force is a torque in N m about an angle in rad"
-              : "the force stands as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
+              : "the force is given as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
     }
   } else if (gain.empty() && effort.what != LogQuantity::kForce) {
     keep_own_unit(effort, notes);

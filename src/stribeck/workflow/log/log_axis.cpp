@@ -40,7 +40,7 @@ struct Signals {
   int base_time;
 
   ident::log::Signal of(const io::Column& column, const io::Conversion& conversion, double factor,
-                   std::size_t run) const {
+                        std::size_t run) const {
     ident::log::Signal s;
     const int index = times.index_of(column);
     // Those that share the time of the position need none of their own.
@@ -81,10 +81,9 @@ ident::log::Signal& signal_for(ident::log::RawLog& raw, LogQuantity what) {
 void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::string>& notes) {
   const std::string marks = marks_of_runs(log, log.columns[static_cast<std::size_t>(base_time)].values);
   if (marks.empty()) return;
-  notes.push_back(
-      fmt::format("several runs one below the other, told apart by {}: take those that belong together "
-                  "with --where COLUMN=VALUE, and name them with --runs COLUMN",
-                  marks));
+  notes.push_back(fmt::format(
+      "several runs in one file, distinguished by {}: choose those that belong together with --where COLUMN=VALUE, and separate them with --runs COLUMN",
+      marks));
 }
 
 }  // namespace
@@ -97,7 +96,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   if (motion.per_radian != 0.0 && !motion.turns() && !effort.by_lead)
     refuse_option(
         "--lead",
-        "nothing in this log turns and the force is no torque: it would change nothing, leave it out");
+        "no column of this log is an angle and the force is not a torque: the option has no effect, leave it out");
 
   LogTimes times(columns);
   const double sample_time = options.sample_time.empty() ? 0.0
@@ -131,7 +130,8 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   return out;
 }
 
-ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& source, const LogOptions& options) {
+ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& source,
+                                       const LogOptions& options) {
   ident::log::Conditioned clean;
   try {
     clean = ident::log::condition(std::move(axis.runs), ident::log::ConditionOptions{options.keep});
@@ -148,7 +148,7 @@ ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& sourc
 }
 
 ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& options,
-                                 std::vector<std::string>* notes) {
+                                      std::vector<std::string>* notes) {
   LoggedAxis axis = logged_axis(log, options);
   if (notes != nullptr) notes->insert(notes->end(), axis.notes.begin(), axis.notes.end());
   return condition_axis(std::move(axis), log.source, options);

@@ -38,6 +38,6 @@ ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& sourc
 
 /// Both: records of one axis of a log. The notes of LoggedAxis go to `notes`.
 ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& options,
-                                 std::vector<std::string>* notes = nullptr);
+                                      std::vector<std::string>* notes = nullptr);
 
 }  // namespace stribeck::workflow

@@ -54,7 +54,7 @@ void convert(const io::Log& log, MotionColumn& m) {
     check_unit(log, *m.from.column, unit, velocity ? quantity("m/s", "mm/s") : quantity("m", "mm"));
     refuse_column(
         log, m.from,
-        fmt::format("unit {} is none of a {}", io::in_quotes(unit), velocity ? "velocity" : "position"));
+        fmt::format("{} is not a unit of a {}", io::in_quotes(unit), velocity ? "velocity" : "position"));
   }
   m.angle = !linear;
   m.conversion = linear ? *linear : *turning;
