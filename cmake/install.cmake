@@ -1,9 +1,10 @@
 # `cmake --install` puts the command, the headers and the libraries where find_package(stribeck) finds them. The real-time tier is
-# headers alone: stribeck::control needs nothing else.
+# headers alone: stribeck::control needs nothing else. stribeck::workflow has what the verbs do; it needs the libraries that
+# stribeckConfig.cmake looks for.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(modules core friction path control plant sim)
+set(modules core friction path control plant sim ident io report workflow targets)
 list(TRANSFORM modules PREPEND stribeck_ OUTPUT_VARIABLE targets)
 list(APPEND targets stribeck_capi stribeck_capi_plant)
 install(TARGETS ${targets} EXPORT stribeckTargets)
@@ -15,7 +16,12 @@ endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/capi/include/stribeck DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT stribeckTargets NAMESPACE stribeck:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)
 file(WRITE ${PROJECT_BINARY_DIR}/stribeckConfig.cmake
-     "include(CMakeFindDependencyMacro)\nfind_dependency(Threads)\nfind_dependency(fmt)\ninclude(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)\n")
+     "include(CMakeFindDependencyMacro)
+foreach(library Threads Eigen3 Ceres Boost fmt nlohmann_json ZLIB EXPAT)
+  find_dependency(\${library})
+endforeach()
+include(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)
+")
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/stribeckConfig.cmake ${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stribeck)

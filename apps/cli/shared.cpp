@@ -104,33 +104,6 @@ std::string page_of(const Common& common) {
   return common.report.empty() ? "" : common.report + "/index.html";
 }
 
-OutputFolder::OutputFolder(const std::string& path) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::path missing = fs::absolute(path, error);
-  if (!missing.has_filename()) missing = missing.parent_path();  // "report/"
-  for (; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
-    made_.push_back(missing.string());
-  try {
-    io::make_directory(path);
-  } catch (...) {
-    remove_empty();
-    throw;
-  }
-}
-
-OutputFolder::OutputFolder(OutputFolder&& other) noexcept : made_(std::exchange(other.made_, {})) {}
-
-OutputFolder::~OutputFolder() { remove_empty(); }
-
-void OutputFolder::remove_empty() noexcept {
-  std::error_code error;
-  for (const std::string& folder : made_) {
-    // Only an empty one can be removed.
-    if (!std::filesystem::is_directory(folder, error) || !std::filesystem::remove(folder, error)) return;
-  }
-}
-
 OutputFolder check_outputs(const Common& common) {
   // The report's folder may be the one the JSON goes to; make it first.
   OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);

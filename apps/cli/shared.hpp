@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <stribeck/io/output_folder.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ namespace stribeck::workflow {}
 
 namespace stribeck::cli {
 
+using io::OutputFolder;
 using namespace workflow;  // a verb reads its options and hands them to the workflow
 
 struct Common {
@@ -63,24 +65,6 @@ void check_distinct(const std::vector<std::string>& inputs, const std::vector<st
 
 /// The file that --report writes; empty: none.
 std::string page_of(const Common& common);
-
-/// A folder for results, made with those above it before the work begins. Those that it made and that nothing was written to go
-/// away with it, so that a command that fails leaves none behind.
-class OutputFolder {
- public:
-  OutputFolder() = default;
-  explicit OutputFolder(const std::string& path);
-  ~OutputFolder();
-  OutputFolder(OutputFolder&& other) noexcept;
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
-  OutputFolder& operator=(OutputFolder&&) = delete;
-
- private:
-  void remove_empty() noexcept;
-
-  std::vector<std::string> made_;  ///< the deepest first
-};
 
 /// Checks what every verb may write, and makes the folder of its page.
 [[nodiscard]] OutputFolder check_outputs(const Common& common);

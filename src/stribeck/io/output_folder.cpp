@@ -1,0 +1,37 @@
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/output_folder.hpp>
+
+namespace stribeck::io {
+
+OutputFolder::OutputFolder(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::path missing = fs::absolute(path, error);
+  if (!missing.has_filename()) missing = missing.parent_path();  // "report/"
+  for (; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
+    made_.push_back(missing.string());
+  try {
+    make_directory(path);
+  } catch (...) {
+    remove_empty();
+    throw;
+  }
+}
+
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept : made_(std::exchange(other.made_, {})) {}
+
+OutputFolder::~OutputFolder() { remove_empty(); }
+
+void OutputFolder::remove_empty() noexcept {
+  std::error_code error;
+  for (const std::string& folder : made_) {
+    // Only an empty one can be removed.
+    if (!std::filesystem::is_directory(folder, error) || !std::filesystem::remove(folder, error)) return;
+  }
+}
+
+}  // namespace stribeck::io

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <variant>
+#include <vector>
+
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/linuxcnc/axis_lines.hpp>
+#include <stribeck/targets/linuxcnc/hal_lines.hpp>
+#include <stribeck/targets/linuxcnc/lincurve.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::targets::linuxcnc {
+
+using workflow::option_si;
+using workflow::refuse_option;
+
+namespace {
+
+/// HAL names have 47 characters, of which the longest parameter takes 40 and a dot.
+constexpr std::size_t kLongestName = 6;
+
+void check_name(const std::string& name) {
+  constexpr std::string_view kPermitted = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-";
+  if (name.empty() || name.size() > kLongestName || name.find_first_not_of(kPermitted) != std::string::npos) {
+    refuse_option("--name", fmt::format("got {}, expected 1 to {} letters, digits, dots and hyphens",
+                                        io::in_quotes(name), kLongestName));
+  }
+}
+
+/// Names of the HAL instances: those given, or a prefix with x, y, z, …
+std::vector<std::string> names_for(const ExportRequest& o, const std::string& prefix,
+                                   const std::vector<std::string>& axes) {
+  std::vector<std::string> names = o.names;
+  if (names.empty()) {
+    for (const std::string& axis : axes) names.push_back(prefix + axis);
+  } else if (names.size() != axes.size()) {
+    refuse_option("--name", fmt::format("got {}, expected {}, one for each axis", names.size(), axes.size()));
+  }
+  for (const std::string& name : names) check_name(name);
+  if (std::set(names.begin(), names.end()).size() != names.size())
+    refuse_option("--name", "expected names that differ");
+  return names;
+}
+
+std::vector<std::string> letters_for(const ExportRequest& o) {
+  constexpr const char* kAxes = "xyzabcuvw";
+  if (o.files.size() > 9) refuse_option("AXIS.toml", "got more than nine axes");
+  std::vector<std::string> axes;
+  for (std::size_t i = 0; i < o.files.size(); ++i) axes.emplace_back(1, kAxes[i]);
+  return axes;
+}
+
+/// Largest speed of the table [m/s].
+double table_speed(const ExportRequest& o, const std::string& file, const friction::AxisModel& model) {
+  if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+  const auto range = model.friction.identified_range();
+  if (!range)
+    refuse_option("--speed",
+                  fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", file));
+  return std::min(-(*range)[0], (*range)[1]);
+}
+
+}  // namespace
+
+double omega_of(const ExportRequest& o) {
+  return option_si("--omega", o.omega.empty() ? kOmega : o.omega, quantity("rad/s", "rad/s").positive());
+}
+
+std::string controllers(const ExportRequest& o) {
+  const double omega = omega_of(o);
+  const std::vector<std::string> names = names_for(o, "ax.", letters_for(o));
+  std::string out = fmt::format("# Written by: {}\n# SI units; angular frequencies in rad/s.\n", o.command);
+  out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
+  for (std::size_t i = 0; i < o.files.size(); ++i) {
+    const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
+    out += fmt::format("\n# {} from {}\n", names[i], o.files[i]);
+    out += controller_lines(names[i], model, omega, o.feedforward);
+  }
+  return out;
+}
+
+std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::string& words) {
+  const std::vector<std::string> names = names_for(o, "ff.", letters_for(o));
+  std::string out = fmt::format(
+      "# Written by: {}\n# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, and "
+      "ff.x.out added to the force.\n"
+      "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n",
+      o.command);
+  std::string points;
+  std::string body;
+  json = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < o.files.size(); ++i) {
+    const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
+    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
+    const std::string worth = lincurve_words(table, model, "mm/s");
+    points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
+    body += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
+    if (model.load != 0.0)
+      body += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
+    body += lincurve_lines(names[i], table);
+    words += fmt::format("{}: {}.\n", names[i], worth);
+    nlohmann::ordered_json point = nlohmann::ordered_json::array();
+    for (const Corner& c : table.table.corners) point.push_back({c.x, c.y});
+    json.push_back({{"name", names[i]},
+                    {"file", o.files[i]},
+                    {"max_error_N", table.max_error},
+                    {"rms_error_N", table.rms_error},
+                    {"points_mm_per_s_N", point}});
+  }
+  out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
+  return out + body;
+}
+
+std::string plants(const ExportRequest& o, const sim::Machine& machine) {
+  std::vector<std::string> axes;
+  for (const auto& [axis, unused] : machine.axes) axes.push_back(axis);
+  const std::vector<std::string> names = names_for(o, "pl.", axes);
+  std::string out = fmt::format("# Written by: {}\n# {}: {}\n", o.command, machine.name, machine.origin);
+  out += fmt::format("# loadrt stribeck_plant names={}, in a thread of {} ms\n", fmt::join(names, ","),
+                     1e3 * machine.sample_time);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out +=
+        fmt::format("\n# axis {}, largest force {:.6g} N\n", axes[i], machine.axes[i].second.force_limit());
+    out += plant_lines(names[i], machine.axes[i].second);
+  }
+  return out;
+}
+
+}  // namespace stribeck::targets::linuxcnc
