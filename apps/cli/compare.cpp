@@ -74,7 +74,7 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
 int compare(const Options& o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
-  if (is_part(o.path)) inputs.push_back(o.path.path);
+  if (is_file(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);

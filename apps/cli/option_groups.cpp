@@ -6,6 +6,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/option_groups.hpp>
 #include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/workflow/enum_words.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path_options.hpp>
 
@@ -68,11 +69,12 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
   const auto path_or_program = [](std::string& text) {
     if (text.find('.') != std::string::npos || text.find('/') != std::string::npos) return std::string();
     const std::string refused = names_of<path::Shape>()(text);
-    return refused.empty() ? refused : refused + ", nor a G-code file like part.ngc";
+    return refused.empty() ? refused : refused + ", nor a file like part.ngc or points.csv";
   };
-  verb.add_option("--path", o.path,
-                  "circle, eight, trifolium, or a G-code file (read by LinuxCNC's interpreter)")
-      ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc"))
+  verb.add_option(
+          "--path", o.path,
+          "circle, eight, trifolium, a G-code file (read by LinuxCNC's interpreter), or a CSV file of points, one column for each axis")
+      ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc|POINTS.csv"))
       ->capture_default_str();
   verb.add_option("--size", o.size, "Radius of the circle, half width of the others")
       ->type_name("LENGTH")
@@ -99,16 +101,21 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
       ->capture_default_str();
   verb.add_option(
           "--acceleration", o.acceleration,
-          "Part program: largest acceleration of each axis, at most the limit of the machine; left out: that limit")
+          "Part program or points: largest acceleration of each axis, at most the limit of the machine; left out: that limit")
       ->type_name("ACCELERATION");
   verb.add_option(
           "--jerk", o.jerk,
-          "Part program: largest jerk of each axis; left out: the limit of the machine, or the jerk that reaches its acceleration in 0.1 s")
+          "Part program or points: largest jerk of each axis; left out: the limit of the machine, or the jerk that reaches its acceleration in 0.1 s")
       ->type_name("JERK");
-  verb.add_option("--corner-tolerance", o.corner_tolerance,
-                  "Part program: largest deviation at rounded corners where the program gives no G64 P")
+  verb.add_option(
+          "--corner-tolerance", o.corner_tolerance,
+          "Part program or points: largest deviation at rounded corners where the program gives no G64 P, or of a spline from its points")
       ->type_name("LENGTH")
       ->capture_default_str();
+  verb.add_option_function<std::string>(
+          "--join", [&o](const std::string& word) { o.join = *enum_value<PointJoin>(word); },
+          "Points: corners (straight lines with rounded corners) or spline (one smooth curve); left out: corners")
+      ->check(names_of<PointJoin>());
   verb.add_option("--accuracy", o.accuracy,
                   "Accuracy of the simulated contour error; it determines the number of sub-steps")
       ->type_name("LENGTH")

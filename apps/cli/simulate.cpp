@@ -144,7 +144,7 @@ io::Log errors_first(const io::Log& log, const std::vector<std::string>& axes) {
 sim::CompareSpec spec_of(const Options& o, const sim::Machine& machine) {
   sim::CompareSpec spec;
   if (o.experiment.empty()) {
-    if (is_part(o.path) && !o.speed.empty())
+    if (source_of(o.path) == PathSource::kProgram && !o.speed.empty())
       refuse_option("--speed", "a part program has its own feed (leave it out)");
     use_path(
         spec, o.path,
@@ -221,7 +221,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
 
 int simulate(const Options& o) {
   std::vector<std::string> inputs{o.machine, o.reference};
-  if (o.reference.empty() && is_part(o.path)) inputs.push_back(o.path.path);
+  if (o.reference.empty() && is_file(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.experiment.empty())

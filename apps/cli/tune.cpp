@@ -132,7 +132,7 @@ int tune(Options o) {
   const sim::TuneSpec spec = spec_of(o, machine);
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
-  if (is_part(o.path)) inputs.push_back(o.path.path);
+  if (is_file(o.path)) inputs.push_back(o.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   std::vector<std::string> outputs{page_of(o.common), o.common.json};
   if (!o.out.empty()) {

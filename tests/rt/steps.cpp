@@ -9,7 +9,6 @@
 #include <stribeck/path/curve.hpp>
 #include <stribeck/path/five_axis.hpp>
 #include <stribeck/path/fourier.hpp>
-#include <stribeck/path/polyline.hpp>
 #include <stribeck/path/reference.hpp>
 #include <stribeck/path/spline.hpp>
 
@@ -89,7 +88,6 @@ template path::PathPoint<3> next_point(path::Reference<path::Fourier<3>>&, doubl
 template path::PathPoint<5> next_point(path::Reference<path::Fourier<5>>&, double);
 template path::PathPoint<5> next_point(path::Reference<path::ConeFrustum>&, double);
 template path::PathPoint<3> next_point(path::Reference<path::QuinticSpline<3>>&, double);
-template path::PathPoint<3> next_point(path::Reference<path::BlendedPolyline<3>>&, double);
 
 double error(const path::Curve& curve, const Vec2& p, double phi) {
   return path::contour_error(curve, p, phi);

@@ -4,7 +4,7 @@
 ///   sin(θ/2) = |t₂ − t₁|/2, cos(θ/2) = |t₂ + t₁|/2      distance of corner and path: 35/128·d·sin(θ/2)
 ///
 ///   t₁, t₂ unit vectors before and after the corner, which turns by θ. The sums keep their digits where θ is small or nearly
-///   180°. The blend is that of polyline.hpp, which make_corner (segment_path.hpp) gives for two lines too.
+///   180°. The blend is what make_corner (segment_path.hpp) gives for two lines.
 /// Real time: safe.
 
 #include <stribeck/core/vec.hpp>

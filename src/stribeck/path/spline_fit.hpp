@@ -12,7 +12,7 @@
 /// points is mostly noise. A tolerance of four to five times its standard deviation lets the curve pass between.
 /// Fewer than eight points are never smoothed. A closed path does not repeat its first point.
 /// Source: Reinsch 1967, doi:10.1007/BF02162161, with m = 3; Floater, Surazhsky, Parameterization for curve interpolation, 2006.
-/// Not modelled: corners (polyline.hpp); outliers, which a tolerance on the largest deviation obeys.
+/// Not modelled: corners (segment_path.hpp); outliers, which a tolerance on the largest deviation obeys.
 /// Real time: configure only. Errors: SplineStatus with the index of the point; the spline is then left as it was.
 
 #include <cmath>

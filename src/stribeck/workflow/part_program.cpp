@@ -9,6 +9,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/part_program.hpp>
+#include <stribeck/workflow/planned_path.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -83,66 +84,18 @@ Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machi
   return home;
 }
 
-/// Places outside the travel of an axis.
-template <std::size_t N>
-void check_places(const sim::Part<N>& part, const sim::Machine& machine, const std::vector<std::size_t>& axes,
-                  const std::string& file) {
-  constexpr double kStep = 0.05;  // [rad] along arcs: within 0.03 % of the radius
-  for (const path::Segment<N>& s : part.segments) {
-    const int steps = s.kind == path::SegmentKind::kArc ? 1 + static_cast<int>(std::abs(s.angle) / kStep) : 1;
-    for (int k = 0; k <= steps; ++k) {
-      const Vec<double, N> p = s.point(s.length * k / steps);
-      for (std::size_t i = 0; i < N; ++i) {
-        const auto& [name, axis] = machine.axes[axes[i]];
-        if (p[i] >= axis.limits.travel_min && p[i] <= axis.limits.travel_max) continue;
-        throw io::InputError(
-            {file,
-             0,
-             {},
-             fmt::format("leaves the travel of axis {}, {:.6g} to {:.6g} mm: it goes to {:.6g} mm, {:.6g} "
-                         "mm along the path (move the program with G10 L2 or G92, or make it smaller)",
-                         name, axis.limits.travel_min * 1e3, axis.limits.travel_max * 1e3, p[i] * 1e3,
-                         (s.travelled + s.distance(s.length * k / steps)) * 1e3)});
-      }
-    }
-  }
-}
-
 template <std::size_t N>
 void plan(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
           const Vec<double, 3>& start, const std::vector<sim::PartMove>& moves) {
-  sim::PartLimits<N> limits;
-  const double acceleration = o.acceleration.empty() ? std::numeric_limits<double>::infinity()
-                                                     : option_si("--acceleration", o.acceleration,
-                                                                 quantity("m/s2", "mm/s2").positive());
-  const double jerk =
-      o.jerk.empty() ? 0.0 : option_si("--jerk", o.jerk, quantity("m/s3", "mm/s3").positive());
-  for (std::size_t i = 0; i < N; ++i) {
-    const sim::AxisLimits& axis = machine.axes[spec.axes[i]].second.limits;
-    limits.speed[i] = axis.speed;
-    limits.acceleration[i] = std::min(axis.acceleration, acceleration);
-    limits.jerk[i] = !o.jerk.empty() ? jerk
-                     : axis.jerk     ? *axis.jerk
-                                     : limits.acceleration[i] / sim::AxisLimits::kJerkTime;
-  }
+  const sim::PartLimits<N> limits = part_limits<N>(o, machine, spec.axes);
   const auto part = sim::plan_part<N>(start, moves, limits);
   if (part == nullptr) throw io::InputError({o.path, 0, {}, "has no motion, expected at least one move"});
-  check_places<N>(*part, machine, spec.axes, o.path);
-  sim::Travel travel;
-  travel.path = sim::PartPath<N>{part};
-  travel.name = std::filesystem::path(o.path).filename().string();
-  travel.speed = part->summary.length / part->summary.duration;
-  travel.laps = 1.0;
-  travel.run_in = 0.0;
-  spec.travels = {travel};
+  check_places<N>(*part, machine, spec.axes, o.path,
+                  "move the program with G10 L2 or G92, or make it smaller");
+  spec.travels = {planned_travel<N>(part, std::filesystem::path(o.path).filename().string())};
 }
 
 }  // namespace
-
-bool is_part(const PathOptions& options) {
-  return std::none_of(EnumNames<path::Shape>::names.begin(), EnumNames<path::Shape>::names.end(),
-                      [&](const auto& shape) { return shape.second == options.path; });
-}
 
 void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& machine,
               const std::string& machine_file) {
@@ -200,11 +153,13 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
 }
 
 std::string part_words(const sim::CompareSpec& spec) {
-  const sim::Travel& travel = spec.travels.front();
-  if (travel.part() == nullptr) return {};
-  return fmt::format(
-      "Part {}: {}.\nThe contour error is the distance from the rounded path, without the rounding.\n",
-      travel.name, report::in_words(*travel.part()));
+  std::string words;
+  for (const sim::Travel& travel : spec.travels) {
+    if (travel.part() != nullptr)
+      words += fmt::format("Part {}: {}.\n", travel.name, report::in_words(*travel.part()));
+  }
+  if (words.empty()) return {};
+  return words + "The contour error is the distance from the rounded path, without the rounding.\n";
 }
 
 }  // namespace stribeck::workflow

@@ -7,9 +7,6 @@
 
 namespace stribeck::workflow {
 
-/// Whether --path names a program, not one of the curves.
-bool is_part(const PathOptions& options);
-
 /// Sets travel and axes of a spec from the program that --path names. Refuses what the machine cannot travel: axes that it does
 /// not have, places outside its travel.
 void use_part(sim::CompareSpec& spec, const PathOptions& options, const sim::Machine& machine,

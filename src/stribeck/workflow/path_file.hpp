@@ -5,19 +5,15 @@
 ///   0,0,0
 ///   …
 ///
-///   spline     a smooth curve through or, with a tolerance, near the points: measured or dense points
-///   polyline   straight legs whose corners are rounded within the tolerance: planned points
-///
 /// A path whose last point is its first is closed. Points equal to the one before them are merged, with a note. Refused:
 /// axes that are missing, other columns, columns without a unit of length, more than a million points, and what
-/// path::SplineStatus and path::PolylineStatus name.
+/// path::SplineStatus names.
 /// Errors: InputError naming the file, and the row counted from 1 below the header.
 
 #include <cstddef>
 #include <span>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/path/polyline.hpp>
 #include <stribeck/path/spline_fit.hpp>
 #include <string>
 #include <string_view>
@@ -25,8 +21,6 @@
 #include <vector>
 
 namespace stribeck::workflow {
-
-enum class PathKind { kSpline, kPolyline };
 
 /// What the file holds, as columns.
 struct PathColumns {
@@ -76,9 +70,6 @@ struct OwnedPath {
 };
 template <std::size_t N>
 using SplinePath = OwnedPath<path::QuinticSpline<N>, typename path::QuinticSpline<N>::Segment>;
-template <std::size_t N>
-using PolylinePath = OwnedPath<path::BlendedPolyline<N>, typename path::BlendedPolyline<N>::Leg>;
-
 /// Tolerance [m]: 0 passes through all points, however noisy.
 template <std::size_t N>
 SplinePath<N> make_spline(const PathPoints<N>& from, double tolerance) {
@@ -94,25 +85,4 @@ SplinePath<N> make_spline(const PathPoints<N>& from, double tolerance) {
   return made;
 }
 
-/// Tolerance [m], positive.
-template <std::size_t N>
-PolylinePath<N> make_polyline(const PathPoints<N>& from, double tolerance) {
-  PolylinePath<N> made;
-  made.pieces.resize(from.points.size());
-  const auto result =
-      path::round_corners<N>(from.points, tolerance, from.columns.closed, made.pieces, made.curve);
-  if (result.status != path::PolylineStatus::kOk) {
-    refuse_path(from.columns, result.index, path::describe(result.status));
-  }
-  made.deviation = result.deviation;
-  return made;
-}
-
 }  // namespace stribeck::workflow
-
-template <>
-struct stribeck::EnumNames<stribeck::workflow::PathKind> {
-  static constexpr std::array names{
-      std::pair{stribeck::workflow::PathKind::kSpline, std::string_view{"spline"}},
-      std::pair{stribeck::workflow::PathKind::kPolyline, std::string_view{"polyline"}}};
-};

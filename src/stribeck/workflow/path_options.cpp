@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/part_program.hpp>
 #include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/point_path.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -19,6 +22,14 @@ E value_of_name(const std::string& wanted) {
 }
 
 }  // namespace
+
+PathSource source_of(const PathOptions& options) {
+  const auto& shapes = EnumNames<path::Shape>::names;
+  if (std::any_of(shapes.begin(), shapes.end(), [&](const auto& s) { return s.second == options.path; }))
+    return PathSource::kShape;
+  const auto extension = std::filesystem::path(options.path).extension();
+  return extension == ".csv" || extension == ".CSV" ? PathSource::kPoints : PathSource::kProgram;
+}
 
 sim::Travel make_travel(const PathOptions& o, double speed) {
   return sim::along(value_of_name<path::Shape>(o.path),
@@ -37,16 +48,21 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
 
 void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
               const sim::Machine& machine, const std::string& machine_file) {
-  if (is_part(path)) return use_part(spec, path, machine, machine_file);
+  const PathSource source = source_of(path);
   const PathOptions standard;
+  if (source != PathSource::kPoints && path.join != standard.join)
+    refuse_option("--join", "applies to a CSV file of points as --path only");
+  if (source == PathSource::kProgram) return use_part(spec, path, machine, machine_file);
+  if (source == PathSource::kPoints) return use_points(spec, path, speeds, machine);
   if (!path.acceleration.empty() || !path.jerk.empty() || path.corner_tolerance != standard.corner_tolerance)
-    refuse_option("--acceleration, --jerk, --corner-tolerance", "go with a G-code file as --path only");
+    refuse_option("--acceleration, --jerk, --corner-tolerance",
+                  "go with a G-code or CSV file as --path only");
   spec.travels.clear();
   for (const double speed : speeds) spec.travels.push_back(make_travel(path, speed));
 }
 
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path) {
-  if (is_part(path)) return kVaried;
+  if (is_file(path)) return kVaried;
   switch (machine.axes.size()) {
     case 1:
       return "uni-sim";
@@ -82,7 +98,7 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
   std::vector<double> in_si;
   for (const std::string& speed : speeds)
     in_si.push_back(option_si("--speed", speed, quantity("m/s", "mm/s").positive()));
-  if (is_part(path) && !speeds.empty())
+  if (source_of(path) == PathSource::kProgram && !speeds.empty())
     refuse_option("--speed", "a part program has its own feed (leave it out)");
   use_path(s, path, in_si.empty() ? std::vector<double>{3e-3, 9.5e-3} : in_si, machine, machine_file);
   s.controllers = make_controllers(path);

@@ -1,11 +1,22 @@
 #pragma once
 /// Options of a run along a path, the same for every verb that has them.
 
+#include <array>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace stribeck::workflow {
+
+/// What --path names.
+enum class PathSource { kShape, kProgram, kPoints };
+
+/// How the points of a CSV file become a path (point_path.hpp).
+enum class PointJoin { kCorners, kSpline };
 
 struct PathOptions {
   std::string path = "circle";
@@ -17,7 +28,8 @@ struct PathOptions {
   std::string accuracy = "1 nm";
   std::string observer = "disturbance";
   std::string error_rate = "difference-of-error";
-  // of a part program
+  PointJoin join = PointJoin::kCorners;
+  // of a part program and of points
   std::string acceleration;  ///< empty: of the machine file
   std::string jerk;          ///< empty: of the machine file
   std::string corner_tolerance = "10 um";
@@ -26,6 +38,12 @@ struct PathOptions {
 
   friend bool operator==(const PathOptions&, const PathOptions&) = default;
 };
+
+/// A CSV file of points, a G-code file or one of the shapes.
+PathSource source_of(const PathOptions& options);
+
+/// Whether --path names a file.
+inline bool is_file(const PathOptions& options) { return source_of(options) != PathSource::kShape; }
 
 /// The path at a speed [m/s].
 sim::Travel make_travel(const PathOptions& options, double speed);
@@ -70,3 +88,10 @@ double make_accuracy(const PathOptions& options);
 void check_travel(const sim::Machine& machine, const std::string& machine_file, const sim::CompareSpec& spec);
 
 }  // namespace stribeck::workflow
+
+template <>
+struct stribeck::EnumNames<stribeck::workflow::PointJoin> {
+  static constexpr std::array names{
+      std::pair{stribeck::workflow::PointJoin::kCorners, std::string_view{"corners"}},
+      std::pair{stribeck::workflow::PointJoin::kSpline, std::string_view{"spline"}}};
+};

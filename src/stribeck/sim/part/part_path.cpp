@@ -174,6 +174,45 @@ Segment<N> trimmed(const Segment<N>& s, double x0, double x1) {
   return r;
 }
 
+/// Segments in a row become a part: each behind the last one, and the feed planned from stop to stop.
+template <std::size_t N>
+class Assembly {
+ public:
+  Assembly(Part<N>& part, const PartLimits<N>& limits) : part_(part), limits_(limits) {}
+
+  void add(Segment<N> s, double feed) {
+    s.begin = phi_;
+    s.travelled = begin_.back();
+    phi_ += s.length;
+    begin_.push_back(s.travelled + s.extent);
+    segment_limits_.push_back(limits_on<N>(s, feed, limits_));
+    part_.segments.push_back(std::move(s));
+  }
+  /// Behind the segments so far.
+  void stop(double dwell) { stops_.emplace_back(part_.segments.size(), dwell); }
+  void finish() {
+    FeedPlanner planner(segment_limits_, begin_, part_.phases);
+    std::size_t first = 0;
+    for (const auto& [last, dwell] : stops_) {
+      planner.run(first, last);
+      planner.dwell(dwell, begin_[last]);
+      first = last;
+    }
+    part_.path = path::SegmentPath<N>(part_.segments);
+    part_.feed = path::FeedProfile(part_.phases, planner.time(), begin_.back());
+    part_.summary.length = begin_.back();
+    part_.summary.duration = planner.time();
+  }
+
+ private:
+  Part<N>& part_;
+  const PartLimits<N>& limits_;
+  double phi_ = 0.0;
+  std::vector<double> begin_{0.0};
+  std::vector<SegmentLimits> segment_limits_;
+  std::vector<std::pair<std::size_t, double>> stops_;  // after how many segments, for how long
+};
+
 }  // namespace
 
 template <std::size_t N>
@@ -306,36 +345,32 @@ std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std:
     if (slower && std::isfinite(leg.end.feed)) ++part->summary.limited;
   }
 
-  std::vector<SegmentLimits> segment_limits;
-  std::vector<double> begin{0.0};
-  std::vector<std::pair<std::size_t, double>> stops;  // after how many segments, for how long
-  double phi = 0.0;
-  const auto add = [&](Segment<N> s, double feed) {
-    s.begin = phi;
-    s.travelled = begin.back();
-    phi += s.length;
-    begin.push_back(s.travelled + s.extent);
-    segment_limits.push_back(limits_on<N>(s, feed, limits));
-    part->segments.push_back(std::move(s));
-  };
+  Assembly<N> assembly(*part, limits);
   for (std::size_t i = 0; i < legs.size(); ++i) {
     const Leg<N>& leg = legs[i];
     const double end = leg.segment.length - leg.cut_end;
-    if (end - leg.cut_begin > 1e-12) add(trimmed(leg.segment, leg.cut_begin, end), leg.end.feed);
-    if (leg.cut_end > 0.0) add(leg.corner, std::min(leg.end.feed, legs[i + 1].end.feed));
-    if (leg.stops) stops.emplace_back(part->segments.size(), leg.end.dwell);
+    if (end - leg.cut_begin > 1e-12) assembly.add(trimmed(leg.segment, leg.cut_begin, end), leg.end.feed);
+    if (leg.cut_end > 0.0) assembly.add(leg.corner, std::min(leg.end.feed, legs[i + 1].end.feed));
+    if (leg.stops) assembly.stop(leg.end.dwell);
   }
-  FeedPlanner planner(segment_limits, begin, part->phases);
-  std::size_t first = 0;
-  for (const auto& [last, dwell] : stops) {
-    planner.run(first, last);
-    planner.dwell(dwell, begin[last]);
-    first = last;
+  assembly.finish();
+  return part;
+}
+
+template <std::size_t N>
+std::shared_ptr<const Part<N>> plan_smooth(std::vector<path::Segment<N>> segments, double feed,
+                                           const PartLimits<N>& limits) {
+  if (segments.empty()) return nullptr;
+  auto part = std::make_shared<Part<N>>();
+  part->summary.moves = segments.size();
+  Assembly<N> assembly(*part, limits);
+  for (Segment<N>& s : segments) {
+    s.extent = s.distance(s.length);
+    if (limits_on<N>(s, feed, limits).speed < feed * (1.0 - 1e-9)) ++part->summary.limited;
+    assembly.add(std::move(s), feed);
   }
-  part->path = path::SegmentPath<N>(part->segments);
-  part->feed = path::FeedProfile(part->phases, planner.time(), begin.back());
-  part->summary.length = begin.back();
-  part->summary.duration = planner.time();
+  assembly.stop(0.0);
+  assembly.finish();
   return part;
 }
 
@@ -343,7 +378,9 @@ std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std:
   template class PartMotion<N>;                                                                             \
   template SegmentLimits limits_on<N>(const path::Segment<N>&, double, const PartLimits<N>&);               \
   template std::shared_ptr<const Part<N>> plan_part<N>(const Vec<double, 3>&, const std::vector<PartMove>&, \
-                                                       const PartLimits<N>&);
+                                                       const PartLimits<N>&);                               \
+  template std::shared_ptr<const Part<N>> plan_smooth<N>(std::vector<path::Segment<N>>, double,             \
+                                                         const PartLimits<N>&);
 STRIBECK_INSTANTIATE(2)
 STRIBECK_INSTANTIATE(3)
 #undef STRIBECK_INSTANTIATE

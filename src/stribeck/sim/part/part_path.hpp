@@ -92,6 +92,12 @@ template <std::size_t N>
 std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std::vector<PartMove>& moves,
                                          const PartLimits<N>& limits);
 
+/// The part of a curve that is given as segments with continuous derivatives (a polynomial: SegmentKind::kCorner), at one feed from
+/// rest to rest. Null without segments.
+template <std::size_t N>
+std::shared_ptr<const Part<N>> plan_smooth(std::vector<path::Segment<N>> segments, double feed,
+                                           const PartLimits<N>& limits);
+
 /// The motion along a part at times that ascend, with the transported frame; at a stop in a corner the frame is begun anew.
 template <std::size_t N>
 class PartMotion {

@@ -1,0 +1,100 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/point_path.hpp>
+#include <string>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+using workflow::PathOptions;
+using workflow::PointJoin;
+
+constexpr double kSpeed = 2e-3;  // [m/s]
+
+sim::CompareSpec planned(const PathOptions& options) {
+  sim::CompareSpec spec;
+  workflow::use_points(spec, options, {kSpeed}, workflow::built_in_machine("biaxial-table"));
+  return spec;
+}
+
+std::string refusal(const PathOptions& options) {
+  try {
+    static_cast<void>(planned(options));
+  } catch (const io::InputError& e) {
+    return e.problems().front().text();
+  }
+  return "accepted";
+}
+
+const sim::Part<2>& part_of(const sim::CompareSpec& spec) {
+  return *std::get<sim::PartPath<2>>(spec.travels.at(0).path).part;
+}
+
+TEST(PointPath, CornersAreRoundedWithinTheTolerance) {
+  const Folder folder;
+  PathOptions o;
+  o.path = folder.write("square.csv", "x [mm],y [mm]\n0,0\n10,0\n10,10\n0,10\n0,0\n");
+  o.corner_tolerance = "20 um";
+  const sim::CompareSpec spec = planned(o);
+  const sim::PartSummary& s = part_of(spec).summary;
+  EXPECT_EQ(s.corners, 3U);
+  EXPECT_EQ(s.stops, 0U);
+  EXPECT_LE(s.deviation, 20e-6 * (1.0 + 1e-9));
+  EXPECT_GT(s.deviation, 19e-6);
+  // Corners cut a little off the 40 mm.
+  EXPECT_LT(s.length, 40e-3);
+  EXPECT_GT(s.length, 39.5e-3);
+  EXPECT_EQ(spec.travels.front().name, "square.csv at 2 mm/s");
+  EXPECT_THAT(spec.travels.front().note, HasSubstr("closed"));
+}
+
+TEST(PointPath, SplineThroughACircleIsTheCircle) {
+  const Folder folder;
+  std::string points = "x [mm],y [mm]\n";
+  constexpr int kPoints = 72;
+  for (int k = 0; k <= kPoints; ++k) {
+    const double phi = 2.0 * std::numbers::pi * (k % kPoints) / kPoints;
+    points += std::to_string(10.0 * std::cos(phi)) + "," + std::to_string(10.0 * std::sin(phi)) + "\n";
+  }
+  PathOptions o;
+  o.path = folder.write("circle.csv", points);
+  o.join = PointJoin::kSpline;
+  o.corner_tolerance = "10 nm";
+  const sim::Part<2> part = part_of(planned(o));
+  EXPECT_EQ(part.summary.corners, 0U);
+  EXPECT_NEAR(part.summary.length, 20e-3 * std::numbers::pi, 1e-7);
+  // Between the points a quintic spline of 5 degrees is off the circle by less than the tolerance as well.
+  double farthest = 0.0;
+  for (int k = 0; k <= 1000; ++k) {
+    const Vec<double, 2> q = part.path.point(part.path.period() * k / 1000.0);
+    farthest = std::max(farthest, std::abs(norm(q) - 10e-3));
+  }
+  EXPECT_LT(farthest, 20e-9);
+  // At 2 mm/s nothing limits it: the time is that of the length and one ramp at either end.
+  EXPECT_GT(part.summary.duration, part.summary.length / kSpeed);
+  EXPECT_LT(part.summary.duration, part.summary.length / kSpeed + 1.0);
+}
+
+TEST(PointPath, SaysWhatIsWrong) {
+  const Folder folder;
+  PathOptions o;
+  o.path = folder.write("far.csv", "x [mm],y [mm]\n0,0\n100000,0\n");
+  EXPECT_THAT(refusal(o), HasSubstr("leaves the travel of axis x"));
+  EXPECT_THAT(refusal(o), HasSubstr("scale them down"));
+  o.path = folder.write("one.csv", "x [mm],b [mm]\n0,0\n1,0\n");
+  EXPECT_THAT(refusal(o), HasSubstr("got 1 of the axes of the machine"));
+  o.path = folder.write("still.csv", "x [mm],y [mm]\n1,1\n1,1\n");
+  EXPECT_THAT(refusal(o), HasSubstr("has no motion"));
+  o.laps = 3.0;
+  EXPECT_THAT(refusal(o), HasSubstr("leave out --size and --laps"));
+}
+
+}  // namespace
+}  // namespace stribeck::test
