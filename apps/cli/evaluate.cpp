@@ -1,167 +1,29 @@
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <cstdint>
-#include <filesystem>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
-#include <stribeck/io/error.hpp>
-#include <stribeck/io/log/log.hpp>
 #include <stribeck/report/pages/circle_report.hpp>
-#include <stribeck/report/text.hpp>
-#include <stribeck/workflow/log/columns.hpp>
-#include <stribeck/workflow/log/runs.hpp>
-#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/circle_logs.hpp>
 
 namespace stribeck::cli {
 namespace {
 
 struct Options {
   Common common;
-  std::vector<std::string> logs;
   std::string path = "circle";
-  std::string size = "10 mm";
-  std::vector<std::string> maps;    ///< QUANTITY=COLUMN [UNIT]
-  std::vector<std::string> where;   ///< COLUMN=VALUE, a circle each
-  std::vector<std::string> labels;  ///< one for each log
-  std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…
+  CircleOptions what;
 };
-
-/// What --map says: quantity, column.
-std::map<std::string, std::string> mapped(const Options& o) {
-  std::map<std::string, std::string> given;
-  for (const std::string& text : o.maps) {
-    const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
-    if (what != "x" && what != "y" && what != "rx" && what != "ry")
-      refuse_option("--map", fmt::format("got {}, expected x, y (positions), rx or ry (commands)",
-                                         io::in_quotes(what)));
-    if (!given.emplace(what, column).second) refuse_option("--map", fmt::format("{} is given twice", what));
-  }
-  if (given.count("rx") != given.count("ry"))
-    refuse_option("--map", "got one of rx and ry, expected both or none");
-  return given;
-}
-
-/// The columns of a log that count, all rows.
-struct Track {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> rx;  ///< empty: no command
-  std::vector<double> ry;
-};
-
-Track track_of(const io::Log& log, const std::map<std::string, std::string>& map) {
-  const io::Column* first = nullptr;
-  const auto values = [&](const std::string& what) -> std::vector<double> {
-    const auto given = map.find(what);
-    if (given == map.end() && what.size() > 1) return {};
-    const NamedColumn named =
-        given == map.end() ? position_column(log, what) : named_column(log, given->second);
-    std::vector<double> all = positions(log, named);
-    if (first == nullptr) first = named.column;
-    if (all.size() != first->values.size()) {
-      throw io::InputError({log.source, 0, named.column->name,
-                            fmt::format("has {} rows, {} has {}: expected columns of one rate", all.size(),
-                                        first->name, first->values.size())});
-    }
-    return all;
-  };
-  Track t;
-  t.x = values("x");
-  t.y = values("y");
-  t.rx = values("rx");
-  t.ry = values("ry");
-  return t;
-}
-
-sim::CircleTest judge(const io::Log& log, const Track& track, const std::string& where, double radius) {
-  std::vector<std::uint8_t> counts;
-  if (!where.empty()) counts = rows_with(log, where);
-  if (!where.empty() && counts.size() != track.x.size())
-    throw io::InputError({log.source, 0, where, "does not go with positions of another rate"});
-  const auto chosen = [&](const std::vector<double>& all) {
-    if (where.empty()) return all;
-    std::vector<double> some;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (counts[i] != 0) some.push_back(all[i]);
-    }
-    return some;
-  };
-  const Track t{chosen(track.x), chosen(track.y), chosen(track.rx), chosen(track.ry)};
-  try {
-    return sim::circle_test({t.x, t.y, t.rx, t.ry}, radius);
-  } catch (const std::invalid_argument& e) {
-    throw io::InputError(
-        {log.source, 0, where,
-         fmt::format(
-             "{}; got {} rows (--where COLUMN=VALUE chooses rows, --size is the radius that was meant)",
-             e.what(), t.x.size())});
-  }
-}
 
 int evaluate(const Options& o) {
-  check_distinct(o.logs, {page_of(o.common), o.common.json});
+  check_distinct(o.what.logs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
-  const double radius = option_si("--size", o.size, quantity("m", "mm").positive());
-  if (!o.labels.empty() && o.labels.size() != o.logs.size())
-    refuse_option("--label",
-                  fmt::format("got {}, expected {}, one for each log", o.labels.size(), o.logs.size()));
-  report::CircleReportInput input;
-  input.title = fmt::format("Circle of {} mm", report::short_number(radius * 1e3));
-  input.radius = radius;
-  input.rows = o.where;
+  report::CircleReportInput input = judge_circles(o.what);
   input.command = typed_command();
   input.version = STRIBECK_VERSION;
-  std::vector<std::vector<std::string>> beside;
-  for (const std::string& text : o.beside) {
-    const auto [head, values] = halves("--beside", text, "HEAD=VALUE,VALUE,…, one for each log");
-    input.beside.push_back(head);
-    std::vector<std::string> words{""};
-    for (const char c : values) {
-      if (c == ',') {
-        words.emplace_back();
-      } else {
-        words.back() += c;
-      }
-    }
-    if (words.size() != o.logs.size())
-      refuse_option("--beside", fmt::format("{}: got {} values, expected {}, one for each log", head,
-                                            words.size(), o.logs.size()));
-    beside.push_back(words);
-  }
-  const auto map = mapped(o);
-  for (std::size_t i = 0; i < o.logs.size(); ++i) {
-    io::ReadOptions read;
-    read.times_needed = false;  // the order of the rows will do
-    const io::Log log = io::read_log(o.logs[i], read);
-    const Track track = track_of(log, map);
-    report::CircleLog one;
-    one.file = o.logs[i];
-    one.label = o.labels.empty() ? std::filesystem::path(o.logs[i]).stem().string() : o.labels[i];
-    if (o.where.empty()) one.circles.push_back(judge(log, track, "", radius));
-    for (const std::string& where : o.where) one.circles.push_back(judge(log, track, where, radius));
-    for (const auto& words : beside) one.beside.push_back(words[i]);
-    if (i > 0) {
-      for (std::size_t c = 0; c < one.circles.size(); ++c) {
-        if (one.circles[c].counter_clockwise != input.logs.front().circles[c].counter_clockwise)
-          throw io::InputError({log.source, 0, {}, "turns the other way than " + input.logs.front().file});
-      }
-    }
-    // What the program itself set up (names from a side file) need not be told.
-    for (const std::string& note : log.notes) {
-      if (note.find("names and units are those given") == std::string::npos)
-        input.warnings.push_back(one.label + ": " + note);
-    }
-    input.logs.push_back(std::move(one));
-  }
   write_json(o.common.json, report::to_json(input));
   if (!o.common.report.empty()) report::write_circle_report(o.common.report, input);
   say(o.common, report::text_table(input));
@@ -173,21 +35,21 @@ int evaluate(const Options& o) {
 void add_evaluate(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("evaluate", "Compute the radial error of measured circles from any log");
   auto o = std::make_shared<Options>();
-  verb->add_option("logs", o->logs, "Logs of the same program, one log for each control")
+  verb->add_option("logs", o->what.logs, "Logs of the same program, one log for each control")
       ->required()
       ->type_name("LOG...");
   verb->add_option("--path", o->path, "Shape of the path")->check(one_of({"circle"}))->capture_default_str();
-  verb->add_option("--size", o->size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
+  verb->add_option("--size", o->what.size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
   verb->add_option(
-          "--map", o->maps,
+          "--map", o->what.maps,
           "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre)")
       ->type_name("QUANTITY=COLUMN");
-  verb->add_option("--where", o->where,
+  verb->add_option("--where", o->what.where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")
       ->type_name("COLUMN=VALUE");
-  verb->add_option("--label", o->labels, "Name of each log in the table; left out: the name of the file")
+  verb->add_option("--label", o->what.labels, "Name of each log in the table; left out: the name of the file")
       ->type_name("NAME");
-  verb->add_option("--beside", o->beside, "A further column of the table, with one value for each log")
+  verb->add_option("--beside", o->what.beside, "A further column of the table, with one value for each log")
       ->type_name("HEAD=VALUE,VALUE");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);

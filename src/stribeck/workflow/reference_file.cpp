@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+#include <cmath>
+#include <string_view>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/reference_file.hpp>
+
+namespace stribeck::workflow {
+
+ReferenceFile read_reference(const std::string& file, const sim::Machine& machine, std::size_t axis) {
+  const io::Log table = io::read_csv(file);
+  const auto column = [&](std::string_view name, const Quantity& q) {
+    const io::Column* c = table.find(name);
+    return c == nullptr ? std::vector<double>{} : io::in_si(*c, q);
+  };
+  const std::vector<double> t = io::in_si(table.at("t"), quantity("s", "s"));
+  const io::TimeCheck time = io::check_time(t, file);
+  const double period = machine.sample_time;
+  if (!time.regular() || std::abs(time.sample_time - period) > 1e-6 * period) {
+    throw io::InputError(
+        {file, 0, "t",
+         fmt::format("steps of {:.6g} ms, expected the control period of the machine, {:.6g} ms, throughout",
+                     time.sample_time * 1e3, period * 1e3)});
+  }
+  ReferenceFile out;
+  std::vector<double>& r = out.r;
+  r = column("r", quantity("m", "mm"));
+  std::vector<double>& f = out.force;
+  f = column("f", quantity("N", "N"));
+  if (f.empty()) {
+    f = column("u", quantity("V", "V"));
+    for (double& v : f) v *= machine.axes[axis].second.plant.force_gain();
+  }
+  if (r.empty() && f.empty()) {
+    throw io::InputError(
+        {file,
+         0,
+         {},
+         "neither r (closed loop) nor f or u (open loop) among the columns (write one with excite)"});
+  }
+  const auto& limits = machine.axes[axis].second.limits;
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    if (r[k] < limits.travel_min || r[k] > limits.travel_max) {
+      throw io::InputError({file, 0, "r",
+                            fmt::format("row {}: {:.6g} mm is outside the travel, {:.6g} to {:.6g} mm", k + 1,
+                                        r[k] * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3)});
+    }
+  }
+  if (!r.empty()) f.clear();  // a closed loop makes its own
+  return out;
+}
+
+}  // namespace stribeck::workflow

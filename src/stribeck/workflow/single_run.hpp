@@ -1,0 +1,24 @@
+#pragma once
+/// One run along a path: of an experiment, or of a path of the user's, under one controller.
+/// Real time: no.
+/// Errors: InputError naming the option or the file.
+
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/path_options.hpp>
+#include <string>
+
+namespace stribeck::workflow {
+
+struct SingleRunOptions {
+  std::string experiment;  ///< its path, gains and controllers; empty: those of `path`
+  PathOptions path;
+  std::string speed;       ///< empty: 9.5 mm/s
+  std::string controller;  ///< id of one of them, or a file; empty: the product's default
+};
+
+/// Travel and controller of the run; seed and trials are left to the caller.
+sim::CompareSpec single_run(const SingleRunOptions& options, const ParameterOptions& parameters,
+                            const sim::Machine& machine, const std::string& machine_file);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,18 @@
+#pragma once
+/// The trace of a run along a path as a log.
+/// Real time: no.
+
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/sim/contour_run.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+/// All that was sampled: references, encoders, tables, inputs and forces of the axes, and the contour error.
+io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::ContourSample>& trace);
+
+/// The same for a page, errors first: on a drawing of positions they cannot be seen.
+io::Log errors_first(const io::Log& log, const std::vector<std::string>& axes);
+
+}  // namespace stribeck::workflow

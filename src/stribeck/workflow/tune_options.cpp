@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/tune_options.hpp>
+
+namespace stribeck::workflow {
+
+namespace {
+
+/// One of the experiment's by its id, one that is built in, or a file.
+sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
+  for (const sim::ControllerSpec& c : known) {
+    if (c.id == name) return c;
+  }
+  const std::vector<std::string> built_in = built_in_controllers();
+  std::error_code ignored;
+  if (std::find(built_in.begin(), built_in.end(), name) == built_in.end() &&
+      !std::filesystem::exists(name, ignored)) {
+    std::vector<std::string> ids;
+    for (const sim::ControllerSpec& c : known) ids.push_back(c.id);
+    refuse_option("--controller",
+                  fmt::format("got {}, expected a file, one of the experiment's {}, or one of {}",
+                              io::in_quotes(name), report::listed(ids), report::listed(built_in)));
+  }
+  return read_controller(name);
+}
+
+}  // namespace
+
+sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters, const sim::Machine& machine,
+                        const std::string& machine_file) {
+  const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
+  sim::TuneSpec s;
+  s.compare = experiment_spec(experiment, o.path, o.speeds, machine, machine_file);
+  s.reference = s.compare.controllers.back();  // of the thesis's own
+  add_beyond(s.compare.controllers, experiment, parameters);
+  s.compare.trials = o.trials;
+  s.compare.seed = o.seed;
+  s.compare.threads = o.threads;
+  if (!o.controllers.empty()) {
+    const std::vector<sim::ControllerSpec> known = std::move(s.compare.controllers);
+    s.compare.controllers.clear();
+    for (const std::string& name : o.controllers)
+      add_controller(s.compare.controllers, chosen(known, name), name);
+  }
+  s.limits.phase_margin = o.phase_margin * kPi / 180.0;
+  s.limits.gain_margin = std::pow(10.0, o.gain_margin / 20.0);
+  s.limits.delay_margin = o.delay_margin;
+  if (!o.input_variation.empty())
+    s.limits.input_variation =
+        option_si("--input-variation", o.input_variation, quantity("V", "V").positive());
+  if (!o.axial_mode.empty()) {
+    // Light damping and a table of half the mass, where nothing was measured.
+    const plant::AxialMode mode{
+        option_si("--axial-mode", o.axial_mode, quantity("Hz", "Hz").positive().at_most(1e4)), 0.02, 0.5};
+    s.limits.axial_mode.assign(control::kMostAxes, mode);
+  }
+  s.evaluations = o.evaluations;
+  return s;
+}
+
+sim::ControllerSpec renamed(sim::ControllerSpec c) {
+  constexpr std::string_view kId = "-tuned";
+  constexpr std::string_view kLabel = ", tuned";
+  if (!c.id.ends_with(kId)) c.id = c.id.substr(0, 16 - kId.size()).append(kId);
+  if (!c.label.ends_with(kLabel) && c.label.size() + kLabel.size() <= 60) c.label += kLabel;
+  return c;
+}
+
+std::string way_out(const sim::TunedController& c) {
+  if (!c.miss) return {};
+  switch (c.miss->limit) {
+    case sim::Limit::kPhaseMargin:
+      return " (lower --phase-margin)";
+    case sim::Limit::kGainMargin:
+      return " (lower --gain-margin)";
+    case sim::Limit::kDelayMargin:
+      return " (lower --delay-margin)";
+    case sim::Limit::kInputVariation:
+      return " (raise --input-variation)";
+    case sim::Limit::kStability:
+    case sim::Limit::kPath:
+      break;
+  }
+  return " (start from slower gains: a file for --controller)";
+}
+
+}  // namespace stribeck::workflow

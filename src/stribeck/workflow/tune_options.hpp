@@ -1,0 +1,41 @@
+#pragma once
+/// What a search for gains is to do, as a user says it.
+/// Real time: no.
+/// Errors: InputError naming the option.
+
+#include <cstdint>
+#include <stribeck/sim/study/tuning.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/path_options.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+struct TuneOptions {
+  std::string experiment;  ///< empty: the one for the machine
+  PathOptions path;
+  std::vector<std::string> speeds;
+  std::vector<std::string> controllers;  ///< ids, built in, or files; empty: all of the experiment
+  std::uint32_t trials = 10;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+  double phase_margin = 45.0;   ///< [deg]
+  double gain_margin = 6.0;     ///< [dB]
+  double delay_margin = 1.0;    ///< [control periods]
+  std::string input_variation;  ///< largest mean |Δu|; empty: that of the thesis's last controller
+  std::string axial_mode;       ///< frequency; empty: rigid
+  int evaluations = 300;
+};
+
+/// Controllers, travels and limits of the search.
+sim::TuneSpec tune_spec(const TuneOptions& options, const ParameterOptions& parameters,
+                        const sim::Machine& machine, const std::string& machine_file);
+
+/// The tuned controller under a name of its own, so that it stands beside the one that it began as.
+sim::ControllerSpec renamed(sim::ControllerSpec controller);
+
+/// The option that would let some gains meet the limits; empty where some do.
+std::string way_out(const sim::TunedController& controller);
+
+}  // namespace stribeck::workflow
