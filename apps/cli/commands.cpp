@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -70,24 +69,16 @@ int parse_and_run(int argc, const char* const* argv) {
   app.require_subcommand(1);
   app.failure_message([](const CLI::App*, const CLI::Error& e) { return std::string(e.what()); });
   Action action;
-  add_compare(app, action);
-  add_identify(app, action);
-  add_excite(app, action);
-  add_simulate(app, action);
-  add_reproduce(app, action);
-  add_verify(app, action);
-  add_export(app, action);
-  add_evaluate(app, action);
-  add_tune(app, action);
+  for (const auto add_verb : kVerbs) add_verb(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help and --version print to stdout
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      constexpr std::array<std::string_view, 9> kVerbs{
-          "compare", "identify", "excite", "simulate", "verify", "reproduce", "tune", "export", "evaluate"};
-      const std::string_view near = io::nearest(argv[1], {kVerbs.begin(), kVerbs.end()});
+      std::vector<std::string> verbs;
+      for (const CLI::App* verb : app.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+      const std::string_view near = io::nearest(argv[1], {verbs.begin(), verbs.end()});
       complain(fmt::format("unknown verb {}{} (stribeck --help lists the verbs)", io::in_quotes(argv[1]),
                            near.empty() ? "" : fmt::format(", did you mean {}", near)));
       return kBadInput;

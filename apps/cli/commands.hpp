@@ -4,6 +4,7 @@
 /// Exit codes: 0 done; 1 the answer is "no"; 2 wrong usage or bad input, with a line `stribeck: FILE:LINE:
 /// what is wrong`.
 
+#include <array>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -20,16 +21,14 @@ int run(int argc, const char* const* argv);
 /// What a verb does once its options are read; the exit code.
 using Action = std::function<int()>;
 
-// Each adds its verb to the command and says what to do when it was chosen.
-void add_compare(CLI::App& app, Action& action);
-void add_identify(CLI::App& app, Action& action);
-void add_excite(CLI::App& app, Action& action);
-void add_reproduce(CLI::App& app, Action& action);
-void add_simulate(CLI::App& app, Action& action);
-void add_tune(CLI::App& app, Action& action);
-void add_verify(CLI::App& app, Action& action);
-void add_export(CLI::App& app, Action& action);
-void add_evaluate(CLI::App& app, Action& action);
+/// Adds a verb to the command and says what to do when it was chosen.
+using AddVerb = void(CLI::App& app, Action& action);
+AddVerb add_compare, add_identify, add_excite, add_simulate, add_reproduce, add_verify, add_export,
+    add_evaluate, add_tune;
+/// All verbs, in the order of --help: a new one is declared above and entered here.
+inline constexpr std::array<AddVerb*, 9> kVerbs{add_compare,  add_identify,  add_excite,
+                                                add_simulate, add_reproduce, add_verify,
+                                                add_export,   add_evaluate,  add_tune};
 
 /// A word as a shell takes it.
 std::string shell_quoted(std::string_view word);

@@ -3,23 +3,14 @@
 /// Real time: no.
 /// Errors: InputError naming the machine file and its axes.
 
-#include <stribeck/friction/axis_model.hpp>
 #include <stribeck/sim/machine.hpp>
-#include <stribeck/targets/linuxcnc/limits.hpp>
+#include <stribeck/targets/linuxcnc/hal_axis.hpp>
 #include <stribeck/targets/linuxcnc/written_folder.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace stribeck::targets::linuxcnc {
-
-/// One axis of a configuration.
-struct HalAxis {
-  std::string letter;  ///< of LinuxCNC
-  const sim::MachineAxis* machine = nullptr;
-  DrivableLimits can;
-  friction::AxisModel model;  ///< what its controllers know
-};
 
 struct Configuration {
   std::string name;          ///< of the machine
@@ -32,6 +23,21 @@ struct Configuration {
 
 /// Letters of LinuxCNC for the axes of a machine; refuses names that it does not know and any that occur twice.
 std::vector<std::string> linuxcnc_letters(const sim::Machine& machine, const std::string& file);
+
+/// Whether one stribeck_contour can control all axes.
+bool has_contour(const Configuration& c);
+
+// Files of it: machine.ini with the screen, headless.ini without (ini.cpp); HAL (hal_files.cpp); G-code (gcode_programs.cpp).
+std::string ini(const Configuration& c, bool screen);
+std::string motion(const Configuration& c);
+std::string axis_control(const Configuration& c);
+std::string contour_control(const Configuration& c);
+std::string pid_control(const Configuration& c, bool with_lincurve);
+std::string record(const Configuration& c);
+std::string record_names(const Configuration& c);
+std::string drives(const Configuration& c);
+std::string demo(const Configuration& c);
+std::string identify(const Configuration& c);
 
 /// hal/play.py
 extern const std::string_view kPlay;

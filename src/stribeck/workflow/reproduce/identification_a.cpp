@@ -60,6 +60,88 @@ std::vector<Plot> scale_plots(const Study& s) {
           std::move(coulomb)};
 }
 
+/// Printed beside ours.
+void add_figures(ReproducedSection& out, const Study& s) {
+  const std::string& axis = s.name();
+  const ident::methods::LeastSquaresA& p = *s.pulses;
+  const ident::methods::LeastSquaresA& a = *s.a;
+  const std::string table = "Table 2.1";
+  const auto print = [&](std::size_t i) { return printed("2.1", axis, i); };
+  add(out, "mass", axis, "N s2/mm", print(0), estimate(p.result, "mass", 1.0 / kKilo), table, 2);
+  add(out, "α0, v > 0", axis, "N", print(1), estimate(p.result, "alpha0_positive"), table, 0);
+  add(out, "α0, v < 0", axis, "N", print(1), estimate(p.result, "alpha0_negative", -1.0), table, 0);
+  add(out, "α2", axis, "N s/mm", print(3), estimate(p.result, "alpha2", 1.0 / kKilo), table, 1);
+  const auto corrected = [&](const char* what, const ident::methods::ViscousCorrection& c) {
+    add(out, what, axis, "N s/mm", print(3),
+        {c.alpha2 / kKilo, {c.alpha2_interval.low / kKilo, c.alpha2_interval.high / kKilo}}, table, 1);
+  };
+  corrected("α2 corrected by jogging, observer", *a.observer);
+  corrected("α2 corrected by jogging, Kalman", *a.kalman);
+}
+
+/// What each way of identifying finds, one row each.
+void add_rows(ReproducedSection& out, const Study& s) {
+  const std::string& axis = s.name();
+  const ident::methods::LeastSquaresA& p = *s.pulses;
+  const ident::methods::LeastSquaresA& a = *s.a;
+  const auto print = [&](std::size_t i) { return printed("2.1", axis, i); };
+  const auto row = [&](const std::string& from, double mass, double alpha2, double plus, double minus) {
+    out.table.rows.push_back({{axis},
+                              {from},
+                              {decimals(mass, 2)},
+                              {decimals(alpha2, 1)},
+                              {decimals(plus, 0)},
+                              {decimals(minus, 0)}});
+  };
+  const auto unbiased = [&](const std::string& from, const ident::methods::LeastSquaresA& x) {
+    row(from, x.mass_exact / kKilo, x.alpha2 / kKilo, x.alpha0_positive, -x.alpha0_negative);
+  };
+  row("Table 2.1", print(0), print(3), print(1), print(2));
+  unbiased("unbiased, all pulses", p);
+  if (!s.scales.empty())
+    unbiased(fmt::format("unbiased, K_u = {:g} alone", s.scales.front().k_u), s.scales.front().found);
+  if (s.scales.size() > 1)
+    unbiased(fmt::format("unbiased, K_u = {:g} alone", s.scales.back().k_u), s.scales.back().found);
+  row("simple, all pulses", p.simple_mass / kKilo, p.simple_alpha2 / kKilo, kNaN, kNaN);
+  row("jogs, observer", kNaN, a.observer->alpha2 / kKilo, a.observer->alpha0_positive,
+      -a.observer->alpha0_negative);
+  row("jogs, Kalman", kNaN, a.kalman->alpha2 / kKilo, a.kalman->alpha0_positive, -a.kalman->alpha0_negative);
+  std::vector<SpeedAndForce> fast;
+  for (const ident::methods::ObservedFriction& j : a.jogs) {
+    if (std::abs(j.speed) > 0.95e-3) fast.push_back({j.speed, j.observer});
+  }
+  const Line own = line_through_print(fast, axis);
+  row("line through Table 2.3 at the jogs", kNaN, own.slope / kKilo, own.level[0], own.level[1]);
+  row("the machine itself", s.truth().plant.mass / kKilo, kNaN, kNaN, kNaN);
+}
+
+/// Friction observed while jogging, and the lines through it.
+Plot observed_plot(const Study& s) {
+  const std::string& axis = s.name();
+  const ident::methods::LeastSquaresA& p = *s.pulses;
+  const ident::methods::LeastSquaresA& a = *s.a;
+  const auto print = [&](std::size_t i) { return printed("2.1", axis, i); };
+  const double top = 10.3e-3;
+  Plot map =
+      plot(fmt::format("Axis {}: friction observed while jogging", axis), "velocity [mm/s]", "friction [N]");
+  map.series.push_back(map_curve("pulses", kOtherColor, false, top, [&](double v) {
+    return two_levels(v, p.alpha0_positive, -p.alpha0_negative, p.alpha2);
+  }));
+  map.series.push_back(map_curve("corrected", kOursColor, false, top, [&](double v) {
+    return two_levels(v, a.observer->alpha0_positive, -a.observer->alpha0_negative, a.observer->alpha2);
+  }));
+  map.series.push_back(map_curve("Table 2.1", kPrintColor, true, top, [&](double v) {
+    return two_levels(v, print(1), print(1), print(3) * kKilo);
+  }));
+  Series observed = points("observer", kPrintColor, 5.0);
+  for (const ident::methods::ObservedFriction& j : a.jogs) {
+    observed.x.push_back(j.speed / kMilli);
+    observed.y.push_back(j.observer);
+  }
+  map.series.push_back(std::move(observed));
+  return map;
+}
+
 }  // namespace
 
 ReproducedSection section_a(const std::vector<Study>& all) {
@@ -76,73 +158,11 @@ ReproducedSection section_a(const std::vector<Study>& all) {
                {}};
   double most_simple = 0.0;
   for (const Study& s : all) {
-    const std::string& axis = s.name();
-    const ident::methods::LeastSquaresA& p = *s.pulses;
-    const ident::methods::LeastSquaresA& a = *s.a;
-    const std::string table = "Table 2.1";
-    const auto print = [&](std::size_t i) { return printed("2.1", axis, i); };
-    add(out, "mass", axis, "N s2/mm", print(0), estimate(p.result, "mass", 1.0 / kKilo), table, 2);
-    add(out, "α0, v > 0", axis, "N", print(1), estimate(p.result, "alpha0_positive"), table, 0);
-    add(out, "α0, v < 0", axis, "N", print(1), estimate(p.result, "alpha0_negative", -1.0), table, 0);
-    add(out, "α2", axis, "N s/mm", print(3), estimate(p.result, "alpha2", 1.0 / kKilo), table, 1);
-    const auto corrected = [&](const char* what, const ident::methods::ViscousCorrection& c) {
-      add(out, what, axis, "N s/mm", print(3),
-          {c.alpha2 / kKilo, {c.alpha2_interval.low / kKilo, c.alpha2_interval.high / kKilo}}, table, 1);
-    };
-    corrected("α2 corrected by jogging, observer", *a.observer);
-    corrected("α2 corrected by jogging, Kalman", *a.kalman);
-
-    const auto row = [&](const std::string& from, double mass, double alpha2, double plus, double minus) {
-      out.table.rows.push_back({{axis},
-                                {from},
-                                {decimals(mass, 2)},
-                                {decimals(alpha2, 1)},
-                                {decimals(plus, 0)},
-                                {decimals(minus, 0)}});
-    };
-    const auto unbiased = [&](const std::string& from, const ident::methods::LeastSquaresA& x) {
-      row(from, x.mass_exact / kKilo, x.alpha2 / kKilo, x.alpha0_positive, -x.alpha0_negative);
-    };
-    row(table, print(0), print(3), print(1), print(2));
-    unbiased("unbiased, all pulses", p);
-    if (!s.scales.empty())
-      unbiased(fmt::format("unbiased, K_u = {:g} alone", s.scales.front().k_u), s.scales.front().found);
-    if (s.scales.size() > 1)
-      unbiased(fmt::format("unbiased, K_u = {:g} alone", s.scales.back().k_u), s.scales.back().found);
-    row("simple, all pulses", p.simple_mass / kKilo, p.simple_alpha2 / kKilo, kNaN, kNaN);
-    row("jogs, observer", kNaN, a.observer->alpha2 / kKilo, a.observer->alpha0_positive,
-        -a.observer->alpha0_negative);
-    row("jogs, Kalman", kNaN, a.kalman->alpha2 / kKilo, a.kalman->alpha0_positive,
-        -a.kalman->alpha0_negative);
-    std::vector<SpeedAndForce> fast;
-    for (const ident::methods::ObservedFriction& j : a.jogs) {
-      if (std::abs(j.speed) > 0.95e-3) fast.push_back({j.speed, j.observer});
-    }
-    const Line own = line_through_print(fast, axis);
-    row("line through Table 2.3 at the jogs", kNaN, own.slope / kKilo, own.level[0], own.level[1]);
-    row("the machine itself", s.truth().plant.mass / kKilo, kNaN, kNaN, kNaN);
-    most_simple = std::max(most_simple, 100.0 * (p.simple_mass / p.mass_exact - 1.0));
-
-    const double top = 10.3e-3;
-    Plot map = plot(fmt::format("Axis {}: friction observed while jogging", axis), "velocity [mm/s]",
-                    "friction [N]");
-    map.series.push_back(map_curve("pulses", kOtherColor, false, top, [&](double v) {
-      return two_levels(v, p.alpha0_positive, -p.alpha0_negative, p.alpha2);
-    }));
-    map.series.push_back(map_curve("corrected", kOursColor, false, top, [&](double v) {
-      return two_levels(v, a.observer->alpha0_positive, -a.observer->alpha0_negative, a.observer->alpha2);
-    }));
-    map.series.push_back(map_curve(table, kPrintColor, true, top, [&](double v) {
-      return two_levels(v, print(1), print(1), print(3) * kKilo);
-    }));
-    Series observed = points("observer", kPrintColor, 5.0);
-    for (const ident::methods::ObservedFriction& j : a.jogs) {
-      observed.x.push_back(j.speed / kMilli);
-      observed.y.push_back(j.observer);
-    }
-    map.series.push_back(std::move(observed));
+    add_figures(out, s);
+    add_rows(out, s);
+    most_simple = std::max(most_simple, 100.0 * (s.pulses->simple_mass / s.pulses->mass_exact - 1.0));
     std::vector<Plot> drawings = scale_plots(s);
-    drawings.push_back(std::move(map));
+    drawings.push_back(observed_plot(s));
     out.plots.emplace_back(
         std::move(drawings),
         "Pulses of each height by themselves, simple against unbiased least squares (fig 2.11); friction "

@@ -1,0 +1,41 @@
+#pragma once
+/// An axis of a configuration in the units and words of LinuxCNC.
+/// Real time: no.
+
+#include <functional>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/sim/machine.hpp>
+#include <stribeck/targets/linuxcnc/limits.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stribeck::targets::linuxcnc {
+
+/// One axis of a configuration.
+struct HalAxis {
+  std::string letter;  ///< of LinuxCNC
+  const sim::MachineAxis* machine = nullptr;
+  DrivableLimits can;
+  friction::AxisModel model;  ///< what its controllers know
+};
+
+using Axes = std::vector<HalAxis>;
+
+bool angular(const HalAxis& a);
+/// Length [m] of one machine unit: a millimetre, or a degree at the reference radius (path/five_axis.hpp).
+double unit_of(const HalAxis& a);
+/// Name of the machine unit, for people.
+std::string_view unit_name(const HalAxis& a);
+double in_units(const HalAxis& a, double metres);
+std::string number(double x);
+/// Where the axis is homed and the drive stands at the start [m]: zero, or the middle of a travel without it.
+double home_of(const HalAxis& a);
+/// Letter as G-code and INI write it.
+std::string capital(const HalAxis& a);
+/// A text for every axis.
+std::string each(const Axes& axes, const std::function<std::string(const HalAxis&, std::size_t)>& text);
+/// "ax.x,ax.y"
+std::string names(const Axes& axes, std::string_view prefix);
+
+}  // namespace stribeck::targets::linuxcnc
