@@ -47,7 +47,7 @@ std::string unknown(const CLI::App& verb) {
                      near.empty() ? std::string() : fmt::format(", did you mean {}", near));
 }
 
-/// What the library says of types and counts, in our words.
+/// Messages of the CLI library about types and counts, rewritten in the style of this program.
 std::string in_words(const CLI::ParseError& e, const CLI::App* verb) {
   const std::string text = e.what();
   const std::string option = text.substr(0, text.find(": "));

@@ -1,5 +1,5 @@
 #pragma once
-/// The command `stribeck`: one file per verb, and what they share.
+/// The command `stribeck`: one file per verb, and their shared parts.
 ///
 /// Exit codes: 0 done; 1 the answer is "no"; 2 wrong usage or bad input, with a line `stribeck: FILE:LINE:
 /// what is wrong`.
@@ -18,7 +18,7 @@ namespace stribeck::cli {
 /// Runs the command; returns its exit code. Throws nothing.
 int run(int argc, const char* const* argv);
 
-/// What a verb does once its options are read; the exit code.
+/// The action of a verb after its options are read; returns the exit code.
 using Action = std::function<int()>;
 
 /// Adds a verb to the command and says what to do when it was chosen.

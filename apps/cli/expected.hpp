@@ -1,5 +1,5 @@
 #pragma once
-/// What an option may be, told as every other problem is: what was got, what was expected.
+/// Allowed values of options; problems are reported like all others: got VALUE, expected WHAT.
 ///
 ///   number_from(1, 90)   a finite number within both bounds, these included
 ///   whole_from(1, 100)   a whole number in digits; the library alone would take "-1" of an unsigned option for 4294967295

@@ -287,7 +287,7 @@ TEST(Export, AWeakDriveIsSlower) {
   const std::string stuck =
       f.write("s.toml", replaced(uniaxial(), "alpha0 = \"0.60 N\"", "alpha0 = \"7.5 N\""));
   expect_refused(f, to_linuxcnc({stuck, "--parameters", "commissioning", "-o", f / "s"}),
-                 "s.toml: axes.x: the drive's 10 N are too few for friction");
+                 "s.toml: axes.x: the drive's 10 N are too little for friction");
 }
 
 // A voltage amplifier with 100 N at rest: 1 ohm, 0.1 V s/rad and 1000 rad/m take 20 N of it at 20 mm/s.

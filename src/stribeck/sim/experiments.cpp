@@ -104,7 +104,7 @@ Experiment uni_sim() {
             spec_of({t}, {pd("a", "PD, ω = 30 rad/s", 30.0, kNone, Observer::kNone)}),
             {}}},
           {"The plant is m = 0.045 V s²/mm, c = 0.10 V s/mm, 0.60 V of Coulomb friction and noise uniform "
-           "in ±0.2 V; the controller believes m = 0.055 V s²/mm. Forces of this machine are volts.",
+           "in ±0.2 V; the model of the controller has m = 0.055 V s²/mm. Forces of this machine are volts.",
            "The text also speaks of 0.88 V of Coulomb friction: a variant, not run here."}};
 }
 
@@ -139,7 +139,7 @@ Experiment uni_exp() {
                         ParameterSource::kIdentified,
                         spec_of({t}, {pd("b", "PD + c·ẋ", 30.0, kViscous, Observer::kNone)}, {0}),
                         {}});
-  e.remarks = {"With one axis the tracking error stands where a contour error would.",
+  e.remarks = {"With one axis the tracking error takes the place of the contour error.",
                "(3.5) also prints K_d = 5, K_v = 10, which are unexplained and not used."};
   return e;
 }

@@ -129,7 +129,7 @@ Experiment passes(const Experiment& thesis) {
   s.spec.controllers.push_back(over_f);
   s.spec.controllers.push_back(learning_controller(f));
   e.settings = {s};
-  e.remarks = {"Five laps for what learns, then one that is scored.", "Nothing of this was printed."};
+  e.remarks = {"Five laps for learning, then one lap that is evaluated.", "Nothing of this was printed."};
   return e;
 }
 
@@ -144,8 +144,7 @@ Experiment beyond(const Experiment& thesis) {
     e.settings.push_back(std::move(more));
   }
   e.remarks = {
-      "(g) and on have the law and the gains of the last of the thesis's own controllers; what differs is "
-      "what they feed forward and observe.",
+      "(g) and the following have the law and the gains of the last controller of the thesis; they differ in feed-forward and observer.",
       "Nothing of this was printed."};
   return e;
 }
@@ -219,7 +218,7 @@ Experiment milling() {
       "1500 turns a minute, four teeth: ripples at 25, 100 and 200 Hz. The control period is 1 ms, the "
       "force its mean over it.",
       "At 6000 turns a minute the second tooth-passing harmonic lies above half the sampling rate, and the "
-      "first moves the axis by some nanometres, below what the encoder of 100 nm lets a loop see.",
+      "first moves the axis by some nanometres, less than the encoder of 100 nm can resolve.",
       "Nothing of this was printed: force and gains are Stribeck's."};
   return e;
 }

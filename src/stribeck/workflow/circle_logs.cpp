@@ -68,7 +68,8 @@ sim::CircleTest judge(const io::Log& log, const Track& track, const std::string&
   std::vector<std::uint8_t> counts;
   if (!where.empty()) counts = rows_with(log, where);
   if (!where.empty() && counts.size() != track.x.size())
-    throw io::InputError({log.source, 0, where, "does not go with positions of another rate"});
+    throw io::InputError(
+        {log.source, 0, where, "has another sampling rate than the positions (leave it out)"});
   const auto chosen = [&](const std::vector<double>& all) {
     if (where.empty()) return all;
     std::vector<double> some;
@@ -142,7 +143,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
           throw io::InputError({log.source, 0, {}, "turns the other way than " + input.logs.front().file});
       }
     }
-    // What the program itself set up (names from a side file) need not be told.
+    // Names from a side file come from the program itself and need no note.
     for (const std::string& note : log.notes) {
       if (note.find("names and units are those given") == std::string::npos)
         input.warnings.push_back(one.label + ": " + note);

@@ -13,14 +13,14 @@
 
 namespace stribeck::workflow {
 
-/// A model of an axis, what it was identified from, and the result with its intervals.
+/// A model of an axis, its origin, and the result with its intervals.
 struct CommissionedModel {
   std::string kind;                  ///< "conventional", "gaussian", "eccentric" or "whole"
   std::vector<std::string> sources;  ///< names of the logs, which CommissionedAxis::logs holds
   ident::Result result;
 };
 
-/// What was recorded of one axis and what came out of it.
+/// Records of one axis and the models identified from them.
 struct CommissionedAxis {
   std::vector<std::pair<std::string, sim::Recording>> logs;  ///< by file name
   std::vector<CommissionedModel> models;

@@ -327,7 +327,7 @@ void require_determined(const ident::Result& result, const std::string& source) 
   if (!(result.mass_interval.low > 0.0)) {
     throw ident::Refused(fmt::format(
         "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
-        "log has too little acceleration (add a log of pulses), or its columns are not what they are called",
+        "log has too little acceleration (add a log of pulses), or its columns are not the quantities that their names say",
         source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
   }
   for (const ident::CurvePoint& p : result.curve) {

@@ -54,7 +54,7 @@ struct IdentifyOptions {
   std::string turn{};          ///< known travel of one turn, "10 mm"
 };
 
-/// Records of one axis from all its logs, and what was found while they were read.
+/// Records of one axis from all its logs, and the findings of reading them.
 struct AxisRecords {
   std::vector<ident::log::Record> records;
   std::size_t runs = 0;            ///< logged apart from each other

@@ -1,5 +1,5 @@
 #pragma once
-/// What an identification shows: JSON for programs, tables for people.
+/// The output of an identification: JSON for programs, tables for people.
 /// Real time: no.
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-/// What a log holds and what could be identified from it, for `identify --inspect LOG`. Nothing is identified,
+/// Content of a log and the parameters that can be identified from it, for `identify --inspect LOG`. Nothing is identified,
 /// nothing is refused: why a log cannot be used is part of the answer.
 ///
 ///   {"schema": "stribeck.inspect/1", "file", "format", "rows", "columns": [{"name", "unit", "rows", "min", "max"}],

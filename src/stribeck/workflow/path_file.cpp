@@ -48,7 +48,7 @@ PathColumns path_columns(const io::Log& table, const std::vector<std::string>& a
     if (std::find(axes.begin(), axes.end(), column.name) == axes.end()) {
       throw io::InputError(
           {table.source, 0, column.header,
-           fmt::format("is no axis of the path, expected one column per axis: {} (take it out)",
+           fmt::format("is not an axis of the path, expected one column per axis: {} (remove it)",
                        list_of(axes))});
     }
   }

@@ -22,7 +22,7 @@
 
 namespace stribeck::workflow {
 
-/// What the file holds, as columns.
+/// Content of the file, as columns.
 struct PathColumns {
   std::string source;
   std::vector<std::vector<double>> axes;  ///< [m], in the order asked for

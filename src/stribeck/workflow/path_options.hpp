@@ -34,7 +34,7 @@ struct PathOptions {
   std::string jerk;          ///< empty: of the machine file
   std::string corner_tolerance = "10 um";
 
-  bool given = false;  ///< any of them, be it what it would be anyway
+  bool given = false;  ///< any of them was given, even with its default value
 
   friend bool operator==(const PathOptions&, const PathOptions&) = default;
 };

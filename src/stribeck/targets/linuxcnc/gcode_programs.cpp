@@ -22,7 +22,7 @@ double middle_of(const HalAxis& a) {
              : rounded(a, 0.5 * (l.travel_min + l.travel_max));
 }
 
-/// What is free on both sides of the middle [m].
+/// Free travel on both sides of the middle [m].
 double room_of(const HalAxis& a) {
   const sim::AxisLimits& l = a.can.limits;
   return std::min(middle_of(a) - l.travel_min, l.travel_max - middle_of(a));

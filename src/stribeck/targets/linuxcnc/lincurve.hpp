@@ -21,7 +21,7 @@ struct Lincurve {
 /// Without load and without terms periodic in position, which a table of velocity cannot hold. `fastest` [m/s], `unit` [m].
 Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double unit);
 
-/// What the table is worth, as a comment and as people read it; `unit` is that of its velocities.
+/// The error of the table, as a comment and as text; `unit` is that of its velocities.
 std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model, std::string_view unit);
 
 /// setp lines of one instance.

@@ -28,7 +28,7 @@ using workflow::axis_and_file;
 using workflow::axis_index;
 using workflow::refuse_option;
 
-/// What the controllers of each axis know.
+/// Parameters of the controllers of each axis.
 std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Machine& machine) {
   const std::string& file = o.files.front();
   std::map<std::size_t, friction::AxisModel> given;
@@ -94,9 +94,9 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
     if (can.back().limits.speed > 0.0) continue;
     throw io::InputError(
         {o.files.front(), 0, "axes." + axis,
-         fmt::format("the drive's {:.6g} N are too few for friction and load of this axis at any speed, "
-                     "with a fifth left to accelerate (raise plant.drive.gain or plant.converter.range)",
-                     a.force_limit())});
+         fmt::format(
+             "the drive's {:.6g} N are too little for friction and load of this axis at any speed with a fifth left for acceleration (raise plant.drive.gain or plant.converter.range)",
+             a.force_limit())});
   }
   const std::vector<friction::AxisModel> models = models_of(o, machine);
   for (std::size_t i = 0; i < letters.size(); ++i)
@@ -109,7 +109,7 @@ Exported export_configuration(const ExportRequest& o, const sim::Machine& machin
   namespace fs = std::filesystem;
   if (!o.names.empty())
     refuse_option("--name",
-                  "does not apply to a whole configuration, which has names of its own (or -o NAME.hal)");
+                  "does not apply to a whole configuration, which has its own names (or -o NAME.hal)");
   std::error_code ignored;
   if (fs::exists(o.output, ignored) && !fs::is_directory(o.output, ignored)) {
     throw io::InputError(

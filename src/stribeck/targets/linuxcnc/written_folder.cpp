@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRecord = "written.txt";
 
-/// Length and CRC-32: tells a text that somebody has edited, not one that somebody has forged.
+/// Length and CRC-32: detects an edited text, not a forged one.
 std::string mark_of(std::string_view text) {
   const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size());
   return fmt::format("{} {:08x}", text.size(), crc);

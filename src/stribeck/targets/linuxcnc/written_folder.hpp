@@ -1,5 +1,5 @@
 #pragma once
-/// Files of a configuration in a folder, where those that somebody has edited are never overwritten.
+/// Writes the files of a configuration to a folder; files that a user has edited are never overwritten.
 /// Real time: no.
 /// Errors: InputError naming the folder and the edited files.
 
@@ -15,7 +15,7 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 struct WrittenFolder {
   std::vector<std::string> files;  ///< all that belong to the configuration
   std::vector<std::string>
-      kept;  ///< those of them that somebody has edited, and that would be written as before
+      kept;  ///< files that a user has edited, and whose text would be the same as before
 };
 
 /// Writes files to a folder that exists, and a record of them, written.txt, beginning with the comment. What was edited since the

@@ -42,7 +42,7 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   }
 }
 
-/// What a column's name says: the signal and the axis that stands in it.
+/// Signal and axis in the name of a column.
 struct Label {
   std::string base;
   std::string axis;

@@ -21,7 +21,7 @@
 
 namespace stribeck::workflow {
 
-/// What a column of a log may hold, by the words of --map.
+/// Quantities of a log's columns, by the words of --map.
 enum class LogQuantity {
   kTime,
   kReference,
@@ -87,7 +87,7 @@ NamedColumn position_column(const io::Log& log, const std::string& axis);
 /// All values of a position [m]; refused where the column is none.
 std::vector<double> positions(const io::Log& log, const NamedColumn& named);
 
-/// A column that cannot be what it was taken for.
+/// Refuses a column whose unit contradicts its quantity.
 [[noreturn]] void refuse_column(const io::Log& log, const NamedColumn& named, const std::string& message);
 
 /// Throws, naming the file, where the column in this unit is not the quantity.

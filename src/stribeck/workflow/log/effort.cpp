@@ -14,7 +14,7 @@ namespace {
 constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuantity::kTorque,
                              LogQuantity::kPercent, LogQuantity::kVoltage};
 
-/// What a unit says of an effort, whatever its name: a torque in percent is a percentage.
+/// Kind of effort by its unit, whatever the name: a torque in percent is a percentage.
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent

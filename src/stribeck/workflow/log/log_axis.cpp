@@ -136,7 +136,7 @@ ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& sourc
   try {
     clean = ident::log::condition(std::move(axis.runs), ident::log::ConditionOptions{options.keep});
   } catch (const ident::Refused& why) {
-    // The log itself is at fault, not what it can tell.
+    // The log itself is wrong, not its information.
     throw io::InputError(io::Problem{"", 0, "", why.what()});
   }
   if (std::find(options.keep.begin(), options.keep.end(), "mixed-runs") != options.keep.end()) return clean;

@@ -28,7 +28,7 @@ namespace stribeck::workflow {
 /// One axis of a log.
 struct LoggedAxis {
   std::vector<ident::log::RawLog> runs;
-  std::vector<std::string> notes;  ///< what was chosen where a choice had to be made
+  std::vector<std::string> notes;                            ///< choices that were made, one sentence each
   std::vector<std::pair<std::string, std::string>> columns;  ///< quantity, header of its column and unit
 };
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options);

@@ -34,7 +34,7 @@ struct Replayed {
   ident::replay::OpenLoop open;
 };
 
-/// One axis: what is wanted of it, then what came out.
+/// One axis: the request, then the result.
 struct Study {
   const sim::Machine* machine = nullptr;
   std::size_t axis = 0;
@@ -57,7 +57,7 @@ struct Study {
   [[nodiscard]] const sim::MachineAxis& truth() const { return machine->axes[axis].second; }
 };
 
-/// Records the logs and identifies what is wanted.
+/// Records the logs and identifies the requested models.
 void run_study(Study& study);
 
 }  // namespace stribeck::workflow::reproduction

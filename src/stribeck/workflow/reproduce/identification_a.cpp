@@ -176,8 +176,7 @@ ReproducedSection section_a(const std::vector<Study>& all) {
       "Our pulses have all heights that move the axis. The thesis uses K_u = 4, which just moves it; the table has the lowest one that moves it here.",
       fmt::format("Simple least squares, without Coulomb friction, finds up to {:.0f} % more mass.",
                   most_simple),
-      "Friction of this machine is no straight line: α0 and α2 depend on which speeds the rows have, and "
-      "their intervals hold for the scatter, not for the choice of a line."};
+      "Friction of this machine is not a straight line: α0 and α2 depend on the speeds in the log, and their intervals cover the scatter, not the choice of a line."};
   return out;
 }
 

@@ -149,8 +149,7 @@ ReproducedSection section_b_tool(const std::vector<Study>& all) {
       "has Table 4.3's, with the Stribeck rise of Table 4.2 on top; so Table 4.2 cannot be reached there, "
       "and is for y.");
   out.remarks.emplace_back(
-      "The shape δ is 2 in the form that was chosen. The screw's sine is found in the jogs and taken off "
-      "the means.");
+      "The shape δ is 2 in the form that was chosen. The screw's sine is found in the jogs and subtracted from the means.");
   out.remarks.emplace_back(
       "The thesis takes the mass of this machine from constant acceleration, not from this method: here "
       "from a sine, by rows of equal speed, accelerating against braking, with the screw's sine partialled "

@@ -64,8 +64,7 @@ ReproducedSection section_c(const std::vector<Study>& all) {
                            "2.20). Right: the same as difference from the fit.");
   }
   out.remarks = {
-      "Curves are compared, not parameters: Gaussians that overlap trade with each other and with η0 and "
-      "η1, so that very different sets give the same curve.",
+      "Curves are compared, not parameters: overlapping Gaussians can replace each other and η0 and η1, so that very different sets give the same curve.",
       "The number of Gaussians is the smallest within one standard error of the best on held-out periods. "
       "The thesis counts peaks of the smoothed map, its border included.",
       "Deviations are the largest over 0.5 to 9.5 mm/s. The sine just reaches 9.5 mm/s, so that its border "

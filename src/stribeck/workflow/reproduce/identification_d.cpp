@@ -99,11 +99,10 @@ ReproducedSection section_d(const std::vector<Study>& all) {
         "Left: what Coulomb and viscous friction leave, over position, above 2 mm/s (fig 2.28). Right: "
         "friction over velocity, the model along the motion and without its sine (figs 2.29 and 4.7).");
   }
-  out.remarks = {"The period is found, not given. The phase belongs to the homing of the log.",
-                 "The model that held-out passes choose has a Stribeck rise, which (2.37) has not: without "
-                 "it η0 and η1 would take up part of it.",
-                 "Tables 2.4 and 4.3 print the same values, and the virtual machine has them: what is off "
-                 "here is our error."};
+  out.remarks = {
+      "The period is found, not given. The phase belongs to the homing of the log.",
+      "The model that held-out passes choose has a Stribeck rise, which (2.37) does not have: without it η0 and η1 would take up part of it.",
+      "Tables 2.4 and 4.3 print the same values, and the virtual machine has them: deviations here are errors of Stribeck."};
   return out;
 }
 

@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& ids, std::string_view id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-/// What is known of the axes of one machine, identified once for all experiments on it.
+/// Identified models of the axes of one machine, made once for all experiments on it.
 struct Known {
   sim::Machine machine;
   Needs needs;
@@ -107,7 +107,7 @@ ReproductionPlan plan_reproduction(const ReproduceOptions& o) {
   if (o.vary != "all") plan.robustness.variation = sim::vary_only(o.vary);
   plan.robustness.seed = o.seed;
   plan.robustness.threads = o.threads;
-  if (!o.controllers.empty()) plan.robustness.controllers.resize(1);  // what the others are measured against
+  if (!o.controllers.empty()) plan.robustness.controllers.resize(1);  // the reference of the others
   for (const std::string& name : o.controllers)
     add_controller(plan.robustness.controllers, read_controller(name), name);
   const bool everything = contains(o.ids, "all");

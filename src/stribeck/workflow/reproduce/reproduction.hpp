@@ -21,7 +21,7 @@ struct ReproduceOptions {
   unsigned threads = 0;
   // of robustness
   std::uint32_t machines = kRobustMachines;
-  std::string vary = "all";              ///< what the machines differ in
+  std::string vary = "all";              ///< factor in which the machines differ
   std::vector<std::string> controllers;  ///< built in, or files; empty: those of the study
 };
 

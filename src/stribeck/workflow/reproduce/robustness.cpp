@@ -100,7 +100,7 @@ report::ReproducedFigure figure(std::string what, const sim::RobustRow& row, dou
 sim::Experiment robustness_experiment(const sim::RobustnessSpec& spec) {
   sim::Experiment e;
   e.id = kRobustness;
-  e.title = "Machines that are not the one identified";
+  e.title = "Machines that differ from the identified one";
   e.source = "§5.2, future work: nothing printed";
   sim::Setting s;
   s.machine = "biaxial-table";
@@ -173,7 +173,7 @@ report::ReproducedSection robustness_section(const sim::RobustnessResult& result
   s.plots.emplace_back(std::move(plots),
                        "Share of the machines that stay below an error; lost ones never do.");
   s.remarks = {
-      fmt::format("Every axis of every machine draws for itself, all together: {}.",
+      fmt::format("Every axis of every machine has random deviations of its own, all factors together: {}.",
                   in_words(result.spec.variation)),
       fmt::format(
           "Scored after {} laps, with the machine's own force noise, the same for all controllers. Seed {}.",

@@ -13,7 +13,7 @@ namespace stribeck::workflow {
 inline constexpr std::string_view kRobustness = "robustness";
 inline constexpr std::uint32_t kRobustMachines = 100;
 
-/// What has to be identified for these controllers: machine, axes, controllers.
+/// Models to identify for these controllers: machine, axes, controllers.
 sim::Experiment robustness_experiment(const sim::RobustnessSpec& spec);
 
 /// Tables, percentiles against the first controller, and the share of machines below an error, drawn.

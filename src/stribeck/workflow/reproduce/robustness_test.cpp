@@ -65,10 +65,10 @@ TEST(RobustnessSection, ShowsQuantilesChangesAndWhatIsLost) {
 TEST(RobustnessSection, NamesWhatIsVariedAndNothingElse) {
   sim::RobustnessResult result = invented();
   result.spec.variation = sim::Variation::none();
-  EXPECT_NE(workflow::robustness_section(result).remarks.front().find("all together: nothing."),
+  EXPECT_NE(workflow::robustness_section(result).remarks.front().find("all factors together: nothing."),
             std::string::npos);
   result.spec.variation.mass = 0.1;
-  EXPECT_NE(workflow::robustness_section(result).remarks.front().find("all together: mass ± 10 %."),
+  EXPECT_NE(workflow::robustness_section(result).remarks.front().find("all factors together: mass ± 10 %."),
             std::string::npos);
 }
 

@@ -64,15 +64,15 @@ ReproducedSection section_verify(const Study& s) {
   out.plots.push_back(
       {{std::move(velocity), std::move(error)},
        fmt::format("Measured and predicted velocity over time, and the error ({}).", figure)});
-  out.remarks = {s.biaxial ? "The run is r = 10 cos 0.85 t mm of §3.1.4, with noise of its own; which one "
-                             "the thesis took is not printed."
-                           : "The run is the y reference of (4.6), 10 sin(4πt/15) mm, with noise of its "
-                             "own; which one the thesis took is not printed.",
-                 "The figures are lost and have no numbers. \"The machine itself\" is driven with the "
-                 "plant's own parameters: what it leaves is noise of the force, which no model can know. "
-                 "Friction without bristles may stay stuck after a reversal for longer than the machine, "
-                 "when its level is a little high; \"whole, with bristles\" is the one fit of everything "
-                 "that the compensators of the other experiments get."};
+  out.remarks = {
+      s.biaxial
+          ? "The run is r = 10 cos 0.85 t mm of §3.1.4, with different noise; the thesis does not say which run it used."
+          : "The run is the y reference of (4.6), 10 sin(4πt/15) mm, with different noise; the thesis does not say which run it used.",
+      "The figures are lost and have no numbers. \"The machine itself\" is driven with the "
+      "plant's own parameters: its error is noise of the force, which no model can predict. "
+      "Friction without bristles may stay stuck after a reversal for longer than the machine, "
+      "when its level is a little high; \"whole, with bristles\" is the one fit of everything "
+      "that the compensators of the other experiments get."};
   if (s.biaxial) {
     out.remarks.emplace_back(
         "The viscous correction makes Model A worse here: it is the slope of a straight line up to 10 "
