@@ -1,0 +1,71 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/targets/target.hpp>
+#include <string>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kAxis =
+    "mass = \"800 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"15 N\"\nalpha2 = \"3 N s/mm\"\n";
+
+TEST(Target, EveryOneSaysWhatItTakesWritesAndLoses) {
+  std::set<std::string_view> names;
+  for (const targets::Target* t : targets::all_targets()) {
+    EXPECT_TRUE(names.insert(t->name).second) << t->name;
+    EXPECT_FALSE(t->takes.empty() || t->writes.empty() || t->error.empty()) << t->name;
+    EXPECT_NE(t->write, nullptr) << t->name;
+    EXPECT_EQ(targets::find_target(t->name), t);
+  }
+  EXPECT_EQ(targets::find_target("none"), nullptr);
+}
+
+TEST(Target, LinuxCncWritesControllersOfAxisFiles) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("x.toml", kAxis)};
+  request.output = folder / "axes.hal";
+  request.command = "test";
+  const targets::Exported written = targets::find_target("linuxcnc")->write(request);
+  const std::string hal = text_of(request.output);
+  EXPECT_THAT(hal, HasSubstr("# Written by: test\n"));
+  EXPECT_THAT(hal, HasSubstr("setp ax.x.mass 800\n"));
+  EXPECT_EQ(written.json["file"], request.output);
+  EXPECT_THAT(written.text, HasSubstr("lines of HAL in"));
+}
+
+TEST(Target, TheTableTellsItsError) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("x.toml", kAxis)};
+  request.output = folder / "table.hal";
+  request.lincurve = true;
+  request.speed = "100 mm/s";
+  const targets::Exported written = targets::find_target("linuxcnc")->write(request);
+  // Coulomb and viscous friction are straight lines: what is left is where the search for the table ends, 1e-7 of 300 N.
+  EXPECT_LT(written.json["lincurve"][0]["max_error_N"], 3e-4);
+  EXPECT_THAT(text_of(request.output), HasSubstr("at most beside the steady curve"));
+}
+
+TEST(Target, OptionsWithoutEffectAreRefused) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("x.toml", kAxis)};
+  request.output = folder / "axes.hal";
+  request.speed = "100 mm/s";
+  try {
+    static_cast<void>(targets::find_target("linuxcnc")->write(request));
+    ADD_FAILURE() << "accepted";
+  } catch (const io::InputError& e) {
+    EXPECT_EQ(e.problems().front().text(), "--speed: does not apply to anything but --lincurve");
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::test
