@@ -8,132 +8,104 @@ namespace {
 
 constexpr int kLoopIsLost = 32;
 
-/// Contour error and, where there is a tool axis, its error.
-template <class Curve, std::size_t N>
-std::array<double, 2> errors(const Curve& curve, const Vec<double, N>& position,
+/// What one tick sees and asks.
+template <std::size_t N>
+struct Tick {
+  double time = 0.0;
+  Vec<double, N> encoder;
+  Vec<double, N> position;  ///< true, of the table
+  Vec<double, N> tracking;  ///< error of the table
+  double error = 0.0;       ///< contour error
+  double orientation = 0.0;
+  Vec<double, N> force;
+  Vec<double, N> voltage;
+  Vec<double, N> cutting;
+  bool in_glitch = false;
+  bool scored = false;
+};
+
+/// Contour error and, where there is a tool axis, its error. phi: where to look for the nearest point of the path.
+template <std::size_t N>
+std::array<double, 2> errors(const AnyPath& path, const Vec<double, N>& position,
                              const Vec<double, N>& tracking, double phi) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if constexpr (N == 1) {
-    return {tracking[0], kNone};
-  } else if constexpr (path::ToolPath<Curve>) {
-    const path::TipDeviation d = path::tip_deviation(curve, position, phi);
-    return {d.contour, d.orientation};
-  } else if constexpr (requires { curve.part; }) {
-    return {curve.part->path.contour_error(position, phi), kNone};
-  } else {
-    return {path::contour_error(curve, position, phi), kNone};
-  }
+  return std::visit(
+      [&](const auto& curve) -> std::array<double, 2> {
+        using Curve = std::decay_t<decltype(curve)>;
+        if constexpr (Curve::kAxes != N) {
+          return {kNone, kNone};
+        } else if constexpr (N == 1) {
+          return {tracking[0], kNone};
+        } else if constexpr (path::ToolPath<Curve>) {
+          const path::TipDeviation d = path::tip_deviation(curve, position, phi);
+          return {d.contour, d.orientation};
+        } else if constexpr (requires { curve.part; }) {
+          return {curve.part->path.contour_error(position, phi), kNone};
+        } else {
+          return {path::contour_error(curve, position, phi), kNone};
+        }
+      },
+      path);
 }
 
-/// Forces of a controller at the k-th point; one that looks ahead gets the points that follow as well.
-template <class Controller, std::size_t N>
-Vec<double, N> asked_of(const Controller& controller, typename Controller::State& state,
-                        const std::vector<path::PathPoint<N>>& points, std::size_t k,
-                        const Vec<double, N>& encoder) {
-  if constexpr (requires { Controller::kPreview; }) {
-    const std::size_t seen = std::min(Controller::kPreview + 1, points.size() - k);
-    return controller.step(state, std::span(points).subspan(k, seen), encoder);
-  } else {
-    return controller.step(state, points[k], encoder);
-  }
-}
-
-/// Where to look for the nearest point of the path: at the reference, or behind it by the lag of a controller that slows down.
-template <class State, std::size_t N>
-double near_phi(const State& state, const std::vector<path::PathPoint<N>>& points, std::size_t k,
+/// At the reference, or behind it by the lag of a controller that slows down.
+template <std::size_t N>
+double near_phi(const LawRunner<N>& law, const std::vector<path::PathPoint<N>>& points, std::size_t k,
                 double period) {
-  if constexpr (std::is_same_v<State, typename control::Predictive<N>::State>) {
-    const auto behind = static_cast<std::size_t>(state.lag / period + 0.5);
-    return points[k - std::min(behind, k)].phi;
+  const auto behind = static_cast<std::size_t>(law.lag() / period + 0.5);
+  return points[k - std::min(behind, k)].phi;
+}
+
+template <std::size_t N>
+ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
+                        const std::vector<plant::Axis>& axes) {
+  Vec<double, N> friction;
+  for (std::size_t i = 0; i < N; ++i) friction[i] = axes[i].friction_force();
+  return {tick.time,
+          r.phi,
+          widened(r.position),
+          widened(r.velocity),
+          widened(r.acceleration),
+          widened(tick.position),
+          widened(tick.encoder),
+          widened(tick.voltage),
+          widened(tick.force),
+          widened(friction),
+          widened(tick.cutting),
+          {},
+          widened(r.frame * tick.tracking),
+          tick.error,
+          tick.orientation,
+          tick.scored};
+}
+
+template <std::size_t N>
+void move(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
+  if constexpr (N >= 2) {
+    plant::Axis::step_together(axes[0], tick.voltage[0], axes[1], tick.voltage[1], tick.cutting[0],
+                               tick.cutting[1]);
+    for (std::size_t i = 2; i < N; ++i) axes[i].step(tick.voltage[i], tick.cutting[i]);
   } else {
-    return points[k].phi;
+    axes[0].step(tick.voltage[0], tick.cutting[0]);
   }
 }
 
-template <class Controller, class Curve, std::size_t N>
-Metrics run_loop(std::vector<plant::Axis>& axes, const std::vector<double>& gain, double period,
-                 const Controller& controller, const Curve& curve, const Route<N>& route,
-                 std::vector<ContourSample>* seen, StatusCounter* status,
-                 std::vector<control::Drift>* drift) {
-  typename Controller::State state;
-  GlitchWindow<N> glitch;
-  MetricsCollector<N> metrics;
-  for (std::size_t k = 0; k < route.points.size(); ++k) {
-    const path::PathPoint<N>& r = route.points[k];
-    const double t = static_cast<double>(k) * period;
-    Vec<double, N> encoder;
-    Vec<double, N> position;
-    for (std::size_t i = 0; i < N; ++i) {
-      encoder[i] = axes[i].encoder();
-      position[i] = axes[i].position();
-    }
-    const Vec<double, N> tracking = position - r.position;
-    const auto [error, orientation] =
-        errors(curve, position, tracking, near_phi(state, route.points, k, period));
-    const Vec<double, N> force = asked_of(controller, state, route.points, k, encoder);
-    Vec<double, N> voltage;
-    for (std::size_t i = 0; i < N; ++i) voltage[i] = force[i] / gain[i];
-    const Vec<double, N> cutting = route.cutting.empty() ? Vec<double, N>{} : route.cutting[k];
-    const bool in_glitch = glitch.step(r);
-    const bool scored = t >= route.scored_from && t <= route.scored_to;
-    if (seen != nullptr) {
-      Vec<double, N> friction;
-      for (std::size_t i = 0; i < N; ++i) friction[i] = axes[i].friction_force();
-      seen->push_back({t,
-                       r.phi,
-                       widened(r.position),
-                       widened(r.velocity),
-                       widened(r.acceleration),
-                       widened(position),
-                       widened(encoder),
-                       widened(voltage),
-                       widened(force),
-                       widened(friction),
-                       widened(cutting),
-                       {},
-                       widened(r.frame * tracking),
-                       error,
-                       orientation,
-                       scored});
-    }
-    if constexpr (N >= 2) {
-      plant::Axis::step_together(axes[0], voltage[0], axes[1], voltage[1], cutting[0], cutting[1]);
-      for (std::size_t i = 2; i < N; ++i) axes[i].step(voltage[i], cutting[i]);
-    } else {
-      axes[0].step(voltage[0], cutting[0]);
-    }
-    if (scored) {
-      typename MetricsCollector<N>::Sample s{error, tracking, {}, {}, {}, in_glitch, orientation, 0.0};
-      for (std::size_t i = 0; i < N; ++i) {
-        s.voltage[i] = axes[i].voltage();
-        s.current[i] = axes[i].current();
-        s.power[i] = axes[i].power();
-        s.mechanical_power += gain[i] * axes[i].voltage() * (axes[i].position() - position[i]) / period;
-      }
-      metrics.add(s);
-    }
+/// After the drives have moved.
+template <std::size_t N>
+typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vector<plant::Axis>& axes,
+                                            const std::vector<double>& gain, double period) {
+  typename MetricsCollector<N>::Sample s{tick.error,     tick.tracking,    {}, {}, {},
+                                         tick.in_glitch, tick.orientation, 0.0};
+  for (std::size_t i = 0; i < N; ++i) {
+    s.voltage[i] = axes[i].voltage();
+    s.current[i] = axes[i].current();
+    s.power[i] = axes[i].power();
+    s.mechanical_power += gain[i] * axes[i].voltage() * (axes[i].position() - tick.position[i]) / period;
   }
-  if (status != nullptr) *status = state.status;
-  if (drift != nullptr) {
-    drift->clear();
-    for (const auto& c : state.compensation) {
-      if (c.adaptation.informed)
-        drift->push_back(control::DriftMonitor::report(c.drift, c.adaptation, period));
-    }
-  }
-  return metrics.result();
+  return s;
 }
 
 }  // namespace
-
-template <std::size_t N>
-AnyController<N> make_controller(const control::LawParams& law, const control::Setup<N>& setup) {
-  return std::visit(
-      [&](const auto& params) -> AnyController<N> {
-        return typename std::decay_t<decltype(params)>::template Controller<N>(params, setup);
-      },
-      law);
-}
 
 Drives::Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max)
     : period_(machine.sample_time) {
@@ -154,19 +126,40 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
                     const plant::Fidelity& fidelity, std::uint64_t seed, std::uint32_t trial,
                     std::vector<ContourSample>* seen, StatusCounter* status,
                     std::vector<control::Drift>* drift) {
+  if (std::visit([](const auto& path) { return std::decay_t<decltype(path)>::kAxes; }, route.path) != N)
+    return Metrics::unknown();
   for (std::uint32_t i = 0; i < N; ++i)
     axes_[i].start(route.points[0].position[i], fidelity, {seed, trial, i});
   if (seen != nullptr) seen->reserve(route.points.size());
-  return std::visit(
-      [&](const auto& law, const auto& curve) {
-        if constexpr (std::decay_t<decltype(curve)>::kAxes == N) {
-          return run_loop<std::decay_t<decltype(law)>>(axes_, gain_, period_, law, curve, route, seen, status,
-                                                       drift);
-        } else {
-          return Metrics::unknown();
-        }
-      },
-      controller, route.path);
+  const std::unique_ptr<LawRunner<N>> law = controller->copy();
+  const std::span<const path::PathPoint<N>> points = route.points;
+  GlitchWindow<N> glitch;
+  MetricsCollector<N> metrics;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const path::PathPoint<N>& r = points[k];
+    Tick<N> tick;
+    tick.time = static_cast<double>(k) * period_;
+    for (std::size_t i = 0; i < N; ++i) {
+      tick.encoder[i] = axes_[i].encoder();
+      tick.position[i] = axes_[i].position();
+    }
+    tick.tracking = tick.position - r.position;
+    const auto [error, orientation] =
+        errors<N>(route.path, tick.position, tick.tracking, near_phi(*law, route.points, k, period_));
+    tick.error = error;
+    tick.orientation = orientation;
+    tick.force = law->step_ahead(points.subspan(k), tick.encoder);
+    for (std::size_t i = 0; i < N; ++i) tick.voltage[i] = tick.force[i] / gain_[i];
+    if (!route.cutting.empty()) tick.cutting = route.cutting[k];
+    tick.in_glitch = glitch.step(r);
+    tick.scored = tick.time >= route.scored_from && tick.time <= route.scored_to;
+    if (seen != nullptr) seen->push_back(sample_of(tick, r, axes_));
+    move(axes_, tick);
+    if (tick.scored) metrics.add(scored(tick, axes_, gain_, period_));
+  }
+  if (status != nullptr) *status = law->status();
+  if (drift != nullptr) *drift = law->drift(period_);
+  return metrics.result();
 }
 
 template <std::size_t N>
@@ -218,7 +211,6 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
 }
 
 #define STRIBECK_INSTANTIATE(N)                                                                              \
-  template AnyController<N> make_controller<N>(const control::LawParams&, const control::Setup<N>&);         \
   template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,          \
                                   std::uint64_t, std::uint32_t, std::vector<ContourSample>*, StatusCounter*, \
                                   std::vector<control::Drift>*);                                             \

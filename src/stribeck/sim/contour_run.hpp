@@ -9,8 +9,8 @@
 
 #include <cstdint>
 #include <stdexcept>
-#include <stribeck/control/laws.hpp>
 #include <stribeck/plant/axis.hpp>
+#include <stribeck/sim/law/law_runner.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/sim/part/travel.hpp>
@@ -41,21 +41,6 @@ struct ContourSample {
 /// A loop that is farther from its path than this share of the path's extent has lost it.
 inline constexpr double kLost = 0.1;
 
-namespace detail {
-template <std::size_t N, class Variant>
-struct ControllersOf;
-template <std::size_t N, class... P>
-struct ControllersOf<N, std::variant<P...>> {
-  using type = std::variant<typename P::template Controller<N>...>;
-};
-}  // namespace detail
-
-/// Any of the control laws, for N axes.
-template <std::size_t N>
-using AnyController = typename detail::ControllersOf<N, control::LawParams>::type;
-
-template <std::size_t N>
-AnyController<N> make_controller(const control::LawParams& law, const control::Setup<N>& setup);
 
 /// The drives of some axes of a machine, ready for run after run.
 class Drives {
@@ -63,8 +48,8 @@ class Drives {
   /// which: indices of the machine's axes; v_max [m/s] bounds the tables of the friction curves.
   Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max);
 
-  /// Runs a controller along a route; what is null is not filled. `drift` gets one entry per axis that adapts. Returns the figures of the scored part. The controller gets as many
-  /// axes as the route has, which are as many as the drives.
+  /// Runs a controller, from rest, along a route and returns the figures of the scored part; those are unknown when the path of
+  /// the route has another number of axes. What is null is not filled; `drift` gets one entry per axis that adapts.
   template <std::size_t N>
   Metrics run(const AnyController<N>& controller, const Route<N>& route, const plant::Fidelity& fidelity,
               std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen = nullptr,

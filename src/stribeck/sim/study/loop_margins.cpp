@@ -140,19 +140,19 @@ template <std::size_t N>
 using Answer = std::array<std::vector<double>, N>;
 
 /// A law on its way along a straight line with the tangent along one axis.
-template <class Law, std::size_t N>
+template <std::size_t N>
 class Line {
  public:
-  using State = typename Law::State;
+  using State = LawRunner<N>;
 
-  Line(const Law& law, std::size_t tangent, double period) : law_(law), period_(period) {
+  Line(const State& at_rest, std::size_t tangent, double period) : period_(period), state_(at_rest.copy()) {
     for (std::size_t i = 0; i < N; ++i) {
       point_.frame[i] = {};
       point_.frame[i][(tangent + i) % N] = 1.0;
     }
     tangent_ = tangent;
     point_.velocity[tangent] = kStep / period;
-    for (int k = 0; k < kWarm; ++k) step(state_, {});
+    for (int k = 0; k < kWarm; ++k) step(*state_, {});
   }
 
   /// Forces for an error of position [m]; `s` follows.
@@ -160,7 +160,7 @@ class Line {
     point_.position[tangent_] = kStep * static_cast<double>(tick_);
     point_.phi = point_.position[tangent_] / kRadius;
     ++tick_;
-    return law_.step(s, point_, point_.position + error);
+    return s.step(point_, point_.position + error);
   }
   /// Both with and without errors: the difference of the forces.
   Vec<double, N> difference(State& with, State& without, const Vec<double, N>& error) {
@@ -172,8 +172,8 @@ class Line {
   /// Answers to a unit of error on axis j over one period, until they have settled.
   Answer<N> answer(std::size_t j) {
     const long begin = tick_;
-    State with = state_;
-    State without = state_;
+    const auto with = state_->copy();
+    const auto without = state_->copy();
     Answer<N> h;
     const auto ticks = std::clamp(static_cast<std::size_t>(kLongest / period_), std::size_t{500}, kMostTicks);
     double peak = 0.0;
@@ -181,7 +181,7 @@ class Line {
     for (std::size_t k = 0; k < ticks; ++k) {
       Vec<double, N> error{};
       if (k == 0) error[j] = kError;
-      const Vec<double, N> f = difference(with, without, error);
+      const Vec<double, N> f = difference(*with, *without, error);
       double bend = 0.0;
       for (std::size_t i = 0; i < N; ++i) {
         h[i].push_back(-f[i] / kError);
@@ -203,8 +203,8 @@ class Line {
     constexpr int kWindow = 200;
     constexpr int kWindows = 100;
     const long begin = tick_;
-    State with = state_;
-    State without = state_;
+    const auto with = state_->copy();
+    const auto without = state_->copy();
     for (std::size_t i = 0; i < N; ++i) drives[i].start(kError * (1.0 + 0.25 * static_cast<double>(i)));
     double greatest = 0.0;
     double middle = 0.0;
@@ -214,7 +214,7 @@ class Line {
       for (int k = 0; k < kWindow; ++k) {
         Vec<double, N> error;
         for (std::size_t i = 0; i < N; ++i) error[i] = drives[i].position();
-        const Vec<double, N> f = difference(with, without, error);
+        const Vec<double, N> f = difference(*with, *without, error);
         for (std::size_t i = 0; i < N; ++i) {
           drives[i].step(f[i]);
           const double e = std::abs(error[i]);
@@ -237,12 +237,11 @@ class Line {
   static constexpr std::size_t kLook = 50;
   static constexpr double kSettled = 1e-9;
 
-  const Law& law_;
   double period_;
   std::size_t tangent_ = 0;
   long tick_ = 0;
   path::PathPoint<N> point_;
-  State state_;
+  std::unique_ptr<State> state_;
 };
 
 /// Differences of the answers until they die out: C(z) = taps(z)/(1 − z⁻¹)^integrators.
@@ -419,29 +418,24 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
   (std::make_index_sequence<N>());
   LoopMargins m;
   m.stable = true;
-  std::visit(
-      [&](const auto& controller) {
-        using Law = std::decay_t<decltype(controller)>;
-        std::vector<Response<N>> seen;
-        for (std::size_t tangent = 0; tangent < N; ++tangent) {
-          // A state may be large: not on the stack.
-          const auto line = std::make_unique<Line<Law, N>>(controller, tangent, free.period);
-          Response<N> response;
-          for (std::size_t j = 0; j < N; ++j) response.taps[j] = line->answer(j);
-          if (!response.settle()) {
-            throw Refused(
-                "the response of the law to a small error neither decays nor becomes a straight line: it has no margins");
-          }
-          if (std::find(seen.begin(), seen.end(), response) != seen.end()) continue;
-          for (std::size_t i = 0; i < N; ++i) {
-            judge([&](double omega) { return loop_at<N>(response, drives, i, omega, free.period); },
-                  free.period, i, m);
-          }
-          m.stable = m.stable && line->dies_out(drives);
-          seen.push_back(std::move(response));
-        }
-      },
-      make_controller<N>(linear_part(law), free));
+  const AnyController<N> controller = make_controller<N>(linear_part(law), free);
+  std::vector<Response<N>> seen;
+  for (std::size_t tangent = 0; tangent < N; ++tangent) {
+    Line<N> line(*controller, tangent, free.period);
+    Response<N> response;
+    for (std::size_t j = 0; j < N; ++j) response.taps[j] = line.answer(j);
+    if (!response.settle()) {
+      throw Refused(
+          "the response of the law to a small error neither decays nor becomes a straight line: it has no margins");
+    }
+    if (std::find(seen.begin(), seen.end(), response) != seen.end()) continue;
+    for (std::size_t i = 0; i < N; ++i) {
+      judge([&](double omega) { return loop_at<N>(response, drives, i, omega, free.period); }, free.period, i,
+            m);
+    }
+    m.stable = m.stable && line.dies_out(drives);
+    seen.push_back(std::move(response));
+  }
   m.gain = std::min(m.gain_up, m.gain_down);
   if (!m.stable) {
     m.phase = -m.phase;
