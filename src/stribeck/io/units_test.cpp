@@ -13,6 +13,9 @@
 namespace stribeck::io {
 namespace {
 
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
 constexpr Quantity kMass = quantity("kg", "N s2/mm");
 constexpr Quantity kLength = quantity("m", "mm");
 constexpr Quantity kSpeed = quantity("m/s", "mm/s");
@@ -156,8 +159,8 @@ TEST(Units, FactorsOfColumns) {
   EXPECT_NEAR(unit_factor("deg", "rad"), 0.017453292519943295, 1e-17);
   EXPECT_NEAR(unit_factor("mm/min", "m/s"), 1e-3 / 60, 1e-20);
   EXPECT_EQ(unit_factor("pct", ""), 0.01);
-  EXPECT_THROW(unit_factor("N", "m"), InputError);
-  EXPECT_THROW(unit_factor("xyz", "m"), InputError);
+  EXPECT_THAT([&] { unit_factor("N", "m"); }, ThrowsMessage<InputError>(HasSubstr("got \"N\"")));
+  EXPECT_THAT([&] { unit_factor("xyz", "m"); }, ThrowsMessage<InputError>(HasSubstr("got \"xyz\"")));
   EXPECT_TRUE(is_unit("mm/s"));
   EXPECT_FALSE(is_unit("CurrentFeedback"));
   EXPECT_FALSE(is_unit(""));

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +7,9 @@
 
 namespace stribeck::sim {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 using V3 = Vec<double, 3>;
 
@@ -87,7 +91,9 @@ TEST(FiveAxis, DoesNotDependOnThreads) {
 TEST(FiveAxis, AMachineOfFewerAxesIsRefused) {
   Machine machine = test::mill();
   machine.axes.resize(3);
-  EXPECT_THROW(compare(machine, test::known(machine), short_spec()), Refused);
+  EXPECT_THAT(
+      [&] { compare(machine, test::known(machine), short_spec()); },
+      ThrowsMessage<Refused>(HasSubstr("the path has 5 axes, the machine \"" + machine.name + "\" has 3")));
 }
 
 TEST(FiveAxis, WithoutToolAxisThereIsNoOrientation) {

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,9 @@
 
 namespace stribeck::sim {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 struct Circle {
   std::vector<double> x, y, cx, cy;
@@ -76,9 +80,17 @@ TEST(CircleTest, ShiftIsSeenAgainstACommandOnly) {
 
 TEST(CircleTest, RefusesWhatIsNone) {
   const std::vector<double> few(10, 1.0);
-  EXPECT_THROW(circle_test({few, few, {}, {}}, 1e-2), std::invalid_argument);
+  EXPECT_THAT(
+      [&] {
+        circle_test({few, few, {}, {}}, 1e-2);
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("too few samples, expected at least")));
   const std::vector<double> rest(500, 1.0);
-  EXPECT_THROW(circle_test({rest, rest, {}, {}}, 1e-2), std::invalid_argument);
+  EXPECT_THAT(
+      [&] {
+        circle_test({rest, rest, {}, {}}, 1e-2);
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("the positions are no circle")));
 }
 
 std::string refusal(const Circle& c, double radius = 10e-3) {
@@ -176,10 +188,12 @@ TEST(LeastSquaresCircle, LimitsAndInvariance) {
   const LeastSquaresCircle moved = least_squares_circle(x, y);
   EXPECT_NEAR(moved.x, 1e-3 * (one.x + 5.0), 1e-10);
   EXPECT_NEAR(moved.radius, 1e-3 * one.radius, 1e-10);
-  EXPECT_THROW((void)least_squares_circle(x, x), std::invalid_argument);
-  EXPECT_THROW((void)least_squares_circle(std::vector<double>(9, 1.0), std::vector<double>(9, 2.0)),
-               std::invalid_argument);
-  EXPECT_THROW((void)least_squares_circle({}, {}), std::invalid_argument);
+  EXPECT_THAT([&] { (void)least_squares_circle(x, x); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("the positions are no circle")));
+  EXPECT_THAT([&] { (void)least_squares_circle(std::vector<double>(9, 1.0), std::vector<double>(9, 2.0)); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("the positions are no circle")));
+  EXPECT_THAT([&] { (void)least_squares_circle({}, {}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("too few")));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <stribeck/sim/parallel.hpp>
@@ -6,6 +7,9 @@
 
 namespace stribeck::sim {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 constexpr double kPeriod = 5e-3;
 
@@ -223,12 +227,15 @@ TEST(ParallelFor, RunsEveryJobOnceAndPassesTheFirstErrorOn) {
   parallel_for(
       done.size(), 4, [] { return 0; }, [&](int&, std::size_t i) { ++done[i]; });
   EXPECT_EQ(done, std::vector<int>(1000, 1));
-  EXPECT_THROW(parallel_for(
-                   8, 4, [] { return 0; },
-                   [](int&, std::size_t i) {
-                     if (i == 3) throw std::runtime_error("three");
-                   }),
-               std::runtime_error);
+  EXPECT_THAT(
+      [&] {
+        parallel_for(
+            8, 4, [] { return 0; },
+            [](int&, std::size_t i) {
+              if (i == 3) throw std::runtime_error("three");
+            });
+      },
+      ThrowsMessage<std::runtime_error>(HasSubstr("three")));
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 namespace stribeck::io {
 namespace {
 
+using testing::ThrowsMessage;
+
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -109,7 +111,8 @@ TEST_F(Interpreter, MissingTellsHowToGetIt) {
     EXPECT_THAT(e.what(), AllOf(HasSubstr("part.ngc"), HasSubstr("install-dependencies --linuxcnc"),
                                 HasSubstr("linuxcnc-uspace")));
   }
-  EXPECT_THROW(static_cast<void>(read_part_program((folder_ / "no.ngc").string())), InputError);
+  EXPECT_THAT([&] { static_cast<void>(read_part_program((folder_ / "no.ngc").string())); },
+              ThrowsMessage<InputError>(HasSubstr("no such file")));
 }
 
 }  // namespace

@@ -18,6 +18,8 @@
 namespace stribeck::io {
 namespace {
 
+using testing::ThrowsMessage;
+
 using testing::Contains;
 using testing::DoubleNear;
 using testing::ElementsAre;
@@ -260,7 +262,8 @@ TEST(LogFormats, NiDaq) {
   EXPECT_EQ(log.at("Input 1").unit_text, "V");
   EXPECT_THAT(log.columns.at(static_cast<std::size_t>(log.at("Input 1").time)).values,
               ElementsAre(0, 0.001, 0.002, 0.003));
-  EXPECT_THROW(csv_text(log), InputError);  // no common table
+  EXPECT_THAT([&] { csv_text(log); },
+              ThrowsMessage<InputError>(HasSubstr("samples, expected")));  // no common table
   EXPECT_THAT(refusal(replaced(test::ni_sample(), "0.001,-3.22", ",-3.22")),
               HasSubstr("got a value without a time"));
   EXPECT_THAT(parse_log(replaced(test::ni_sample(), "Interval,0.0005", "Interval,0.005"), "a").notes,

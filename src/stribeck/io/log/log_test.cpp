@@ -24,6 +24,8 @@
 namespace stribeck::io {
 namespace {
 
+using testing::ThrowsMessage;
+
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -123,7 +125,8 @@ TEST(Log, NamesGivenByTheCaller) {
   const Log log = parse_csv("0 1.5 \n1 2.5 \n", "hal.txt", options);
   EXPECT_EQ(log.rows, 2u);
   EXPECT_EQ(log.at("x").unit_text, "mm");
-  EXPECT_THROW(parse_csv("0 1.5 3\n1 2.5 3\n", "hal.txt", options), InputError);
+  EXPECT_THAT([&] { parse_csv("0 1.5 3\n1 2.5 3\n", "hal.txt", options); },
+              ThrowsMessage<InputError>(HasSubstr("got 3 columns, expected 2 as named")));
 }
 
 TEST(Log, RefusesWithLineRowAndColumn) {
@@ -186,8 +189,10 @@ TEST(Log, LeavesOutTextColumnsOnRequest) {
   EXPECT_THAT(log.columns[0].values, ElementsAre(0.0, 1.0, 2.0));
   EXPECT_THAT(log.columns[1].values, ElementsAre(1.0, 2.0, 3.0));
   EXPECT_THAT(log.notes, ElementsAre(HasSubstr("\"phase\" was left out"), HasSubstr("\"run\" was left out")));
-  EXPECT_THROW(parse_csv("t,x,p\n0,1,a\n1,b,a\n2,3,a\n", "log.csv", options), InputError);
-  EXPECT_THROW(parse_csv("p,q\na,a\nb,b\nc,c\n", "log.csv", options), InputError);
+  EXPECT_THAT([&] { parse_csv("t,x,p\n0,1,a\n1,b,a\n2,3,a\n", "log.csv", options); },
+              ThrowsMessage<InputError>(HasSubstr("got \"b\", expected a number")));
+  EXPECT_THAT([&] { parse_csv("p,q\na,a\nb,b\nc,c\n", "log.csv", options); },
+              ThrowsMessage<InputError>(HasSubstr("has no column of numbers")));
 }
 
 TEST(Log, LatinHeadersAndUnknownUnits) {
@@ -204,8 +209,10 @@ TEST(Log, ColumnsInSi) {
   const Log log = parse("t [ms],x [mm],F,T [degC]\n0,35,1,2\n5,-1.5,1,2\n");
   EXPECT_THAT(in_si(log.at("t"), quantity("s", "ms")), ElementsAre(0.0, 0.005));
   EXPECT_THAT(in_si(log.at("x"), quantity("m", "mm")), ElementsAre(0.035, -0.0015));
-  EXPECT_THROW(in_si(log.at("x"), quantity("N", "N")), InputError);
-  EXPECT_THROW(in_si(log.at("T"), quantity("K", "K")), InputError);
+  EXPECT_THAT([&] { in_si(log.at("x"), quantity("N", "N")); },
+              ThrowsMessage<InputError>(HasSubstr("column \"x\"")));
+  EXPECT_THAT([&] { in_si(log.at("T"), quantity("K", "K")); },
+              ThrowsMessage<InputError>(HasSubstr("column \"T\"")));
   try {
     in_si(log.at("F"), quantity("N", "N"));
     FAIL();
@@ -252,10 +259,12 @@ TEST_F(LogFile, RoundTripsBitForBitOverManyBlocks) {
   EXPECT_EQ(read_csv(path("a.csv.gz")).columns[1].values, log.columns[1].values);
   const std::string packed = read_text(path("a.csv.gz"));
   EXPECT_EQ(parse_csv("t,x\n0,1\n1,2\n", "").rows, 2u);
-  EXPECT_THROW(parse_csv(packed.substr(0, packed.size() / 2), "a.csv.gz"), InputError);
+  EXPECT_THAT([&] { parse_csv(packed.substr(0, packed.size() / 2), "a.csv.gz"); },
+              ThrowsMessage<InputError>(HasSubstr("damaged or cut off")));
   std::string damaged = packed;
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x55);
-  EXPECT_THROW(parse_csv(damaged, "a.csv.gz"), InputError);
+  EXPECT_THAT([&] { parse_csv(damaged, "a.csv.gz"); },
+              ThrowsMessage<InputError>(HasSubstr("damaged or cut off")));
 }
 
 TEST_F(LogFile, AGzipBombIsRefusedEarly) {
@@ -423,12 +432,18 @@ TEST_F(LogFile, WritesAtomically) {
   make_directory(path("deep/er"));
   make_directory(path("deep/er"));
   EXPECT_TRUE(std::filesystem::is_directory(path("deep/er")));
-  EXPECT_THROW(make_directory(path("a/b")), InputError);
-  EXPECT_THROW(make_directory(path("a")), InputError);
-  EXPECT_THROW(write_atomically(path("none/a"), "x"), InputError);
-  EXPECT_THROW(write_atomically(path("deep"), "x"), InputError);
-  EXPECT_THROW(write_atomically("", "x"), InputError);
-  EXPECT_THROW(read_text(path("deep")), InputError);
+  EXPECT_THAT([&] { make_directory(path("a/b")); },
+              ThrowsMessage<InputError>(HasSubstr("cannot be made a directory")));
+  EXPECT_THAT([&] { make_directory(path("a")); },
+              ThrowsMessage<InputError>(HasSubstr("cannot be made a directory")));
+  EXPECT_THAT([&] { write_atomically(path("none/a"), "x"); },
+              ThrowsMessage<InputError>(HasSubstr("no such directory (make it first)")));
+  EXPECT_THAT([&] { write_atomically(path("deep"), "x"); },
+              ThrowsMessage<InputError>(HasSubstr("is a directory, expected a file to write")));
+  EXPECT_THAT([&] { write_atomically("", "x"); }, ThrowsMessage<InputError>(HasSubstr("cannot be written")));
+  EXPECT_THAT(
+      [&] { read_text(path("deep")); },
+      ThrowsMessage<InputError>(HasSubstr("is a directory, expected a file (name a file inside it)")));
   write_atomically("/dev/null", "x");
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
   EXPECT_EQ(files(), 3u);
@@ -441,7 +456,8 @@ TEST_F(LogFile, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const rlimit small{1000, before.rlim_max};
   std::signal(SIGXFSZ, SIG_IGN);
   ::setrlimit(RLIMIT_FSIZE, &small);
-  EXPECT_THROW(write_atomically(path("a"), std::string(5000, 'x')), InputError);
+  EXPECT_THAT([&] { write_atomically(path("a"), std::string(5000, 'x')); },
+              ThrowsMessage<InputError>(HasSubstr("cannot be written: ")));
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, SIG_DFL);
   EXPECT_EQ(read_text(path("a")), "old");

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,9 @@
 
 namespace stribeck::sim {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -143,13 +147,16 @@ TEST(Robustness, TheThesisControllerOnOtherMachines) {
 
 TEST(Robustness, RefusesASpecThatMeansNothing) {
   RobustnessSpec spec = quick(0);
-  EXPECT_THROW(robustness(test::biaxial_table(), test::printed(), spec), Refused);
+  EXPECT_THAT([&] { robustness(test::biaxial_table(), test::printed(), spec); },
+              ThrowsMessage<Refused>(HasSubstr("needs a travel, a controller and a machine at least")));
   spec = quick(1);
   spec.variation.mass = 2.0;
-  EXPECT_THROW(robustness(test::biaxial_table(), test::printed(), spec), Refused);
+  EXPECT_THAT([&] { robustness(test::biaxial_table(), test::printed(), spec); },
+              ThrowsMessage<Refused>(HasSubstr("variation.mass: ")));
   spec = quick(1);
   spec.axes = {0, 7};
-  EXPECT_THROW(robustness(test::biaxial_table(), test::printed(), spec), Refused);
+  EXPECT_THAT([&] { robustness(test::biaxial_table(), test::printed(), spec); },
+              ThrowsMessage<Refused>(HasSubstr("the path has 2 axes, the machine")));
 }
 
 TEST(Quantile, InterpolatesAsNumPyDoes) {

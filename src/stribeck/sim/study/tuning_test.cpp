@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,9 @@
 
 namespace stribeck::sim {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 /// (f) on a lap of the circle.
 TuneSpec short_spec() {
@@ -168,7 +172,8 @@ TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
   EXPECT_EQ(steep.tries, 51 + 2 * 128);
   EXPECT_EQ(steep.evaluations, 0);
   s.compare.controllers.clear();
-  EXPECT_THROW(tune(test::biaxial_table(), test::printed(), s), Refused);
+  EXPECT_THAT([&] { tune(test::biaxial_table(), test::printed(), s); },
+              ThrowsMessage<Refused>(HasSubstr("expected at least one controller and one travel")));
 }
 
 }  // namespace
