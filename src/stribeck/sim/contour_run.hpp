@@ -41,7 +41,6 @@ struct ContourSample {
 /// A loop that is farther from its path than this share of the path's extent has lost it.
 inline constexpr double kLost = 0.1;
 
-
 /// The drives of some axes of a machine, ready for run after run.
 class Drives {
  public:
