@@ -80,7 +80,7 @@ ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
 }
 
 template <std::size_t N>
-void move(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
+void move_drives(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
   if constexpr (N >= 2) {
     plant::Axis::step_together(axes[0], tick.voltage[0], axes[1], tick.voltage[1], tick.cutting[0],
                                tick.cutting[1]);
@@ -154,7 +154,7 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
     tick.in_glitch = glitch.step(r);
     tick.scored = tick.time >= route.scored_from && tick.time <= route.scored_to;
     if (seen != nullptr) seen->push_back(sample_of(tick, r, axes_));
-    move(axes_, tick);
+    move_drives(axes_, tick);
     if (tick.scored) metrics.add(scored(tick, axes_, gain_, period_));
   }
   if (status != nullptr) *status = law->status();

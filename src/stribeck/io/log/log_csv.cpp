@@ -290,6 +290,15 @@ class CsvReader {
     }
   }
 
+  /// Takes a comment or a blank line; where the next line begins, or null when this one is a row.
+  const char* after_line_without_row(const char* p, const char* end) {
+    const char* const next = end_of_line(p, end);
+    const std::string_view line(p, static_cast<std::size_t>(next - p));
+    if (*p == '#' || *p == '%') add_comment(line);
+    if (!trimmed(line).empty() && *p == '\r') return nullptr;
+    return next == end ? end : next + 1;
+  }
+
   template <bool kBlankSeparated>
   void read_rows(std::string_view body) {
     if (body.empty()) return;
@@ -316,11 +325,8 @@ class CsvReader {
     while (p != end) {
       const char* const line = p;
       if (*p == '\n' || *p == '\r' || *p == '#' || *p == '%') {
-        const char* const next = end_of_line(p, end);
-        if (*p == '#' || *p == '%') add_comment({p, static_cast<std::size_t>(next - p)});
-        const bool blank = trimmed({p, static_cast<std::size_t>(next - p)}).empty();
-        if (blank || *p != '\r') {
-          p = next == end ? end : next + 1;
+        if (const char* const next = after_line_without_row(p, end); next != nullptr) {
+          p = next;
           continue;
         }
       }
@@ -352,9 +358,7 @@ class CsvReader {
           continue;
         }
         if (!kBlankSeparated && q != end && *q == separator) {  // separator at the end of the line
-          do {
-            ++q;
-          } while (q != end && *q == ' ');
+          for (++q; q != end && *q == ' ';) ++q;
         }
         if (q != end && *q == '\r') ++q;
         if (q != end && *q != '\n') break;
