@@ -10,6 +10,8 @@
 namespace stribeck::test {
 namespace {
 
+using ::testing::ThrowsMessage;
+
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -98,7 +100,8 @@ TEST(PathFile, TooManyPointsAreRefused) {
   log.rows = 1000001;
   log.columns = {{"x", "mm", std::vector<double>(log.rows, 0.0)},
                  {"y", "mm", std::vector<double>(log.rows, 0.0)}};
-  EXPECT_THROW(static_cast<void>(workflow::path_points<2>(log, kPlane)), io::InputError);
+  EXPECT_THAT([&] { static_cast<void>(workflow::path_points<2>(log, kPlane)); },
+              ThrowsMessage<io::InputError>(HasSubstr("expected at most 1000000")));
 }
 
 }  // namespace

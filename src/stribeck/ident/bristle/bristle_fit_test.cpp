@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,9 @@
 
 namespace stribeck::ident::bristle {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 using testing::Drive;
 
@@ -305,17 +309,23 @@ TEST(BristleFit, SaysWhatALogCannotTell) {
 TEST(BristleFit, RefusesWhatItCannotUse) {
   const Drive d = tool_drive(5e-3);
   const log::Record log = tool_sine(d, 1, 1);
-  EXPECT_THROW(fit_bristle({}, known(d)), Refused);
+  EXPECT_THAT([&] { fit_bristle({}, known(d)); }, ThrowsMessage<Refused>(HasSubstr("no record was given")));
   auto weightless = known(d);
   weightless.mass = 0.0;
-  EXPECT_THROW(fit_bristle({log}, weightless), Refused);
+  EXPECT_THAT([&] { fit_bristle({log}, weightless); },
+              ThrowsMessage<Refused>(HasSubstr("the axis model has mass 0")));
   log::Record other = log;
   other.sample_time = 0.004;
   for (std::size_t k = 0; k < other.t.size(); ++k) other.t[k] = 0.004 * static_cast<double>(k);
-  EXPECT_THROW(fit_bristle({log, other}, known(d)), Refused);
+  EXPECT_THAT(
+      [&] {
+        fit_bristle({log, other}, known(d));
+      },
+      ThrowsMessage<Refused>(HasSubstr("records of one fit need one sampling time")));
   BristleOptions many;
   many.elements = 9;
-  EXPECT_THROW(fit_bristle({log}, known(d), many), Refused);
+  EXPECT_THAT([&] { fit_bristle({log}, known(d), many); },
+              ThrowsMessage<Refused>(HasSubstr("GMS elements; expected 2 to 6")));
 }
 
 TEST(BristleFit, SameLogSameBytes) {

@@ -287,7 +287,8 @@ TEST(Excitation, GcodeRepeatsTheTable) {
   EXPECT_NEAR(x, e.r.back() * 1e3, 1e-6);
   EXPECT_NEAR(lowest, -20.0, 1e-3);
   EXPECT_NEAR(time, e.t.back(), 0.02 * e.t.back());
-  EXPECT_THROW(as_gcode(e, "spindle", "table"), Refused);
+  EXPECT_THAT([&] { as_gcode(e, "spindle", "table"); },
+              ThrowsMessage<Refused>(HasSubstr("axis spindle has no letter of its own")));
   const Excitation pulses = design_pulses(kTable, kRough, kPeriod);
   EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
 }

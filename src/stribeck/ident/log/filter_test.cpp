@@ -10,6 +10,9 @@
 namespace stribeck::ident::log {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
 std::vector<double> signal() {
   std::vector<double> x;
   for (int k = 0; k < 60; ++k) x.push_back(std::sin(0.11 * k) + 0.01 * k + 0.3 * std::cos(2.1 * k));
@@ -82,10 +85,14 @@ TEST(Filter, ReversedTimeGivesReversedOutputOfASymmetricFilterPair) {
 }
 
 TEST(Filter, RefusesWhatItCannotDo) {
-  EXPECT_THROW(butterworth(0, 0.2), std::invalid_argument);
-  EXPECT_THROW(butterworth(4, 1.0), std::invalid_argument);
-  EXPECT_THROW(chebyshev_1(4, 0.0, 0.2), std::invalid_argument);
-  EXPECT_THROW(forward_backward(butterworth(4, 0.2), std::vector<double>(12, 1.0)), std::invalid_argument);
+  EXPECT_THAT([&] { butterworth(0, 0.2); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("order must be at least 1")));
+  EXPECT_THAT([&] { butterworth(4, 1.0); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("must lie between 0 and 1")));
+  EXPECT_THAT([&] { chebyshev_1(4, 0.0, 0.2); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("ripple must be positive")));
+  EXPECT_THAT([&] { forward_backward(butterworth(4, 0.2), std::vector<double>(12, 1.0)); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("too short for forward-backward filtering")));
 }
 
 }  // namespace

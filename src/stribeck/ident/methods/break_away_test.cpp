@@ -92,7 +92,7 @@ TEST(BreakAway, RefusesWhatNeverSlips) {
   EXPECT_THAT([&] { identify_break_away({r}); },
               ThrowsMessage<Refused>(
                   AllOf(HasSubstr("no slow ramp of force with a slip"), HasSubstr("more force is needed"))));
-  EXPECT_THROW(identify_break_away({}), Refused);
+  EXPECT_THAT([&] { identify_break_away({}); }, ThrowsMessage<Refused>(HasSubstr("no record given")));
 }
 
 // A controller that follows a sine pushes through break-away at every reversal, but not by a ramp from rest.

@@ -15,6 +15,9 @@
 namespace stribeck::ident::methods {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
 constexpr double kForcePerVolt = 35.15065188248547;
 
 std::filesystem::path emps_file() {
@@ -134,7 +137,8 @@ TEST(IdimLs, MirroredMotionMirrorsTheDirections) {
 TEST(IdimLs, RefusesACutOffBeyondHalfTheRate) {
   IdimOptions options;
   options.cut_off = 600.0;
-  EXPECT_THROW(identify_idim_ls(straight_drive(1.0, 1.0), options), Refused);
+  EXPECT_THAT([&] { identify_idim_ls(straight_drive(1.0, 1.0), options); },
+              ThrowsMessage<Refused>(HasSubstr("half the rate of the log")));
 }
 
 }  // namespace

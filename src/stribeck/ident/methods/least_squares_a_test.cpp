@@ -13,6 +13,9 @@
 namespace stribeck::ident::methods {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
 constexpr double kPeriod = 0.005;
 
 testing::Drive straight(double noise) {
@@ -88,7 +91,8 @@ TEST(LeastSquaresA, MirroredMotionSwapsTheDirections) {
 TEST(LeastSquaresA, RefusesWhenNothingMoves) {
   const testing::Drive drive = straight(20.0);
   const log::Record still = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
-  EXPECT_THROW(identify_least_squares_a({still}), Refused);
+  EXPECT_THAT([&] { identify_least_squares_a({still}); },
+              ThrowsMessage<Refused>(HasSubstr("motion beyond the dead band, expected at least")));
 }
 
 // Independent reference: jogs of the virtual drive. Pulses alone misjudge the viscous coefficient of a drive with a

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,9 @@
 
 namespace stribeck::ident::stats {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 double valley(const std::vector<double>& x) {
   return 100.0 * std::pow(x[1] - x[0] * x[0], 2.0) + std::pow(1.0 - x[0], 2.0);
@@ -36,8 +40,9 @@ TEST(Simplex, KeepsAwayFromWhatIsNotANumber) {
 }
 
 TEST(Simplex, RefusesAStartThatIsNotFinite) {
-  EXPECT_THROW(minimise_simplex([](const std::vector<double>&) { return std::nan(""); }, {1.0}, {1.0}),
-               Refused);
+  EXPECT_THAT(
+      [&] { minimise_simplex([](const std::vector<double>&) { return std::nan(""); }, {1.0}, {1.0}); },
+      ThrowsMessage<Refused>(HasSubstr("a start where the function is finite")));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,9 @@
 
 namespace stribeck::targets::linuxcnc {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 struct Samples {
   std::vector<double> x;
@@ -104,11 +108,15 @@ TEST(NearestPolyline, FewestPiecesWithin) {
 TEST(NearestPolyline, RefusesWhatIsNoCurve) {
   const std::vector<double> one{1.0};
   const std::vector<double> same{1.0, 1.0};
-  EXPECT_THROW(nearest_polyline(one, one, 3), std::invalid_argument);
-  EXPECT_THROW(nearest_polyline(same, same, 3), std::invalid_argument);
-  EXPECT_THROW(nearest_polyline(same, one, 3), std::invalid_argument);
+  EXPECT_THAT([&] { nearest_polyline(one, one, 3); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("needs two samples or more")));
+  EXPECT_THAT([&] { nearest_polyline(same, same, 3); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("must ascend")));
+  EXPECT_THAT([&] { nearest_polyline(same, one, 3); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("needs two samples or more")));
   const std::vector<double> up{1.0, 2.0, 3.0};
-  EXPECT_THROW(nearest_polyline(up, up, 0), std::invalid_argument);
+  EXPECT_THAT([&] { nearest_polyline(up, up, 0); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("at least one piece")));
   const std::vector<double> flat{5.0, 5.0, 5.0};
   EXPECT_LT(nearest_polyline(up, flat, 1).largest_error, 1e-5);
 }
