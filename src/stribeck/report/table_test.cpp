@@ -28,7 +28,7 @@ TEST(TextTable, ComparesWithPrint) {
       text_table(testing::two_controllers(), kBiaxialTables),
       "9.5 mm/s, contour error, mean of 4 trials ± standard deviation between them; printed: thesis, Table "
       "3.2\n"
-      "                                                                         thesis  thesis  thesis\n"
+      "                                                                          thesis  thesis  thesis\n"
       "   controller                          max  glitch         RMS  mean |ε|     max  glitch     RMS\n"
       "                                        µm      µm          µm        µm      µm      µm      µm\n"
       "a  no friction compensation     8.00 ±0.25    4.00  4.00 ±0.12      2.00   12.74   12.74    6.88\n"
