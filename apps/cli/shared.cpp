@@ -13,6 +13,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
 
 namespace stribeck::cli {
 

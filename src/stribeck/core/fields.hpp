@@ -9,7 +9,11 @@
 ///     }
 ///   };
 ///
-/// Files, error texts, --help and the reference pages are made from that list; there is no second one.
+/// Files, error texts, --help, the C interface and the reference pages are made from that list, all through walk_fields.hpp;
+/// there is no second one. A setting that only counts beside another says so:
+///
+///   field("pole", &Observer::pole, …).when([](const Observer& o) { return o.on; }, "goes with on = true")
+///
 /// Members may be: a number with a unit (double, or a Real scalar), int, bool, std::string, an enumeration
 /// with names (see enum_names), a struct with fields(), std::optional of these (absent is not zero),
 /// FixedVector, std::vector or std::array of these, and std::variant of structs each with a `static constexpr
@@ -17,7 +21,9 @@
 /// people read.
 /// Real time: safe (constants only).
 
+#include <array>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
@@ -69,12 +75,26 @@ struct Field {
   Quantity quantity;
   std::string_view doc;
   bool required = true;
+  std::string_view condition{};                ///< when it has an effect, in words; "": always
+  bool (*has_effect)(const Owner&) = nullptr;  ///< the same as a question; null: always
 
   /// The key may be left out; the member then keeps its initial value.
   [[nodiscard]] constexpr Field or_default() const noexcept {
     Field f = *this;
     f.required = false;
     return f;
+  }
+  /// It has an effect only then. `words` reads "goes with …": files refuse it otherwise.
+  [[nodiscard]] constexpr Field when(bool (*effect)(const Owner&), std::string_view words) const noexcept {
+    Field f = *this;
+    f.condition = words;
+    f.has_effect = effect;
+    return f;
+  }
+  /// The same parameter of a struct that inherits it, where it may have an effect at other times.
+  template <class Derived>
+  [[nodiscard]] constexpr Field<Derived, Member> of() const noexcept {
+    return {name, member, quantity, doc, required};
   }
 };
 
@@ -88,6 +108,11 @@ template <class Owner, class Member>
 constexpr Field<Owner, Member> field(std::string_view name, Member Owner::*member,
                                      std::string_view doc) noexcept {
   return {name, member, {}, doc};
+}
+/// For a struct whose parameters count as the owner's own: its name adds nothing to theirs.
+template <class Owner, class Member>
+constexpr Field<Owner, Member> embedded(Member Owner::*member) noexcept {
+  return {"", member, {}, ""};
 }
 
 template <class T>
@@ -109,5 +134,31 @@ template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires {
   EnumNames<E>::names;
 };
+
+/// Name of a value; "" for a value that has none.
+template <NamedEnum E>
+constexpr std::string_view enum_name(E wanted) noexcept {
+  for (const auto& [value, name] : EnumNames<E>::names) {
+    if (value == wanted) return name;
+  }
+  return {};
+}
+
+/// Value of a name; nothing for a name that is none.
+template <NamedEnum E>
+constexpr std::optional<E> enum_value(std::string_view wanted) noexcept {
+  for (const auto& [value, name] : EnumNames<E>::names) {
+    if (name == wanted) return value;
+  }
+  return std::nullopt;
+}
+
+/// All names, in the order of their declaration.
+template <NamedEnum E>
+inline constexpr auto kEnumWords = [] {
+  std::array<std::string_view, EnumNames<E>::names.size()> words;
+  for (std::size_t i = 0; i < words.size(); ++i) words[i] = EnumNames<E>::names[i].second;
+  return words;
+}();
 
 }  // namespace stribeck

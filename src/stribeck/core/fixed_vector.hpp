@@ -31,6 +31,12 @@ class FixedVector {
     return true;
   }
   constexpr void clear() noexcept { size_ = 0; }
+  /// New elements are T{}; no longer than N.
+  constexpr void resize(std::size_t n) noexcept {
+    if (n > N) n = N;
+    while (size_ < n) items_[size_++] = T{};
+    size_ = n;
+  }
 
   constexpr T& operator[](std::size_t i) noexcept { return assert(i < size_), items_[i]; }
   constexpr const T& operator[](std::size_t i) const noexcept { return assert(i < size_), items_[i]; }

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <random>
+#include <stribeck/io/keys.hpp>
 #include <stribeck/io/toml.hpp>
 
 namespace stribeck::io::test {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <stribeck/core/walk_fields.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/json.hpp>
@@ -8,8 +10,6 @@
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/sim/cutting_estimate.hpp>
-#include <type_traits>
-#include <variant>
 
 namespace stribeck::report {
 namespace {
@@ -48,50 +48,62 @@ Json cutting_json(const sim::CuttingFigures& c) {
           {"rms_error_N", number_or_null(c.rms_error)}};
 }
 
-template <class T>
-Json members(const T& value, const ShownUnits& units);
+Json members(const Value& group, const ShownUnits& units);
+
+/// Numbers in the unit that is shown, and that unit.
+struct InUnit {
+  std::string unit;
+  io::Conversion to_shown;
+
+  InUnit(const Quantity& q, const ShownUnits& units)
+      : unit(units.chosen(q.unit, q.shown)),
+        to_shown(unit == q.unit ? io::Conversion() : io::conversion(q.unit, unit)) {}
+  [[nodiscard]] Json operator()(double v) const { return number_or_null(to_shown(v)); }
+};
 
 /// A declared parameter (core/fields.hpp): a number with its unit, a name, a table or a list of these.
-template <class T>
-Json value_of_field(const T& value, const Quantity& q, const ShownUnits& units) {
-  if constexpr (requires { value.has_value(); }) {
-    return value ? value_of_field(*value, q, units) : Json(nullptr);
-  } else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::array<double, 2>>) {
-    const std::string unit(units.chosen(q.unit, q.shown));
-    const io::Conversion to_shown = unit == q.unit ? io::Conversion() : io::conversion(q.unit, unit);
-    const auto one = [&](double v) { return number_or_null(to_shown(v)); };
-    if constexpr (std::is_same_v<T, double>) {
-      return unit.empty() ? one(value) : Json{{"value", one(value)}, {"unit", units.named(unit)}};
-    } else {
-      return Json{{"value", Json::array({one(value[0]), one(value[1])})}, {"unit", units.named(unit)}};
+Json value_of_field(const Value& value, const Quantity& q, const ShownUnits& units) {
+  switch (value.kind()) {
+    case Kind::kOptional:
+      return value.size() > 0 ? value_of_field(value[0], q, units) : Json(nullptr);
+    case Kind::kNumber: {
+      const InUnit in_unit(q, units);
+      const Json x = in_unit(value.number());
+      return in_unit.unit.empty() ? x : Json{{"value", x}, {"unit", units.named(in_unit.unit)}};
     }
-  } else if constexpr (NamedEnum<T>) {
-    for (const auto& [at, name] : EnumNames<T>::names) {
-      if (at == value) return std::string(name);
+    case Kind::kSwitch:
+      return value.number() != 0.0;
+    case Kind::kCount:
+      return static_cast<std::int64_t>(value.number());
+    case Kind::kText:
+      return std::string(value.text());
+    case Kind::kChoice:
+      return std::string(value.word());
+    case Kind::kGroup:
+      return members(value, units);
+    case Kind::kVariant: {
+      Json out = {{"kind", std::string(value.word())}};
+      out.update(members(value.chosen(), units));
+      return out;
     }
-    return nullptr;
-  } else if constexpr (HasFields<T>) {
-    return members(value, units);
-  } else if constexpr (requires { std::variant_size<T>::value; }) {
-    return std::visit(
-        [&](const auto& chosen) {
-          Json out = {{"kind", std::string(chosen.kKind)}};
-          out.update(members(chosen, units));
-          return out;
-        },
-        value);
-  } else {
-    Json list = Json::array();
-    for (const auto& item : value) list.push_back(value_of_field(item, q, units));
-    return list;
+    case Kind::kList:
+    case Kind::kNamed:
+      break;
   }
+  Json list = Json::array();
+  // From, to: one unit for both.
+  const bool range = value.has_fixed_size() && value.type().inner->kind == Kind::kNumber;
+  const InUnit in_unit(q, units);
+  for (std::size_t i = 0; i < value.size(); ++i)
+    list.push_back(range ? in_unit(value[i].number()) : value_of_field(value[i], q, units));
+  return range ? Json{{"value", std::move(list)}, {"unit", units.named(in_unit.unit)}} : list;
 }
 
-template <class T>
-Json members(const T& value, const ShownUnits& units) {
+Json members(const Value& group, const ShownUnits& units) {
   Json out = Json::object();
-  for_each_field<T>(
-      [&](const auto& f) { out[std::string(f.name)] = value_of_field(value.*f.member, f.quantity, units); });
+  for_each_member(group, [&](const Member& m) {
+    out[std::string(m.info.name)] = value_of_field(m.value, m.info.quantity, units);
+  });
   return out;
 }
 
@@ -230,7 +242,7 @@ nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axi
     models.push_back(std::move(one));
   }
   out["models"] = std::move(models);
-  out["friction"] = members(result.friction, units);
+  out["friction"] = members(value_of(result.friction), units);
   const double way = result.break_away_distance;
   put(out, "break_away", "um", units.linear(), number_or_null(way * kMicro), number_or_null(way));
   out["cannot_tell"] = result.cannot_tell;

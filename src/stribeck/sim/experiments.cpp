@@ -283,8 +283,8 @@ std::vector<ControllerSpec> sliding_controllers() {
   std::vector<ControllerSpec> all(2);
   all[0] = {"a", "sliding mode + conventional friction", kConventional, Observer::kNone, law};
   law.gamma = {5e-3, 10e-3, 10e-3};
-  all[1] = {"b",  "sliding mode + adaptive friction", kNominal, Observer::kAdaptive, law,
-            20.0, PerAxis{10.0, 20.0, 20.0}};
+  all[1] = {"b", "sliding mode + adaptive friction", kNominal, Observer::kAdaptive, law};
+  all[1].adaptive_gain = {10.0, 20.0, 20.0};
   return all;
 }
 
@@ -331,9 +331,7 @@ Experiment sliding(const char* id, const char* title, const char* source, const 
 Travel along(path::Shape shape, double size, double speed, double laps) {
   Travel t;
   t.path = path::Curve{shape, size};
-  for (const auto& [value, name] : EnumNames<path::Shape>::names) {
-    if (value == shape) t.name = fmt::format("{} of {:.6g} mm", name, size * 1e3);
-  }
+  t.name = fmt::format("{} of {:.6g} mm", enum_name(shape), size * 1e3);
   t.speed = speed;
   t.laps = laps;
   return t;

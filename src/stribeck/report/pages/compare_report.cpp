@@ -591,14 +591,6 @@ FrictionMap map_of(const AxisEvidence& e, const std::string& axis, double speed)
   return map;
 }
 
-template <NamedEnum E>
-std::string_view name_of_enum(E wanted) {
-  for (const auto& [value, name] : EnumNames<E>::names) {
-    if (value == wanted) return name;
-  }
-  return "";
-}
-
 void settings(Page& page, const CompareReportInput& input) {
   const sim::CompareSpec& spec = input.result.spec;
   Table t{"", {{"", "", false}, {"", "", false}}, {}};
@@ -618,7 +610,7 @@ void settings(Page& page, const CompareReportInput& input) {
       add("path", fmt::format("{}, {} laps after a run-in of {} s", first.name, short_number(first.laps),
                               short_number(first.run_in)));
     }
-    if (first.axes() > 2) add("frame", std::string(name_of_enum(first.frame)));
+    if (first.axes() > 2) add("frame", std::string(enum_name(first.frame)));
   }
   add("speeds", listed(paces));
   add("control period", short_number(input.result.period * kMilli) + " ms");

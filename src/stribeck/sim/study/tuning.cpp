@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <stribeck/core/walk_fields.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/sim/study/tuning_search.hpp>
 
@@ -25,25 +26,24 @@ std::optional<int> power_of_time(std::string_view unit) {
   return {};
 }
 
-template <class Owner>
-void collect(Owner& owner, const std::string& place, std::size_t axes, std::vector<Gain>& gains) {
-  for_each_field<Owner>([&](const auto& field) {
-    auto& member = owner.*field.member;
-    using Member = std::decay_t<decltype(member)>;
-    const std::string name = place + std::string(field.name);
-    const auto power = power_of_time(field.quantity.unit);
-    const auto add = [&](const std::string& full, double& value) {
-      if (power && value > 0.0 && std::isfinite(value))
-        gains.push_back({full, field.quantity, *power, &value});
+/// Numbers and lists of numbers of a controller and of its law; not what is optional, and nothing of its tables.
+void collect(const Target& owner, const std::string& place, std::size_t axes, std::vector<Gain>& gains) {
+  for_each_member(owner, [&](const TargetMember& m) {
+    const std::string name = place + std::string(m.info.name);
+    const auto power = power_of_time(m.info.quantity.unit);
+    const auto add = [&](const std::string& full, const Target& number) {
+      auto* value = static_cast<double*>(number.object());
+      if (power && *value > 0.0 && std::isfinite(*value))
+        gains.push_back({full, m.info.quantity, *power, value});
     };
-    if constexpr (std::is_same_v<Member, double>) {
-      add(name, member);
-    } else if constexpr (std::is_same_v<Member, control::PerAxis>) {
-      for (std::size_t i = 0; i < std::min(member.size(), axes); ++i) {
-        add(member.size() > 1 ? name + "[" + std::to_string(i) + "]" : name, member[i]);
-      }
-    } else if constexpr (std::is_same_v<Member, control::LawParams>) {
-      std::visit([&](auto& law) { collect(law, name + ".", axes, gains); }, member);
+    if (m.value.kind() == Kind::kNumber) {
+      add(name, m.value);
+    } else if (m.value.kind() == Kind::kList && m.value.type().inner->kind == Kind::kNumber) {
+      const std::size_t n = m.value.size();
+      for (std::size_t i = 0; i < std::min(n, axes); ++i)
+        add(n > 1 ? name + "[" + std::to_string(i) + "]" : name, m.value[i]);
+    } else if (m.value.kind() == Kind::kVariant) {
+      collect(m.value.chosen(), name + ".", axes, gains);
     }
   });
 }
@@ -123,7 +123,7 @@ std::vector<TravelScore> scores(const CompareResult& run, std::size_t which, std
 
 std::vector<Gain> gains_of(ControllerSpec& controller, std::size_t axes) {
   std::vector<Gain> gains;
-  collect(controller, "", axes, gains);
+  collect(target_of(controller), "", axes, gains);
   return gains;
 }
 

@@ -4,9 +4,9 @@
 #include <boost/random/mersenne_twister.hpp>
 #include <cmath>
 #include <random>
+#include <stribeck/core/walk_fields.hpp>
 #include <stribeck/sim/contour_run.hpp>
 #include <stribeck/sim/study/variation.hpp>
-#include <type_traits>
 
 namespace stribeck::sim {
 namespace {
@@ -41,29 +41,27 @@ double level_at_rest(const friction::Model& model) {
   return 0.5 * (model.parts(kAtRest, 0.0).level + model.parts(-kAtRest, 0.0).level);
 }
 
-template <class T>
-void check_fields(const T& owner) {
-  const auto refuse = [](std::string_view key, const std::string& message) {
-    throw Refused("variation." + std::string(key) + ": " + message);
-  };
-  for_each_field<T>([&](const auto& f) {
-    const auto& member = owner.*f.member;
-    using M = std::decay_t<decltype(member)>;
-    const auto check_number = [&](double x) {
-      if (f.quantity.permits(x)) return;
-      refuse(f.name,
-             fmt::format("got {:.6g}, expected {} {:.6g} and at most {:.6g}", x,
-                         f.quantity.min_excluded ? "above" : "at least", f.quantity.min, f.quantity.max));
-    };
-    if constexpr (std::is_arithmetic_v<M>) {
-      check_number(static_cast<double>(member));
-    } else if constexpr (std::is_same_v<M, std::array<double, 2>>) {
-      for (const double x : member) check_number(x);
-    } else if (member) {
-      check_fields(*member);
-    }
-  });
-  owner.validate([&](std::string_view key, const char* message) { refuse(key, message); });
+[[noreturn]] void refuse(std::string_view key, std::string_view message) {
+  throw Refused("variation." + std::string(key) + ": " + std::string(message));
+}
+
+void check_fields(const Value& group);
+
+void check_value(const Value& value, const FieldInfo& info) {
+  if (value.is_scalar()) {
+    const double x = value.number();
+    if (info.quantity.permits(x)) return;
+    refuse(info.name, fmt::format("got {:.6g}, expected {} {:.6g} and at most {:.6g}", x,
+                                  info.quantity.min_excluded ? "above" : "at least", info.quantity.min,
+                                  info.quantity.max));
+  }
+  if (value.kind() == Kind::kGroup) return check_fields(value);
+  for (std::size_t i = 0; i < value.size(); ++i) check_value(value[i], info);
+}
+
+void check_fields(const Value& group) {
+  for_each_member(group, [](const Member& m) { check_value(m.value, m.info); });
+  validate(group, [](std::string_view key, std::string_view message) { refuse(key, message); });
 }
 
 }  // namespace
@@ -142,6 +140,6 @@ Variation vary_only(std::string_view factor) {
   return one;
 }
 
-void check(const Variation& variation) { check_fields(variation); }
+void check(const Variation& variation) { check_fields(value_of(variation)); }
 
 }  // namespace stribeck::sim
