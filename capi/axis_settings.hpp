@@ -1,6 +1,6 @@
 #pragma once
-/// The parameters of one axis of a controller, with the names that the C interface gives them. What is in no file has its
-/// fields here.
+/// The parameters of one axis of a controller, with the names that the C interface gives them. Those of the compensation are
+/// declared in control/compensation; what is in no file has its fields here.
 /// Real time: configure only.
 
 #include "law_settings.hpp"
@@ -30,52 +30,7 @@ struct AxisSettings {
               "rate of the error: difference-of-error, late, or observed by kalman; axis 0 decides"),
         field("law", &S::law,
               "control law: contouring, sliding-mode, predictive or learning; the same on all axes"),
-        field("", &S::compensation, "")};
-  }
-};
-
-template <>
-struct FieldsOf<control::CompensationParams> {
-  static constexpr auto get() {
-    using P = control::CompensationParams;
-    return std::tuple{
-        field("", &P::model, ""),
-        field("feedforward", &P::feedforward, "how friction is fed forward: none, steady, dynamic, reversal"),
-        field("observer", &P::observer, "whose estimate is added: none, disturbance, kalman, adaptive"),
-        field("observer_pole", &P::observer_pole, quantity("1/s", "1/s").positive(),
-              "poles of the disturbance observer, or bandwidth of the Kalman observer"),
-        field("adaptive_gain", &P::adaptive_gain, quantity("1/s", "1/s").positive(),
-              "gain of adaptive friction"),
-        field("disturbance_density", &P::disturbance_density, quantity("N2/s", "N2/s").positive(),
-              "Kalman observer: how fast the disturbance walks; left out: as observer_pole asks for"),
-        field("encoder_resolution", &P::encoder_resolution, quantity("m", "nm").positive(),
-              "step of the encoder"),
-        field("adaptation", &P::adaptation, ""),
-        field("reversal", &P::reversal, ""),
-        field("guarded", &P::guarded, "back off when the loop oscillates")};
-  }
-};
-
-template <>
-struct FieldsOf<control::AdaptationParams> {
-  static constexpr auto get() {
-    using P = control::AdaptationParams;
-    return std::tuple{
-        field("enabled", &P::enabled, "correct the friction model on line"),
-        field("memory", &P::memory, quantity("s", "s").positive(), "time over which it forgets"),
-        field("level_spread", &P::level_spread, pure_number().not_negative(),
-              "how far the level may be off, as a share"),
-        field("viscous_spread", &P::viscous_spread, pure_number().not_negative(),
-              "the same of viscous friction"),
-        field("stiffness_spread", &P::stiffness_spread, pure_number().not_negative(),
-              "the same of bristle stiffness"),
-        field("mass_spread", &P::mass_spread, pure_number().not_negative(), "the same of the mass"),
-        field("delay_spread", &P::delay_spread, pure_number().not_negative(),
-              "how far the delay may be off, in periods"),
-        field("noise_share", &P::noise_share, pure_number().positive(),
-              "least noise, as a share of the level at rest"),
-        field("correlation", &P::correlation, quantity("s", "ms").positive(),
-              "correlation time of that noise")};
+        embedded(&S::compensation)};
   }
 };
 

@@ -19,6 +19,8 @@ constexpr double kMassBound = 0.1;
 
 constexpr std::string_view kAxis[] = {"axis 0: ", "axis 1: ", "axis 2: "};
 
+Value initial_settings() noexcept { return initial_of(type_of<capi::AxisSettings>); }
+
 /// What the gains of an axis are, whatever the law.
 double kp_of(const capi::AxisSettings& s) noexcept { return s.kp.value_or(s.omega * s.omega); }
 double kv_of(const capi::AxisSettings& s) noexcept { return s.kv.value_or(2.0 * s.omega); }
@@ -58,7 +60,8 @@ void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refus
   for (control::PerAxis* list :
        {&p.lambda, &p.a, &p.gamma, &p.mass_bound, &p.force_bound, &p.gamma_least, &p.gamma_most})
     list->clear();
-  double coupling = 0.0;
+  Vec<double, N> masses;
+  Vec<double, N> bounds;
   for (std::size_t i = 0; i < N; ++i) {
     const auto& law = std::get<capi::SlidingModeLaw>(c.settings[i].law);
     const double omega = c.settings[i].omega;
@@ -74,10 +77,10 @@ void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refus
     if (!(bound < mass)) refuse(i, "sliding-mode.mass_bound", "expected less than the mass");
     if (p.gamma_least[i] > p.gamma_most[i])
       refuse(i, "sliding-mode.gamma_most", "expected at least gamma_least");
-    coupling += bound / (mass - bound);
+    masses[i] = mass;
+    bounds[i] = bound;
   }
-  // SlidingMode::sufficient_gain_exists()
-  if (p.gain == control::SwitchingGain::kSufficient && !(coupling < 1.0)) {
+  if (p.gain == control::SwitchingGain::kSufficient && !control::sufficient_gain_exists(masses, bounds)) {
     refuse(0, "sliding-mode.gain",
            "none is sufficient: mass_bound/(mass - mass_bound), summed over the axes, must be below 1");
   }
@@ -128,7 +131,8 @@ stribeck_result start(Controller<N>& c, double period) {
   if constexpr (requires { Settings::shared; }) {
     params = std::get<I>(c.settings[0].law).shared;
     for (std::size_t i = 1; i < N; ++i) {
-      if (!capi::same_shared(params, std::get<I>(c.settings[i].law).shared))
+      if (!same(value_of(std::get<I>(c.settings[0].law).shared),
+                value_of(std::get<I>(c.settings[i].law).shared)))
         refuse(i, Settings::kKind, "what is not per axis must be the same on all axes");
     }
   }
@@ -162,21 +166,17 @@ stribeck_result start(Controller<N>& c, double period) {
 
 template <std::size_t N>
 stribeck_result configure(Controller<N>& c, double period) {
-  static const capi::AxisSettings kInitial;
   for (std::size_t i = 0; i < N; ++i) {
-    capi::Name name;
-    const bool sound =
-        capi::check(name, c.settings[i], kInitial, {}, [&](std::string_view key, std::string_view what) {
-          c.problem.set({kAxis[i], key, ": ", what});
-        });
+    const bool sound = capi::check(value_of(c.settings[i]), [&](std::string_view key, std::string_view what) {
+      c.problem.set({kAxis[i], key, ": ", what});
+    });
     if (!sound) return STRIBECK_REFUSED;
-    if (c.settings[i].compensation.model.delay > period * static_cast<double>(control::kMostDelay)) {
+    if (!control::delay_fits(c.settings[i].compensation.model.delay, period)) {
       c.problem.set({kAxis[i], "delay: longer than eight periods"});
       return STRIBECK_REFUSED;
     }
-    const auto observed = c.settings[0].error_rate == control::ErrorRate::kObserved;
-    if (observed && c.settings[i].compensation.observer != control::Observer::kKalman) {
-      c.problem.set({kAxis[i], "error_rate: \"observed\" needs observer \"kalman\""});
+    if (!control::rate_is_known(c.settings[0].error_rate, c.settings[i].compensation.observer)) {
+      c.problem.set({kAxis[i], "error_rate: ", control::kRateIsUnknown});
       return STRIBECK_REFUSED;
     }
     if (c.settings[i].law.index() != c.settings[0].law.index()) {
@@ -269,11 +269,11 @@ stribeck_controller* stribeck_controller_init(void* memory, std::size_t size, st
 }
 
 stribeck_result stribeck_controller_parameter(std::uint32_t index, stribeck_parameter* out) noexcept {
-  return capi::parameter_at(capi::AxisSettings{}, index, out);
+  return capi::parameter_at(initial_settings(), index, out);
 }
 
 const char* stribeck_controller_parameter_word(const char* name, std::uint32_t index) noexcept {
-  return capi::word_at(capi::AxisSettings{}, name, index);
+  return capi::word_at(initial_settings(), name, index);
 }
 
 stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t axis, const char* name,
@@ -284,7 +284,7 @@ stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t ax
     return STRIBECK_BAD_ARGUMENT;
   }
   return with(c, [&](auto& whole) {
-    return capi::set_parameter(whole.settings[axis], name, value, kAxis[axis], whole.problem);
+    return capi::set_parameter(target_of(whole.settings[axis]), name, value, kAxis[axis], whole.problem);
   });
 }
 
@@ -296,8 +296,7 @@ stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t
     return STRIBECK_BAD_ARGUMENT;
   }
   return with(c, [&](auto& whole) {
-    return capi::choose_parameter(whole.settings[axis], capi::AxisSettings{}, name, word, kAxis[axis],
-                                  whole.problem);
+    return capi::choose_parameter(target_of(whole.settings[axis]), name, word, kAxis[axis], whole.problem);
   });
 }
 

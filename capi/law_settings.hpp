@@ -35,7 +35,8 @@ template <class Params, std::size_t I>
 constexpr auto shared_field() {
   constexpr auto kField = std::get<I>(Params::fields());
   using Member = typename std::decay_t<decltype(kField)>::member_type;
-  if constexpr (Is<Member>::kList || std::is_same_v<Member, control::ErrorRate> || kField.name == "omega") {
+  if constexpr (std::is_same_v<Member, control::PerAxis> || std::is_same_v<Member, control::ErrorRate> ||
+                kField.name == "omega") {
     return std::tuple{};
   } else {
     return std::tuple{kField};
@@ -51,25 +52,11 @@ constexpr auto shared_fields() {
   (std::make_index_sequence<std::tuple_size_v<decltype(Params::fields())>>());
 }
 
-template <>
-struct FieldsOf<control::SlidingModeParams> {
-  static constexpr auto get() { return shared_fields<control::SlidingModeParams>(); }
-};
-template <>
-struct FieldsOf<control::PredictiveParams> {
-  static constexpr auto get() { return shared_fields<control::PredictiveParams>(); }
-};
-template <>
-struct FieldsOf<control::LearningParams> {
-  static constexpr auto get() { return shared_fields<control::LearningParams>(); }
-};
-
-/// Whether all that is not per axis is the same.
+/// The parameters of a law that are the same on all axes.
 template <class Params>
-constexpr bool same_shared(const Params& a, const Params& b) {
-  return std::apply([&](const auto&... each) { return ((a.*each.member == b.*each.member) && ...); },
-                    shared_fields<Params>());
-}
+struct Shared : Params {
+  static constexpr auto fields() { return shared_fields<Params>(); }
+};
 
 struct ContouringLaw {
   using Params = control::ContouringParams;
@@ -81,7 +68,7 @@ struct SlidingModeLaw {
   using Params = control::SlidingModeParams;
   static constexpr std::string_view kKind = Params::kKind;
 
-  Params shared;
+  Shared<Params> shared;
   std::optional<double> lambda, a;                ///< [1/s]
   std::optional<double> gamma;                    ///< [m/s²]
   std::optional<double> mass_bound, force_bound;  ///< [kg], [N]
@@ -90,7 +77,7 @@ struct SlidingModeLaw {
   static constexpr auto fields() {
     using L = SlidingModeLaw;
     return std::tuple{
-        field("", &L::shared, ""),
+        embedded(&L::shared),
         field("lambda", &L::lambda, quantity_of<Params>("lambda"),
               "slope of the surface; axis 0: along the path, others: across it; left out: omega"),
         field("a", &L::a, quantity_of<Params>("a"),
@@ -112,12 +99,12 @@ struct PredictiveLaw {
   using Params = control::PredictiveParams;
   static constexpr std::string_view kKind = Params::kKind;
 
-  Params shared;
+  Shared<Params> shared;
   std::optional<double> speed_limit;  ///< [m/s]
 
   static constexpr auto fields() {
     using L = PredictiveLaw;
-    return std::tuple{field("", &L::shared, ""),
+    return std::tuple{embedded(&L::shared),
                       field("speed_limit", &L::speed_limit, quantity_of<Params>("speed_limit"),
                             "largest speed of the axis; left out: none")};
   }
@@ -127,13 +114,13 @@ struct LearningLaw {
   using Params = control::LearningParams;
   static constexpr std::string_view kKind = Params::kKind;
 
-  Params shared;
+  Shared<Params> shared;
   std::optional<double> lap;
 
   static constexpr auto fields() {
     using L = LearningLaw;
     return std::tuple{
-        field("", &L::shared, ""),
+        embedded(&L::shared),
         field("lap", &L::lap, pure_number().positive(),
               "range of the phase after which the path repeats; must be set, the same on all axes")};
   }

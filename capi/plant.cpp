@@ -36,10 +36,7 @@ stribeck_result guarded(stribeck_plant* p, F&& f) noexcept {
   }
 }
 
-const plant::AxisParams& initial() noexcept {
-  static const plant::AxisParams params;
-  return params;
-}
+Value initial() noexcept { return initial_of(type_of<plant::AxisParams>); }
 
 }  // namespace
 
@@ -63,12 +60,12 @@ const char* stribeck_plant_parameter_word(const char* name, std::uint32_t index)
 
 stribeck_result stribeck_plant_set(stribeck_plant* p, const char* name, double value) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;
-  return capi::set_parameter(p->params, name, value, "", p->problem);
+  return capi::set_parameter(target_of(p->params), name, value, "", p->problem);
 }
 
 stribeck_result stribeck_plant_choose(stribeck_plant* p, const char* name, const char* word) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;
-  return capi::choose_parameter(p->params, initial(), name, word, "", p->problem);
+  return capi::choose_parameter(target_of(p->params), name, word, "", p->problem);
 }
 
 const char* stribeck_plant_problem(const stribeck_plant* p) noexcept {
@@ -85,11 +82,9 @@ stribeck_result stribeck_plant_configure(stribeck_plant* p, double period, doubl
       p->problem.set({"highest speed: expected a speed above 0"});
       return STRIBECK_BAD_ARGUMENT;
     }
-    capi::Name name;
-    const bool sound =
-        capi::check(name, p->params, initial(), {}, [&](std::string_view key, std::string_view what) {
-          p->problem.set({key, ": ", what});
-        });
+    const bool sound = capi::check(value_of(p->params), [&](std::string_view key, std::string_view what) {
+      p->problem.set({key, ": ", what});
+    });
     if (!sound) return STRIBECK_REFUSED;
     plant::Axis axis(p->params, period, highest_speed);
     axis.start(0.0, {}, {});

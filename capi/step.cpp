@@ -2,6 +2,7 @@
 #include "controller.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <type_traits>

@@ -23,9 +23,7 @@ CLI::Validator one_of(std::vector<std::string> words);
 /// The words of an enumeration, for one_of().
 template <NamedEnum E>
 std::vector<std::string> words_of() {
-  std::vector<std::string> words;
-  for (const auto& [value, word] : EnumNames<E>::names) words.emplace_back(word);
-  return words;
+  return {kEnumWords<E>.begin(), kEnumWords<E>.end()};
 }
 
 }  // namespace stribeck::cli

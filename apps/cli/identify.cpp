@@ -11,10 +11,10 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
-#include <stribeck/workflow/enum_words.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 #include <stribeck/workflow/inspect.hpp>

@@ -6,7 +6,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/option_groups.hpp>
 #include <stribeck/control/laws/contouring.hpp>
-#include <stribeck/workflow/enum_words.hpp>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path_options.hpp>
 

@@ -191,6 +191,26 @@ stribeck_axis_input motion(int k) {
           8e-3 * std::sin(w * t - 1e-3) + 1e-7 * (k % 7)};
 }
 
+// Ranges and rules stand once, in control/compensation: a host meets those of controller files.
+TEST(CInterface, HasTheRulesOfControllerFiles) {
+  Handle h(1);
+  EXPECT_EQ(stribeck_controller_set(h.c, 0, "observer_pole", 2e5), STRIBECK_OUT_OF_RANGE);
+  h.set("mass", 900.0).set("friction.conventional.alpha0", 20.0).set("friction.conventional.alpha2", 4000.0);
+  h.choose("feedforward", "steady").set("adaptation.enabled", 1.0);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  EXPECT_STREQ(stribeck_controller_problem(h.c),
+               "axis 0: adaptation: corrects what is fed forward: needs feedforward = \"dynamic\" or "
+               "\"reversal\"");
+  h.choose("feedforward", "reversal");
+  h.configure();
+  // Other than in a file, what has no effect may keep its value: the observer is off.
+  h.set("observer_pole", 35.0).set("adaptive_gain", 5.0).set("disturbance_density", 4e4);
+  h.configure();
+  // A host takes it out again.
+  h.set("disturbance_density", kNan);
+  h.configure();
+}
+
 TEST(CInterface, OneAxisIsTheCppController) {
   Handle h(1);
   h.set("mass", 900.0).set("load", 10.0).set("omega", 60.0).set("force_limit", 300.0);

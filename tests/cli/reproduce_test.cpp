@@ -2,6 +2,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stribeck/workflow/built_in.hpp>
 
 #include "command.hpp"
 
@@ -118,6 +119,25 @@ TEST(Compare, RefusesWhatWouldHaveNoEffect) {
   refused("friction = \"whole\"", "friction = \"none\"", "feedforward");
   refused("kv = [\"80 1/s\"]", "kv = [\"80 1/s\"]\nerror_rate = \"observed\"", "error_rate");
   refused("\"20 1/s\"", "\"1e60 1/s\"", "observer_pole");
+  refused("observer_pole = \"20 1/s\"", "disturbance_density = \"1 N2/s\"",
+          "disturbance_density: goes with observer = \"kalman\" only: set that, or leave this out");
+  refused("observer_pole = \"20 1/s\"", "adaptive_gain = [\"5 1/s\"]", "adaptive_gain: goes with observer");
+  refused("observer_pole = \"20 1/s\"", "reversal = {lead = \"1 ms\"}", "reversal: goes with feedforward");
+  refused("adaptation = \"on\"", "adaptation = {memory = \"5 s\"}",
+          "adaptation.memory: goes with adaptation");
+}
+
+TEST(Compare, TakesTheSettingsOfAdaptationFromAFile) {
+  Folder f;
+  std::string text = text_of(kSource + "/controllers/dynamic.toml");
+  const std::string word = "adaptation = \"on\"";
+  text.replace(text.find(word), word.size(),
+               "adaptation = {enabled = true, memory = \"5 s\", mass_spread = 0.3}");
+  const sim::ControllerSpec c = workflow::read_controller(f.write("mine.toml", text));
+  EXPECT_TRUE(c.adaptation.enabled);
+  EXPECT_EQ(c.adaptation.memory, 5.0);
+  EXPECT_EQ(c.adaptation.mass_spread, 0.3);
+  EXPECT_EQ(c.adaptation.level_spread, control::AdaptationParams{}.level_spread);
 }
 
 TEST(Compare, BristlesAreNotPrinted) {

@@ -1,90 +1,73 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stribeck/core/walk_fields.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/laws.hpp>
 #include <stribeck/report/text.hpp>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace stribeck::report {
 namespace {
 
-template <class T>
-std::string members_in_words(const T& value);
+std::string members_in_words(const Value& group);
 
-/// Empty where nothing was given.
-template <class T>
-std::string value_in_words(const T& value, const Quantity& q) {
-  const auto number = [&](double x) {
-    return short_number(q.unit == q.shown ? x : io::conversion(q.unit, q.shown)(x));
-  };
-  const std::string unit = q.shown.empty() ? "" : " " + printed_unit(q.shown);
-  if constexpr (NamedEnum<T>) {
-    for (const auto& [at, name] : EnumNames<T>::names) {
-      if (at == value) return std::string(name);
-    }
-    return "";
-  } else if constexpr (std::is_same_v<T, bool>) {
-    return value ? "yes" : "no";
-  } else if constexpr (std::is_arithmetic_v<T>) {
-    return number(static_cast<double>(value)) + unit;
-  } else if constexpr (std::is_convertible_v<T, std::string>) {
-    return value;
-  } else if constexpr (requires { value.has_value(); }) {
-    return value ? value_in_words(*value, q) : "";
-  } else if constexpr (requires { std::variant_size<T>::value; }) {
-    return law_in_words(value);
-  } else if constexpr (HasFields<T>) {
-    return members_in_words(value);
-  } else {
-    std::vector<std::string> parts;
-    for (const auto& x : value) {
-      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(x)>>) {
-        parts.push_back(number(static_cast<double>(x)));
-      } else {
-        parts.push_back(value_in_words(x, q));
-      }
-    }
-    if (parts.empty()) return "";
-    return (parts.size() == 1 ? parts.front() : "(" + joined(parts, "; ") + ")") + unit;
-  }
+std::string number_in_words(const Value& value, const Quantity& q) {
+  if (value.kind() == Kind::kSwitch) return value.number() != 0.0 ? "yes" : "no";
+  const double x = value.number();
+  return short_number(value.kind() == Kind::kCount || q.unit == q.shown ? x
+                                                                        : io::conversion(q.unit, q.shown)(x));
 }
 
-template <class T>
-std::string members_in_words(const T& value) {
+std::string unit_in_words(const Quantity& q) { return q.shown.empty() ? "" : " " + printed_unit(q.shown); }
+
+std::string law_in_words(const Value& law) {
+  return fmt::format("{}: {}", law.type().label, members_in_words(law));
+}
+
+/// Empty where nothing was given.
+std::string value_in_words(const Value& value, const Quantity& q) {
+  switch (value.kind()) {
+    case Kind::kChoice:
+      return std::string(value.word());
+    case Kind::kSwitch:
+      return number_in_words(value, q);
+    case Kind::kCount:
+    case Kind::kNumber:
+      return number_in_words(value, q) + unit_in_words(q);
+    case Kind::kText:
+      return std::string(value.text());
+    case Kind::kOptional:
+      return value.size() > 0 ? value_in_words(value[0], q) : "";
+    case Kind::kVariant:
+      return law_in_words(value.chosen());
+    case Kind::kGroup:
+      return is_short(value) ? std::string(short_form(value)) : members_in_words(value);
+    case Kind::kList:
+    case Kind::kNamed:
+      break;
+  }
   std::vector<std::string> parts;
-  for_each_field<T>([&](const auto& f) {
-    const std::string words = value_in_words(value.*f.member, f.quantity);
-    if (!words.empty()) parts.push_back(fmt::format("{} {}", f.name, words));
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    parts.push_back(value[i].is_scalar() ? number_in_words(value[i], q) : value_in_words(value[i], q));
+  }
+  if (parts.empty()) return "";
+  return (parts.size() == 1 ? parts.front() : "(" + joined(parts, "; ") + ")") + unit_in_words(q);
+}
+
+std::string members_in_words(const Value& group) {
+  std::vector<std::string> parts;
+  for_each_member(group, [&](const Member& m) {
+    const std::string words = m.has_effect() ? value_in_words(m.value, m.info.quantity) : "";
+    if (!words.empty()) parts.push_back(fmt::format("{} {}", m.info.name, words));
   });
   return joined(parts, ", ");
 }
 
-/// Whether a parameter of this name changes anything. One that is not named here does.
-bool has_effect(std::string_view name, const sim::ControllerSpec& c) {
-  if (name == "feedforward") return c.friction != sim::FrictionUse::kNone;
-  if (name == "observer_pole")
-    return c.observer == control::Observer::kDisturbance ||
-           (c.observer == control::Observer::kKalman && !c.disturbance_density);
-  if (name == "disturbance_density") return c.observer == control::Observer::kKalman;
-  if (name == "adaptive_gain") return c.observer == control::Observer::kAdaptive;
-  if (name == "reversal") return c.feedforward == control::Feedforward::kReversal;
-  return name != "id" && name != "label" && name != "law";
-}
-
 }  // namespace
 
-std::string law_in_words(const control::LawParams& law) {
-  return std::visit(
-      [](const auto& params) {
-        using P = std::decay_t<decltype(params)>;
-        return fmt::format("{}: {}", P::kLabel, members_in_words(params));
-      },
-      law);
-}
+std::string law_in_words(const control::LawParams& law) { return law_in_words(value_of(law).chosen()); }
 
 std::vector<std::pair<std::string, std::string>> laws_in_words(
     const std::vector<sim::ControllerSpec>& controllers) {
@@ -107,18 +90,24 @@ Table controllers_in_words(const std::vector<sim::ControllerSpec>& controllers) 
     const sim::ControllerSpec& c = controllers[k];
     t.rows.push_back({{"(" + c.id + ")", "", c.label, false, controller_color(c.id, k)}});
   }
-  for_each_field<sim::ControllerSpec>([&](const auto& f) {
+  // What every controller has of one parameter, column by column.
+  const auto words_of = [](const sim::ControllerSpec& c, std::string_view name) {
+    std::string words;
+    for_each_member(value_of(c), [&](const Member& m) {
+      if (m.info.name != name || !m.has_effect()) return;
+      words = value_in_words(m.value, m.info.quantity);
+      if (name == "reversal" && words.empty()) words = "as the model has it";
+    });
+    return words;
+  };
+  for_each_member(initial_of(type_of<sim::ControllerSpec>), [&](const Member& m) {
+    const std::string_view name = m.info.name;
+    // In the first column, or in a list of their own.
+    if (name == "id" || name == "label" || name == "law") return;
     std::vector<std::string> column;
-    for (const sim::ControllerSpec& c : controllers) {
-      std::string words;
-      if (has_effect(f.name, c)) {
-        words = value_in_words(c.*f.member, f.quantity);
-        if (f.name == "reversal" && words.empty()) words = "as the model has it";
-      }
-      column.push_back(std::move(words));
-    }
+    for (const sim::ControllerSpec& c : controllers) column.push_back(words_of(c, name));
     if (std::all_of(column.begin(), column.end(), [](const std::string& w) { return w.empty(); })) return;
-    t.columns.push_back({std::string(f.name), "", false});
+    t.columns.push_back({std::string(name), "", false});
     for (std::size_t k = 0; k < column.size(); ++k)
       t.rows[k].push_back({column[k].empty() ? "–" : column[k]});
   });

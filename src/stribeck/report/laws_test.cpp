@@ -33,7 +33,7 @@ std::vector<sim::ControllerSpec> three() {
   i.id = "i";
   i.friction = sim::FrictionUse::kWhole;
   i.feedforward = control::Feedforward::kReversal;
-  i.adaptation = control::Adaptation::kOn;
+  i.adaptation.enabled = true;
   i.observer = control::Observer::kKalman;
   i.disturbance_density = 4e4;
   i.reversal.distance = 4e-6;

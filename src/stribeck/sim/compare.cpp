@@ -260,12 +260,11 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;
     c.adaptive_gain = adaptive[i];
-    if (which.disturbance_density) c.disturbance_density = *which.disturbance_density;
-    c.guarded =
-        which.feedforward != control::Feedforward::kSteady || which.adaptation != control::Adaptation::kOff;
-    c.adaptation.enabled = which.adaptation == control::Adaptation::kOn;
+    c.disturbance_density = which.disturbance_density;
+    c.guarded = which.feedforward != control::Feedforward::kSteady || which.adaptation.enabled;
+    c.adaptation = which.adaptation;
     c.reversal = which.reversal;
-    if (!(c.model.delay <= static_cast<double>(control::kMostDelay) * machine.sample_time)) {
+    if (!control::delay_fits(c.model.delay, machine.sample_time)) {
       throw Refused(
           fmt::format("axis {}: a delay of {:.4g} ms, expected at most {} control periods ({:.4g} ms)", name,
                       c.model.delay * 1e3, control::kMostDelay,

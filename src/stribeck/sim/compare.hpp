@@ -41,46 +41,38 @@ struct stribeck::EnumNames<stribeck::sim::FrictionUse> {
 namespace stribeck::sim {
 
 /// A control law with its feed-forward and its observer.
-struct ControllerSpec {
+struct ControllerSpec : control::CompensationSettings<control::PerAxis> {
   std::string id;
   std::string label;
   FrictionUse friction = FrictionUse::kNone;
-  control::Observer observer = control::Observer::kNone;
   control::LawParams law{};
-  double observer_pole = 20.0;  ///< of the disturbance observer, or bandwidth of the Kalman observer [1/s]
-  control::PerAxis adaptive_gain{20.0};  ///< K_c of adaptive friction, per axis [1/s]
-  control::Feedforward feedforward = control::Feedforward::kSteady;
-  std::optional<double> disturbance_density{};  ///< of the Kalman observer [N²/s]; left out: by observer_pole
-  control::Adaptation adaptation = control::Adaptation::kOff;
-  control::ReversalParams reversal{};
+
+  ControllerSpec() : ControllerSpec({}, {}, FrictionUse::kNone, control::Observer::kNone) {}
+  ControllerSpec(std::string its_id, std::string its_label, FrictionUse use, control::Observer added,
+                 control::LawParams its_law = {})
+      : id(std::move(its_id)), label(std::move(its_label)), friction(use), law(std::move(its_law)) {
+    feedforward = control::Feedforward::kSteady;
+    observer = added;
+  }
 
   static constexpr auto fields() {
     using S = ControllerSpec;
-    return std::tuple{
-        field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
-        field("label", &S::label, "what it is, in words"),
-        field("friction", &S::friction,
-              "which identified model is fed forward: none, viscous, conventional, gaussian, eccentric, "
-              "whole (with its bristles) or nominal")
-            .or_default(),
-        field("feedforward", &S::feedforward,
-              "how friction is fed forward: none, steady (as in the thesis), dynamic or reversal")
-            .or_default(),
-        field("observer", &S::observer, "none, disturbance, kalman or adaptive").or_default(),
-        field("observer_pole", &S::observer_pole, quantity("1/s", "1/s").positive().at_most(1e5),
-              "both poles of the disturbance observer, or the bandwidth of the Kalman observer")
-            .or_default(),
-        field("disturbance_density", &S::disturbance_density, quantity("N2/s", "N2/s").positive(),
-              "Kalman observer: how fast the disturbance walks; left out: as observer_pole asks for")
-            .or_default(),
-        field("adaptive_gain", &S::adaptive_gain, quantity("1/s", "1/s").positive(),
-              "gain of adaptive friction, per axis; the last one stands for the rest")
-            .or_default(),
-        field("adaptation", &S::adaptation, "correct the friction model on line: off or on").or_default(),
-        field("reversal", &S::reversal,
-              "how friction builds up after a reversal, with feedforward = \"reversal\"")
-            .or_default(),
-        field("law", &S::law, "control law with its gains")};
+    return std::tuple_cat(
+        std::tuple{field("id", &S::id, "short name, at most 16 letters, digits and hyphens"),
+                   field("label", &S::label, "what it is, in words"),
+                   field("friction", &S::friction,
+                         "which identified model is fed forward: none, viscous, conventional, gaussian, "
+                         "eccentric, whole (with its bristles) or nominal")
+                       .or_default()},
+        std::apply(
+            [](const auto& feedforward_field, const auto&... rest) {
+              return std::tuple{feedforward_field.template of<S>().when(
+                                    [](const S& s) { return s.friction != FrictionUse::kNone; },
+                                    "goes with a friction model (friction other than \"none\")"),
+                                rest...};
+            },
+            CompensationSettings::fields()),
+        std::tuple{field("law", &S::law, "control law with its gains")});
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -88,32 +80,18 @@ struct ControllerSpec {
     if (id.empty() || id.size() > 16 || id.find_first_not_of(kPermitted) != std::string::npos)
       report("id", "expected 1 to 16 letters, digits and hyphens, e.g. pid");
     if (label.empty() || label.size() > 60) report("label", "expected 1 to 60 characters");
-    const bool ahead =
-        feedforward == control::Feedforward::kDynamic || feedforward == control::Feedforward::kReversal;
-    const bool frictionless = friction == FrictionUse::kNone || friction == FrictionUse::kViscous;
-    if (ahead && frictionless)
+    CompensationSettings::validate(report);
+    if (looks_ahead() && friction == FrictionUse::kViscous)
       report("feedforward",
              "dynamic and reversal need a friction model with a level: friction = \"whole\" or \"gaussian\"");
-    if (adaptation != control::Adaptation::kOff && !ahead)
-      report("adaptation", "corrects what is fed forward: needs feedforward = \"dynamic\" or \"reversal\"");
-    if (feedforward != control::Feedforward::kReversal &&
-        (reversal.distance || !reversal.build_up.empty() || reversal.lead != 0.0 || reversal.rate_limit ||
-         reversal.short_move))
-      report("reversal", "shapes feedforward = \"reversal\" only: set that, or leave this out");
-    if (disturbance_density && observer != control::Observer::kKalman)
-      report("disturbance_density", "goes with observer = \"kalman\" only: set that, or leave this out");
-    const bool observed = std::visit(
-        [](const auto& params) {
+    std::visit(
+        [&](const auto& params) {
           if constexpr (requires { params.error_rate; }) {
-            return params.error_rate == control::ErrorRate::kObserved;
-          } else {
-            return false;
+            if (!control::rate_is_known(params.error_rate, observer))
+              report("law.error_rate", control::kRateIsUnknown);
           }
         },
         law);
-    if (observed && observer != control::Observer::kKalman)
-      report("law.error_rate",
-             "observed is the velocity of the Kalman observer: needs observer = \"kalman\"");
   }
 };
 

@@ -42,7 +42,7 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
   ControllerSpec h = g;
   h.id = "h";
   h.label = "dynamic friction, adapting";
-  h.adaptation = control::Adaptation::kOn;
+  h.adaptation.enabled = true;
   ControllerSpec i = g;
   i.id = "i";
   i.label = "dynamic friction, Kalman";

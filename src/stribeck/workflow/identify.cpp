@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include <stribeck/core/fields.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
@@ -13,7 +14,6 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
-#include <stribeck/workflow/enum_words.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/option.hpp>

@@ -10,29 +10,15 @@
 #include <stribeck/workflow/point_path.hpp>
 
 namespace stribeck::workflow {
-namespace {
-
-template <NamedEnum E>
-E value_of_name(const std::string& wanted) {
-  E found{};
-  for (const auto& [value, name] : EnumNames<E>::names) {
-    if (name == wanted) found = value;
-  }
-  return found;
-}
-
-}  // namespace
 
 PathSource source_of(const PathOptions& options) {
-  const auto& shapes = EnumNames<path::Shape>::names;
-  if (std::any_of(shapes.begin(), shapes.end(), [&](const auto& s) { return s.second == options.path; }))
-    return PathSource::kShape;
+  if (enum_value<path::Shape>(options.path)) return PathSource::kShape;
   const auto extension = std::filesystem::path(options.path).extension();
   return extension == ".csv" || extension == ".CSV" ? PathSource::kPoints : PathSource::kProgram;
 }
 
 sim::Travel make_travel(const PathOptions& o, double speed) {
-  return sim::along(value_of_name<path::Shape>(o.path),
+  return sim::along(*enum_value<path::Shape>(o.path),
                     option_si("--size", o.size, quantity("m", "mm").positive()), speed, o.laps);
 }
 
@@ -40,10 +26,9 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
   control::ContouringParams law = control::ContouringParams::critical(
       option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive()),
       option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive()));
-  law.error_rate = value_of_name<control::ErrorRate>(o.error_rate);
-  return sim::biaxial_controllers(
-      law, value_of_name<control::Observer>(o.observer),
-      option_si("--observer-pole", o.observer_pole, quantity("1/s", "1/s").positive()));
+  law.error_rate = *enum_value<control::ErrorRate>(o.error_rate);
+  return sim::biaxial_controllers(law, *enum_value<control::Observer>(o.observer),
+                                  option_si("--observer-pole", o.observer_pole, control::kObserverPole));
 }
 
 void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
@@ -130,7 +115,7 @@ void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string
 const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
                                               std::size_t printed) {
   for (const sim::ControllerSpec& c : controllers) {
-    if (c.adaptation == control::Adaptation::kOn) return c;
+    if (c.adaptation.enabled) return c;
   }
   return controllers[printed - 1];
 }

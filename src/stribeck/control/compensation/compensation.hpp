@@ -17,7 +17,7 @@
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
 
 #include <array>
-#include <limits>
+#include <stribeck/control/compensation/compensation_settings.hpp>
 #include <stribeck/control/compensation/drift_monitor.hpp>
 #include <stribeck/control/compensation/friction_feedforward.hpp>
 #include <stribeck/control/compensation/friction_rls.hpp>
@@ -32,28 +32,28 @@
 
 namespace stribeck::control {
 
-enum class Observer { kNone, kDisturbance, kKalman, kAdaptive };
-
-/// How friction is fed forward.
-enum class Feedforward { kNone, kSteady, kDynamic, kReversal };
-
 /// No delay is longer, in periods.
 inline constexpr std::size_t kMostDelay = 8;
 
-struct CompensationParams {
-  friction::AxisModel model;  ///< identified model of the axis
-  Feedforward feedforward = Feedforward::kNone;
-  Observer observer = Observer::kNone;  ///< add the estimate of this observer
-  /// Both poles of the disturbance observer, or the bandwidth of the Kalman observer [1/s].
-  double observer_pole = 20.0;
-  double adaptive_gain = 20.0;  ///< K_c of adaptive friction [1/s]
-  /// Kalman: random walk of the disturbance [N²/s]; NaN: what gives it the bandwidth observer_pole.
-  double disturbance_density = std::numeric_limits<double>::quiet_NaN();
+/// Whether a delay [s] is one that a compensation can take into account.
+constexpr bool delay_fits(double delay, double period) noexcept {
+  return delay <= static_cast<double>(kMostDelay) * period;
+}
+
+struct CompensationParams : CompensationSettings<double> {
+  friction::AxisModel model;         ///< identified model of the axis
   double encoder_resolution = 1e-7;  ///< Kalman: step of the encoder [m]
   double delay = 0.0;                ///< from the sample to the begin of the hold [s], at most 8 periods
-  AdaptationParams adaptation;
-  ReversalParams reversal;
-  bool guarded = false;  ///< back off when the loop oscillates (oscillation_guard.hpp)
+  bool guarded = false;              ///< back off when the loop oscillates (oscillation_guard.hpp)
+
+  /// All but the delay, which the model brings.
+  static constexpr auto fields() {
+    using P = CompensationParams;
+    return std::tuple_cat(std::tuple{embedded(&P::model)}, CompensationSettings<double>::fields(),
+                          std::tuple{field("encoder_resolution", &P::encoder_resolution,
+                                           quantity("m", "nm").positive(), "step of the encoder"),
+                                     field("guarded", &P::guarded, "back off when the loop oscillates")});
+  }
 };
 
 class Compensation {
@@ -90,8 +90,8 @@ class Compensation {
         adaptive_(params.adaptive_gain, params.model.mass, period),
         kalman_(
             params.observer == Observer::kKalman
-                ? KalmanObserver(isfinite(params.disturbance_density)
-                                     ? params.disturbance_density
+                ? KalmanObserver(params.disturbance_density
+                                     ? *params.disturbance_density
                                      : KalmanObserver::density(params.observer_pole,
                                                                params.encoder_resolution, params.model.mass),
                                  params.encoder_resolution * params.encoder_resolution / 12.0,
@@ -260,21 +260,3 @@ class Compensation {
 };
 
 }  // namespace stribeck::control
-
-template <>
-struct stribeck::EnumNames<stribeck::control::Observer> {
-  static constexpr std::array names{
-      std::pair{stribeck::control::Observer::kNone, std::string_view{"none"}},
-      std::pair{stribeck::control::Observer::kDisturbance, std::string_view{"disturbance"}},
-      std::pair{stribeck::control::Observer::kKalman, std::string_view{"kalman"}},
-      std::pair{stribeck::control::Observer::kAdaptive, std::string_view{"adaptive"}}};
-};
-
-template <>
-struct stribeck::EnumNames<stribeck::control::Feedforward> {
-  static constexpr std::array names{
-      std::pair{stribeck::control::Feedforward::kNone, std::string_view{"none"}},
-      std::pair{stribeck::control::Feedforward::kSteady, std::string_view{"steady"}},
-      std::pair{stribeck::control::Feedforward::kDynamic, std::string_view{"dynamic"}},
-      std::pair{stribeck::control::Feedforward::kReversal, std::string_view{"reversal"}}};
-};

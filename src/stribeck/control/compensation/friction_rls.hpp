@@ -21,13 +21,15 @@
 #include <stribeck/control/compensation/friction_feedforward.hpp>
 #include <stribeck/control/observers/kalman_observer.hpp>
 #include <stribeck/control/observers/residual_noise.hpp>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/friction/axis_model.hpp>
 
 namespace stribeck::control {
 
-enum class Adaptation { kOff, kOn };
-
 struct AdaptationParams {
+  /// In a file `adaptation = "on"` stands for the whole table.
+  static constexpr std::string_view kShortForm = "enabled";
+
   bool enabled = false;
   double memory = 20.0;           ///< T_m [s]
   double level_spread = 0.25;     ///< standard deviation of what ψ may be off
@@ -37,6 +39,26 @@ struct AdaptationParams {
   double delay_spread = 0.5;      ///< of δ [periods]
   double noise_share = 0.03;  ///< least standard deviation of the residual, as a share of the level at rest
   double correlation = 0.05;  ///< correlation time of the residual then [s]
+
+  static constexpr auto fields() {
+    using P = AdaptationParams;
+    constexpr auto kSpread = pure_number().not_negative();
+    const auto when_on = [](auto one) {
+      return one.or_default().when([](const P& p) { return p.enabled; }, "goes with adaptation = \"on\"");
+    };
+    return std::tuple{
+        field("enabled", &P::enabled, "correct the friction model on line").or_default(),
+        when_on(field("memory", &P::memory, quantity("s", "s").positive(), "time over which it forgets")),
+        when_on(field("level_spread", &P::level_spread, kSpread, "how far the level may be off, as a share")),
+        when_on(field("viscous_spread", &P::viscous_spread, kSpread, "the same of viscous friction")),
+        when_on(field("stiffness_spread", &P::stiffness_spread, kSpread, "the same of bristle stiffness")),
+        when_on(field("mass_spread", &P::mass_spread, kSpread, "the same of the mass")),
+        when_on(field("delay_spread", &P::delay_spread, kSpread, "how far the delay may be off, in periods")),
+        when_on(field("noise_share", &P::noise_share, pure_number().positive(),
+                      "least noise, as a share of the level at rest")),
+        when_on(field("correlation", &P::correlation, quantity("s", "ms").positive(),
+                      "correlation time of that noise"))};
+  }
 };
 
 class FrictionRls {
@@ -230,9 +252,3 @@ class FrictionRls {
 };
 
 }  // namespace stribeck::control
-
-template <>
-struct stribeck::EnumNames<stribeck::control::Adaptation> {
-  static constexpr std::array names{std::pair{stribeck::control::Adaptation::kOff, std::string_view{"off"}},
-                                    std::pair{stribeck::control::Adaptation::kOn, std::string_view{"on"}}};
-};

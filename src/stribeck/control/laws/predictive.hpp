@@ -66,10 +66,12 @@ struct PredictiveParams {
         field("slows", &P::slows, "slow down along the path where its forces exceed the limits").or_default(),
         field("catch_up", &P::catch_up, pure_number().not_negative().at_most(1.0),
               "share of the programmed speed by which a lag is made up")
-            .or_default(),
+            .or_default()
+            .when([](const P& p) { return p.slows; }, "goes with slows = true"),
         field("reserve", &P::reserve, pure_number().not_negative().at_most(0.9),
               "share of the force limit that progress leaves for feedback")
-            .or_default(),
+            .or_default()
+            .when([](const P& p) { return p.slows; }, "goes with slows = true"),
         field("speed_limit", &P::speed_limit, quantity("m/s", "mm/s").positive(),
               "largest speed, one per axis; the last one applies to the others too; none: no limit")
             .or_default(),

@@ -74,6 +74,13 @@ struct SlidingModeParams {
 
   static constexpr auto fields() {
     using P = SlidingModeParams;
+    constexpr auto kWithLayer = [](const P& p) {
+      return p.switching == Switching::kBoundaryLayer || p.switching == Switching::kTanh;
+    };
+    constexpr auto kBounded = [](const P& p) { return p.gain != SwitchingGain::kAdaptive; };
+    constexpr auto kAdapts = [](const P& p) { return p.gain == SwitchingGain::kAdaptive; };
+    constexpr std::string_view kGoesWithAdaptive = "goes with gain = \"adaptive\"";
+    constexpr std::string_view kGoesWithBounds = "goes with gain = \"printed\" or \"sufficient\"";
     return std::tuple{
         field(
             "lambda", &P::lambda, quantity("1/s", "1/s").positive(),
@@ -87,31 +94,40 @@ struct SlidingModeParams {
             .or_default(),
         field("mass_bound", &P::mass_bound, quantity("kg", "N s2/mm").not_negative(),
               "bound of the error of the mass, per axis")
-            .or_default(),
+            .or_default()
+            .when(kBounded, kGoesWithBounds),
         field("force_bound", &P::force_bound, quantity("N", "N").not_negative(),
               "bound of the error of friction and load, per axis")
-            .or_default(),
+            .or_default()
+            .when(kBounded, kGoesWithBounds),
         field("switching", &P::switching, "sign, boundary-layer, tanh or super-twisting").or_default(),
         field("boundary", &P::boundary, quantity("m/s", "mm/s").positive(),
               "width of the boundary layer, or of tanh")
-            .or_default(),
+            .or_default()
+            .when(kWithLayer, "goes with switching = \"boundary-layer\" or \"tanh\""),
         field("disturbance_rate", &P::disturbance_rate, quantity("1/s", "1/s").positive(),
               "super-twisting: how fast the disturbance may change, in its bounds per time")
-            .or_default(),
+            .or_default()
+            .when([](const P& p) { return p.switching == Switching::kSuperTwisting; },
+                  "goes with switching = \"super-twisting\""),
         field("gain", &P::gain, "switching gain: printed, sufficient for the proof, or adaptive")
             .or_default(),
         field("growth", &P::growth, quantity("1/s2", "1/s2").positive(),
               "adaptive: how fast the gain follows the distance from the surface")
-            .or_default(),
+            .or_default()
+            .when(kAdapts, kGoesWithAdaptive),
         field("layer", &P::layer, pure_number().positive(),
               "adaptive: |s| at which the gain does not change, in gains times control periods")
-            .or_default(),
+            .or_default()
+            .when(kAdapts, kGoesWithAdaptive),
         field("gamma_least", &P::gamma_least, quantity("m/s2", "mm/s2").positive(),
               "adaptive: least switching gain, along the path first, then across it")
-            .or_default(),
+            .or_default()
+            .when(kAdapts, kGoesWithAdaptive),
         field("gamma_most", &P::gamma_most, quantity("m/s2", "mm/s2").positive(),
               "adaptive: greatest switching gain, in the same order")
-            .or_default(),
+            .or_default()
+            .when(kAdapts, kGoesWithAdaptive),
         field("error_rate", &P::error_rate, "rate of the tracking error: difference-of-error, or late")
             .or_default()};
   }
@@ -124,6 +140,21 @@ struct SlidingModeParams {
     }
   }
 };
+
+/// 1/(m̂ − m̃) [1/kg], for masses and their bounds [kg].
+constexpr double least_mass_inverse(double mass, double bound) noexcept {
+  return 1.0 / max_of(mass - bound, 1e-3 * mass);
+}
+
+/// Whether the sufficient gain exists in every frame. D̄ is symmetric and has no negative eigenvalue, so that none exceeds its
+/// trace, and that is Σ_j m̃_j/(m̂_j − m̃_j) in any frame, since columns of R have length 1. Two equal axes reach it at 45°;
+/// three reach 25/27 of it.
+template <std::size_t N>
+constexpr bool sufficient_gain_exists(const Vec<double, N>& mass, const Vec<double, N>& bound) noexcept {
+  double trace = 0.0;
+  for (std::size_t j = 0; j < N; ++j) trace += bound[j] * least_mass_inverse(mass[j], bound[j]);
+  return trace < 1.0;
+}
 
 template <std::size_t N>
 class SlidingMode {
@@ -154,7 +185,7 @@ class SlidingMode {
         most_(spread<N>(params.gamma_most, 0.0)),
         force_limit_(setup.force_limit) {
     for (std::size_t i = 0; i < N; ++i)
-      least_mass_inverse_[i] = 1.0 / max_of(common_.mass(i) - mass_bound_[i], 1e-3 * common_.mass(i));
+      least_mass_inverse_[i] = least_mass_inverse(common_.mass(i), mass_bound_[i]);
   }
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
@@ -206,13 +237,10 @@ class SlidingMode {
     return solved(coupling(size, relative), k, pull);
   }
 
-  /// Whether the sufficient gain exists in every frame. D̄ is symmetric and has no negative eigenvalue, so that none exceeds its
-  /// trace, and that is Σ_j m̃_j/(m̂_j − m̃_j) in any frame, since columns of R have length 1. Two equal axes reach it at 45°;
-  /// three reach 25/27 of it.
   [[nodiscard]] bool sufficient_gain_exists() const noexcept {
-    double trace = 0.0;
-    for (std::size_t j = 0; j < N; ++j) trace += mass_bound_[j] * least_mass_inverse_[j];
-    return trace < 1.0;
+    Vec<double, N> mass;
+    for (std::size_t i = 0; i < N; ++i) mass[i] = common_.mass(i);
+    return control::sufficient_gain_exists(mass, mass_bound_);
   }
 
  private:

@@ -21,10 +21,7 @@ bool is_plain(const sim::CompareRow& r) {
          r.controller.observer == control::Observer::kNone;
 }
 
-bool is_beyond(const sim::CompareRow& r) {
-  return r.controller.feedforward == control::Feedforward::kDynamic ||
-         r.controller.feedforward == control::Feedforward::kReversal;
-}
+bool is_beyond(const sim::CompareRow& r) { return r.controller.looks_ahead(); }
 
 /// Experiments name their own controllers by letters; controllers that a user adds have a name.
 bool is_of_thesis(const sim::CompareRow& r) { return r.controller.id.size() == 1; }
@@ -194,7 +191,7 @@ std::optional<Rivals> rivals_of(const Rows& rows) {
   }
   const auto adapts = [](const auto* r) {
     const auto& id = r->controller.id;
-    return r->controller.adaptation == control::Adaptation::kOn && (id == "h" || id == "dynamic");
+    return r->controller.adaptation.enabled && (id == "h" || id == "dynamic");
   };
   const auto chosen = std::find_if(beyond.begin(), beyond.end(), adapts);
   rivals.is_default = chosen != beyond.end();

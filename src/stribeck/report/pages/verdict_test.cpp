@@ -34,7 +34,7 @@ sim::CompareResult beyond() {
   row.controller.friction = sim::FrictionUse::kWhole;
   row.controller.feedforward = control::Feedforward::kDynamic;
   add("g", "dynamic", 0.25e-6, 0.06e-6, 0.0185, 1.1);
-  row.controller.adaptation = control::Adaptation::kOn;
+  row.controller.adaptation.enabled = true;
   add("h", "adapting", 0.5e-6, 0.12e-6, 0.018, 1.25);
   return result;
 }

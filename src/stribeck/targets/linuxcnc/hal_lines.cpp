@@ -17,14 +17,11 @@ std::string hal_name(std::string_view name) {
 }
 
 /// Every parameter that a struct holds.
-template <class T>
-std::string setp_all(const std::string& component, const T& value) {
+std::string setp_all(const std::string& component, const Value& group) {
   std::string out;
-  capi::Name name;
-  capi::values_of(name, value, "",
-                  [&](std::string_view key, double x, std::string_view, std::string_view word) {
-                    out += setp(component, key, x, word);
-                  });
+  capi::values_of(group, [&](std::string_view key, double x, std::string_view word) {
+    out += setp(component, key, x, word);
+  });
   return out;
 }
 
@@ -57,11 +54,11 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
   return setp(name, "omega", omega) + choice(name, "law", 0) +
          choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
          setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
-         setp(name, "guarded", 1.0) + setp_all(name, model);
+         setp(name, "guarded", 1.0) + setp_all(name, value_of(model));
 }
 
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
-  return setp_all(name, axis.plant);
+  return setp_all(name, value_of(axis.plant));
 }
 
 }  // namespace stribeck::targets::linuxcnc

@@ -12,7 +12,6 @@
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/workflow/enum_words.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <string>
 #include <string_view>
