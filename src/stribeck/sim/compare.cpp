@@ -271,8 +271,9 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
                       static_cast<double>(control::kMostDelay) * machine.sample_time * 1e3));
     }
     c.delay = c.model.delay;
-    c.encoder_resolution = axis.plant.encoder.resolution;
-    setup.force_limit[i] = axis.force_limit();
+    const NamePlate plate = axis.name_plate();
+    c.encoder_resolution = plate.encoder_resolution;
+    setup.force_limit[i] = plate.force;
   }
   return setup;
 }

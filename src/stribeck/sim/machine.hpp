@@ -1,10 +1,11 @@
 #pragma once
 /// A virtual machine as its file describes it: the true parameters of every axis, and the data that a commissioning engineer
-/// may know of it. Controllers and compensators are built from `commissioning`, `published` and identified
-/// axis files, never from `plant`.
+/// may know of it. Controllers and compensators are built from `limits`, `commissioning`, `published` and identified
+/// axis files, never from `plant`. The data on the name plates of drive and encoder are known to all (NamePlate).
 /// Real time: no.
 
 #include <optional>
+#include <stribeck/control/compensation/compensation_settings.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/plant/params.hpp>
 #include <string>
@@ -19,7 +20,8 @@ struct AxisLimits {
   double travel_max = 0.0;
   double speed = 0.0;
   double acceleration = 0.0;
-  std::optional<double> jerk{};  ///< left out: the acceleration within kJerkTime
+  std::optional<double> jerk{};   ///< left out: the acceleration within kJerkTime
+  std::optional<double> force{};  ///< largest force of the drive; left out: see NamePlate
 
   /// [m/s³]
   [[nodiscard]] double jerk_or_default() const { return jerk ? *jerk : acceleration / kJerkTime; }
@@ -35,6 +37,10 @@ struct AxisLimits {
                             "largest acceleration"),
                       field("jerk", &AxisLimits::jerk, quantity("m/s3", "mm/s3").positive(),
                             "largest jerk on a part program; left out: the acceleration in 0.1 s")
+                          .or_default(),
+                      field("force", &AxisLimits::force, quantity("N", "N").positive(),
+                            "largest force of the drive; left out: what plant.drive makes at the end of "
+                            "plant.converter.range")
                           .or_default()};
   }
   template <class Report>
@@ -45,13 +51,14 @@ struct AxisLimits {
 
 /// Rough data before identification: enough to move the axis and record a log.
 struct Commissioning {
-  double mass = 0.0;            ///< nominal, from data sheets [kg]
-  double friction = 0.0;        ///< rough level, from a first push by hand or a slow ramp [N]
-  double omega = 40.0;          ///< double pole of the position loop while recording [rad/s]
-  double observer_pole = 20.0;  ///< of the disturbance observer while recording [1/s]
-  double sine_offset = 0.0;     ///< [m]
-  double sine_amplitude = 0.0;  ///< [m]
-  double sine_frequency = 0.0;  ///< [rad/s]
+  double mass = 0.0;                           ///< nominal, from data sheets [kg]
+  double friction = 0.0;                       ///< rough level, from a first push by hand or a slow ramp [N]
+  double omega = 40.0;                         ///< double pole of the position loop while recording [rad/s]
+  double observer_pole = 20.0;                 ///< of the disturbance observer while recording [1/s]
+  double sine_offset = 0.0;                    ///< [m]
+  double sine_amplitude = 0.0;                 ///< [m]
+  double sine_frequency = 0.0;                 ///< [rad/s]
+  std::optional<double> encoder_resolution{};  ///< [m]; left out: see NamePlate
 
   static constexpr auto fields() {
     return std::tuple{
@@ -62,7 +69,7 @@ struct Commissioning {
         field("omega", &Commissioning::omega, quantity("rad/s", "rad/s").positive(),
               "double pole of the position loop while recording")
             .or_default(),
-        field("observer_pole", &Commissioning::observer_pole, quantity("1/s", "1/s").positive(),
+        field("observer_pole", &Commissioning::observer_pole, control::kObserverPole,
               "poles of the disturbance observer while recording")
             .or_default(),
         field("sine_offset", &Commissioning::sine_offset, quantity("m", "mm"),
@@ -70,7 +77,10 @@ struct Commissioning {
         field("sine_amplitude", &Commissioning::sine_amplitude, quantity("m", "mm").positive(),
               "amplitude of the sine excitation"),
         field("sine_frequency", &Commissioning::sine_frequency, quantity("rad/s", "rad/s").positive(),
-              "angular frequency of the sine excitation")};
+              "angular frequency of the sine excitation"),
+        field("encoder_resolution", &Commissioning::encoder_resolution, quantity("m", "nm").positive(),
+              "step of the encoder, from its data sheet; left out: plant.encoder.resolution")
+            .or_default()};
   }
 };
 
@@ -89,6 +99,18 @@ struct Published {
   }
 };
 
+/// What the plates of drive and encoder say.
+struct NamePlate {
+  double force = 0.0;               ///< largest of the drive [N]
+  double encoder_resolution = 0.0;  ///< [m]
+
+  /// From the true drive, for machine files that do not say it. This is the only place where anything but the simulation
+  /// looks at the truth.
+  static NamePlate of(const plant::AxisParams& truth) {
+    return {truth.force_gain() * truth.converter.range, truth.encoder.resolution};
+  }
+};
+
 struct MachineAxis {
   plant::AxisParams plant;
   AxisLimits limits;
@@ -103,8 +125,20 @@ struct MachineAxis {
         field("published", &MachineAxis::published, "printed parameters, for --parameters thesis")
             .or_default()};
   }
-  /// Largest force the drive can make [N].
-  [[nodiscard]] double force_limit() const { return plant.force_gain() * plant.converter.range; }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (limits.force && *limits.force > NamePlate::of(plant).force)
+      report("limits.force", "above what plant.drive makes at the end of plant.converter.range");
+  }
+
+  /// As declared in limits and commissioning, or else from the drive's own data.
+  [[nodiscard]] NamePlate name_plate() const {
+    const NamePlate own = NamePlate::of(plant);
+    return {limits.force.value_or(own.force),
+            commissioning.encoder_resolution.value_or(own.encoder_resolution)};
+  }
+  /// Largest force of the drive [N].
+  [[nodiscard]] double force_limit() const { return name_plate().force; }
 };
 
 struct Machine {

@@ -118,7 +118,12 @@ Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t s
   check(variation);
   Machine m = nominal;
   for (std::uint32_t i = 0; i < m.axes.size(); ++i) {
-    plant::AxisParams& p = m.axes[i].second.plant;
+    MachineAxis& axis = m.axes[i].second;
+    // What the plates say stays, whatever the machine is like.
+    const NamePlate plate = axis.name_plate();
+    axis.limits.force = plate.force;
+    axis.commissioning.encoder_resolution = plate.encoder_resolution;
+    plant::AxisParams& p = axis.plant;
     p = deviated(p, draw(variation, seed, machine, i));
   }
   return m;
