@@ -70,6 +70,7 @@ int parse_and_run(int argc, const char* const* argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& e) { return std::string(e.what()); });
   Action action;
   for (const auto add_verb : kVerbs) add_verb(app, action);
+  add_reference(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
@@ -77,7 +78,9 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
       std::vector<std::string> verbs;
-      for (const CLI::App* verb : app.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+      for (const CLI::App* verb : app.get_subcommands(nullptr)) {
+        if (!verb->get_group().empty()) verbs.push_back(verb->get_name());
+      }
       const std::string_view near = io::nearest(argv[1], {verbs.begin(), verbs.end()});
       complain(fmt::format("unknown verb {}{} (stribeck --help lists the verbs)", io::in_quotes(argv[1]),
                            near.empty() ? "" : fmt::format(", did you mean {}", near)));

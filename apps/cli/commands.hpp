@@ -29,6 +29,8 @@ AddVerb add_compare, add_identify, add_excite, add_simulate, add_reproduce, add_
 inline constexpr std::array<AddVerb*, 9> kVerbs{add_compare,  add_identify,  add_excite,
                                                 add_simulate, add_reproduce, add_verify,
                                                 add_export,   add_evaluate,  add_tune};
+/// Not in --help: tools/make-reference calls it.
+AddVerb add_reference;
 
 /// A word as a shell takes it.
 std::string shell_quoted(std::string_view word);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/keys.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -169,6 +170,8 @@ Log parse_log(std::string_view bytes, const std::string& source, const ReadOptio
   detail::note_times(log);
   return log;
 }
+
+std::vector<KeyInfo> side_file_keys() { return keys_of<SideFile>(); }
 
 Log read_log(const std::string& path, const ReadOptions& options) {
   ReadOptions all = options;

@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <optional>
 #include <stribeck/core/fields.hpp>
+#include <stribeck/io/keys.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -62,6 +63,8 @@ struct ReadOptions {
 
 /// Any log. What options leave open is taken from the side file LOG.toml, if there is one.
 Log read_log(const std::string& path, const ReadOptions& options = {});
+/// What a side file may hold, for the reference page.
+std::vector<KeyInfo> side_file_keys();
 /// The same from bytes (gzip too), without a side file; `source` is for messages.
 Log parse_log(std::string_view bytes, const std::string& source, const ReadOptions& options = {});
 

@@ -37,6 +37,8 @@ struct MapFile {
 
 }  // namespace
 
+std::vector<io::KeyInfo> map_file_keys() { return io::keys_of<MapFile>(); }
+
 LogOptions with_map_file(LogOptions o, const std::string& map_file) {
   if (map_file.empty()) return o;
   const auto file = io::read_toml<MapFile>(map_file);

@@ -5,6 +5,7 @@
 /// Real time: no.
 /// Errors: InputError naming the option or the file.
 
+#include <stribeck/io/keys.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct LogOptions {
 
 /// The options with those of a map file (TOML with any of these keys), which they override; empty: no file.
 LogOptions with_map_file(LogOptions options, const std::string& map_file);
+/// What a map file may hold, for the reference page.
+std::vector<io::KeyInfo> map_file_keys();
 
 /// Any log, as io::read_log; a given sample time stands for a missing time column.
 io::Log read_log(const std::string& path, const LogOptions& options);
