@@ -10,6 +10,7 @@ namespace {
 
 // Written by hand from the description of the format; the text is compared, so that the order of the keys
 // counts.
+// Longer than 80 lines: the whole document as it must be written.
 TEST(CompareJson, IsAsDescribed) {
   sim::CompareResult result = testing::two_controllers();
   result.rows[1].speed = 0.0;
@@ -126,6 +127,7 @@ TEST(CompareJson, WhatIsNotKnownIsNull) {
   EXPECT_NO_THROW(io::dump(json));
 }
 
+// Longer than 80 lines: the whole document as it must be written.
 TEST(IdentifyJson, IsAsDescribed) {
   ident::Result result = testing::fit();
   result.curve.resize(1);

@@ -1,0 +1,30 @@
+#pragma once
+/// Rows of a comparison by travel, as the parts of its page take them. Internal to report.
+/// Real time: no.
+
+#include <stribeck/report/pages/compare_report.hpp>
+#include <stribeck/report/pages/verdict.hpp>
+#include <stribeck/report/text.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::report {
+
+inline constexpr double kMicro = 1e6;
+inline constexpr double kMilli = 1e3;
+
+/// What happened on one travel.
+struct TravelBlock {
+  std::size_t index = 0;  ///< of the travel
+  const sim::Travel* travel = nullptr;
+  std::string text;  ///< "9.5 mm/s"
+  Rows rows;
+  const PrintedTable* printed = nullptr;
+};
+
+/// In the order of the result.
+std::vector<TravelBlock> blocks_of(const CompareReportInput& input);
+
+inline std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }
+
+}  // namespace stribeck::report

@@ -1,0 +1,35 @@
+#pragma once
+/// Plots of a comparison. Internal to report.
+/// Real time: no.
+
+#include <stribeck/report/pages/compare_blocks.hpp>
+#include <stribeck/report/plot/contour_plots.hpp>
+
+namespace stribeck::report {
+
+/// The plane curve of a travel, or null.
+const path::Curve* plane_curve(const sim::Travel& travel);
+
+/// Mean speed along the path [m/s].
+double speed_of(const sim::Travel& travel);
+
+struct Magnified {
+  std::vector<Plot> plots;
+  std::string caption;
+};
+
+/// Controllers of one scale, on the path with their errors magnified.
+Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const path::Curve& curve);
+
+/// The controllers of each scale where an axis, or several together, reverse.
+ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& result);
+
+/// Whose forces are shown: the two that the summary compares, or the richest.
+Rows force_rows(const TravelBlock& block);
+std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput& input);
+
+/// Bars of these rows of a block, which are all or those of the finer scales.
+Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& error, std::string_view head,
+              sim::Figure::OfRun figure);
+
+}  // namespace stribeck::report
