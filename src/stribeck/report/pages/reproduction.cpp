@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/json.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/plot/contour_plots.hpp>
@@ -199,9 +197,6 @@ std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
   return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
 }
 
-/// "×0.92": ours over print.
-double ratio(const ReproducedFigure& f) { return f.ours / f.printed; }
-
 std::string shown(double value, const ReproducedFigure& f) { return decimals(value, f.digits); }
 
 std::string with_spread(const ReproducedFigure& f) {
@@ -237,7 +232,7 @@ Table figure_table(const ReproducedSection& s) {
                       {name_of(f)},
                       {shown(f.printed, f)},
                       ours,
-                      {decimals(ratio(f), 2)},
+                      {decimals(f.ratio(), 2)},
                       {printed_unit(f.unit)},
                       {f.source}});
   }
@@ -380,7 +375,7 @@ std::string reproduction_html(const ReproductionInput& input) {
                           {name_of(f)},
                           {shown(f.printed, f)},
                           ours,
-                          {decimals(ratio(f), 2)},
+                          {decimals(f.ratio(), 2)},
                           {printed_unit(f.unit)}});
     }
   }
@@ -418,7 +413,7 @@ std::string reproduction_markdown(const ReproductionInput& input) {
       out += "\n| figure | of | thesis | Stribeck | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
       for (const ReproducedFigure& f : s.figures) {
         out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what), cell_text(name_of(f)),
-                           shown(f.printed, f), with_spread(f), decimals(ratio(f), 2), cell_text(f.unit),
+                           shown(f.printed, f), with_spread(f), decimals(f.ratio(), 2), cell_text(f.unit),
                            cell_text(f.source));
       }
     }
@@ -443,52 +438,6 @@ std::string reproduction_markdown(const ReproductionInput& input) {
   return out;
 }
 
-nlohmann::ordered_json reproduction_json(const ReproductionInput& input) {
-  using io::Json;
-  using io::number_or_null;
-  Json out;
-  out["schema"] = "stribeck.reproduce/1";
-  out["seed"] = input.seed;
-  out["trials"] = input.trials;
-  Json sections = Json::array();
-  for (const ReproducedSection& s : input.sections) {
-    Json one;
-    one["id"] = s.id;
-    one["title"] = s.title;
-    one["source"] = s.source;
-    one["setting"] = s.setting;
-    one["machine"] = s.machine;
-    one["parameters"] = s.parameters;
-    Json figures = Json::array();
-    for (const ReproducedFigure& f : s.figures) {
-      figures.push_back({{"what", f.what},
-                         {"of", f.of},
-                         {"against", f.against.empty() ? Json(nullptr) : Json(f.against)},
-                         {"unit", f.unit},
-                         {"printed", number_or_null(f.printed)},
-                         {"ours", number_or_null(f.ours)},
-                         {"spread", Json::array({number_or_null(f.low), number_or_null(f.high)})},
-                         {"ratio", number_or_null(ratio(f))},
-                         {"source", f.source}});
-    }
-    one["figures"] = std::move(figures);
-    Json columns = Json::array();
-    for (const Column& c : s.table.columns)
-      columns.push_back(c.unit.empty() ? c.head : c.head + " [" + c.unit + "]");
-    Json rows = Json::array();
-    for (const auto& row : s.table.rows) {
-      Json cells = Json::array();
-      for (const Cell& c : row) cells.push_back(c.text);
-      rows.push_back(std::move(cells));
-    }
-    one["table"] = {{"columns", std::move(columns)}, {"rows", std::move(rows)}};
-    one["remarks"] = s.remarks;
-    sections.push_back(std::move(one));
-  }
-  out["sections"] = std::move(sections);
-  return out;
-}
-
 std::string reproduction_text(const ReproductionInput& input) {
   std::string out;
   for (const ReproducedSection& s : input.sections) {
@@ -509,7 +458,7 @@ std::string reproduction_text(const ReproductionInput& input) {
       of.entries.push_back(clean_text(name_of(f)));
       print.entries.push_back(shown(f.printed, f));
       ours.entries.push_back(shown(f.ours, f));
-      times.entries.push_back(decimals(ratio(f), 2));
+      times.entries.push_back(decimals(f.ratio(), 2));
       unit.entries.push_back(clean_text(f.unit));
     }
     out += lay_out({what, of, print, ours, times, unit});

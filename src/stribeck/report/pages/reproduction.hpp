@@ -32,6 +32,8 @@ struct ReproducedFigure {
   double high = 0.0;
   std::string source;  ///< "Table 3.2"
   int digits = 2;
+
+  [[nodiscard]] double ratio() const { return ours / printed; }
 };
 
 struct ReproducedSection {
