@@ -82,8 +82,7 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
   if (sliding != nullptr && sliding->gain == control::SwitchingGain::kSufficient &&
       !control::SlidingMode<N>(*sliding, setup).sufficient_gain_exists()) {
     throw Refused(
-        "no sufficient switching gain exists: mass_bound over mass less mass_bound, summed over the axes, "
-        "must be below 1 (choose smaller bounds, or gain = \"printed\")");
+        "no sufficient switching gain exists: the sum of mass_bound/(mass - mass_bound) over the axes must be below 1 (choose smaller bounds, or gain = \"printed\")");
   }
 }
 

@@ -121,7 +121,7 @@ struct MachineAxis {
     return std::tuple{
         field("plant", &MachineAxis::plant, "the truth; no controller sees it"),
         field("limits", &MachineAxis::limits, "what the axis may do"),
-        field("commissioning", &MachineAxis::commissioning, "what is known before identification"),
+        field("commissioning", &MachineAxis::commissioning, "known before identification"),
         field("published", &MachineAxis::published, "printed parameters, for --parameters thesis")
             .or_default()};
   }

@@ -83,8 +83,9 @@ struct CompensationSettings {
                          (s.observer == Observer::kKalman && !s.disturbance_density);
                 },
                 "goes with observer = \"disturbance\" or (without disturbance_density) \"kalman\""),
-        field("disturbance_density", &S::disturbance_density, quantity("N2/s", "N2/s").positive(),
-              "Kalman observer: how fast the disturbance walks; left out: as observer_pole asks for")
+        field(
+            "disturbance_density", &S::disturbance_density, quantity("N2/s", "N2/s").positive(),
+            "Kalman observer: density of the random walk of the disturbance; left out: the one that gives the bandwidth observer_pole")
             .or_default()
             .when([](const S& s) { return s.observer == Observer::kKalman; },
                   "goes with observer = \"kalman\""),
@@ -110,7 +111,7 @@ struct CompensationSettings {
   template <class Report>
   void validate(Report&& report) const {
     if (adaptation.enabled && !looks_ahead())
-      report("adaptation", "corrects what is fed forward: needs feedforward = \"dynamic\" or \"reversal\"");
+      report("adaptation", "corrects the feed-forward: needs feedforward = \"dynamic\" or \"reversal\"");
   }
 };
 

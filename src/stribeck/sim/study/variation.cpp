@@ -105,7 +105,7 @@ plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& de
   if (deviation.periodic) {
     if (p.friction.eccentric.size() == friction::kMaxEccentricTerms)
       throw Refused(
-          "variation.periodic: the machine has four periodic terms already, and no place for one more");
+          "variation.periodic: the machine has four periodic terms already, which is the most it can have");
     p.friction.eccentric.push_back({deviation.periodic->share * level_at_rest(p.friction),
                                     deviation.periodic->period, deviation.periodic->phase,
                                     friction::EccentricForm::kAdditive});
