@@ -53,6 +53,8 @@ class Common {
     std::array<TrackingError, N> error;
     std::array<Compensation::State, N> compensation;
     Vec<double, N> force;  ///< last output [N]
+    /// The sample of this axis is a prediction, so that nothing may be learned from it; set by supervision (supervisor.hpp).
+    std::array<bool, N> bridged{};
     StatusCounter status;
   };
 
@@ -76,7 +78,7 @@ class Common {
     for (std::size_t i = 0; i < N; ++i) {
       TrackingError& e = s.error[i];
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
-      compensation_[i].observe(s.compensation[i], measured[i], e.velocity);
+      compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i]);
       if (form_ == ErrorRate::kObserved && compensation_[i].observes_velocity(s.compensation[i]))
         e.rate = compensation_[i].velocity(s.compensation[i]) - r.velocity[i];
     }

@@ -113,9 +113,12 @@ class Compensation {
   }
 
   /// Takes the position of the encoder [m] and its differenced velocity [m/s]. To be called once per period, before step().
-  void observe(State& s, double position, double velocity) const noexcept {
+  /// `bridged`: both are predictions; observers go on by their models, and estimates stay.
+  void observe(State& s, double position, double velocity, bool bridged = false) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
-    if (params_.observer == Observer::kDisturbance) {
+    if (bridged) {
+      carry_on(s, net, velocity);
+    } else if (params_.observer == Observer::kDisturbance) {
       s.estimate = observer_.step(s.disturbance, net, velocity);
     } else if (params_.observer == Observer::kKalman) {
       s.estimate = kalman_.step(s.kalman, net, position);
@@ -130,7 +133,7 @@ class Compensation {
                      force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
                          force_acting(s.change_by_theta_history),
                      position, v, s.last_acceleration + middle * s.last_jerk,
-                     !s.limited && s.guard.trust == 1.0);
+                     !s.limited && s.guard.trust == 1.0, bridged);
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 
@@ -202,6 +205,17 @@ class Compensation {
  private:
   [[nodiscard]] bool follows_adaptation() const noexcept {
     return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
+  }
+
+  /// A period without a sample: no estimate of the observers changes.
+  void carry_on(State& s, double net, double velocity) const noexcept {
+    if (params_.observer == Observer::kDisturbance) {
+      observer_.predict(s.disturbance, net);
+    } else if (params_.observer == Observer::kKalman) {
+      kalman_.predict(s.kalman, net);
+    } else if (params_.observer == Observer::kAdaptive) {
+      s.adaptive.velocity = velocity;
+    }
   }
 
   /// At rest friction is whatever holds the axis, and creeps. What the observer has found out about it goes into the bristle, so

@@ -76,6 +76,7 @@ class FrictionRls {
     std::array<FrictionFeedforward::Bristle, 4> bristles;
     bool started = false;
     bool informed = false;  ///< P holds its start
+    bool recalled = false;  ///< θ and P come from an earlier run
     double position = 0.0;  ///< where the axis is, within the encoder's step [m]
     double reading = 0.0;   ///< of the encoder [m]
     double jump = 0.0;      ///< least that the encoder has made while the axis hardly moved [m]
@@ -84,6 +85,26 @@ class FrictionRls {
     std::array<Vec<double, 3>, kCount> answers;
     Mat<double, kCount> p;
   };
+
+  /// What a run has found out, to be kept over a fault.
+  struct Learned {
+    Vector theta;
+    Vector deviation;
+    Mat<double, kCount> p;
+    ResidualNoise::State noise;
+    bool known = false;
+  };
+  [[nodiscard]] static Learned learned(const State& s) noexcept {
+    return {s.theta, s.deviation, s.p, s.noise, s.informed};
+  }
+  /// A state that has just been made goes on with that.
+  static void recall(State& s, const Learned& l) noexcept {
+    s.theta = l.theta;
+    s.deviation = l.deviation;
+    s.p = l.p;
+    s.noise = l.noise;
+    s.recalled = true;
+  }
 
   FrictionRls() = default;
   /// `delay` [s]: what is assumed of it.
@@ -117,20 +138,23 @@ class FrictionRls {
 
   /// One period: force [N] that acted on the axis over it, encoder position now [m], velocity [m/s] and acceleration [m/s²] of the
   /// reference in the middle of it. `learn` is false where the force is not what drove the axis.
-  /// `change` is that of what was fed forward, over the period, but for what steps of θ changed in it [N].
-  void step(State& s, double force, double change, double position, double v, double acceleration,
-            bool learn) const noexcept {
+  /// `change` is that of what was fed forward, over the period, but for what steps of θ changed in it [N]. `bridged`: the position
+  /// is a prediction, and nothing is learned from it.
+  void step(State& s, double force, double change, double position, double v, double acceleration, bool learn,
+            bool bridged = false) const noexcept {
     if (!params_.enabled) return;
     s.feedforward_change_by_theta = 0.0;
     if (!s.informed) {
       s.informed = true;
       s.position = s.reading = position;
+      if (s.recalled) return;
       for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
       s.deviation = spread_;
       return;
     }
     // Somewhere within the encoder's step: as far as the reference went, unless the encoder says otherwise. Its own steps would
     // make bristles creep.
+    if (bridged) s.reading = position;
     const double resolution = resolution_of(s, position, v);
     const double before = s.position;
     s.position = clamp_to(before + period_ * v, position - 0.5 * resolution, position + 0.5 * resolution);
@@ -154,6 +178,11 @@ class FrictionRls {
     phi[kDelay] = change;
     const double model = f[0].sum() + s.theta[kMass] * phi[kMass] + s.theta[kSine] * wave[0] +
                          s.theta[kCosine] * wave[1] + s.theta[kDelay] * phi[kDelay];
+    if (bridged) {
+      observer_.predict(s.observer, force - model);
+      for (std::size_t i = 0; i < kCount; ++i) observer_.predicted_answer(s.answers[i], phi[i]);
+      return;
+    }
     s.residual = observer_.step(s.observer, force - model, s.position);
     const Vector force_of = phi;
     for (std::size_t i = 0; i < kCount; ++i) phi[i] = observer_.answer(s.answers[i], phi[i]);

@@ -43,6 +43,11 @@ class DisturbanceObserver {
     return s.disturbance;
   }
 
+  /// The same without a measurement: the disturbance stays.
+  void predict(State& s, double force) const noexcept {
+    s.velocity += pt_ / p_ * (force - s.disturbance) / m_;
+  }
+
  private:
   double decay_ = 1.0;
   double pt_ = 0.0;

@@ -69,6 +69,14 @@ class KalmanObserver {
     return s.estimate[2];
   }
 
+  /// The same without a measurement: the model goes on, the disturbance stays.
+  void predict(State& s, double force) const noexcept {
+    if (!s.started) return;
+    const double acceleration = (force - s.estimate[2]) / m_;
+    s.estimate[0] += t_ * s.estimate[1] + 0.5 * t_ * t_ * acceleration;
+    s.estimate[1] += t_ * acceleration;
+  }
+
   /// Density of the random walk [N²/s] with which the observer's poles lie at about `bandwidth` [1/s] for an encoder of this
   /// resolution [m]: (q_d/(m²r))^(1/6).
   static constexpr double density(double bandwidth, double resolution, double mass) noexcept {
@@ -84,6 +92,13 @@ class KalmanObserver {
     const double x = error[0] + t_ * error[1] + 0.5 * t_ * t_ * acceleration;
     const double v = error[1] + t_ * acceleration;
     error = {{x - gain_[0] * x, v - gain_[1] * x, error[2] + m_ * gain_[2] * x}};
+    return error[2];
+  }
+  /// The same over a period without a measurement: what predict() makes of it.
+  double predicted_answer(Vec<double, 3>& error, double disturbance) const noexcept {
+    const double acceleration = (error[2] - disturbance) / m_;
+    error[0] += t_ * error[1] + 0.5 * t_ * t_ * acceleration;
+    error[1] += t_ * acceleration;
     return error[2];
   }
 

@@ -1,0 +1,131 @@
+#pragma once
+/// Judges each sample of an encoder before a controller sees it, and puts a prediction in place of one that cannot be.
+///
+///   p₁ = r + ê + T·ê'                 the tracking error goes on as it did: ê, ê' by an α-β filter
+///   p₂ = x + T·v                      the axis goes on as it did over the last period
+///   good    x_k finite, within jump + j·A·T² of p₁ or p₂, and no farther from the last good one than the speed permits
+///   else    p₁ in place of it (p₂ where p₁ has been off twice), j ← j + 1, counted; more than n in a row are a fault
+///
+///   j samples bridged so far, A T² see limits.hpp. Two predictions, because an axis that is accelerated fully leaves p₁, and p₂ is
+///   off after a small wild sample that was let through. A sample equal to the one before is not good either where a quarter of the
+///   gate was to be moved: no axis stops like that, and dropped samples are bridged.
+///   doubt ← doubt + 1 for a bridged sample, doubt − 1/4 for a good one: above 20, more than a fifth are bad.
+/// A good sample is handed on as it is, bit for bit.
+/// Source: validation gates of tracking filters, Bar-Shalom, Li, Kirubarajan 2001, Estimation with Applications to Tracking and
+/// Navigation, ch. 2; the two gates are Stribeck's own.
+/// Not modelled: the first two samples, which nothing can be compared with; wild samples within the gate.
+/// Real time: safe.
+
+#include <cstdint>
+#include <stribeck/control/supervision/fault.hpp>
+#include <stribeck/control/supervision/limits.hpp>
+
+namespace stribeck::control {
+
+class EncoderCheck {
+ public:
+  struct State {
+    double used = 0.0;        ///< what was handed on last [m]
+    double good = 0.0;        ///< last sample that was believed [m]
+    double raw = 0.0;         ///< last sample [m]
+    double velocity = 0.0;    ///< over the last period [m/s]
+    double smooth = 0.0;      ///< the same under a low-pass of two periods [m/s]
+    double error = 0.0;       ///< ê [m]
+    double error_rate = 0.0;  ///< ê' [m/s]
+    double reference = 0.0;   ///< where the reference will be if it keeps its acceleration [m]
+    double doubt = 0.0;
+    int off = 0;         ///< good samples in a row that p₁ was off by more than a quarter of the gate
+    int known = 0;       ///< good samples, up to 2
+    int in_a_row = 0;    ///< bridged
+    int same = 0;        ///< samples equal to the one before, in a row
+    bool finite = true;  ///< the last sample
+    std::uint32_t bridged = 0;
+  };
+
+  /// One sample of the encoder [m]; reference [m], [m/s], [m/s²]; `periods` since the last sample. Returns the one to use.
+  static double step(State& s, const SupervisionLimits& l, double sample, double r, double rate,
+                     double acceleration, int periods = 1) noexcept {
+    const double t = l.period * periods;
+    // A reference that jumps is no motion of the axis.
+    if (s.known == 2 && periods == 1 && !(abs(r - s.reference) <= l.noise + kJumps * l.growth))
+      s.error = s.used + l.period * s.velocity - l.period * s.error_rate - r;
+    s.reference = r + l.period * (rate + 0.5 * l.period * acceleration);
+    const double along = r + s.error + t * s.error_rate;
+    const double onward = s.used + t * s.velocity;
+    const double prediction = s.known == 0 ? r : s.off < kLeaves ? along : onward;
+    const double growth = l.growth * periods * periods;
+    const double gate = l.noise + growth * (1.0 + s.in_a_row);
+    s.finite = isfinite(sample);
+    s.same = sample == s.raw ? s.same + 1 : 0;
+    s.raw = sample;
+    const double far = abs(sample - s.good);
+    const bool near = abs(sample - along) <= gate || abs(sample - onward) <= gate;
+    const bool repeated =
+        s.known == 2 && s.same > 0 && abs(prediction - s.used) > kTrusted * (l.noise + growth);
+    const bool slow = s.known == 0 || far <= l.noise + t * l.speed * (1.0 + s.in_a_row);
+    if (s.finite && slow && !repeated && (near || s.known < 2)) {
+      believe(s, sample, r, rate, sample - along, gate, t);
+      s.doubt = max_of(s.doubt - kRelief, 0.0);
+    } else {
+      bridge(s, prediction, r, t);
+      s.doubt += 1.0;
+    }
+    return s.used;
+  }
+
+  /// Whether the last sample was bridged.
+  [[nodiscard]] static bool bridges(const State& s) noexcept { return s.in_a_row > 0; }
+
+  [[nodiscard]] static Fault judge(const State& s, const SupervisionLimits& l) noexcept {
+    if (s.in_a_row > l.samples) {
+      if (!s.finite) return Fault::kEncoderLost;
+      return s.same >= l.samples ? Fault::kEncoderFrozen : Fault::kEncoderImplausible;
+    }
+    return s.doubt > kDoubt ? Fault::kEncoderUnreliable : Fault::kNone;
+  }
+
+ private:
+  static constexpr double kAlpha = 0.6;
+  static constexpr double kBeta = 0.25;
+  static constexpr double kSmooth = 0.5;
+  static constexpr double kTrusted = 0.25;  ///< share of the gate by which a sample may pull p₁
+  static constexpr int kLeaves = 2;         ///< samples beyond that in a row: p₁ is not to be used
+  static constexpr double kJumps = 4.0;     ///< a reference that jumps, in A·T²
+  static constexpr double kRelief = 0.25;
+  static constexpr double kDoubt = 20.0;
+
+  static void believe(State& s, double sample, double r, double rate, double miss, double gate,
+                      double t) noexcept {
+    if (s.known > 0) {
+      // After a bridge the period that has just passed is not seen alone: the mean since the last good sample is.
+      s.velocity = (sample - s.good) / (t * (1.0 + s.in_a_row));
+      s.smooth = s.known == 1 ? s.velocity : s.smooth + kSmooth * (s.velocity - s.smooth);
+    }
+    // One that is only just let through says nothing of the motion; two do.
+    if (s.known < 2 || (!(abs(miss) <= gate) && s.off >= kLeaves) || !isfinite(miss)) {
+      s.error = sample - r;
+      s.error_rate = s.known > 0 ? s.velocity - rate : 0.0;
+    } else {
+      const double pull = clamp_to(miss, -kTrusted * gate, kTrusted * gate);
+      s.error += t * s.error_rate + kAlpha * pull;
+      s.error_rate += kBeta * pull / t;
+    }
+    s.off = abs(miss) <= kTrusted * gate ? 0 : s.off + 1;
+    s.used = s.good = sample;
+    s.in_a_row = 0;
+    if (s.known < 2) ++s.known;
+  }
+
+  static void bridge(State& s, double prediction, double r, double t) noexcept {
+    if (s.known > 0) {
+      s.velocity = (prediction - s.used) / t;
+      s.smooth += kSmooth * (s.velocity - s.smooth);
+      s.error = prediction - r;
+    }
+    s.used = prediction;
+    ++s.in_a_row;
+    if (s.bridged != UINT32_MAX) ++s.bridged;
+  }
+};
+
+}  // namespace stribeck::control

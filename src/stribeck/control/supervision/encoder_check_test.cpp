@@ -1,0 +1,248 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stribeck/control/supervision/encoder_check.hpp>
+#include <vector>
+
+namespace stribeck::control {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// An axis of 1000 kg with 20 N of friction and 250 N, encoder of 0.1 um, 1 ms: A = 0.27 m/s², A·T² = 0.27 um.
+SupervisionLimits limits(double period = 1e-3) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  axis.model.friction.steady = friction::Conventional<double>{20.0, 4500.0, {}};
+  axis.encoder_resolution = 1e-7;
+  SupervisionParams p;
+  p.speed_limit = 16e-3;
+  p.acceleration_limit = 0.1;
+  return {p, axis, 250.0, period};
+}
+
+/// 10 mm · sin t, seen by an encoder.
+struct Sine {
+  double t = 0.0;
+  double dt = 1e-3;
+  [[nodiscard]] double r() const { return 10e-3 * std::sin(t); }
+  [[nodiscard]] double v() const { return 10e-3 * std::cos(t); }
+  [[nodiscard]] double a() const { return -10e-3 * std::sin(t); }
+  [[nodiscard]] double read() const { return 1e-7 * std::round((r() + 3e-6) / 1e-7); }
+  double step(EncoderCheck::State& s, const SupervisionLimits& l, double sample, int periods = 1) {
+    return EncoderCheck::step(s, l, sample, r(), v(), a(), periods);
+  }
+};
+
+TEST(SupervisionLimits, FollowFromTheAxis) {
+  const SupervisionLimits l = limits();
+  EXPECT_DOUBLE_EQ(l.growth, (250.0 + 20.0) / 1000.0 * 1e-6);
+  EXPECT_DOUBLE_EQ(l.noise, 1e-6);
+  EXPECT_DOUBLE_EQ(l.speed, 24e-3);
+  EXPECT_DOUBLE_EQ(l.push, 62.5);
+  EXPECT_DOUBLE_EQ(l.following, 0.32e-3);
+  EXPECT_EQ(l.samples, 10);
+  EXPECT_EQ(l.stop_periods, 50);
+  // Never fewer than three samples, whatever the period.
+  EXPECT_EQ(limits(5e-3).samples, 3);
+}
+
+TEST(SupervisionLimits, WhatNobodyKnowsIsNotChecked) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  const SupervisionLimits l({}, axis, kInfinite, 1e-3);
+  EXPECT_EQ(l.growth, kInfinite);
+  EXPECT_EQ(l.speed, kInfinite);
+  EXPECT_EQ(l.push, kInfinite);
+  EXPECT_EQ(l.following, kInfinite);
+  // But a sample that is no number is bridged all the same.
+  EncoderCheck::State s;
+  Sine m;
+  for (int k = 0; k < 10; ++k, m.t += m.dt) EXPECT_EQ(m.step(s, l, m.read()), m.read());
+  EXPECT_NEAR(m.step(s, l, kNan), m.r() + 3e-6, 2e-7);
+  EXPECT_EQ(s.bridged, 1u);
+}
+
+TEST(SupervisionLimits, AJumpThatIsSetIsTheGateOfOneSample) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  axis.encoder_resolution = 1e-7;
+  SupervisionParams p;
+  p.jump = 5e-6;
+  const SupervisionLimits l(p, axis, 250.0, 1e-3);
+  EXPECT_DOUBLE_EQ(l.noise + l.growth, 5e-6);
+}
+
+TEST(EncoderCheck, GoodSamplesPassBitForBit) {
+  for (const double period : {1e-3, 5e-3}) {
+    const SupervisionLimits l = limits(period);
+    EncoderCheck::State s;
+    Sine m;
+    m.dt = period;
+    for (; m.t < 13.0; m.t += m.dt) ASSERT_EQ(m.step(s, l, m.read()), m.read()) << m.t;
+    EXPECT_EQ(s.bridged, 0u);
+  }
+}
+
+TEST(EncoderCheck, AWildSampleOfAnySizeIsBridged) {
+  const SupervisionLimits l = limits();
+  for (const double size : {2e-6, 1e-3, 1.0, 1e9, 1e15, 1e300, kInfinite, -kInfinite, kNan}) {
+    for (const double when : {0.3, 1.57, 2.5}) {
+      EncoderCheck::State s;
+      Sine m;
+      for (; m.t < when; m.t += m.dt) m.step(s, l, m.read());
+      // Two steps of the encoder: what a difference of its samples is off by.
+      EXPECT_NEAR(m.step(s, l, m.read() + size), m.read(), 2.01e-7) << size;
+      EXPECT_TRUE(EncoderCheck::bridges(s));
+      for (int k = 0; k < 100; ++k) {
+        m.t += m.dt;
+        ASSERT_EQ(m.step(s, l, m.read()), m.read()) << size << " " << k;
+      }
+      EXPECT_EQ(s.bridged, 1u);
+      EXPECT_EQ(EncoderCheck::judge(s, l), Fault::kNone);
+    }
+  }
+}
+
+TEST(EncoderCheck, AWildSampleInsideTheGateDoesNotDragTheNextOnesOut) {
+  // Nor with what the law makes of it: a motion of half its size the other way.
+  for (const double period : {1e-3, 5e-3}) {
+    const SupervisionLimits l = limits(period);
+    EncoderCheck::State s;
+    Sine m;
+    m.dt = period;
+    for (; m.t < 1.0; m.t += m.dt) m.step(s, l, m.read());
+    const double size = 0.9 * (l.noise + l.growth);
+    EXPECT_EQ(m.step(s, l, m.read() + size), m.read() + size);
+    for (int k = 0; k < 20; ++k) {
+      m.t += m.dt;
+      const double sample = m.read() - 0.5 * size * std::exp(-0.3 * k);
+      ASSERT_EQ(m.step(s, l, sample), sample) << k;
+    }
+  }
+}
+
+TEST(EncoderCheck, AnAxisThatLeavesItsReferenceIsFollowed) {
+  // From rest with all the force there is, away from a reference at rest; then the same against a friction that stops it.
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  double x = 0.0;
+  double v = 0.0;
+  for (int k = 0; k < 150; ++k) {
+    const double a = k < 80 ? 0.25 : k < 140 ? -0.27 : 0.0;
+    const double sample = 1e-7 * std::round(x / 1e-7);
+    ASSERT_EQ(EncoderCheck::step(s, l, sample, 0.0, 0.0, 0.0), sample) << k;
+    x += 1e-3 * v + 0.5e-6 * a;
+    v += 1e-3 * a;
+  }
+}
+
+TEST(EncoderCheck, AReferenceThatJumpsIsNoMotionOfTheAxis) {
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  Sine m;
+  for (; m.t < 1.0; m.t += m.dt) m.step(s, l, m.read());
+  for (int k = 0; k < 20; ++k, m.t += m.dt)
+    ASSERT_EQ(EncoderCheck::step(s, l, m.read(), m.r() + 1e-3, m.v(), m.a()), m.read()) << k;
+  EXPECT_NEAR(EncoderCheck::step(s, l, kNan, m.r() + 1e-3, m.v(), m.a()), m.read(), 3e-7);
+}
+
+TEST(EncoderCheck, TooManyInARowAreAFault) {
+  const auto count = [](const SupervisionLimits& l, double sample, bool frozen) {
+    EncoderCheck::State s;
+    Sine m;
+    double last = 0.0;
+    for (; m.t < 0.5; m.t += m.dt) last = m.step(s, l, m.read());
+    for (int k = 1; k < 100; ++k, m.t += m.dt) {
+      m.step(s, l, frozen ? last : m.read() + sample);
+      if (const Fault f = EncoderCheck::judge(s, l); f != Fault::kNone) return std::pair(k, f);
+    }
+    return std::pair(0, Fault::kNone);
+  };
+  const SupervisionLimits l = limits();
+  EXPECT_EQ(count(l, kNan, false), std::pair(11, Fault::kEncoderLost));
+  EXPECT_EQ(count(l, kInfinite, false), std::pair(11, Fault::kEncoderLost));
+  EXPECT_EQ(count(l, 1e-3, false), std::pair(11, Fault::kEncoderImplausible));
+  EXPECT_EQ(count(l, 0.0, true), std::pair(11, Fault::kEncoderFrozen));
+}
+
+TEST(EncoderCheck, DroppedSamplesAreBridgedUpToAFifth) {
+  const SupervisionLimits l = limits();
+  for (const double share : {0.1, 0.3}) {
+    std::mt19937 random(7);
+    EncoderCheck::State s;
+    Sine m;
+    double last = m.read();
+    double worst = 0.0;
+    bool fault = false;
+    for (; m.t < 1.2; m.t += m.dt) {
+      if (!(m.t > 0.01 && std::uniform_real_distribution(0.0, 1.0)(random) < share)) last = m.read();
+      worst = std::max(worst, std::abs(m.step(s, l, last) - m.read()));
+      fault = fault || EncoderCheck::judge(s, l) == Fault::kEncoderUnreliable;
+    }
+    EXPECT_EQ(fault, share > 0.2) << share;
+    // A dropped sample itself is up to 10 um off.
+    EXPECT_LT(worst, 1.3e-6) << share;
+    EXPECT_GT(s.bridged, 50u);
+  }
+}
+
+TEST(EncoderCheck, DroppedSamplesAtAnySpeedDoNotDragThePrediction) {
+  // Through reversals, at 5 ms, up to three in a row: there a repeated sample lies inside the gate.
+  const SupervisionLimits l = limits(5e-3);
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::mt19937 random(seed);
+    EncoderCheck::State s;
+    Sine m;
+    m.dt = 5e-3;
+    double last = m.read();
+    int in_a_row = 0;
+    for (; m.t < 6.5; m.t += m.dt) {
+      const bool dropped =
+          m.t > 0.1 && in_a_row < 3 && std::uniform_real_distribution(0.0, 1.0)(random) < 0.1;
+      in_a_row = dropped ? in_a_row + 1 : 0;
+      if (!dropped) last = m.read();
+      ASSERT_NEAR(m.step(s, l, last), m.read(), l.noise + l.growth) << "seed " << seed << " at " << m.t;
+      ASSERT_EQ(EncoderCheck::judge(s, l), Fault::kNone) << "seed " << seed << " at " << m.t;
+    }
+  }
+}
+
+TEST(EncoderCheck, MissedPeriodsAreNotWild) {
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  Sine m;
+  for (; m.t < 0.5; m.t += m.dt) m.step(s, l, m.read());
+  m.t += 2.0 * m.dt;
+  EXPECT_EQ(m.step(s, l, m.read(), 3), m.read());
+  m.t += m.dt;
+  EXPECT_EQ(m.step(s, l, m.read()), m.read());
+}
+
+TEST(EncoderCheck, IsTheSameInTheMirror) {
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s, mirrored;
+  Sine m;
+  for (int k = 0; k < 2000; ++k, m.t += m.dt) {
+    const double sample = k % 97 == 50 ? m.read() + 1e-3 : k % 131 == 70 ? kNan : m.read();
+    const double a = m.step(s, l, sample);
+    const double b = EncoderCheck::step(mirrored, l, -sample, -m.r(), -m.v(), -m.a());
+    ASSERT_EQ(a, -b) << k;
+  }
+}
+
+TEST(EncoderCheck, BeginsWithAMissingSample) {
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  Sine m;
+  m.t = 1.0;
+  EXPECT_EQ(m.step(s, l, kNan), m.r()) << "no error that nobody saw";
+  m.t += m.dt;
+  EXPECT_EQ(m.step(s, l, m.read()), m.read());
+}
+
+}  // namespace
+}  // namespace stribeck::control

@@ -1,0 +1,161 @@
+#pragma once
+/// Limits of supervision for one axis: what may be set, and the numbers that follow from the axis where nothing is set.
+///
+///   A      greatest plausible acceleration = min((force limit + friction level + |load|)/m, 4·acceleration limit)
+///   jump   10 encoder steps + A·T²           how far a sample may lie from its prediction
+///   n      samples bridged in a row = 10 ms/T, at least 3 and at most 50; one more is a fault
+///   push   max(2·friction level, force limit/4)    a force that friction cannot hold
+///   speed  1.5·speed limit; following error 20 ms·speed limit + 100 ms·|ṙ|
+///
+/// A number that needs a limit that nobody knows is infinite: that check is off.
+/// Source: Stribeck's own; docs/theory/supervision.md derives them.
+/// Real time: configure only. Errors: none.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <stribeck/control/compensation/compensation.hpp>
+#include <stribeck/core/fields.hpp>
+#include <string_view>
+#include <utility>
+
+namespace stribeck::control {
+
+/// What is checked of an axis.
+enum class Checks : std::uint8_t {
+  kNone,
+  kLost,  ///< samples and references that are no numbers for too long; the law answers each of them itself
+  kAll
+};
+
+}  // namespace stribeck::control
+
+template <>
+struct stribeck::EnumNames<stribeck::control::Checks> {
+  using enum stribeck::control::Checks;
+  static constexpr std::array names{std::pair{kNone, std::string_view{"none"}},
+                                    std::pair{kLost, std::string_view{"lost"}},
+                                    std::pair{kAll, std::string_view{"all"}}};
+};
+
+namespace stribeck::control {
+
+struct SupervisionParams {
+  Checks checks = Checks::kAll;
+  std::optional<double> speed_limit{};         ///< [m/s]
+  std::optional<double> acceleration_limit{};  ///< [m/s²]
+  std::optional<double> jump{};                ///< [m]
+  std::optional<double> push{};                ///< [N]
+  std::optional<double> following_error{};     ///< at rest [m]
+  double following_time = 0.1;                 ///< [s]
+  double bridge_time = 10e-3;                  ///< [s]
+  double stop_time = 50e-3;                    ///< [s]
+  double saturation_time = 0.5;                ///< [s]
+
+  static constexpr auto fields() {
+    using P = SupervisionParams;
+    return std::tuple{
+        field("checks", &P::checks,
+              "what is supervised: none, lost (encoder or command), or all (samples and motion as well)")
+            .or_default(),
+        field("speed_limit", &P::speed_limit, quantity("m/s", "mm/s").positive(),
+              "largest speed of the axis; left out: speed and following error are not checked")
+            .or_default(),
+        field("acceleration_limit", &P::acceleration_limit, quantity("m/s2", "mm/s2").positive(),
+              "largest acceleration of the axis; left out: what the force limit gives the mass")
+            .or_default(),
+        field("jump", &P::jump, quantity("m", "um").positive(),
+              "how far a sample may lie from its prediction; left out: 10 encoder steps and the largest "
+              "acceleration over a period")
+            .or_default(),
+        field("push", &P::push, quantity("N", "N").positive(),
+              "force that friction cannot hold; left out: twice the level, at least a quarter of the force "
+              "limit")
+            .or_default(),
+        field("following_error", &P::following_error, quantity("m", "mm").positive(),
+              "largest following error at rest; left out: 20 ms at the speed limit")
+            .or_default(),
+        field("following_time", &P::following_time, quantity("s", "ms").not_negative(),
+              "by how much the largest following error grows with the speed of the reference")
+            .or_default(),
+        field("bridge_time", &P::bridge_time, quantity("s", "ms").positive().at_most(0.1),
+              "how long wild or missing samples are bridged, at least three")
+            .or_default(),
+        field("stop_time", &P::stop_time, quantity("s", "ms").positive().at_most(1.0),
+              "from the first bad sample to the safe force")
+            .or_default(),
+        field("saturation_time", &P::saturation_time, quantity("s", "ms").positive(),
+              "how long the force may stay at its limit")
+            .or_default()};
+  }
+};
+
+/// Numbers that the checks work with; infinite: check off.
+struct SupervisionLimits {
+  static constexpr double kOff = std::numeric_limits<double>::infinity();
+
+  Checks checks = Checks::kAll;
+  double period = 1e-3;         ///< T [s]
+  double step = 0.0;            ///< of the encoder [m]
+  double mass = 1.0;            ///< [kg]
+  double load = 0.0;            ///< [N]
+  double force = 0.0;           ///< limit [N]
+  double noise = 0.0;           ///< part of the jump that does not grow [m]
+  double growth = kOff;         ///< A·T², for each period without a good sample [m]
+  double speed = kOff;          ///< [m/s]
+  double push = kOff;           ///< [N]
+  double following = kOff;      ///< [m]
+  double following_time = 0.0;  ///< [s]
+  int samples = 3;              ///< n
+  int late_periods = 0;         ///< by which a force acts late, rounded up
+  int stop_periods = 0;
+  int saturation_periods = 0;
+
+  SupervisionLimits() = default;
+  SupervisionLimits(const SupervisionParams& p, const CompensationParams& axis, double force_limit,
+                    double t) noexcept
+      : checks(p.checks),
+        period(t),
+        step(axis.encoder_resolution),
+        mass(axis.model.mass),
+        load(axis.model.load),
+        force(force_limit),
+        noise(kSteps * step),
+        following_time(p.following_time) {
+    samples = periods(p.bridge_time, 3, 50);
+    late_periods = static_cast<int>(std::ceil(clamp_to(axis.delay / t, 0.0, 1.0 * kMostDelay) - 1e-6));
+    stop_periods = periods(p.stop_time, 1, 100000);
+    saturation_periods = periods(p.saturation_time, 1, 1000000);
+    if (checks != Checks::kAll) return;
+    const double level = axis.model.friction.parts(0.0, 0.0).level;
+    const double physical = (force_limit + level + abs(load)) / mass;
+    const double most =
+        p.acceleration_limit ? min_of(physical, kAcceleration * *p.acceleration_limit) : physical;
+    growth = most * t * t;
+    if (p.jump) {
+      // The share that grows stays what physics says, or bridging would not find back.
+      growth = min_of(growth, *p.jump);
+      noise = *p.jump - growth;
+    }
+    speed = p.speed_limit ? kSpeed * *p.speed_limit : kOff;
+    const double known = isfinite(force_limit) ? max_of(2.0 * level, 0.25 * force_limit) : 2.0 * level;
+    push = p.push ? *p.push : known > 0.0 ? known : kOff;
+    following = p.following_error ? *p.following_error : p.speed_limit ? kFollowing * *p.speed_limit : kOff;
+  }
+
+  /// Velocities below this are the encoder's own steps [m/s].
+  [[nodiscard]] double rattle() const noexcept { return 5.0 * step / period; }
+
+ private:
+  static constexpr double kSteps = 10.0;
+  static constexpr double kAcceleration = 4.0;
+  static constexpr double kSpeed = 1.5;
+  static constexpr double kFollowing = 20e-3;
+
+  [[nodiscard]] int periods(double time, double least, double most) const noexcept {
+    return static_cast<int>(clamp_to(std::floor(time / period + 1e-6), least, most));
+  }
+};
+
+}  // namespace stribeck::control

@@ -1,0 +1,252 @@
+#pragma once
+/// Supervision of a controller for N axes, around the step of any law.
+///
+///   admit   before the law: a wild or missing sample is bridged (encoder_check.hpp), a reference that is no number goes on with its
+///           last acceleration, the law is told which axes are bridged, so that their observers and adaptation rest
+///   judge   after the law: motion of each axis (motion_check.hpp); the forces go out as the law gave them
+///   a fault is latched with its axis; from then on all axes stop together (safe_stop.hpp), a brake is asked for, the law rests
+///   checks = lost: the law sees every sample and reference as it is, and only those that are no numbers for too long are a fault
+///   reset   what adaptation had learned from 1 to 2 s before the fault is kept, the rest begins anew
+///
+/// Without a fault and without a bridged sample, forces are those of the law alone, bit for bit.
+/// Supervised<Law, N> is a law with supervision, for callers that know the law; a caller that does not calls the three itself.
+/// Source: Stribeck's own; docs/theory/supervision.md.
+/// Real time: safe; constructors configure only.
+
+#include <span>
+#include <stribeck/control/setup.hpp>
+#include <stribeck/control/supervision/encoder_check.hpp>
+#include <stribeck/control/supervision/motion_check.hpp>
+#include <stribeck/control/supervision/safe_stop.hpp>
+
+namespace stribeck::control {
+
+template <std::size_t N>
+using Supervision = std::array<SupervisionParams, N>;
+
+template <std::size_t N>
+class Supervisor {
+ public:
+  using V = Vec<double, N>;
+  using Law = typename Common<N>::State;
+
+  struct Axis {
+    EncoderCheck::State encoder;
+    MotionCheck::State motion;
+    SafeStop::State stop;
+    /// What was learned, newest first, a second apart.
+    std::array<FrictionRls::Learned, 2> kept;
+  };
+  struct State {
+    Fault fault = Fault::kNone;  ///< the first one
+    std::size_t axis = 0;        ///< where; of the lateness and the command: 0
+    std::array<Axis, N> axes;
+    std::array<std::uint32_t, kFaults> counts{};  ///< of each fault, over resets
+    path::PathPoint<N> last;                      ///< of the reference
+    V force;                                      ///< that went out last [N]
+    bool started = false;                         ///< `last` holds a reference
+    int command_lost = 0;                         ///< periods in a row
+    int late_in_a_row = 0;
+    std::uint32_t late = 0;           ///< steps that were late
+    std::uint32_t commands_lost = 0;  ///< references that were no numbers
+    int quiet = 0;                    ///< periods since something was kept
+  };
+
+  Supervisor() = default;
+  Supervisor(const Supervision<N>& params, const Setup<N>& setup) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      limits_[i] = SupervisionLimits(params[i], setup.compensation[i], setup.force_limit[i], setup.period);
+      motion_[i] = MotionCheck(limits_[i]);
+      stop_[i] = SafeStop(limits_[i], setup.compensation[i].model.friction);
+      adapts_[i] = setup.compensation[i].adaptation.enabled;
+    }
+    second_ = static_cast<int>(min_of(1.0 / setup.period, 1e9)) + 1;
+  }
+
+  /// Before the law: what it is to see. False after a fault: take stopped(), and leave the law alone. `elapsed`: time since the
+  /// last step as the host measured it [s]; NaN: one period.
+  bool admit(State& s, Law& law, path::PathPoint<N>& r, V& measured,
+             double elapsed = std::numeric_limits<double>::quiet_NaN()) const noexcept {
+    if (s.fault != Fault::kNone) return false;
+    const int periods = count_periods(s, elapsed);
+    take_command(s, r);
+    for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
+      law.bridged[i] = false;
+      if (limits_[i].checks == Checks::kNone) continue;
+      EncoderCheck::State& e = s.axes[i].encoder;
+      const double used = EncoderCheck::step(e, limits_[i], measured[i], r.position[i], r.velocity[i],
+                                             r.acceleration[i], periods);
+      const Fault found = EncoderCheck::judge(e, limits_[i]);
+      if (limits_[i].checks == Checks::kAll) {
+        measured[i] = used;
+        law.bridged[i] = EncoderCheck::bridges(e);
+        raise(s, found, i);
+      } else if (found == Fault::kEncoderLost) {
+        raise(s, found, i);
+      }
+    }
+    return s.fault == Fault::kNone;
+  }
+
+  /// After the law: its forces, or those of the stop when they may not go out.
+  V judge(State& s, const Law& law, const path::PathPoint<N>& r, const V& force) const noexcept {
+    bool quiet = true;
+    for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
+      if (limits_[i].checks != Checks::kAll) continue;
+      const Compensation::State& c = law.compensation[i];
+      quiet = quiet && !law.bridged[i] && !c.limited;
+      const EncoderCheck::State& e = s.axes[i].encoder;
+      raise(s,
+            motion_[i].step(s.axes[i].motion,
+                            {e.used, e.smooth, law.error[i].e, r.velocity[i], force[i],
+                             force[i] - c.friction - c.inertia_force, c.limited, law.bridged[i]}),
+            i);
+    }
+    if (s.fault != Fault::kNone) return stopped(s);
+    if (quiet) keep(s, law);
+    return s.force = force;
+  }
+
+  /// Forces after a fault, once per period [N].
+  V stopped(State& s) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) s.force[i] = stop_[i].step(s.axes[i].stop);
+    return s.force;
+  }
+
+  /// Begins anew with a law whose state has just been made anew. Counters stay.
+  void reset(State& s, Law& law) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      Axis& a = s.axes[i];
+      const std::uint32_t bridged = a.encoder.bridged;
+      if (s.fault != Fault::kNone && adapts_[i] && a.kept[1].known)
+        FrictionRls::recall(law.compensation[i].adaptation, a.kept[1]);
+      std::construct_at(&a);
+      a.encoder.bridged = bridged;
+    }
+    s.fault = Fault::kNone;
+    s.axis = 0;
+    s.started = false;
+    s.command_lost = s.late_in_a_row = s.quiet = 0;
+    s.force = {};
+  }
+
+  [[nodiscard]] static Reaction reaction_to(const State& s) noexcept { return reaction(s.fault); }
+  /// A holding brake should close.
+  [[nodiscard]] static bool brake_requested(const State& s) noexcept { return s.fault != Fault::kNone; }
+  /// The safe force has been reached on all axes.
+  [[nodiscard]] static bool safe(const State& s) noexcept {
+    for (const Axis& a : s.axes) {
+      if (s.fault == Fault::kNone || a.stop.left > 0 || a.stop.force != a.stop.end) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] const SupervisionLimits& limits(std::size_t i) const noexcept { return limits_[i]; }
+
+ private:
+  static constexpr double kLate = 1.5;  ///< in periods
+  static constexpr double kMostPeriods = 1000.0;
+
+  void raise(State& s, Fault f, std::size_t axis) const noexcept {
+    if (f == Fault::kNone || s.fault != Fault::kNone) return;
+    s.fault = f;
+    s.axis = axis;
+    auto& n = s.counts[static_cast<std::size_t>(f)];
+    if (n != UINT32_MAX) ++n;
+    for (std::size_t i = 0; i < N; ++i) {
+      const EncoderCheck::State& e = s.axes[i].encoder;
+      const int used = e.in_a_row > s.command_lost ? e.in_a_row : s.command_lost;
+      stop_[i].begin(s.axes[i].stop, reaction(f), s.force[i], e.smooth, used);
+    }
+  }
+
+  [[nodiscard]] int count_periods(State& s, double elapsed) const noexcept {
+    const double periods = elapsed / limits_[0].period;
+    if (!(periods > kLate)) {
+      s.late_in_a_row = 0;
+      return 1;
+    }
+    if (!s.started) return 1;
+    if (s.late != UINT32_MAX) ++s.late;
+    ++s.late_in_a_row;
+    if (limits_[0].checks == Checks::kAll &&
+        (s.late_in_a_row > limits_[0].samples || periods > limits_[0].samples + 0.5))
+      raise(s, Fault::kLate, 0);
+    return static_cast<int>(min_of(periods, kMostPeriods) + 0.5);
+  }
+
+  /// A reference that is no number goes on as it was.
+  void take_command(State& s, path::PathPoint<N>& r) const noexcept {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < N; ++i) {
+      sum += r.position[i] + r.velocity[i] + r.acceleration[i];
+      for (std::size_t k = 0; k < N; ++k)
+        sum += r.frame[i][k] + r.frame_rate[i][k] + r.frame_acceleration[i][k];
+    }
+    if (isfinite(sum)) {
+      s.command_lost = 0;
+    } else if (limits_[0].checks == Checks::kNone) {
+      return;
+    } else {
+      if (s.commands_lost != UINT32_MAX) ++s.commands_lost;
+      if (++s.command_lost > limits_[0].samples) raise(s, Fault::kCommandLost, 0);
+      if (limits_[0].checks == Checks::kLost || !s.started) return;  // the law answers it
+      const double t = limits_[0].period;
+      r = s.last;
+      r.position = r.position + t * r.velocity + (0.5 * t * t) * r.acceleration;
+      r.velocity = r.velocity + t * r.acceleration;
+    }
+    s.last = r;
+    s.started = true;
+  }
+
+  void keep(State& s, const Law& law) const noexcept {
+    if (++s.quiet < second_) return;
+    s.quiet = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!adapts_[i]) continue;
+      s.axes[i].kept[1] = s.axes[i].kept[0];
+      s.axes[i].kept[0] = FrictionRls::learned(law.compensation[i].adaptation);
+    }
+  }
+
+  std::array<SupervisionLimits, N> limits_;
+  std::array<MotionCheck, N> motion_;
+  std::array<SafeStop, N> stop_;
+  std::array<bool, N> adapts_{};
+  int second_ = 1000;
+};
+
+/// A law with supervision; in place of the law itself.
+template <class LawOf, std::size_t N>
+class Supervised {
+ public:
+  using V = Vec<double, N>;
+  struct State {
+    typename LawOf::State law;
+    typename Supervisor<N>::State watch;
+  };
+
+  Supervised(const typename LawOf::Params& params, const Setup<N>& setup,
+             const Supervision<N>& supervision) noexcept
+      : law_(params, setup), supervisor_(supervision, setup) {}
+
+  /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
+  V step(State& s, path::PathPoint<N> r, V measured,
+         double elapsed = std::numeric_limits<double>::quiet_NaN()) const noexcept {
+    if (!supervisor_.admit(s.watch, s.law, r, measured, elapsed)) return supervisor_.stopped(s.watch);
+    return supervisor_.judge(s.watch, s.law, r, law_.step(s.law, r, measured));
+  }
+
+  void reset(State& s) const noexcept {
+    std::construct_at(&s.law);
+    supervisor_.reset(s.watch, s.law);
+  }
+
+  [[nodiscard]] const Supervisor<N>& supervisor() const noexcept { return supervisor_; }
+
+ private:
+  LawOf law_;
+  Supervisor<N> supervisor_;
+};
+
+}  // namespace stribeck::control
