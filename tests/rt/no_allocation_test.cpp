@@ -9,6 +9,7 @@
 #include <span>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/pd.hpp>
+#include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/friction/test_maps.hpp>
 #include <stribeck/path/contour_error.hpp>
@@ -153,6 +154,33 @@ TEST(RealTime, NoLawAllocatesAlongAPath) {
   for (const auto frame :
        {path::FrameKind::kTransported, path::FrameKind::kFrenet, path::FrameKind::kPrinted})
     expect_no_allocation_along(saddle(), frame);
+}
+
+TEST(RealTime, SupervisionAllocatesNothingOverFaultStopAndReset) {
+  path::Reference reference(saddle(), {9.5e-3, 1.0, 10e-3});
+  while (reference.time() < 1.0) reference.advance(5e-3);
+  const auto r = reference.point();
+  control::Setup<3> setup;
+  setup.period = 5e-3;
+  for (auto& c : setup.compensation) {
+    c = compensation(control::Observer::kKalman);
+    c.adaptation.enabled = true;
+  }
+  setup.force_limit = {{10e3, 10e3, 10e3}};
+  control::Supervision<3> limits;
+  for (auto& p : limits) p.speed_limit = 20e-3;
+  EXPECT_EQ(allocated([&] {
+              const control::Supervised<control::Contouring<3>, 3> controller({}, setup, limits);
+              control::Supervised<control::Contouring<3>, 3>::State state;
+              for (int k = 0; k < 10; ++k) controller.step(state, r, r.position);
+              auto lost = r.position;
+              lost[1] = std::nan("");
+              for (int k = 0; k < 20; ++k) controller.step(state, r, lost);
+              ASSERT_EQ(state.watch.fault, control::Fault::kEncoderLost);
+              controller.reset(state);
+              ASSERT_TRUE(std::isfinite(controller.step(state, r, r.position)[0]));
+            }),
+            0);
 }
 
 TEST(RealTime, NoWayToSwitchAllocates) {

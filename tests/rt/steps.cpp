@@ -4,6 +4,7 @@
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/observers/cutting_force_observer.hpp>
 #include <stribeck/control/pd.hpp>
+#include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/path/contour_error.hpp>
 #include <stribeck/path/curve.hpp>
@@ -41,6 +42,26 @@ Vec<double, 5> with_points_ahead(const control::Predictive<5>& law, control::Pre
                                  std::span<const path::PathPoint<5>> ahead, const Vec<double, 5>& x) {
   return law.step(s, ahead, x);
 }
+
+/// Supervision apart from a law, as the C interface calls it.
+template <std::size_t N>
+struct Watching {
+  using S = control::Supervisor<N>;
+  static bool admit(const S& s, typename S::State& state, typename S::Law& law, path::PathPoint<N>& r,
+                    Vec<double, N>& x) {
+    return s.admit(state, law, r, x);
+  }
+  static Vec<double, N> judge(const S& s, typename S::State& state, const typename S::Law& law,
+                              const path::PathPoint<N>& r, const Vec<double, N>& force) {
+    return s.judge(state, law, r, force);
+  }
+  static Vec<double, N> stopped(const S& s, typename S::State& state) { return s.stopped(state); }
+  static void reset(const S& s, typename S::State& state, typename S::Law& law) { s.reset(state, law); }
+};
+template struct Watching<1>;
+template struct Watching<2>;
+template struct Watching<3>;
+template struct Watching<5>;
 
 double disturbance(const control::DisturbanceObserver& o, control::DisturbanceObserver::State& s, double f,
                    double v) {
