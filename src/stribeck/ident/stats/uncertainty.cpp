@@ -1,14 +1,10 @@
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <stribeck/ident/stats/long_run.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::stats {
-
-double student_factor(double freedom) {
-  return boost::math::quantile(boost::math::students_t(freedom), 0.975);
-}
 
 Uncertainty::Uncertainty(const Eigen::MatrixXd& X, const Eigen::VectorXd& e, const Eigen::MatrixXd& inverse,
                          const std::vector<int>& record, const std::vector<std::size_t>& at) {

@@ -11,8 +11,9 @@
 /// Inside ident only: includes Eigen.
 /// Real time: no.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
+#include <stribeck/ident/stats/quantiles.hpp>
 #include <vector>
 
 namespace stribeck::ident::stats {
@@ -31,8 +32,5 @@ class Uncertainty {
   Eigen::MatrixXd stationary_;
   double factor_ = 0.0;
 };
-
-/// Student's quantile for 95 % intervals.
-double student_factor(double freedom);
 
 }  // namespace stribeck::ident::stats

@@ -1,0 +1,17 @@
+#pragma once
+/// Quantiles and tails of the distributions that intervals and tests need.
+///
+/// The only user of Boost.Math: its headers cost some ten seconds of compile time.
+///
+/// Real time: no.
+
+namespace stribeck::ident::stats {
+
+/// Student's t: the factor of a standard deviation for a two-sided 95 % interval, t_{0.975} with `freedom`
+/// degrees of freedom.
+double student_factor(double freedom);
+
+/// Chi-squared: probability of a sum of squares above `sum`, with `freedom` degrees of freedom.
+double chi_squared_above(double sum, double freedom);
+
+}  // namespace stribeck::ident::stats
