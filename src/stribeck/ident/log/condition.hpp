@@ -1,5 +1,5 @@
 #pragma once
-/// From signals as a machine logged them to records that can be identified, and everything said on the way.
+/// From signals as a machine logged them to records that can be identified, and a note on everything that was found.
 ///
 ///   time       missing, backwards, double, rounded or jittering stamps, gaps; signals with own time bases
 ///   rows       values held over several rows, frozen logger, jumps and single wild samples
@@ -138,10 +138,6 @@ struct ConditionOptions {
 /// Several runs of one axis with one wiring: signs are decided for all of them together.
 Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options = {});
 Conditioned condition(RawLog log, const ConditionOptions& options = {});
-
-/// Runs that look like different days: groups told apart by duration or sampling, whose friction at
-/// neighbouring speeds and the same positions jumps by far more than within the groups.
-std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records);
 
 /// All kinds that ConditionOptions::keep accepts.
 const std::vector<std::string>& finding_kinds();

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 #include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/log/test_runs.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
@@ -766,54 +767,10 @@ TEST(Condition, LimitOfTheForceIsMarked) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(c.records[0].skip.begin(), c.records[0].skip.end(), 1)), cut);
 }
 
-// ---- runs ----
-
-/// Steady runs there and back with F(v), each at its own speed.
-std::vector<Record> steady_runs(const std::function<double(double)>& friction, bool two_lengths) {
-  std::mt19937_64 engine(5);
-  std::normal_distribution<double> normal;
-  std::vector<Record> out;
-  for (const double speed : {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 10e-3, 20e-3, 30e-3, 40e-3, 60e-3}) {
-    for (const double sign : {1.0, -1.0}) {
-      Record r;
-      r.source = "run";
-      r.sample_time = 0.015;
-      const std::size_t rows = two_lengths && speed < 4.5e-3 ? 2667 : 334;
-      for (std::size_t k = 0; k < rows; ++k) {
-        const double t = 0.015 * static_cast<double>(k);
-        r.t.push_back(t);
-        r.x.push_back(sign * speed * t);
-        r.f.push_back(sign * friction(speed) + 30.0 * std::sin(r.x.back()) + 0.1 * normal(engine));
-      }
-      out.push_back(std::move(r));
-    }
-  }
-  return out;
-}
-
-TEST(MixedRuns, TwoDaysAreSaid) {
-  const auto law = [](double v) { return 10.0 + 40.0 * v; };
-  const auto found =
-      warn_of_mixed_runs(steady_runs([&](double v) { return law(v) + (v < 4.5e-3 ? 3.0 : 0.0); }, true));
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].kind, "mixed-runs");
-  EXPECT_THAT(found[0].text, AllOf(HasSubstr("two days"), HasSubstr("0.004"), HasSubstr("v < 0")));
-  EXPECT_NEAR(found[0].values.at(3), -3.0, 0.2);
-}
-
-TEST(MixedRuns, OneDayIsNot) {
-  // Other lengths alone, or a steep low-speed part alone, are no second day.
-  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + 40.0 * v; }, true)).empty());
-  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + 5.0 * std::exp(-v / 4e-3); }, true))
-                  .empty());
-  EXPECT_TRUE(warn_of_mixed_runs(steady_runs([](double v) { return 10.0 + (v < 4.5e-3 ? 3.0 : 0.0); }, false))
-                  .empty());
-}
-
 TEST(Condition, RunsShareOneSign) {
   // A run in one direction alone cannot tell its sign; together they can.
   std::vector<RawLog> runs;
-  for (const Record& r : steady_runs([](double v) { return 40.0 + 40.0 * v; }, false)) {
+  for (const Record& r : testing::steady_runs([](double v) { return 40.0 + 40.0 * v; }, false)) {
     runs.push_back(raw(r));
     for (double& f : runs.back().f.y) f = -f;
   }

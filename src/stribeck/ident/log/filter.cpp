@@ -1,10 +1,11 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::log {
 namespace {
@@ -58,7 +59,7 @@ std::vector<double> steady_state(const Filter& f) {
     if (i + 1 < n) m(i, i + 1) -= 1.0;
     rhs(i) = f.b[static_cast<std::size_t>(i) + 1] - f.a[static_cast<std::size_t>(i) + 1] * f.b[0];
   }
-  const Eigen::VectorXd z = m.partialPivLu().solve(rhs);
+  const Eigen::VectorXd z = stats::solve_lu(m, rhs);
   return {z.data(), z.data() + n};
 }
 

@@ -1,12 +1,12 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <stribeck/ident/log/condition.hpp>
-#include <stribeck/ident/log/condition_parts.hpp>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/log/mixed_runs.hpp>
+#include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::log {
-
-using parts::quantile;
-using parts::text;
 
 namespace {
 
@@ -27,7 +27,7 @@ double mean_between(const Record& r, double from, double to, int direction) {
     sum += r.f[k];
     ++n;
   }
-  return n < 8 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(n);
+  return n < 8 ? kNaN : sum / static_cast<double>(n);
 }
 
 /// Steady runs of one direction, by speed.
@@ -43,7 +43,7 @@ std::vector<Run> steady(const std::vector<Record>& records, int direction) {
       const std::size_t b = (i + 1) * (n - 1) / kParts;
       speeds.push_back(direction * (r.x[b] - r.x[a]) / (r.t[b] - r.t[a]));
     }
-    const double middle = quantile(speeds, 0.5);
+    const double middle = stats::thinned_quantile(speeds, 0.5);
     if (!(middle > 0.0)) continue;
     std::size_t near = 0;
     for (const double v : speeds) near += std::abs(v / middle - 1.0) < 0.3 ? 1 : 0;
@@ -66,7 +66,7 @@ double step_between(const Run& a, const Run& b, int direction) {
   const auto [bf, bt] = range(*b.record);
   const double from = std::max(af, bf);
   const double to = std::min(at, bt);
-  if (!(to > from)) return std::numeric_limits<double>::quiet_NaN();
+  if (!(to > from)) return kNaN;
   // Without the start, where the axis still accelerates.
   const double skip = 0.15 * (to - from);
   return direction * (mean_between(*b.record, from + skip, to, direction) -
@@ -81,7 +81,7 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
   for (const int direction : {1, -1}) {
     const std::vector<Run> runs = steady(records, direction);
     if (runs.size() < kFewestRuns) continue;
-    std::vector<double> steps(runs.size(), std::numeric_limits<double>::quiet_NaN());  // before run i
+    std::vector<double> steps(runs.size(), kNaN);  // before run i
     std::vector<double> sizes;
     for (std::size_t i = 1; i < runs.size(); ++i) {
       steps[i] = step_between(runs[i - 1], runs[i], direction);
@@ -111,16 +111,16 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
       for (std::size_t j = 1; j < runs.size(); ++j) {
         if (j != i && std::isfinite(steps[j]) && j + 6 > i && j < i + 6) near.push_back(std::abs(steps[j]));
       }
-      const double usual = quantile(near, 0.5);
+      const double usual = stats::thinned_quantile(near, 0.5);
       std::vector<double> forces;
       for (const double f : runs[i].record->f) forces.push_back(std::abs(f));
-      const double level = quantile(forces, 0.5);
+      const double level = stats::thinned_quantile(forces, 0.5);
       if (!(std::abs(steps[i]) > 2.5 * usual) || std::abs(steps[i]) < 0.05 * level) continue;
       const Record& a = *runs[i - 1].record;
       const Record& b = *runs[i].record;
-      const std::string here =
-          text("v %s 0: %.3g %s between %.4g and %.4g, elsewhere about %.2g", direction > 0 ? ">" : "<",
-               steps[i], b.force_unit.c_str(), runs[i - 1].speed, runs[i].speed, usual);
+      const std::string here = fmt::format(
+          "v {} 0: {:.3g} {} between {:.4g} and {:.4g}, elsewhere about {:.2g}", direction > 0 ? ">" : "<",
+          steps[i], b.force_unit, runs[i - 1].speed, runs[i].speed, usual);
       const std::vector<double> numbers{
           static_cast<double>(i),        runs[i - 1].speed, runs[i].speed, steps[i], usual,
           static_cast<double>(direction)};
@@ -131,12 +131,12 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
       }
       found.push_back(
           {"mixed-runs",
-           text("the runs up to %s (%zu, %.3g s and more, %.4g s between rows) and from %s on (%zu, up to "
-                "%.3g s, %.4g s) were taken in different ways, and the friction at the same places jumps "
-                "between them: they look like two days. Identify them apart, or a low-speed term is made "
-                "of the difference. ",
-                a.source.c_str(), i, low[0], t_high[0], b.source.c_str(), runs.size() - i, high[1],
-                t_high[1]) +
+           fmt::format(
+               "the runs up to {} ({}, {:.3g} s and more, {:.4g} s between rows) and from {} on ({}, up to "
+               "{:.3g} s, {:.4g} s) were taken in different ways, and the friction at the same places jumps "
+               "between them: they look like two days. Identify them apart, or a low-speed term is made "
+               "of the difference. ",
+               a.source, i, low[0], t_high[0], b.source, runs.size() - i, high[1], t_high[1]) +
                here,
            0, 0.0, false, numbers});
       break;

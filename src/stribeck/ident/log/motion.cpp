@@ -3,7 +3,9 @@
 #include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <string>
+#include <utility>
 
 namespace stribeck::ident::log {
 namespace {
@@ -51,11 +53,7 @@ std::vector<double> second_difference(const std::vector<double>& x, double T) {
 
 /// The value below which a share of the magnitudes lies; 0 for none.
 double quantile_of_magnitude(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  for (double& x : values) x = std::abs(x);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+  return values.empty() ? 0.0 : stats::quantile(stats::magnitudes(std::move(values)), share);
 }
 
 /// A programmed force is piecewise smooth: its second differences are nearly all at the resolution of the

@@ -14,7 +14,7 @@
 /// noise of x, below 1 % of the spread of a. Rows whose window reaches over an end are not valid.
 ///
 /// A reversal is the extreme from which x has come back by more than the hysteresis (ten times the noise of
-/// x); elastic spring-back after a stop counts. `distance` is the way since then: bristles follow it, not
+/// x); elastic spring-back after a stop counts. `distance` is the travel since then: bristles follow it, not
 /// time.
 ///
 /// `instrument` is what least squares for the mass multiplies with instead of the measured a, whose noise

@@ -1,5 +1,6 @@
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <stribeck/ident/log/record.hpp>
 
 namespace stribeck::ident::log {
@@ -10,25 +11,20 @@ constexpr std::size_t kFewestRows = 100;
 constexpr double kJitter = 0.01;
 constexpr double kAbsurd = 1e30;  // squares of it and their sums are still numbers
 
-std::string text(const char* format, auto... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 void check_column(const Record& record, const char* name, const std::vector<double>& column,
                   std::vector<std::string>& found) {
   if (column.size() != record.t.size()) {
-    found.push_back(record.source + text(": column %s has %zu rows, expected %zu as in column t", name,
-                                         column.size(), record.t.size()));
+    found.push_back(record.source + fmt::format(": column {} has {} rows, expected {} as in column t", name,
+                                                column.size(), record.t.size()));
     return;
   }
   for (std::size_t k = 0; k < column.size(); ++k) {
     if (!(std::abs(column[k]) < kAbsurd)) {
-      found.push_back(record.source +
-                      text(": column %s, row %zu: %g is no number that a machine logs; repair or cut the "
-                           "log, or check its unit",
-                           name, k, column[k]));
+      found.push_back(
+          record.source +
+          fmt::format(": column {}, row {}: {:g} is no number that a machine logs; repair or cut the "
+                      "log, or check its unit",
+                      name, k, column[k]));
       return;
     }
   }
@@ -40,10 +36,11 @@ std::vector<std::string> problems(const Record& record) {
   std::vector<std::string> found;
   if (!(record.sample_time > 0.0) || !std::isfinite(record.sample_time)) {
     found.push_back(record.source +
-                    text(": sample time is %g s, expected a positive number", record.sample_time));
+                    fmt::format(": sample time is {:g} s, expected a positive number", record.sample_time));
   }
   if (record.t.size() < kFewestRows) {
-    found.push_back(record.source + text(": %zu rows, expected at least %zu", record.t.size(), kFewestRows));
+    found.push_back(record.source +
+                    fmt::format(": {} rows, expected at least {}", record.t.size(), kFewestRows));
   }
   check_column(record, "t", record.t, found);
   check_column(record, "x", record.x, found);
@@ -54,9 +51,10 @@ std::vector<std::string> problems(const Record& record) {
   for (std::size_t k = 1; k < record.t.size(); ++k) {
     const double step = record.t[k] - record.t[k - 1];
     if (std::abs(step - record.sample_time) > kJitter * record.sample_time) {
-      found.push_back(record.source +
-                      text(": column t, row %zu: step of %g s, expected %g s; resample or cut the log", k,
-                           step, record.sample_time));
+      found.push_back(
+          record.source +
+          fmt::format(": column t, row {}: step of {:g} s, expected {:g} s; resample or cut the log", k, step,
+                      record.sample_time));
       break;
     }
   }

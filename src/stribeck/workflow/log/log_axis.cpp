@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include <stribeck/ident/log/mixed_runs.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>

@@ -1,0 +1,129 @@
+// What a log can tell and what not, in sentences.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <stribeck/ident/log/condition_parts.hpp>
+
+namespace stribeck::ident::log::parts {
+namespace {
+
+/// How lengths are shown.
+struct Shown {
+  bool turning = false;
+  std::string length;  ///< "mm" or "rad"
+  double scale = 1.0;  ///< from SI
+};
+
+Shown shown_in(const std::string& unit) {
+  if (turning(unit)) return {true, "rad", 1.0};
+  return {false, "mm", 1e3};
+}
+
+struct Verdict {
+  std::vector<std::string>& can;
+  std::vector<std::string>& cannot;
+};
+
+void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, const Verdict& out) {
+  if (!r.good || c.moving <= 0.0) {
+    out.cannot.push_back("mass and friction: the axis hardly moves in this log");
+  } else if (r.mass_shows) {
+    out.can.push_back(
+        fmt::format("mass: acceleration up to {:.3g} {}/s2 shows in the force", u.scale * c.a_max, u.length));
+  } else {
+    out.cannot.push_back(fmt::format(
+        "mass: the acceleration (up to {:.3g} {}/s2) explains next to nothing of the force; add a log "
+        "of pulses or of a faster reversal",
+        u.scale * c.a_max, u.length));
+  }
+  if (c.forward > 0.03 && c.forward < 0.97) {
+    out.can.push_back(
+        fmt::format("friction by direction, and load apart from it: {:.0f} % of the moving rows go forward",
+                    100.0 * c.forward));
+  } else if (c.moving > 0.0) {
+    out.cannot.push_back(
+        "load (weight) apart from friction: it moves in one direction only; add the motion back at "
+        "the same speeds");
+  }
+}
+
+void judge_speeds(const Coverage& c, const Shown& u, const Verdict& out) {
+  const double fastest = std::max(c.v_max, -c.v_min);
+  if (fastest > 0.0 && c.slowest < 0.4 * fastest) {
+    out.can.push_back(fmt::format("friction over speed, from {:.3g} to {:.3g} {}/s", u.scale * c.slowest,
+                                  u.scale * fastest, u.length));
+  } else if (fastest > 0.0) {
+    out.cannot.push_back(fmt::format(
+        "viscous friction and its low-speed part: all speeds lie between {:.3g} and {:.3g} {}/s; add "
+        "slower and faster motion",
+        u.scale * c.slowest, u.scale * fastest, u.length));
+  }
+}
+
+void judge_periods(const Coverage& c, const Sampling& s, double resolution, const Shown& u,
+                   const Verdict& out) {
+  const double fastest = std::max(c.v_max, -c.v_min);
+  const double finest_period = std::max(8.0 * resolution, 4.0 * fastest * s.sample_time);
+  const double travel = c.x_max - c.x_min;
+  if (travel > 0.0 && finest_period < 0.25 * travel) {
+    out.can.push_back(fmt::format("terms periodic in position, periods from {:.3g} to {:.3g} {}",
+                                  u.scale * finest_period, u.scale * travel / 3.0, u.length));
+  } else {
+    out.cannot.push_back(fmt::format(
+        "terms periodic in position: the travel of {:.4g} {} holds too few periods that this sampling "
+        "can see",
+        u.scale * travel, u.length));
+  }
+}
+
+void judge_presliding(const Coverage& c, const Sampling& s, double resolution, const Shown& u,
+                      const Verdict& out) {
+  // Break-away of guides and screws lies at 1 to 100 µm; five steps are needed to see a stiffness.
+  const double coarse = u.turning ? 0.2e-3 : 10e-6;
+  constexpr std::size_t kFewestInside = 4;
+  const char* const soon = u.turning ? "1 mrad" : "50 um";
+  if (resolution > coarse) {
+    const bool steps = s.x_quantum_large > coarse;
+    const bool finer = s.x_quantum_large > 1.5 * s.x_quantum && s.x_quantum > 0.0;
+    out.cannot.push_back(fmt::format(
+        "pre-sliding: the position is too coarse, {:.3g} {} {}{} (break-away lies at {}, and five steps "
+        "within it are the least)",
+        u.scale * (steps ? s.x_quantum_large : resolution), u.length,
+        steps ? "between its values" : "of noise (3 sigma)",
+        finer
+            ? fmt::format(" where the numbers are large, {:.3g} where they are small", u.scale * s.x_quantum)
+            : "",
+        u.turning ? "0.1 to 10 mrad" : "1 to 100 um"));
+  } else if (c.reversals == 0) {
+    out.cannot.push_back(
+        "pre-sliding (stiffness, break-away distance): no reversal in this log; add slow reversals");
+  } else if (c.rows_presliding < kFewestInside) {
+    out.cannot.push_back(fmt::format(
+        "pre-sliding: after a reversal only {} rows (of {:.3g} s) lie within the first {}; reverse "
+        "more slowly or sample faster",
+        c.rows_presliding, s.sample_time, soon));
+  } else {
+    out.can.push_back(fmt::format(
+        "pre-sliding: {} reversals, {} rows within the first {} after each, position resolution {:.3g} {}",
+        c.reversals, c.rows_presliding, soon, u.scale * resolution, u.length));
+  }
+  if (resolution > coarse && s.sample_time > 0.02) {
+    out.cannot.back() +=
+        fmt::format("; besides, {:.3g} s between rows is longer than a reversal takes", s.sample_time);
+  }
+}
+
+}  // namespace
+
+void judge(Conditioned& out, const std::string& unit) {
+  const Shown u = shown_in(unit);
+  const Verdict verdict{out.determinable, out.cannot_tell};
+  const Sampling& s = out.sampling;
+  const double resolution = std::max(s.x_quantum_large, 3.0 * s.x_noise);
+  judge_mass_and_load(out.coverage, out.rough, u, verdict);
+  judge_speeds(out.coverage, u, verdict);
+  judge_periods(out.coverage, s, resolution, u, verdict);
+  judge_presliding(out.coverage, s, resolution, u, verdict);
+}
+
+}  // namespace stribeck::ident::log::parts

@@ -1,0 +1,71 @@
+#pragma once
+/// A linear fit of force by motion that is only good enough to tell signs and what explains the force.
+///
+///   f = m·a + c·v + F·sgn v + k·x + f0, the force `delay` rows later than the motion
+///
+/// The logs are long: blocks of rows, spread over all tables, stand for them. Force and motion pass the same window.
+///
+/// Inside this folder only: includes Eigen. Real time: no.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <stribeck/ident/log/condition_parts.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <vector>
+
+namespace stribeck::ident::log::parts {
+
+inline constexpr int kColumns = 5;  ///< a, v, sgn v, x, 1
+using Vector = Eigen::Matrix<double, kColumns, 1>;
+
+/// A stretch of one table with its motion.
+struct Block {
+  const Table* table = nullptr;
+  std::size_t first = 0;
+  Motion motion;
+  std::vector<double> x;      ///< from the middle of the travel
+  std::vector<double> force;  ///< as logged
+  std::vector<double> f;      ///< through the window of the motion
+};
+
+/// Puts a force, one value for each row of the block, through the window of the motion.
+void smooth_force(Block& block, const std::vector<double>& force);
+
+/// Up to `most` rows of all tables, spread evenly.
+std::vector<Block> blocks_of(const std::vector<Table>& tables, std::size_t most);
+
+/// Sums of one pairing of motion and force.
+struct Sums {
+  Eigen::Matrix<double, kColumns, kColumns> a = Eigen::Matrix<double, kColumns, kColumns>::Zero();
+  Vector b = Vector::Zero();
+  double ff = 0.0;
+  double f = 0.0;
+  std::size_t n = 0;
+  std::size_t forward = 0;
+
+  /// Residual sum of squares of the columns that are used; coefficients of the others are 0.
+  double solve(const std::array<bool, kColumns>& use, Vector& c) const;
+};
+
+/// The coefficients, with the delay that leaves the smallest mean square.
+struct Fit {
+  Vector c = Vector::Zero();
+  Sums sums;
+  double rss = std::numeric_limits<double>::infinity();  ///< mean square of the rest [N²]
+  int delay = 0;
+};
+
+/// A speed below which a row counts as standstill.
+double slowest_moving(const std::vector<Block>& blocks);
+
+/// Delays of at most `most` rows are tried.
+Fit best_fit(const std::vector<Block>& blocks, double slowest, int most = 100);
+
+RoughFit as_rough(const Fit& fit);
+
+/// Model force at the rows of a block, as the force column has it.
+std::vector<double> predicted(const Block& block, const Fit& fit);
+
+}  // namespace stribeck::ident::log::parts
