@@ -1,24 +1,23 @@
 #pragma once
-/// Terms periodic in position in what a friction model leaves of the force; the period is not known before.
+/// Terms periodic in position in what a friction model leaves of the force; the periods are not known before.
 ///
 ///   e = Σ_j η_j·sin(2π·x/λ_j − φ_j)·(1 or sgn v) + smooth + noise
 ///
 ///   e residual [N], x [m], η amplitude [N], λ period [m], φ phase [rad] at the homing position of the log
 ///
-/// Rows are joined over short ways and lose a polynomial (at most cubic) in x for every pass, a stretch of one
-/// direction; the ends of a pass, where reversals sound on, are tapered. Their least-squares spectrum is taken
-/// in both forms: the same sign in both directions (additive), or reversing with it (proportional). A line
-/// counts when it stands out of the background at neighbouring periods (chance below 1e-3 over all lines), and
-/// still does when it is taken out and what it leaves close by counts as background: a place that rings, a
-/// transient or a drift leaves much. Where passes cover the way unevenly, as jogs from one place do, a line spreads over its
-/// neighbours and is its own background: the strongest of all is therefore always tried. All terms are refined together by
-/// Gauss–Newton, far below the resolution λ²/stroke.
+/// 1. Neighbouring rows are averaged. Each pass (a stretch of one direction) loses a polynomial in x, at most cubic;
+///    its ends, where reversals still act, get a lower weight.
+/// 2. The least-squares spectrum is taken in both forms: the same sign in both directions (additive), or reversing
+///    with the direction (proportional).
+/// 3. The strongest line is tried as a term. It counts when it stands out of the background at neighbouring periods
+///    (chance below 1e-3 over all lines), also after it has been taken out. All terms are then refined together by
+///    Gauss–Newton, far below the resolution λ²/stroke. The search ends when no line stands out.
 ///
-/// Intervals and significance come from the residual spectrum around the line itself, so that they hold under
-/// noise that is correlated in time or repeats at each pass.
+/// Intervals and significance come from the residual spectrum beside the term itself, so that they hold under noise
+/// that is correlated in time or repeats at each pass.
 ///
 /// Source: Lomb 1976, doi:10.1007/BF00648343; Scargle 1982, doi:10.1086/160554.
-/// Not modelled: amplitudes that grow with load or speed; periods longer than a third of the way.
+/// Not modelled: amplitudes that grow with load or speed; periods longer than a third of the travel.
 /// Real time: no.
 /// Errors: Refused for columns of unequal length and for numbers that are not finite, with the row.
 
@@ -51,8 +50,8 @@ struct PeriodicTerm {
 };
 
 struct PeriodicOptions {
-  double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the way, or what keeps it fast
-  double longest = 0.0;   ///< [m]; 0: a third of the way
+  double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the travel, or what keeps it fast
+  double longest = 0.0;   ///< [m]; 0: a third of the travel
   double turn = 0.0;      ///< [m]; 0: unknown, else only its whole parts are searched and kept exact
   int most = 4;           ///< terms
 };

@@ -1,12 +1,15 @@
+#include <fmt/core.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <queue>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <utility>
 
 namespace stribeck::ident::map {
 namespace {
@@ -34,27 +37,17 @@ constexpr double kSlowRipple = 0.7;     // periods per second, below which the a
 constexpr double kPeriodsOfSlow = 4.0;  // that the slow runs must hold
 constexpr double kPeriodsOfLongest = 1.5;  // the longest stretch holds so many of the longest period
 
-template <class... T>
-std::string text(const char* format, T... values) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 /// A speed as people read it.
 std::string shown(double speed, const log::Record& rec) {
-  return rec.position_unit == "rad" ? text("%.4g rad/s", speed) : text("%.4g mm/s", speed * 1e3);
+  return rec.position_unit == "rad" ? fmt::format("{:.4g} rad/s", speed)
+                                    : fmt::format("{:.4g} mm/s", speed * 1e3);
 }
 std::string shown_way(double way, const log::Record& rec) {
-  return rec.position_unit == "rad" ? text("%.3g mrad", way * 1e3) : text("%.3g um", way * 1e6);
+  return rec.position_unit == "rad" ? fmt::format("{:.3g} mrad", way * 1e3)
+                                    : fmt::format("{:.3g} um", way * 1e6);
 }
 
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
+double median(std::vector<double> v) { return v.empty() ? 0.0 : stats::median(std::move(v)); }
 
 struct Piece {
   std::size_t first, last;  // blocks, last included
@@ -433,20 +426,19 @@ SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const Stead
         T * static_cast<double>(run.last - run.first) < options.shortest) {
       left_out.push_back(
           f.reversal && way < 1.5 * out.exclude
-              ? text(
-                    "%s: %s from %.4g s: moved %s, and the bristle follows for %s after a reversal; left out",
-                    rec.source.c_str(), shown(run.speed, rec).c_str(), rec.t[run.first],
-                    shown_way(way, rec).c_str(), shown_way(out.exclude, rec).c_str())
-              : text("%s: %s from %.4g s: less than %g s of constant speed; left out", rec.source.c_str(),
-                     shown(run.speed, rec).c_str(), rec.t[run.first], options.shortest));
+              ? fmt::format(
+                    "{}: {} from {:.4g} s: moved {}, and the bristle follows for {} after a reversal; left out",
+                    rec.source, shown(run.speed, rec), rec.t[run.first], shown_way(way, rec),
+                    shown_way(out.exclude, rec))
+              : fmt::format("{}: {} from {:.4g} s: less than {:g} s of constant speed; left out", rec.source,
+                            shown(run.speed, rec), rec.t[run.first], options.shortest));
       continue;
     }
     const double rows = static_cast<double>(run.last - run.first);
     const double speed = (rec.x[run.last] - rec.x[run.first]) / (rows * T);
     if (!rec.r.empty() && std::abs(speed - run.speed) > 0.1 * std::abs(run.speed)) {
-      left_out.push_back(text("%s: %s asked from %.4g s on, but the axis moved with %s; left out",
-                              rec.source.c_str(), shown(run.speed, rec).c_str(), rec.t[run.first],
-                              shown(speed, rec).c_str()));
+      left_out.push_back(fmt::format("{}: {} asked from {:.4g} s on, but the axis moved with {}; left out",
+                                     rec.source, shown(run.speed, rec), rec.t[run.first], shown(speed, rec)));
       continue;
     }
     run.speed = speed;
@@ -457,7 +449,7 @@ SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const Stead
   for (std::size_t i = 0; i < std::min(left_out.size(), kNamed); ++i) out.notes.push_back(left_out[i]);
   if (left_out.size() > kNamed) {
     out.notes.push_back(
-        text("and %zu more stretches were left out for like reasons", left_out.size() - kNamed));
+        fmt::format("and {} more stretches were left out for like reasons", left_out.size() - kNamed));
   }
 
   std::optional<Wave> wave;

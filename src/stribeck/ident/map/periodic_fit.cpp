@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/map/periodic_parts.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+
+namespace stribeck::ident::map::periodic {
+
+double damping(const Group& g, double f) {
+  return std::max(0.0, 1.0 - 0.5 * std::pow(2.0 * kPi * f, 2.0) * g.spread);
+}
+
+void columns(const Data& data, const Line& line, Eigen::Ref<MatrixXd> out, bool slope) {
+  for (std::size_t i = 0; i < data.groups.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const Group& g = data.groups[i];
+    const double u = g.x - data.middle;
+    const double w = data.root(k) * damping(g, line.f) * (line.form == kReversing ? g.sign : 1.0);
+    const double s = w * std::sin(2.0 * kPi * line.f * u);
+    const double c = w * std::cos(2.0 * kPi * line.f * u);
+    out(k, 0) = s;
+    out(k, 1) = c;
+    if (slope) out(k, 2) = 2.0 * kPi * u * (line.a * c - line.b * s);
+  }
+  for (Index j = 0; j < (slope ? 3 : 2); ++j) project(data, out.col(j));
+}
+
+bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& lines, VectorXd& e) {
+  const auto n = static_cast<Index>(data.groups.size());
+  const auto count = static_cast<Index>(lines.size());
+  e = data.e;
+  if (lines.empty()) return true;
+  constexpr int kIterations = 12;
+  MatrixXd X(n, 3 * count);
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+    // Amplitudes at these periods, then one step of the periods.
+    const auto linear = [&] {
+      MatrixXd B(n, 2 * count);
+      for (Index j = 0; j < count; ++j) B.middleCols(2 * j, 2) = X.middleCols(3 * j, 2);
+      const VectorXd theta = stats::solve_ldlt(stats::gram(B), B.transpose() * data.e);
+      for (Index j = 0; j < count; ++j) {
+        lines[static_cast<std::size_t>(j)].a = theta(2 * j);
+        lines[static_cast<std::size_t>(j)].b = theta(2 * j + 1);
+      }
+      e = data.e - B * theta;
+      return theta.allFinite();
+    };
+    for (Index j = 0; j < count; ++j)
+      columns(data, lines[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), false);
+    if (!linear()) return false;
+    if (iteration == kIterations || exact) break;
+    for (Index j = 0; j < count; ++j)
+      columns(data, lines[static_cast<std::size_t>(j)], X.middleCols(3 * j, 3), true);
+    const VectorXd step = stats::solve_ldlt(stats::gram(X), X.transpose() * e);
+    if (!step.allFinite()) return false;
+    double largest = 0.0;
+    for (Index j = 0; j < count; ++j) {
+      Line& line = lines[static_cast<std::size_t>(j)];
+      const double limit = 0.2 / data.length;
+      const double d = std::clamp(step(3 * j + 2), -limit, limit);
+      line.f += d;
+      largest = std::max(largest, std::abs(d) * data.length);
+      if (std::abs(line.f - line.start) > 1.0 / data.length || !(line.f > 0.0)) return false;
+    }
+    if (largest < tolerance) break;
+  }
+  return true;
+}
+
+}  // namespace stribeck::ident::map::periodic
