@@ -1,11 +1,13 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/methods/break_away.hpp>
 #include <stribeck/ident/refused.hpp>
-#include <stribeck/ident/stats/uncertainty.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
 
 namespace stribeck::ident::methods {
 namespace {
@@ -23,13 +25,6 @@ constexpr double kElastic = 4.0;  // growth of the deflection over the second ha
 constexpr double kCounts = 8.0;   // of the encoder, that a deflection needs to be seen
 constexpr double kQuasi = 0.85;   // of the slip's force, up to which the distance is fitted
 constexpr int kGrid = 60;
-
-template <class... T>
-std::string text(const char* format, T... values) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 double smallest_step(const std::vector<double>& x) {
   double step = std::numeric_limits<double>::infinity();
@@ -87,7 +82,7 @@ enum class No { kReference, kMoving, kCrooked, kStill, kCreeping, kCount };
 struct Judged {
   std::optional<Slip> slip;
   No why = No::kStill;
-  double way = 0.0;  ///< of a stretch that creeps [m]
+  double travel = 0.0;  ///< of a stretch that creeps [m]
 };
 
 /// RMS off the least-squares line of f[0…k], of its last value.
@@ -113,8 +108,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
   }
   std::vector<double> start(rec.x.begin() + static_cast<std::ptrdiff_t>(first),
                             rec.x.begin() + static_cast<std::ptrdiff_t>(std::min(first + 5, last + 1)));
-  std::nth_element(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(start.size() / 2), start.end());
-  const double rest = start[start.size() / 2];
+  const double rest = stats::median(std::move(start));
   std::vector<double> y, f;
   for (std::size_t k = first; k <= top; ++k) {
     y.push_back(direction * (rec.x[k] - rest));
@@ -144,7 +138,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
     slip.deflection = y[k];
     double force = f[k];
     if (options.mass) {
-      // The slip takes the second half of the way from `before`; a parabola holds over it.
+      // The slip takes the second half of the travel from `before`; a parabola holds over it.
       const std::size_t half = std::max<std::size_t>(2, (k - before) / 2);
       force -= *options.mass *
                acceleration(y, k - std::min(k, half), std::min(k + half, y.size() - 1), rec.sample_time);
@@ -167,12 +161,12 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
 }
 
 /// What the stretches without a slip are.
-std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double way,
+std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double travel,
                     const std::string& position_unit) {
   std::string out;
   const auto say = [&](No no, const std::string& what) {
     const std::size_t n = count[static_cast<std::size_t>(no)];
-    if (n > 0) out += (out.empty() ? "" : "; ") + text("%zu ", n) + what;
+    if (n > 0) out += (out.empty() ? "" : "; ") + fmt::format("{} ", n) + what;
   };
   const bool turns = position_unit == "rad";
   say(No::kReference, "while the reference moves, where the force follows the motion");
@@ -180,9 +174,10 @@ std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::k
   say(No::kCrooked, "with a force that does not rise steadily");
   say(No::kStill, "without any sliding, so that more force is needed");
   say(No::kCreeping,
-      text("during which the axis moves by as much as %.3g %s but never slips suddenly (the ramp is too "
-           "quick, or noise in force or friction lets the axis creep)",
-           turns ? way : 1e3 * way, turns ? "rad" : "mm"));
+      fmt::format(
+          "during which the axis moves by as much as {:.3g} {} but never slips suddenly (the ramp is too "
+          "quick, or noise in force or friction lets the axis creep)",
+          turns ? travel : 1e3 * travel, turns ? "rad" : "mm"));
   return out;
 }
 
@@ -205,68 +200,57 @@ Mean mean_of(const std::vector<double>& values) {
   return m;
 }
 
-}  // namespace
-
-BreakAway identify_break_away(const std::vector<log::Record>& records, const BreakAwayOptions& options) {
-  if (records.empty()) throw Refused("break-away: no record given");
-  BreakAway out;
-  std::size_t ramps = 0;
+/// Stretches of one sign of force, and why those without a slip have none.
+struct Stretches {
+  std::size_t count = 0;
   std::array<std::size_t, static_cast<std::size_t>(No::kCount)> no{};
-  double creep = 0.0;
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    const log::Record rec = map::with_positions(records[r]);
-    double largest = 0.0;
-    for (const double f : rec.f) largest = std::max(largest, std::abs(f));
-    const double quiet = kAtRest * largest;
-    for (std::size_t k = 0; k < rec.f.size();) {
-      if (std::abs(rec.f[k]) <= quiet) {
-        ++k;
-        continue;
-      }
-      const int direction = rec.f[k] > 0.0 ? 1 : -1;
-      std::size_t end = k;
-      while (end + 1 < rec.f.size() && direction * rec.f[end + 1] > quiet) ++end;
-      if (end - k >= kFewestRows) {
-        ++ramps;
-        std::size_t begin = k;
-        while (begin > 0 && std::abs(rec.f[begin - 1]) <= quiet) --begin;
-        // The quiet beginning belongs to the ramp.
-        std::size_t first = k;
-        while (first > 0 && direction * rec.f[first - 1] >= 0.0 &&
-               std::abs(rec.f[first - 1]) < std::abs(rec.f[first])) {
-          --first;
-        }
-        Judged judged = first_slip(rec, begin, first, end, direction, options);
-        if (judged.slip) {
-          judged.slip->record = r;
-          out.slips.push_back(*judged.slip);
-        } else {
-          ++no[static_cast<std::size_t>(judged.why)];
-          creep = std::max(creep, judged.way);
-        }
-      }
-      k = end + 1;
+  double creep = 0.0;  ///< longest travel of one that creeps [m]
+};
+
+/// The quiet beginning belongs to the ramp: from the first row at which the force begins to rise.
+std::size_t begin_of_ramp(const std::vector<double>& f, std::size_t first, int direction) {
+  while (first > 0 && direction * f[first - 1] >= 0.0 && std::abs(f[first - 1]) < std::abs(f[first])) --first;
+  return first;
+}
+
+/// All slips of one record, number `record`.
+void find_slips(const log::Record& rec, std::size_t record, const BreakAwayOptions& options,
+                std::vector<Slip>& slips, Stretches& stretches) {
+  double largest = 0.0;
+  for (const double f : rec.f) largest = std::max(largest, std::abs(f));
+  const double quiet = kAtRest * largest;
+  for (std::size_t k = 0; k < rec.f.size();) {
+    if (std::abs(rec.f[k]) <= quiet) {
+      ++k;
+      continue;
     }
+    const int direction = rec.f[k] > 0.0 ? 1 : -1;
+    std::size_t end = k;
+    while (end + 1 < rec.f.size() && direction * rec.f[end + 1] > quiet) ++end;
+    if (end - k >= kFewestRows) {
+      ++stretches.count;
+      std::size_t begin = k;
+      while (begin > 0 && std::abs(rec.f[begin - 1]) <= quiet) --begin;
+      Judged judged = first_slip(rec, begin, begin_of_ramp(rec.f, k, direction), end, direction, options);
+      if (judged.slip) {
+        judged.slip->record = record;
+        slips.push_back(*judged.slip);
+      } else {
+        ++stretches.no[static_cast<std::size_t>(judged.why)];
+        stretches.creep = std::max(stretches.creep, judged.travel);
+      }
+    }
+    k = end + 1;
   }
-  if (out.slips.empty()) {
-    const std::string why = reasons(no, creep, records.front().position_unit);
-    throw Refused(
-        text("break-away: no slow ramp of force with a slip among %zu stretches of one sign of force",
-             ramps) +
-        (why.empty() ? "" : ": " + why) +
-        "; ramp the force from rest until the axis slips (excite --method ramp)");
-  }
+}
+
+/// Force of each direction, and the distance of both.
+void write_means(BreakAway& out, Result& r) {
   std::vector<double> force[2], distance;
   for (const Slip& s : out.slips) {
     force[s.direction > 0 ? 0 : 1].push_back(s.force);
     distance.push_back(s.distance);
   }
-  Result& r = out.result;
-  r.method = "break-away";
-  r.model = "none";
-  r.force_unit = records.front().force_unit;
-  r.position_unit = records.front().position_unit;
-  r.mass = std::numeric_limits<double>::quiet_NaN();
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
     const Mean m = mean_of(force[side]);
     out.force[side] = m.value;
@@ -287,12 +271,37 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
   out.distance_interval = d.interval;
   r.break_away_distance = d.value;
   r.parameters.push_back({"break_away_distance", d.value, "m", "um", d.interval.low, d.interval.high, true});
+}
+
+}  // namespace
+
+BreakAway identify_break_away(const std::vector<log::Record>& records, const BreakAwayOptions& options) {
+  if (records.empty()) throw Refused("break-away: no record given");
+  BreakAway out;
+  Stretches stretches;
+  for (std::size_t r = 0; r < records.size(); ++r)
+    find_slips(map::with_positions(records[r]), r, options, out.slips, stretches);
+  if (out.slips.empty()) {
+    const std::string why = reasons(stretches.no, stretches.creep, records.front().position_unit);
+    throw Refused(
+        fmt::format("break-away: no slow ramp of force with a slip among {} stretches of one sign of force",
+                    stretches.count) +
+        (why.empty() ? "" : ": " + why) +
+        "; ramp the force from rest until the axis slips (excite --method ramp)");
+  }
+  Result& r = out.result;
+  r.method = "break-away";
+  r.model = "none";
+  r.force_unit = records.front().force_unit;
+  r.position_unit = records.front().position_unit;
+  r.mass = std::numeric_limits<double>::quiet_NaN();
+  write_means(out, r);
   r.rows = out.slips.size();
-  if (out.slips.size() < ramps) {
+  if (out.slips.size() < stretches.count) {
     r.warnings.push_back(
-        text("%zu of %zu stretches of force are no slow ramps up to a slip and were left out: ",
-             ramps - out.slips.size(), ramps) +
-        reasons(no, creep, r.position_unit));
+        fmt::format("{} of {} stretches of force are no slow ramps up to a slip and were left out: ",
+                    stretches.count - out.slips.size(), stretches.count) +
+        reasons(stretches.no, stretches.creep, r.position_unit));
   }
   if (!options.mass) {
     r.warnings.push_back(

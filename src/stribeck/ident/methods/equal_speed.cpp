@@ -1,10 +1,13 @@
+#include <fmt/core.h>
+
+#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
-#include <cstdio>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/methods/equal_speed.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::methods {
@@ -14,13 +17,6 @@ constexpr double kOneSpeed = 0.05;   // pairs of forward and backward
 constexpr double kConstant = 0.001;  // probability below which half sums do not agree
 constexpr std::size_t kFewestRows = 60;
 constexpr double kSlowest = 0.02;  // of the largest speed: bins begin here
-
-template <class... T>
-std::string text(const char* format, T... values) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 struct Row {
   int record;
@@ -95,8 +91,7 @@ LoadEstimate load_of(const std::vector<map::SteadyRun>& runs) {
     spread += (p.load - out.value) * (p.load - out.value);
     chi += std::pow((p.load - weighted / weights) / std::max(p.error, 1e-150), 2.0);
   }
-  out.constant = n < 2.0 || boost::math::cdf(boost::math::complement(boost::math::chi_squared(n - 1.0),
-                                                                     std::min(chi, 1e6))) > kConstant;
+  out.constant = n < 2.0 || stats::chi_squared_above(std::min(chi, 1e6), n - 1.0) > kConstant;
   if (n >= 2.0) {
     const double half =
         stats::student_factor(n - 1.0) * std::sqrt(std::max(variance / n, spread / (n - 1.0)) / n);
@@ -110,10 +105,10 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
   const map::SteadyRuns found = map::find_steady_runs(records, options);
   const LoadEstimate load = load_of(found.runs);
   if (load.pairs.empty()) {
-    throw Refused(
-        text("gravity: %zu stretches of constant speed, but no speed in both directions; run each speed "
-             "forward and back (excite --method jog)",
-             found.runs.size()));
+    throw Refused(fmt::format(
+        "gravity: {} stretches of constant speed, but no speed in both directions; run each speed "
+        "forward and back (excite --method jog)",
+        found.runs.size()));
   }
   Result r;
   r.method = "gravity";
@@ -197,8 +192,10 @@ MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records, const 
     }
     for (Eigen::Index i = 0; i < n; ++i)
       w.row(i) -= mean.row(static_cast<Eigen::Index>(rows[static_cast<std::size_t>(i)].bin));
-    const Eigen::LDLT<Eigen::MatrixXd> normal(w.transpose() * w);
-    const auto partial_out = [&](auto&& column) { column -= w * normal.solve(w.transpose() * column); };
+    const Eigen::MatrixXd normal = stats::gram(w);
+    const auto partial_out = [&](Eigen::Ref<Eigen::VectorXd> column) {
+      column -= w * stats::solve_ldlt(normal, w.transpose() * column);
+    };
     partial_out(z.col(0));
     partial_out(a);
     partial_out(f);
@@ -222,11 +219,11 @@ Result identify_constant_acceleration(const std::vector<log::Record>& records,
   if (records.empty()) throw Refused("constant acceleration: no record given");
   const MassEstimate mass = mass_at_equal_speed(records, options);
   if (!std::isfinite(mass.value) || !(mass.value > 0.0) || !(mass.interval.low > 0.0)) {
-    throw Refused(
-        text("constant acceleration: no mass comes out of %zu rows of sliding (%.4g, interval %.4g to "
-             "%.4g); the axis must pass the same speed accelerating and braking, see excite --method "
-             "constant-acceleration",
-             mass.rows, mass.value, mass.interval.low, mass.interval.high));
+    throw Refused(fmt::format(
+        "constant acceleration: no mass comes out of {} rows of sliding ({:.4g}, interval {:.4g} to "
+        "{:.4g}); the axis must pass the same speed accelerating and braking, see excite --method "
+        "constant-acceleration",
+        mass.rows, mass.value, mass.interval.low, mass.interval.high));
   }
   Result r;
   r.method = "constant-acceleration";

@@ -34,7 +34,7 @@ struct SpeedPair {
 };
 
 struct LoadEstimate {
-  double value = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: no speed was run both ways
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: no speed was run in both directions
   Interval interval;                                        ///< 95 %, with the spread over the speeds
   bool constant = false;
   std::vector<SpeedPair> pairs;  ///< ascending speed

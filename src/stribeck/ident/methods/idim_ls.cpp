@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/methods/idim_ls.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 #include <string>
 
@@ -31,9 +32,7 @@ struct Column {
   std::vector<double> values;
 };
 
-}  // namespace
-
-IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& options) {
+void check(const log::Record& record, const IdimOptions& options) {
   const auto wrong = log::problems(record);
   if (!wrong.empty()) throw Refused(wrong.front());
   const double T = record.sample_time;
@@ -53,18 +52,19 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
                     " Hz and needs more than twice that; use --method auto");
     }
   }
-  const std::vector<double> x =
-      log::forward_backward(log::butterworth(options.order, options.cut_off * 2.0 * T), record.x);
-  const std::vector<double> v = derivative(x, T);
-  const std::vector<double> a = derivative(v, T);
+}
 
+/// The regressors over all rows, in the order of the law.
+std::vector<Column> columns_of(const std::vector<double>& v, const std::vector<double>& a,
+                               bool by_direction) {
+  const std::size_t n = v.size();
   std::vector<Column> columns{{"mass", "kg", "N s2/mm", a}};
   auto add = [&](const char* name, const char* unit, const char* shown, auto value) {
     Column c{name, unit, shown, std::vector<double>(n)};
     std::transform(v.begin(), v.end(), c.values.begin(), value);
     columns.push_back(std::move(c));
   };
-  if (options.by_direction) {
+  if (by_direction) {
     add("viscous_positive", "N s/m", "N s/mm", [](double s) { return s > 0.0 ? s : 0.0; });
     add("coulomb_positive", "N", "N", [](double s) { return s > 0.0 ? 1.0 : 0.0; });
     add("viscous_negative", "N s/m", "N s/mm", [](double s) { return s < 0.0 ? s : 0.0; });
@@ -74,58 +74,33 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
     add("coulomb", "N", "N", [](double s) { return s > 0.0 ? 1.0 : s < 0.0 ? -1.0 : 0.0; });
     add("offset", "N", "N", [](double) { return 1.0; });
   }
-  auto thin = [&](const std::vector<double>& column) {
-    return log::decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
-                         options.decimation);
-  };
-  const std::vector<double> force = thin(record.f);
-  const auto rows = static_cast<Index>(force.size());
-  const auto p = static_cast<Index>(columns.size());
-  MatrixXd X(rows, p);
-  for (Index j = 0; j < p; ++j) {
-    const std::vector<double> c = thin(columns[static_cast<std::size_t>(j)].values);
-    X.col(j) = Eigen::Map<const VectorXd>(c.data(), rows);
-  }
-  const VectorXd y = Eigen::Map<const VectorXd>(force.data(), rows);
-  const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (svd.rank() < p)
-    throw Refused(
-        "idim-ls: the log does not determine all parameters; move in both directions at several speeds");
-  const VectorXd theta = svd.solve(y);
-  const VectorXd e = y - X * theta;
-  const MatrixXd inverse = (X.transpose() * X).inverse();
+  return columns;
+}
 
-  IdimResult out;
-  IdimResult::Published& pub = out.published;
-  pub.rows = force.size();
+/// Without the first rows, decimated.
+std::vector<double> thin(const std::vector<double>& column, const IdimOptions& options) {
+  return log::decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
+                       options.decimation);
+}
+
+/// What papers print.
+IdimResult::Published published(const VectorXd& theta, const VectorXd& e, const VectorXd& y,
+                                const MatrixXd& inverse, double condition) {
+  IdimResult::Published pub;
+  pub.rows = static_cast<std::size_t>(y.size());
   pub.error_norm = e.norm();
   pub.relative_error = e.norm() / y.norm();
-  pub.error_deviation = std::sqrt((e.array() - e.mean()).square().sum() / static_cast<double>(rows - 1));
-  pub.condition = svd.singularValues()(0) / svd.singularValues()(p - 1);
-  for (Index j = 0; j < p; ++j) {
+  pub.error_deviation = std::sqrt((e.array() - e.mean()).square().sum() / static_cast<double>(y.size() - 1));
+  pub.condition = condition;
+  for (Index j = 0; j < theta.size(); ++j) {
     pub.value.push_back(theta(j));
     pub.deviation.push_back(pub.error_deviation * std::sqrt(inverse(j, j)));
   }
+  return pub;
+}
 
-  std::vector<std::size_t> at(force.size());
-  for (std::size_t k = 0; k < at.size(); ++k) at[k] = k;
-  const stats::Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
-
-  Result& r = out.result;
-  r.method = "idim-ls";
-  r.rows = pub.rows;
-  r.mass = theta(0);
-  const auto [low, high] =
-      std::minmax_element(v.begin() + static_cast<std::ptrdiff_t>(options.drop), v.end());
-  r.velocity_range = {*low, *high};
-  for (Index j = 0; j < p; ++j) {
-    const Column& c = columns[static_cast<std::size_t>(j)];
-    const double half = uncertainty.half_width(VectorXd::Unit(p, j));
-    r.parameters.push_back(
-        {c.name, theta(j), c.unit, c.shown, theta(j) - half, theta(j) + half, half < std::abs(theta(j))});
-  }
-  r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
-  if (options.by_direction) {
+void write_law(const VectorXd& theta, bool by_direction, Result& r) {
+  if (by_direction) {
     r.model = "asymmetric";
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;
@@ -142,14 +117,17 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
     map.alpha2 = theta(1);
     r.friction.steady = map;
   }
-  // The curve without the load, both directions from a fiftieth of the largest speed.
+}
+
+/// The curve without the load, both directions from a fiftieth of the largest speed.
+void write_curve(const VectorXd& theta, const stats::Uncertainty& uncertainty, bool by_direction, Result& r) {
   constexpr int kPoints = 24;
   for (int i = -kPoints; i <= kPoints; ++i) {
     if (i == 0) continue;
-    const double limit = i < 0 ? -*low : *high;
+    const double limit = i < 0 ? -r.velocity_range[0] : r.velocity_range[1];
     const double s = (i < 0 ? -1.0 : 1.0) * limit * (0.02 + 0.98 * (std::abs(i) - 1) / (kPoints - 1));
-    VectorXd g = VectorXd::Zero(p);
-    if (options.by_direction) {
+    VectorXd g = VectorXd::Zero(theta.size());
+    if (by_direction) {
       g(s > 0 ? 1 : 3) = s;
       g(s > 0 ? 2 : 4) = s > 0 ? 1.0 : -1.0;
     } else {
@@ -160,8 +138,59 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
     const double half = uncertainty.half_width(g);
     r.curve.push_back({s, f, f - half, f + half});
   }
-  const std::size_t step = std::max<std::size_t>(1, (n - options.drop) / 1200);
-  for (std::size_t k = options.drop; k < n; k += step) {
+}
+
+}  // namespace
+
+IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& options) {
+  check(record, options);
+  const double T = record.sample_time;
+  const std::vector<double> x =
+      log::forward_backward(log::butterworth(options.order, options.cut_off * 2.0 * T), record.x);
+  const std::vector<double> v = derivative(x, T);
+  const std::vector<double> a = derivative(v, T);
+  const std::vector<Column> columns = columns_of(v, a, options.by_direction);
+  const std::vector<double> force = thin(record.f, options);
+  const auto rows = static_cast<Index>(force.size());
+  const auto p = static_cast<Index>(columns.size());
+  MatrixXd X(rows, p);
+  for (Index j = 0; j < p; ++j) {
+    const std::vector<double> c = thin(columns[static_cast<std::size_t>(j)].values, options);
+    X.col(j) = Eigen::Map<const VectorXd>(c.data(), rows);
+  }
+  const VectorXd y = Eigen::Map<const VectorXd>(force.data(), rows);
+  const auto [theta, singular, rank] = stats::solve_svd(X, y);
+  if (rank < p)
+    throw Refused(
+        "idim-ls: the log does not determine all parameters; move in both directions at several speeds");
+  const VectorXd e = y - X * theta;
+  const MatrixXd inverse = stats::inverse(stats::gram(X));
+
+  IdimResult out;
+  out.published = published(theta, e, y, inverse, singular(0) / singular(p - 1));
+
+  std::vector<std::size_t> at(force.size());
+  for (std::size_t k = 0; k < at.size(); ++k) at[k] = k;
+  const stats::Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
+
+  Result& r = out.result;
+  r.method = "idim-ls";
+  r.rows = out.published.rows;
+  r.mass = theta(0);
+  const auto [low, high] =
+      std::minmax_element(v.begin() + static_cast<std::ptrdiff_t>(options.drop), v.end());
+  r.velocity_range = {*low, *high};
+  for (Index j = 0; j < p; ++j) {
+    const Column& c = columns[static_cast<std::size_t>(j)];
+    const double half = uncertainty.half_width(VectorXd::Unit(p, j));
+    r.parameters.push_back(
+        {c.name, theta(j), c.unit, c.shown, theta(j) - half, theta(j) + half, half < std::abs(theta(j))});
+  }
+  r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
+  write_law(theta, options.by_direction, r);
+  write_curve(theta, uncertainty, options.by_direction, r);
+  const std::size_t step = std::max<std::size_t>(1, (record.x.size() - options.drop) / 1200);
+  for (std::size_t k = options.drop; k < record.x.size(); k += step) {
     r.map.push_back({v[k], record.f[k] - r.mass * a[k] - r.load, v[k] > 0 ? 1 : -1});
   }
   return out;

@@ -1,11 +1,15 @@
+#include <fmt/core.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/methods/equal_speed.hpp>
 #include <stribeck/ident/methods/jog.hpp>
 #include <stribeck/ident/methods/jog_parts.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <utility>
 
 namespace stribeck::ident::methods {
@@ -31,6 +35,148 @@ struct Group {
   double residual_rms = 0.0;
 };
 
+/// One group of speeds as it is fitted.
+struct Fitted {
+  const Fit& fit;
+  const Spread& spread;
+  const LoadEstimate& load;
+  double taken = 0.0;  ///< load that was taken out before the fit [N]
+  bool both = false;   ///< directions
+};
+
+/// The load that is taken out before a fit by direction, and only there: where it is the same at all speeds, or too
+/// large for friction.
+double load_taken(const LoadEstimate& load, bool both) {
+  if (!both || load.pairs.empty()) return 0.0;
+  double friction = 0.0;
+  for (const SpeedPair& p : load.pairs) friction += p.friction / static_cast<double>(load.pairs.size());
+  return load.constant || std::abs(load.value) > kTooMuch * std::abs(friction) ? load.value : 0.0;
+}
+
+void write_symmetric(const Fitted& d, Result& r) {
+  const Fit& fit = d.fit;
+  r.model = "conventional";
+  friction::Conventional<double> map;
+  map.alpha0 = fit.p[0];
+  map.alpha2 = fit.p[1];
+  if (fit.kind.family != Family::kLine) {
+    map.stribeck = friction::Stribeck<double>{fit.p[0] + fit.p[3], fit.p[4],
+                                              fit.kind.family == Family::kFreeStribeck ? fit.p[5] : 2.0};
+  }
+  if (map.alpha2 < 0.0) {
+    r.warnings.push_back(
+        "friction falls with the speed over the whole range; a conventional model has no such viscous "
+        "coefficient, and an axis file will refuse it");
+  }
+  r.friction.steady = map;
+  r.load = d.taken + fit.p[2];
+  if (d.both) {
+    VectorXd g = VectorXd::Zero(static_cast<Index>(fit.parameters()));
+    g(2) = 1.0;
+    const double half = d.spread.half_width(g);
+    r.parameters.push_back({"load", r.load, "N", "N", r.load - half, r.load + half, half < std::abs(r.load)});
+    r.cannot_tell.push_back(
+        "load and a Coulomb friction that differs between the directions cannot be told apart at "
+        "constant speed");
+  } else {
+    r.cannot_tell.push_back("load, and friction of the other direction: only one direction was run");
+    r.warnings.push_back("only one direction was run: the other is taken to be its mirror image");
+  }
+}
+
+void write_by_direction(const Fitted& d, Result& r) {
+  r.model = "gaussian";
+  r.friction.steady = as_map(d.fit, r.velocity_range);
+  r.load = d.taken;
+  if (d.taken != 0.0) {
+    r.parameters.push_back({"load", d.taken, "N", "N", d.load.interval.low, d.load.interval.high,
+                            d.load.interval.low > 0.0 || d.load.interval.high < 0.0});
+    r.cannot_tell.push_back(
+        "load and a Coulomb friction that differs between the directions cannot be told apart: half "
+        "the sum of both was taken as the load");
+  } else {
+    r.cannot_tell.push_back(
+        fmt::format("load: half the sum of both directions, {:.4g} on average, varies with the speed; it was "
+                    "taken for friction of each direction",
+                    d.load.value));
+  }
+}
+
+/// What the fit leaves at each mean; the root of its mean square.
+double write_points(const Fitted& d, const std::vector<Point>& lifted,
+                    const std::vector<map::SteadyRun>& runs, const std::vector<log::Record>& records,
+                    Result& r) {
+  double square = 0.0;
+  for (const Point& p : lifted) {
+    const map::SteadyRun& run = runs[p.run];
+    const double e = p.f - d.fit(p.v);
+    square += e * e;
+    const log::Record& rec = records[run.record];
+    const std::size_t middle = (run.first + run.last) / 2;
+    r.residuals.push_back(
+        {rec.t[middle], rec.x.empty() ? 0.0 : rec.x[middle], p.v, e, static_cast<int>(run.record)});
+    r.map.push_back({p.v, p.f - (r.load - d.taken), p.v > 0.0 ? 1 : -1});
+    r.rows += run.last - run.first + 1;
+  }
+  return std::sqrt(square / static_cast<double>(lifted.size()));
+}
+
+/// Half widths count without the load, which moves the whole curve.
+double half_width_at(const Fitted& d, double v) {
+  VectorXd g = d.fit.gradient(v);
+  if (d.fit.kind.symmetric()) g(2) = 0.0;
+  return d.spread.half_width(g);
+}
+
+void write_curve(const Fitted& d, int side, double slow, double fast, int points, Result& r) {
+  for (int i = 0; i < points; ++i) {
+    const int k = side == 0 ? i : points - 1 - i;
+    const double v = (side == 0 ? 1.0 : -1.0) * (slow + (fast - slow) * k / (points - 1));
+    const double f = d.fit(v) - (r.load - d.taken);
+    const double half = half_width_at(d, v);
+    r.curve.push_back({v, f, f - half, f + half});
+  }
+}
+
+/// A term narrower than the steps of speed fits any height between them.
+void note_open_gap(const Fitted& d, int side, const std::vector<SpeedMean>& mean, Result& r) {
+  std::vector<double> share;  // half width over force, halfway to the next speed
+  for (std::size_t i = 0; i + 1 < mean.size(); ++i) {
+    const double v = (side == 0 ? 0.5 : -0.5) * (mean[i].v + mean[i + 1].v);
+    share.push_back(half_width_at(d, v) / std::max(std::abs(d.fit(v) - (r.load - d.taken)), 1e-300));
+  }
+  if (share.empty()) return;
+  const auto widest = std::max_element(share.begin(), share.end());
+  const auto at = static_cast<std::size_t>(widest - share.begin());
+  const double most = *widest;
+  if (most > std::max(kOpen, kOpenBeside * stats::median(share))) {
+    r.cannot_tell.push_back(fmt::format(
+        "friction between {:.4g} and {:.4g} mm/s{}: it bends more than these speeds show; jog at {:.4g} "
+        "mm/s as well",
+        1e3 * mean[at].v, 1e3 * mean[at + 1].v, side == 0 ? "" : " of the negative direction",
+        0.5e3 * (mean[at].v + mean[at + 1].v)));
+  }
+}
+
+/// Curve and gaps of both directions, each from its slowest to its fastest speed.
+void write_curves(const Fitted& d, const std::vector<Point>& points, int curve_points, Result& r) {
+  double slow[2] = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  double fast[2] = {0.0, 0.0};
+  for (const Point& p : points) {
+    const int side = p.v > 0.0 ? 0 : 1;
+    slow[side] = std::min(slow[side], std::abs(p.v));
+    fast[side] = std::max(fast[side], std::abs(p.v));
+  }
+  std::vector<Point> by_speed = points;
+  std::stable_sort(by_speed.begin(), by_speed.end(),
+                   [](const Point& a, const Point& b) { return std::abs(a.v) < std::abs(b.v); });
+  for (const int side : {1, 0}) {
+    if (!(fast[side] > 0.0)) continue;
+    write_curve(d, side, slow[side], fast[side], curve_points, r);
+    note_open_gap(d, side, means_of(by_speed, side), r);
+  }
+}
+
 Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& runs,
                 const std::vector<log::Record>& records, const JogOptions& options) {
   const std::size_t folds = number_folds(points);
@@ -45,150 +191,44 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
   const bool both = low < 0.0 && high > 0.0;
   if (folds < kFewestSpeeds) {
     throw Refused(
-        text("jog: %zu different constant speeds, expected at least %zu; excite --method jog writes a "
-             "motion through many",
-             folds, kFewestSpeeds));
+        fmt::format("jog: {} different constant speeds, expected at least {}; excite --method jog writes a "
+                    "motion through many",
+                    folds, kFewestSpeeds));
   }
-  Group out;
-  Result& r = out.result;
   const LoadEstimate load = load_of(own);
-  const Fitter fitter(options, both);
-
-  // By direction, and only there, a load must be taken out before.
-  double taken = 0.0;
-  if (both && !load.pairs.empty()) {
-    double friction = 0.0;
-    for (const SpeedPair& p : load.pairs) friction += p.friction / static_cast<double>(load.pairs.size());
-    if (load.constant || std::abs(load.value) > kTooMuch * std::abs(friction)) taken = load.value;
-  }
+  const double taken = load_taken(load, both);
   // A load of its own is a parameter of the symmetric candidates, so it may be taken out of all alike.
   std::vector<Point> lifted = points;
   for (Point& p : lifted) p.f -= taken;
-  Chosen chosen = choose(lifted, folds, fitter, options, both, low, high);
-  Fit& fit = chosen.fit;
-  const Spread spread(fit, lifted);
+  Chosen chosen = choose(lifted, folds, Fitter(options, both), options, both, low, high);
+  const Spread spread(chosen.fit, lifted);
+  const Fitted fitted{chosen.fit, spread, load, taken, both};
 
+  Group out;
+  Result& r = out.result;
   r.method = "jog";
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.models = std::move(chosen.candidates);
   r.held_out_rms = chosen.held_out;
-  r.mass = std::numeric_limits<double>::quiet_NaN();
+  r.mass = kNaN;
   if (!both) {
     low = -std::max(-low, high);
     high = -low;
   }
   r.velocity_range = {low, high};
-  add_parameters(fit, spread, r);
-  if (fit.kind.symmetric()) {
-    r.model = "conventional";
-    friction::Conventional<double> map;
-    map.alpha0 = fit.p[0];
-    map.alpha2 = fit.p[1];
-    if (fit.kind.family != Family::kLine) {
-      map.stribeck = friction::Stribeck<double>{fit.p[0] + fit.p[3], fit.p[4],
-                                                fit.kind.family == Family::kFreeStribeck ? fit.p[5] : 2.0};
-    }
-    if (map.alpha2 < 0.0) {
-      r.warnings.push_back(
-          "friction falls with the speed over the whole range; a conventional model has no such viscous "
-          "coefficient, and an axis file will refuse it");
-    }
-    r.friction.steady = map;
-    r.load = taken + fit.p[2];
-    if (both) {
-      VectorXd g = VectorXd::Zero(static_cast<Index>(fit.parameters()));
-      g(2) = 1.0;
-      const double half = spread.half_width(g);
-      r.parameters.push_back(
-          {"load", r.load, "N", "N", r.load - half, r.load + half, half < std::abs(r.load)});
-      r.cannot_tell.push_back(
-          "load and a Coulomb friction that differs between the directions cannot be told apart at "
-          "constant speed");
-    } else {
-      r.cannot_tell.push_back("load, and friction of the other direction: only one direction was run");
-      r.warnings.push_back("only one direction was run: the other is taken to be its mirror image");
-    }
+  add_parameters(chosen.fit, spread, r);
+  if (chosen.fit.kind.symmetric()) {
+    write_symmetric(fitted, r);
   } else {
-    r.model = "gaussian";
-    r.friction.steady = as_map(fit, r.velocity_range);
-    r.load = taken;
-    if (taken != 0.0) {
-      r.parameters.push_back({"load", taken, "N", "N", load.interval.low, load.interval.high,
-                              load.interval.low > 0.0 || load.interval.high < 0.0});
-      r.cannot_tell.push_back(
-          "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
-    } else {
-      r.cannot_tell.push_back(
-          text("load: half the sum of both directions, %.4g on average, varies with the speed; it was "
-               "taken for friction of each direction",
-               load.value));
-    }
+    write_by_direction(fitted, r);
   }
   if (!chosen.chosen_by_leaving_out && !options.terms) {
-    r.warnings.push_back(
-        text("%zu speeds are too few to choose a model by leaving one out; the simplest was taken", folds));
+    r.warnings.push_back(fmt::format(
+        "{} speeds are too few to choose a model by leaving one out; the simplest was taken", folds));
   }
-
-  double square = 0.0;
-  for (const Point& p : lifted) {
-    const map::SteadyRun& run = runs[p.run];
-    const double e = p.f - fit(p.v);
-    square += e * e;
-    const log::Record& rec = records[run.record];
-    const std::size_t middle = (run.first + run.last) / 2;
-    r.residuals.push_back(
-        {rec.t[middle], rec.x.empty() ? 0.0 : rec.x[middle], p.v, e, static_cast<int>(run.record)});
-    r.map.push_back({p.v, p.f - (r.load - taken), p.v > 0.0 ? 1 : -1});
-    r.rows += run.last - run.first + 1;
-  }
-  out.residual_rms = std::sqrt(square / static_cast<double>(lifted.size()));
-
-  double slow[2] = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  double fast[2] = {0.0, 0.0};
-  for (const Point& p : points) {
-    const int side = p.v > 0.0 ? 0 : 1;
-    slow[side] = std::min(slow[side], std::abs(p.v));
-    fast[side] = std::max(fast[side], std::abs(p.v));
-  }
-  std::vector<Point> by_speed = points;
-  std::stable_sort(by_speed.begin(), by_speed.end(),
-                   [](const Point& a, const Point& b) { return std::abs(a.v) < std::abs(b.v); });
-  for (const int side : {1, 0}) {
-    if (!(fast[side] > 0.0)) continue;
-    for (int i = 0; i < options.curve_points; ++i) {
-      const int k = side == 0 ? i : options.curve_points - 1 - i;
-      const double v = (side == 0 ? 1.0 : -1.0) *
-                       (slow[side] + (fast[side] - slow[side]) * k / (options.curve_points - 1));
-      VectorXd g = fit.gradient(v);
-      if (fit.kind.symmetric()) g(2) = 0.0;
-      const double f = fit(v) - (r.load - taken);
-      const double half = spread.half_width(g);
-      r.curve.push_back({v, f, f - half, f + half});
-    }
-    // A term narrower than the steps of speed fits any height between them.
-    const std::vector<SpeedMean> mean = means_of(by_speed, side);
-    std::vector<double> share;  // half width over force, halfway to the next speed
-    for (std::size_t i = 0; i + 1 < mean.size(); ++i) {
-      const double v = (side == 0 ? 0.5 : -0.5) * (mean[i].v + mean[i + 1].v);
-      VectorXd g = fit.gradient(v);
-      if (fit.kind.symmetric()) g(2) = 0.0;
-      share.push_back(spread.half_width(g) / std::max(std::abs(fit(v) - (r.load - taken)), 1e-300));
-    }
-    if (share.empty()) continue;
-    const auto widest = std::max_element(share.begin(), share.end());
-    const auto at = static_cast<std::size_t>(widest - share.begin());
-    const double most = *widest;
-    std::nth_element(share.begin(), share.begin() + static_cast<std::ptrdiff_t>(share.size() / 2),
-                     share.end());
-    if (most > std::max(kOpen, kOpenBeside * share[share.size() / 2])) {
-      r.cannot_tell.push_back(
-          text("friction between %.4g and %.4g mm/s%s: it bends more than these speeds show; jog at %.4g "
-               "mm/s as well",
-               1e3 * mean[at].v, 1e3 * mean[at + 1].v, side == 0 ? "" : " of the negative direction",
-               0.5e3 * (mean[at].v + mean[at + 1].v)));
-    }
-  }
+  out.residual_rms = write_points(fitted, lifted, runs, records, r);
+  write_curves(fitted, points, options.curve_points, r);
   return out;
 }
 
@@ -208,6 +248,73 @@ std::vector<log::Record> moving_records(const std::vector<log::Record>& records,
       out.push_back(records[i]);
   }
   return out;
+}
+
+/// One group, or two where the friction jumps between speeds; the larger first, and what is said about it.
+std::vector<std::vector<Point>> split_at_jump(const std::vector<Point>& points,
+                                              const std::vector<map::SteadyRun>& runs,
+                                              const std::vector<log::Record>& records, std::string& note) {
+  std::vector<std::vector<Point>> groups{points};
+  const std::vector<Point> whole = by_record(points, runs, records);
+  if (const auto jump = find_jump(whole)) {
+    const bool angle = records.front().position_unit == "rad";
+    const double scale = angle ? 1.0 : 1e3;
+    groups.assign(2, {});
+    for (const Point& p : points) {
+      const auto same =
+          std::find_if(whole.begin(), whole.end(), [&](const Point& q) { return q.run == p.run; });
+      const Point& judged = same != whole.end() ? *same : p;
+      groups[std::abs(judged.v) > jump->below ? 0 : 1].push_back(p);
+    }
+    note = fmt::format(
+        "friction jumps by {:+.0f} % in both directions between {:.4g} and {:.4g} {}, which no "
+        "friction curve does: two measuring days or states of the machine; the {} runs below and the "
+        "{} runs above are identified separately",
+        100.0 * jump->share, jump->below * scale, jump->above * scale, angle ? "rad/s" : "mm/s",
+        groups[1].size(), groups[0].size());
+    if (groups[1].size() > groups[0].size()) std::swap(groups[0], groups[1]);
+  }
+  return groups;
+}
+
+void add_periodic(const map::SteadyRuns& found, Result& r) {
+  const auto& e = *found.periodic;
+  const double half = 1.96 * found.periodic_error;
+  r.friction.eccentric.push_back(e);
+  r.parameters.push_back(
+      {"eta2", e.amplitude, "N", "N", e.amplitude - half, e.amplitude + half, half < e.amplitude});
+  r.parameters.push_back({"period", e.period, "m", "mm", kNaN, kNaN, true});
+  r.parameters.push_back(
+      {"eta3", e.phase, "rad", "rad", e.phase - half / e.amplitude, e.phase + half / e.amplitude, true});
+  r.warnings.push_back("the phase of the periodic term belongs to this homing of the axis");
+}
+
+/// The mass from the records that hold no constant speed.
+void add_mass(const std::vector<log::Record>& records, const map::SteadyRuns& found,
+              const JogOptions& options, Result& r) {
+  if (options.mass) {
+    r.mass = *options.mass;
+    r.mass_interval = {*options.mass, *options.mass};
+    return;
+  }
+  EqualSpeedOptions equal;
+  equal.exclude = std::max(found.exclude, 20e-6);
+  if (found.periodic) equal.periods = {found.periodic->period};
+  const std::vector<log::Record> moving = moving_records(records, found);
+  MassEstimate mass;
+  if (!moving.empty()) mass = mass_at_equal_speed(moving, equal);
+  if (std::isfinite(mass.value) && mass.interval.low > 0.0) {
+    r.mass = mass.value;
+    r.mass_interval = mass.interval;
+    r.parameters.insert(r.parameters.begin(),
+                        {"mass", mass.value, "kg", "N s2/mm", mass.interval.low, mass.interval.high, true});
+  } else if (moving.empty()) {
+    r.cannot_tell.push_back("mass: constant speeds do not determine it (add the log of a sine)");
+  } else {
+    r.cannot_tell.push_back(
+        "mass: the records without constant speed accelerate too little, or their force does not follow "
+        "the acceleration");
+  }
 }
 
 }  // namespace
@@ -235,34 +342,15 @@ Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& opti
     points.push_back({run.speed, run.force, run.error, 1.0, 0, i});
   }
   number_folds(points);
-
-  std::vector<std::vector<Point>> groups{points};
-  std::string jump_said;
-  const std::vector<Point> whole = by_record(points, found.runs, records);
-  if (const auto jump = find_jump(whole)) {
-    const bool angle = records.front().position_unit == "rad";
-    const double scale = angle ? 1.0 : 1e3;
-    groups.assign(2, {});
-    for (const Point& p : points) {
-      const auto same =
-          std::find_if(whole.begin(), whole.end(), [&](const Point& q) { return q.run == p.run; });
-      const Point& judged = same != whole.end() ? *same : p;
-      groups[std::abs(judged.v) > jump->below ? 0 : 1].push_back(p);
-    }
-    jump_said = text(
-        "friction jumps by %+.0f %% in both directions between %.4g and %.4g %s, which no friction curve "
-        "does: two measuring days or states of the machine; the %zu runs below and the %zu runs above are identified separately",
-        100.0 * jump->share, jump->below * scale, jump->above * scale, angle ? "rad/s" : "mm/s",
-        groups[1].size(), groups[0].size());
-    if (groups[1].size() > groups[0].size()) std::swap(groups[0], groups[1]);
-  }
+  std::string note;
+  const auto groups = split_at_jump(points, found.runs, records, note);
   std::vector<Group> fitted;
   for (const auto& g : groups) {
     try {
       fitted.push_back(fit_group(g, found.runs, records, options));
     } catch (const Refused& e) {
       if (fitted.empty()) throw;
-      jump_said += text("; the smaller group: %s", e.what());
+      note += fmt::format("; the smaller group: {}", e.what());
     }
   }
   jog.result = fitted.front().result;
@@ -270,48 +358,15 @@ Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& opti
   for (std::size_t i = 1; i < fitted.size(); ++i) jog.groups.push_back(fitted[i].result);
 
   Result& r = jog.result;
-  if (!jump_said.empty()) r.warnings.insert(r.warnings.begin(), jump_said);
+  if (!note.empty()) r.warnings.insert(r.warnings.begin(), note);
   r.warnings.insert(r.warnings.end(), found.notes.begin(), found.notes.end());
-  if (found.periodic) {
-    const auto& e = *found.periodic;
-    const double half = 1.96 * found.periodic_error;
-    r.friction.eccentric.push_back(e);
-    r.parameters.push_back(
-        {"eta2", e.amplitude, "N", "N", e.amplitude - half, e.amplitude + half, half < e.amplitude});
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    r.parameters.push_back({"period", e.period, "m", "mm", nan, nan, true});
-    r.parameters.push_back(
-        {"eta3", e.phase, "rad", "rad", e.phase - half / e.amplitude, e.phase + half / e.amplitude, true});
-    r.warnings.push_back("the phase of the periodic term belongs to this homing of the axis");
-  }
+  if (found.periodic) add_periodic(found, r);
   if (std::isfinite(found.relaxation)) {
     r.break_away_distance = found.relaxation;
   } else {
     r.cannot_tell.push_back("pre-sliding: no reversal is resolved by the rows");
   }
-  if (options.mass) {
-    r.mass = *options.mass;
-    r.mass_interval = {*options.mass, *options.mass};
-  } else {
-    EqualSpeedOptions equal;
-    equal.exclude = std::max(found.exclude, 20e-6);
-    if (found.periodic) equal.periods = {found.periodic->period};
-    const std::vector<log::Record> moving = moving_records(records, found);
-    MassEstimate mass;
-    if (!moving.empty()) mass = mass_at_equal_speed(moving, equal);
-    if (std::isfinite(mass.value) && mass.interval.low > 0.0) {
-      r.mass = mass.value;
-      r.mass_interval = mass.interval;
-      r.parameters.insert(r.parameters.begin(),
-                          {"mass", mass.value, "kg", "N s2/mm", mass.interval.low, mass.interval.high, true});
-    } else if (moving.empty()) {
-      r.cannot_tell.push_back("mass: constant speeds do not determine it (add the log of a sine)");
-    } else {
-      r.cannot_tell.push_back(
-          "mass: the records without constant speed accelerate too little, or their force does not follow "
-          "the acceleration");
-    }
-  }
+  add_mass(records, found, options, r);
   return jog;
 }
 

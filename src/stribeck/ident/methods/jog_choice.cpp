@@ -1,8 +1,12 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/methods/jog_parts.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <utility>
 
 namespace stribeck::ident::methods::jog {
@@ -22,18 +26,7 @@ double misfit(const Fit& fit, const std::vector<Point>& points) {
   return sum / std::max(1.0, static_cast<double>(points.size()) - static_cast<double>(fit.parameters()));
 }
 
-}  // namespace
-
-double typical_error(const std::vector<Point>& points) {
-  std::vector<double> errors;
-  for (const Point& p : points) errors.push_back(p.error);
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
-}
-
-Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter& fitter,
-              const JogOptions& options, bool both, double low, double high) {
+std::vector<Kind> candidates(const JogOptions& options, bool both) {
   std::vector<Kind> kinds;
   if (options.terms) {
     kinds.push_back(*options.terms == 0 ? Kind{Family::kLines, 0} : Kind{Family::kGaussians, *options.terms});
@@ -45,11 +38,38 @@ Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter&
       for (int n = 1; options.gaussians && n <= kMostGaussians; ++n) kinds.push_back({Family::kGaussians, n});
     }
   }
-  struct Tried {
-    Fit fit;
-    std::vector<double> loss;  // mean square of each fold
-    double mean = 0.0;
-  };
+  return kinds;
+}
+
+struct Tried {
+  Fit fit;
+  std::vector<double> loss;  ///< mean square of each fold; empty: the speeds are too few to leave one out
+  double mean = 0.0;
+};
+
+/// Mean square of each of the first `judged` folds when the others are fitted; empty where one cannot be left out.
+std::vector<double> held_out(const Kind& kind, const std::vector<Point>& points, std::size_t judged,
+                             const Fitter& fitter, std::vector<Ladders>& ladders) {
+  std::vector<double> loss;
+  for (std::size_t k = 0; k < judged; ++k) {
+    std::vector<Point> rest;
+    for (const Point& p : points) {
+      if (p.fold != k) rest.push_back(p);
+    }
+    const auto part = fitter.fit(kind, rest, ladders[k]);
+    if (!part) return {};
+    double square = 0.0, n = 0.0;
+    for (const Point& p : points) {
+      if (p.fold == k) square += std::pow(p.f - (*part)(p.v), 2.0), n += 1.0;
+    }
+    loss.push_back(square / n);
+  }
+  return loss;
+}
+
+/// Each candidate that the points carry, judged on the speeds that were left out.
+std::vector<Tried> try_all(const std::vector<Kind>& kinds, const std::vector<Point>& points,
+                           std::size_t folds, const Fitter& fitter, double low, double high) {
   // The fastest speed is not left out: beyond the others a curve is not determined, and rich ones would pay for it.
   const std::size_t judged = folds - 1;
   std::vector<Tried> tried;
@@ -59,59 +79,40 @@ Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter&
     if (!whole || !opposes(*whole, low, high)) continue;
     Tried t;
     t.fit = *whole;
-    bool complete = folds >= kFewestFolds;
-    for (std::size_t k = 0; complete && k < judged; ++k) {
-      std::vector<Point> rest;
-      for (const Point& p : points) {
-        if (p.fold != k) rest.push_back(p);
-      }
-      const auto part = fitter.fit(kind, rest, ladders[k]);
-      if (!part) {
-        complete = false;
-        break;
-      }
-      double square = 0.0, n = 0.0;
-      for (const Point& p : points) {
-        if (p.fold == k) square += std::pow(p.f - (*part)(p.v), 2.0), n += 1.0;
-      }
-      t.loss.push_back(square / n);
-    }
+    if (folds >= kFewestFolds) t.loss = held_out(kind, points, judged, fitter, ladders);
     // Too few speeds to leave one out: only the simplest stays.
-    if (!complete && !tried.empty()) continue;
-    if (!complete) t.loss.clear();
+    if (t.loss.empty() && !tried.empty()) continue;
     for (const double l : t.loss) t.mean += l / static_cast<double>(t.loss.size());
     tried.push_back(std::move(t));
   }
-  if (tried.empty()) {
-    throw Refused(text("jog: %zu mean forces at %zu speeds do not give a friction that opposes the motion%s",
-                       points.size(), folds, options.terms ? "; fewer Gaussians need fewer speeds" : ""));
+  return tried;
+}
+
+/// Standard error of the difference in mean square from the best.
+double error_of_difference(const Tried& t, const Tried& best) {
+  if (t.loss.empty() || best.loss.empty()) return 0.0;
+  const auto n = static_cast<double>(t.loss.size());
+  const double difference = t.mean - best.mean;
+  double square = 0.0;
+  for (std::size_t k = 0; k < t.loss.size(); ++k) {
+    square += std::pow(t.loss[k] - best.loss[k] - difference, 2.0);
   }
-  Chosen out;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < tried.size(); ++i) {
-    if (!tried[i].loss.empty() && (tried[best].loss.empty() || tried[i].mean < tried[best].mean)) best = i;
-  }
-  std::vector<double> error(tried.size(), 0.0);
-  std::vector<std::size_t> equal;  // as good held out as the best
+  return std::sqrt(square / (n * (n - 1.0)));
+}
+
+/// Of those as good held out as the best, the simplest that does not plainly miss what the means say with their small
+/// errors.
+std::size_t simplest(const std::vector<Tried>& tried, const std::vector<double>& error, std::size_t best,
+                     const std::vector<Point>& points) {
+  std::vector<std::size_t> equal;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    double difference = 0.0;
-    if (!tried[i].loss.empty() && !tried[best].loss.empty()) {
-      const auto n = static_cast<double>(judged);
-      difference = tried[i].mean - tried[best].mean;
-      double square = 0.0;
-      for (std::size_t k = 0; k < judged; ++k) {
-        square += std::pow(tried[i].loss[k] - tried[best].loss[k] - difference, 2.0);
-      }
-      error[i] = std::sqrt(square / (n * (n - 1.0)));
-    } else if (i != best) {
-      continue;
-    }
-    if (difference > error[i]) continue;
+    const bool compared = !tried[i].loss.empty() && !tried[best].loss.empty();
+    if (!compared && i != best) continue;
+    if (compared && tried[i].mean - tried[best].mean > error[i]) continue;
     equal.push_back(i);
     least = std::min(least, misfit(tried[i].fit, points));
   }
-  // Of these the simplest that does not plainly miss what the means say with their small errors.
   std::size_t chosen = best;
   bool found = false;
   for (const std::size_t i : equal) {
@@ -119,13 +120,39 @@ Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter&
     if (!found || tried[i].fit.parameters() < tried[chosen].fit.parameters()) chosen = i;
     found = true;
   }
+  return chosen;
+}
+
+}  // namespace
+
+double typical_error(const std::vector<Point>& points) {
+  std::vector<double> errors;
+  for (const Point& p : points) errors.push_back(p.error);
+  return stats::median(std::move(errors));
+}
+
+Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter& fitter,
+              const JogOptions& options, bool both, double low, double high) {
+  const std::vector<Tried> tried = try_all(candidates(options, both), points, folds, fitter, low, high);
+  if (tried.empty()) {
+    throw Refused(
+        fmt::format("jog: {} mean forces at {} speeds do not give a friction that opposes the motion{}",
+                    points.size(), folds, options.terms ? "; fewer Gaussians need fewer speeds" : ""));
+  }
+  Chosen out;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < tried.size(); ++i) {
+    if (!tried[i].loss.empty() && (tried[best].loss.empty() || tried[i].mean < tried[best].mean)) best = i;
+  }
+  std::vector<double> error;
+  for (const Tried& t : tried) error.push_back(error_of_difference(t, tried[best]));
+  const std::size_t chosen = simplest(tried, error, best, points);
   for (std::size_t i = 0; i < tried.size(); ++i) {
     Candidate c;
     c.name = name_of(tried[i].fit.kind);
     c.terms = tried[i].fit.kind.terms;
     c.parameters = static_cast<int>(tried[i].fit.parameters());
-    c.held_out_rms =
-        tried[i].loss.empty() ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(tried[i].mean);
+    c.held_out_rms = tried[i].loss.empty() ? kNaN : std::sqrt(tried[i].mean);
     c.standard_error = c.held_out_rms > 0.0 ? error[i] / (2.0 * c.held_out_rms) : 0.0;
     c.chosen = i == chosen;
     out.candidates.push_back(std::move(c));

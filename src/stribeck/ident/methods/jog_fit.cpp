@@ -1,9 +1,12 @@
-#include <ceres/tiny_solver.h>
+#include <fmt/core.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/stats/least_squares.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/simplex.hpp>
 #include <utility>
 
@@ -18,11 +21,8 @@ constexpr std::size_t kFinalists = 3;
 constexpr double kNarrowest = 0.04;  // of a Gaussian, over the fastest speed
 
 /// min Σ w·(f − B·c − φ(v; v0, δ)·P·a)² with c, a eliminated; slopes among c are kept from going below zero.
-class Separable {
+class Separable : public stats::Residuals {
  public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
-
   Separable(const std::vector<Point>& points, MatrixXd base, MatrixXd pattern, std::vector<Index> slopes,
             double slowest, double widest, bool free_delta)
       : base_(std::move(base)),
@@ -43,8 +43,8 @@ class Separable {
     pattern_ = root_.asDiagonal() * pattern_;
   }
 
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(f_.size()); }
-  [[nodiscard]] int NumParameters() const { return free_ ? 2 : 1; }
+  [[nodiscard]] int count() const override { return static_cast<int>(f_.size()); }
+  [[nodiscard]] int parameters() const override { return free_ ? 2 : 1; }
   [[nodiscard]] Index linear() const { return base_.cols() + pattern_.cols(); }
 
   /// From the unbounded coordinates of the solver.
@@ -56,7 +56,7 @@ class Separable {
     return std::log(share / (1.0 - share));
   }
 
-  bool operator()(const double* q, double* residuals, double* jacobian) const {
+  bool evaluate(const double* q, double* residuals, double* jacobian) const override {
     const double width = value(0, q[0]);
     const double delta = free_ ? value(1, q[1]) : 2.0;
     std::vector<Index> active;
@@ -69,19 +69,21 @@ class Separable {
     const VectorXd weight = pattern_ * a;
     MatrixXd used(X.rows(), static_cast<Index>(active.size()));
     for (std::size_t i = 0; i < active.size(); ++i) used.col(static_cast<Index>(i)) = X.col(active[i]);
-    const auto qr = used.colPivHouseholderQr();
-    for (int j = 0; j < NumParameters(); ++j) {
-      VectorXd d(f_.size());
-      for (Index i = 0; i < d.size(); ++i) {
+    MatrixXd slopes(f_.size(), parameters());
+    for (int j = 0; j < parameters(); ++j) {
+      const double share = 1.0 / (1.0 + std::exp(-q[j]));
+      const double chain = (high_[j] - low_[j]) * share * (1.0 - share);
+      for (Index i = 0; i < slopes.rows(); ++i) {
         const double power = std::pow(u_(i) / width, delta);
         const double fade = std::exp(-power);
         // ∂φ/∂log v0 and ∂φ/∂log δ
-        d(i) = j == 0 ? fade * delta * power : -fade * power * delta * std::log(u_(i) / width);
+        const double slope = j == 0 ? fade * delta * power : -fade * power * delta * std::log(u_(i) / width);
+        slopes(i, j) = slope * weight(i) * chain;
       }
-      d = d.cwiseProduct(weight);
-      const double share = 1.0 / (1.0 + std::exp(-q[j]));
-      d *= (high_[j] - low_[j]) * share * (1.0 - share);
-      Eigen::Map<VectorXd>(jacobian + j * f_.size(), f_.size()) = -(d - used * qr.solve(d));
+    }
+    const MatrixXd taken = stats::least_squares_of_columns(used, slopes);
+    for (int j = 0; j < parameters(); ++j) {
+      Eigen::Map<VectorXd>(jacobian + j * f_.size(), f_.size()) = -(slopes.col(j) - used * taken.col(j));
     }
     return true;
   }
@@ -98,7 +100,7 @@ class Separable {
     for (;;) {
       MatrixXd used(X.rows(), static_cast<Index>(active.size()));
       for (std::size_t i = 0; i < active.size(); ++i) used.col(static_cast<Index>(i)) = X.col(active[i]);
-      const VectorXd part = used.colPivHouseholderQr().solve(f_);
+      const VectorXd part = stats::least_squares(used, f_).x;
       VectorXd c = VectorXd::Zero(X.cols());
       for (std::size_t i = 0; i < active.size(); ++i) c(active[i]) = part(static_cast<Index>(i));
       const auto falling = std::find_if(slopes_.begin(), slopes_.end(), [&](Index s) { return c(s) < 0.0; });
@@ -138,14 +140,14 @@ class Separable {
     Solution best;
     if (solver == Solver::kSimplex) return simplex(starts.front().width, starts.front().delta);
     for (std::size_t i = 0; i < std::min(kFinalists, starts.size()); ++i) {
-      Eigen::Matrix<double, Eigen::Dynamic, 1> q(NumParameters());
+      VectorXd q(parameters());
       q(0) = coordinate(0, starts[i].width);
       if (free_) q(1) = coordinate(1, starts[i].delta);
-      ceres::TinySolver<Separable> descent;
-      descent.options.max_num_iterations = 60;
-      descent.options.gradient_tolerance = 1e-14;
-      descent.options.parameter_tolerance = 1e-12;
-      descent.Solve(*this, &q);
+      stats::DescentOptions closely;
+      closely.iterations = 60;
+      closely.gradient_tolerance = 1e-14;
+      closely.parameter_tolerance = 1e-12;
+      stats::minimise_squares(*this, q, closely);
       Solution s;
       s.width = value(0, q(0));
       s.delta = free_ ? value(1, q(1)) : 2.0;
@@ -305,9 +307,8 @@ std::optional<Fit> Fitter::fit(const Kind& kind, const std::vector<Point>& point
         f(i) = std::sqrt(p.weight) * p.f;
         base.row(i) *= std::sqrt(p.weight);
       }
-      const auto qr = base.colPivHouseholderQr();
-      if (qr.rank() < base.cols()) return {};
-      const VectorXd p = qr.solve(f);
+      const auto [p, rank] = stats::least_squares(base, f);
+      if (rank < base.cols()) return {};
       out.p.assign(p.data(), p.data() + p.size());
       if (kind.symmetric() && !both_) out.p.push_back(0.0);
       return out;
@@ -380,10 +381,8 @@ std::vector<map::BranchFit> Fitter::ladder_of(const std::vector<Point>& points, 
     highest = std::max(highest, std::abs(p.f));
     errors.push_back(p.error);
   }
-  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
-                   errors.end());
   map::FitSettings settings;
-  settings.noise = std::max(errors[errors.size() / 2], 1e-7 * highest);
+  settings.noise = std::max(stats::median(std::move(errors)), 1e-7 * highest);
   settings.height_scale = 10.0 * highest;
   settings.slope_scale = 0.2 * highest;
   settings.narrowest = kNarrowest;
@@ -407,7 +406,7 @@ std::string name_of(const Kind& kind) {
     case Family::kOwnStribeck:
       return "Stribeck, by direction";
     case Family::kGaussians:
-      return text("Gaussian, %d %s, by direction", kind.terms, kind.terms == 1 ? "term" : "terms");
+      return fmt::format("Gaussian, {} {}, by direction", kind.terms, kind.terms == 1 ? "term" : "terms");
   }
   return {};
 }

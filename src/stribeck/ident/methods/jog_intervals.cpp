@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/methods/jog_parts.hpp>
-#include <stribeck/ident/stats/uncertainty.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
 
 namespace stribeck::ident::methods::jog {
 
@@ -30,7 +31,7 @@ Spread::Spread(const Fit& fit, const std::vector<Point>& points) {
   }
   J = J * scale_.asDiagonal();
   const MatrixXd normal = J.transpose() * w.asDiagonal() * J;
-  const MatrixXd inverse = normal.completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXd inverse = stats::pseudo_inverse(normal);
   const double freedom = static_cast<double>(n - p);
   if (freedom >= 1.0) {
     left_ = chi / freedom * inverse;

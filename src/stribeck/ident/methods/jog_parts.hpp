@@ -6,7 +6,7 @@
 ///   jog_fit.cpp        the candidates and how each is fitted
 ///   jog_choice.cpp     every speed left out in turn; one standard error
 ///   jog_intervals.cpp  intervals of parameters and of the curve
-///   jog_days.cpp       a jump of friction that no curve has
+///   jog_jump.cpp       a jump of friction that no curve has
 ///
 /// Inside ident only. Real time: no.
 
@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stribeck/friction/gaussian.hpp>
@@ -30,13 +29,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 inline constexpr int kMostGaussians = 6;
-
-template <class... T>
-std::string text(const char* format, T... values) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 /// Mean force of one run.
 struct Point {
@@ -136,7 +128,7 @@ class Spread {
 
 void add_parameters(const Fit& fit, const Spread& spread, Result& r);
 
-// jog_days.cpp
+// jog_jump.cpp
 
 /// Friction of one direction over speed; speeds that are one joined.
 struct SpeedMean {

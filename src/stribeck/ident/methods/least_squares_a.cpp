@@ -23,17 +23,19 @@ struct Row {
   Vector4d phi;
 };
 
-}  // namespace
-
-LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
-                                       const LeastSquaresAOptions& options) {
-  if (records.empty()) throw Refused("least squares A: no record given");
-  const double T = records.front().sample_time;
+/// Rows of the thesis's fit, and the sums of the simple one over all rows.
+struct Rows {
   std::vector<Row> rows;
   Matrix2d simple_normal = Matrix2d::Zero();
   Vector2d simple_right = Vector2d::Zero();
+  double fastest[2] = {0.0, 0.0};  ///< forward, backward [m/s]
+  double T = 0.0;                  ///< [s]
+};
+
+Rows gather(const std::vector<log::Record>& records, const LeastSquaresAOptions& options) {
+  Rows out;
+  const double T = out.T = records.front().sample_time;
   std::size_t count[2] = {0, 0};
-  double fastest[2] = {0.0, 0.0};
   for (std::size_t r = 0; r < records.size(); ++r) {
     const log::Record& rec = records[r];
     const auto wrong = log::problems(rec);
@@ -46,13 +48,13 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
       const double w = (rec.x[k] - rec.x[k - 1]) / T;
       const double next = (rec.x[k + 1] - rec.x[k]) / T;
       const Vector2d phi(w, rec.f[k]);
-      simple_normal += phi * phi.transpose();
-      simple_right += phi * next;
+      out.simple_normal += phi * phi.transpose();
+      out.simple_right += phi * next;
       if (std::abs(w) <= options.dead_band || std::abs(next) <= options.dead_band || w * next < 0.0) continue;
       const int side = w > 0.0 ? 0 : 1;
       ++count[side];
-      fastest[side] = std::max(fastest[side], std::abs(w));
-      rows.push_back(
+      out.fastest[side] = std::max(out.fastest[side], std::abs(w));
+      out.rows.push_back(
           {static_cast<int>(r), k, next,
            Vector4d(w, 0.5 * (rec.f[k - 1] + rec.f[k]), side == 0 ? -1.0 : 0.0, side == 1 ? -1.0 : 0.0)});
     }
@@ -65,8 +67,16 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
                     "; stronger or more pulses are needed");
     }
   }
+  return out;
+}
 
-  // Columns differ by many orders of magnitude: scaled to length one.
+struct Solution {
+  Vector4d theta;
+  Matrix4d inverse;
+};
+
+/// Columns differ by many orders of magnitude: scaled to length one.
+Solution solve(const std::vector<Row>& rows) {
   Matrix4d normal = Matrix4d::Zero();
   Vector4d right = Vector4d::Zero();
   for (const Row& row : rows) {
@@ -86,20 +96,10 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
     throw Refused(
         "least squares A: force and motion do not fit together (negative mass); check the sign of the force");
   }
+  return {theta, inverse};
+}
 
-  LeastSquaresA out;
-  for (int i = 0; i < 4; ++i) out.theta[static_cast<std::size_t>(i)] = theta(i);
-  out.alpha2 = (1.0 - theta(0)) / theta(1);
-  out.alpha0_positive = theta(2) / theta(1);
-  out.alpha0_negative = theta(3) / theta(1);
-  out.mass_euler = T / theta(1);
-  // (1 − θ1)/(−ln θ1) → 1 as θ1 → 1.
-  const double loss = 1.0 - theta(0);
-  out.mass_exact = out.mass_euler * (std::abs(loss) < 1e-12 ? 1.0 : loss / -std::log1p(-loss));
-  const Vector2d simple = simple_normal.ldlt().solve(simple_right);
-  out.simple_mass = T / simple(1);
-  out.simple_alpha2 = (1.0 - simple(0)) / simple(1);
-
+stats::Uncertainty uncertainty_of(const std::vector<Row>& rows, const Solution& s) {
   Eigen::MatrixXd X(static_cast<Eigen::Index>(rows.size()), 4);
   VectorXd e(X.rows());
   std::vector<int> record;
@@ -107,13 +107,16 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     X.row(k) = rows[i].phi.transpose();
-    e(k) = rows[i].next - rows[i].phi.dot(theta);
+    e(k) = rows[i].next - rows[i].phi.dot(s.theta);
     record.push_back(rows[i].record);
     at.push_back(rows[i].at);
   }
-  const stats::Uncertainty uncertainty(X, e, inverse, record, at);
+  return {X, e, s.inverse, record, at};
+}
 
-  // Derivatives of (m exact, α2, α0⁺, α0⁻) with respect to θ.
+/// Derivatives of (m exact, α2, α0⁺, α0⁻) with respect to θ.
+Matrix4d derivatives(const LeastSquaresA& out, const Vector4d& theta, double T) {
+  const double loss = 1.0 - theta(0);
   Matrix4d d = Matrix4d::Zero();
   const double log_pole = std::log(theta(0));
   d(0, 0) = std::abs(loss) < 1e-12
@@ -126,12 +129,34 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
   d(2, 2) = 1.0 / theta(1);
   d(3, 1) = -out.alpha0_negative / theta(1);
   d(3, 3) = 1.0 / theta(1);
+  return d;
+}
 
+/// Mass, Coulomb and viscous friction from θ.
+LeastSquaresA parameters_of(const Rows& rows, const Vector4d& theta) {
+  const double T = rows.T;
+  LeastSquaresA out;
+  for (int i = 0; i < 4; ++i) out.theta[static_cast<std::size_t>(i)] = theta(i);
+  out.alpha2 = (1.0 - theta(0)) / theta(1);
+  out.alpha0_positive = theta(2) / theta(1);
+  out.alpha0_negative = theta(3) / theta(1);
+  out.mass_euler = T / theta(1);
+  // (1 − θ1)/(−ln θ1) → 1 as θ1 → 1.
+  const double loss = 1.0 - theta(0);
+  out.mass_exact = out.mass_euler * (std::abs(loss) < 1e-12 ? 1.0 : loss / -std::log1p(-loss));
+  const Vector2d simple = rows.simple_normal.ldlt().solve(rows.simple_right);
+  out.simple_mass = T / simple(1);
+  out.simple_alpha2 = (1.0 - simple(0)) / simple(1);
+  return out;
+}
+
+void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, const Matrix4d& d,
+                      LeastSquaresA& out) {
   Result& r = out.result;
   r.method = "least-squares-a";
-  r.rows = rows.size();
+  r.rows = rows.rows.size();
   r.mass = out.mass_exact;
-  r.velocity_range = {-fastest[1], fastest[0]};
+  r.velocity_range = {-rows.fastest[1], rows.fastest[0]};
   auto add = [&](const char* name, double value, const char* unit, const char* shown, int i) {
     const double half = uncertainty.half_width(d.row(i).transpose());
     r.parameters.push_back({name, value, unit, shown, value - half, value + half, half < std::abs(value)});
@@ -153,24 +178,43 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
         "Coulomb friction comes out with the sign of the motion: the pulses do not fit Coulomb and viscous "
         "friction");
   }
+}
+
+void write_curve(const Rows& rows, const LeastSquaresAOptions& options, const stats::Uncertainty& uncertainty,
+                 const Matrix4d& d, LeastSquaresA& out) {
+  Result& r = out.result;
   for (int side = 1; side >= 0; --side) {
     const double direction = side == 0 ? 1.0 : -1.0;
     for (int i = 0; i < options.curve_points; ++i) {
       const int n = side == 0 ? i : options.curve_points - 1 - i;
-      const double v = direction * (options.dead_band +
-                                    (fastest[side] - options.dead_band) * n / (options.curve_points - 1));
+      const double v = direction * (options.dead_band + (rows.fastest[side] - options.dead_band) * n /
+                                                            (options.curve_points - 1));
       Vector4d g(0.0, v, side == 0 ? 1.0 : 0.0, side == 1 ? 1.0 : 0.0);
       const double f = out.alpha2 * v + (side == 0 ? out.alpha0_positive : out.alpha0_negative);
       const double half = uncertainty.half_width(d.transpose() * g);
       r.curve.push_back({v, f, f - half, f + half});
     }
   }
-  const std::size_t step = std::max<std::size_t>(1, rows.size() / 1200);
-  for (std::size_t i = 0; i < rows.size(); i += step) {
-    const Row& row = rows[i];
-    r.map.push_back({0.5 * (row.phi(0) + row.next), row.phi(1) - r.mass * (row.next - row.phi(0)) / T,
+  const std::size_t step = std::max<std::size_t>(1, rows.rows.size() / 1200);
+  for (std::size_t i = 0; i < rows.rows.size(); i += step) {
+    const Row& row = rows.rows[i];
+    r.map.push_back({0.5 * (row.phi(0) + row.next), row.phi(1) - r.mass * (row.next - row.phi(0)) / rows.T,
                      row.phi(0) > 0 ? 1 : -1});
   }
+}
+
+}  // namespace
+
+LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
+                                       const LeastSquaresAOptions& options) {
+  if (records.empty()) throw Refused("least squares A: no record given");
+  const Rows rows = gather(records, options);
+  const Solution solution = solve(rows.rows);
+  const stats::Uncertainty uncertainty = uncertainty_of(rows.rows, solution);
+  LeastSquaresA out = parameters_of(rows, solution.theta);
+  const Matrix4d d = derivatives(out, solution.theta, rows.T);
+  write_parameters(rows, uncertainty, d, out);
+  write_curve(rows, options, uncertainty, d, out);
   return out;
 }
 

@@ -4,11 +4,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
 #include <stribeck/ident/stats/simplex.hpp>
-#include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::methods {
 namespace {
@@ -142,12 +144,12 @@ ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double Obse
     f(i) = j.*which;
     variance(i) = j.error * j.error;
   }
-  const auto qr = X.colPivHouseholderQr();
-  if (qr.rank() < 3 || n < 4) {
+  const stats::LeastSquares solution = stats::least_squares(X, f);
+  if (solution.rank < 3 || n < 4) {
     throw Refused("least squares A: jogs at " + std::to_string(n) +
                   " speeds fast enough for the viscous correction, expected at least two in each direction");
   }
-  const Eigen::Vector3d p = qr.solve(f);
+  const Eigen::Vector3d p = solution.x;
   const Eigen::VectorXd e = f - X * p;
   const Eigen::Matrix3d inverse = (X.transpose() * X).inverse();
   const double left = e.squaredNorm() / static_cast<double>(n - 3) * inverse(2, 2);
@@ -168,6 +170,99 @@ ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double Obse
   return out;
 }
 
+/// Means of both observers at every constant speed.
+std::vector<ObservedFriction> observe_jogs(const std::vector<log::Record>& jogs, const map::SteadyRuns& found,
+                                           const LeastSquaresA& pulses) {
+  std::vector<ObservedFriction> out;
+  const double level = 0.5 * (std::abs(pulses.alpha0_positive) + std::abs(pulses.alpha0_negative));
+  for (std::size_t r = 0; r < jogs.size(); ++r) {
+    const log::Record rec = map::with_positions(jogs[r]);
+    double step = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 1; k < rec.x.size(); ++k) {
+      if (rec.x[k] != rec.x[k - 1]) step = std::min(step, std::abs(rec.x[k] - rec.x[k - 1]));
+    }
+    if (!std::isfinite(step)) continue;
+    const std::vector<double> observer = observe(rec, pulses.mass_exact);
+    const std::vector<double> kalman =
+        filter(rec, pulses.mass_exact, kWander * kWander * level * level, step / std::sqrt(12.0));
+    for (const map::SteadyRun& run : found.runs) {
+      if (run.record == r)
+        out.push_back({run.speed, mean_of(observer, run), mean_of(kalman, run), run.error});
+    }
+  }
+  return out;
+}
+
+/// The corrected friction takes the place of the one from pulses; the mass stays.
+void write_parameters(const LeastSquaresA& out, const std::vector<std::string>& notes, Result& r) {
+  const ViscousCorrection& c = *out.observer;
+  r.warnings.push_back(
+      "viscous coefficient and Coulomb forces are those of the jogs; pulses alone give other ones "
+      "(alpha2_pulses)");
+  r.warnings.insert(r.warnings.end(), notes.begin(), notes.end());
+  const Parameter from_pulses = r.parameters[1];
+  r.parameters.resize(1);
+  const auto add = [&](const char* name, double value, const char* unit, const char* shown,
+                       const Interval& i) {
+    r.parameters.push_back({name, value, unit, shown, i.low, i.high, true});
+  };
+  add("alpha2", c.alpha2, "N s/m", "N s/mm", c.alpha2_interval);
+  add("alpha0_positive", c.alpha0_positive, "N", "N", {kNaN, kNaN});
+  add("alpha0_negative", c.alpha0_negative, "N", "N", {kNaN, kNaN});
+  if (c.stribeck) {
+    add("alpha1", c.stribeck->alpha1, "N", "N", {kNaN, kNaN});
+    add("v0", c.stribeck->v0, "m/s", "mm/s", {kNaN, kNaN});
+    add("delta", c.stribeck->delta, "1", "1", {kNaN, kNaN});
+  }
+  add("alpha2_kalman", out.kalman->alpha2, "N s/m", "N s/mm", out.kalman->alpha2_interval);
+  r.parameters.push_back(from_pulses);
+  r.parameters.back().name = "alpha2_pulses";
+}
+
+void write_law(const ViscousCorrection& c, Result& r) {
+  if (c.stribeck) {
+    friction::Conventional<double> map;
+    map.alpha0 = 0.5 * (c.alpha0_positive - c.alpha0_negative);
+    map.alpha2 = c.alpha2;
+    map.stribeck = c.stribeck;
+    r.friction.steady = map;
+    r.load = 0.5 * (c.alpha0_positive + c.alpha0_negative);
+    r.parameters.push_back({"load", r.load, "N", "N", kNaN, kNaN, true});
+    r.cannot_tell.push_back(
+        "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
+  } else {
+    friction::Gaussian<double> map;
+    map.velocity_range = r.velocity_range;
+    map.positive.eta0 = c.alpha0_positive;
+    map.negative.eta0 = c.alpha0_negative;
+    map.positive.eta1 = map.negative.eta1 = c.alpha2;
+    r.friction.steady = map;
+  }
+}
+
+void write_curve(const std::vector<ObservedFriction>& jogs, const ViscousCorrection& c, int points,
+                 Result& r) {
+  const auto force = [&](double v) {
+    const double s = v > 0.0 ? 1.0 : -1.0;
+    const double rise = c.stribeck ? (c.stribeck->alpha1 - 0.5 * (c.alpha0_positive - c.alpha0_negative)) *
+                                         std::exp(-std::pow(std::abs(v) / c.stribeck->v0, c.stribeck->delta))
+                                   : 0.0;
+    return (v > 0.0 ? c.alpha0_positive : c.alpha0_negative) + s * rise + c.alpha2 * v;
+  };
+  r.curve.clear();
+  r.map.clear();
+  for (const int side : {1, 0}) {
+    for (int i = 0; i < points; ++i) {
+      const double share = static_cast<double>(side == 0 ? i + 1 : points - i) / points;
+      const double v = share * (side == 0 ? r.velocity_range[1] : r.velocity_range[0]);
+      const double f = force(v) - r.load;
+      r.curve.push_back({v, f, kNaN, kNaN});
+    }
+  }
+  for (const ObservedFriction& j : jogs)
+    r.map.push_back({j.speed, j.observer - r.load, j.speed > 0.0 ? 1 : -1});
+}
+
 }  // namespace
 
 LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
@@ -180,92 +275,17 @@ LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
     throw Refused("least squares A: " + std::to_string(found.runs.size()) +
                   " stretches of constant speed in the jogs, expected at least 6 (excite --method jog)");
   }
-  const double level = 0.5 * (std::abs(out.alpha0_positive) + std::abs(out.alpha0_negative));
-  for (std::size_t r = 0; r < jogs.size(); ++r) {
-    const log::Record rec = map::with_positions(jogs[r]);
-    double step = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 1; k < rec.x.size(); ++k) {
-      if (rec.x[k] != rec.x[k - 1]) step = std::min(step, std::abs(rec.x[k] - rec.x[k - 1]));
-    }
-    if (!std::isfinite(step)) continue;
-    const std::vector<double> observer = observe(rec, out.mass_exact);
-    const std::vector<double> kalman =
-        filter(rec, out.mass_exact, kWander * kWander * level * level, step / std::sqrt(12.0));
-    for (const map::SteadyRun& run : found.runs) {
-      if (run.record == r)
-        out.jogs.push_back({run.speed, mean_of(observer, run), mean_of(kalman, run), run.error});
-    }
-  }
+  out.jogs = observe_jogs(jogs, found, out);
   out.observer = correct(out.jogs, &ObservedFriction::observer, options);
   out.kalman = correct(out.jogs, &ObservedFriction::kalman, options);
-
-  // The corrected friction takes the place of the one from pulses; the mass stays.
   Result& r = out.result;
-  const ViscousCorrection& c = *out.observer;
+  write_parameters(out, found.notes, r);
   double slowest = 0.0, fastest = 0.0;
   for (const ObservedFriction& j : out.jogs)
     slowest = std::min(slowest, j.speed), fastest = std::max(fastest, j.speed);
-  r.warnings.push_back(
-      "viscous coefficient and Coulomb forces are those of the jogs; pulses alone give other ones "
-      "(alpha2_pulses)");
-  r.warnings.insert(r.warnings.end(), found.notes.begin(), found.notes.end());
-  const Parameter from_pulses = r.parameters[1];
-  r.parameters.resize(1);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto add = [&](const char* name, double value, const char* unit, const char* shown,
-                       const Interval& i) {
-    r.parameters.push_back({name, value, unit, shown, i.low, i.high, true});
-  };
-  add("alpha2", c.alpha2, "N s/m", "N s/mm", c.alpha2_interval);
-  add("alpha0_positive", c.alpha0_positive, "N", "N", {nan, nan});
-  add("alpha0_negative", c.alpha0_negative, "N", "N", {nan, nan});
-  if (c.stribeck) {
-    add("alpha1", c.stribeck->alpha1, "N", "N", {nan, nan});
-    add("v0", c.stribeck->v0, "m/s", "mm/s", {nan, nan});
-    add("delta", c.stribeck->delta, "1", "1", {nan, nan});
-  }
-  add("alpha2_kalman", out.kalman->alpha2, "N s/m", "N s/mm", out.kalman->alpha2_interval);
-  r.parameters.push_back(from_pulses);
-  r.parameters.back().name = "alpha2_pulses";
   r.velocity_range = {slowest, fastest};
-  const auto force = [&](double v) {
-    const double s = v > 0.0 ? 1.0 : -1.0;
-    const double rise = c.stribeck ? (c.stribeck->alpha1 - 0.5 * (c.alpha0_positive - c.alpha0_negative)) *
-                                         std::exp(-std::pow(std::abs(v) / c.stribeck->v0, c.stribeck->delta))
-                                   : 0.0;
-    return (v > 0.0 ? c.alpha0_positive : c.alpha0_negative) + s * rise + c.alpha2 * v;
-  };
-  if (c.stribeck) {
-    friction::Conventional<double> map;
-    map.alpha0 = 0.5 * (c.alpha0_positive - c.alpha0_negative);
-    map.alpha2 = c.alpha2;
-    map.stribeck = c.stribeck;
-    r.friction.steady = map;
-    r.load = 0.5 * (c.alpha0_positive + c.alpha0_negative);
-    r.parameters.push_back({"load", r.load, "N", "N", nan, nan, true});
-    r.cannot_tell.push_back(
-        "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
-  } else {
-    friction::Gaussian<double> map;
-    map.velocity_range = r.velocity_range;
-    map.positive.eta0 = c.alpha0_positive;
-    map.negative.eta0 = c.alpha0_negative;
-    map.positive.eta1 = map.negative.eta1 = c.alpha2;
-    r.friction.steady = map;
-  }
-  r.curve.clear();
-  r.map.clear();
-  for (const int side : {1, 0}) {
-    for (int i = 0; i < options.curve_points; ++i) {
-      const double share =
-          static_cast<double>(side == 0 ? i + 1 : options.curve_points - i) / options.curve_points;
-      const double v = share * (side == 0 ? fastest : slowest);
-      const double f = force(v) - r.load;
-      r.curve.push_back({v, f, nan, nan});
-    }
-  }
-  for (const ObservedFriction& j : out.jogs)
-    r.map.push_back({j.speed, j.observer - r.load, j.speed > 0.0 ? 1 : -1});
+  write_law(*out.observer, r);
+  write_curve(out.jogs, *out.observer, options.curve_points, r);
   return out;
 }
 

@@ -5,8 +5,8 @@
 ///   f = m·a + η0·sgn v + η1·v + S·exp(−(v/v0)²)·sgn v + load + Σ η2·sin(2πx/λ − η3)·(1 or sgn v) + noise
 ///
 /// m mass [kg], η0 [N], η1 [N·s/m] (one value or one for each direction), S Stribeck rise [N], v0 [m/s],
-/// η2 [N], λ [m], η3 [rad]. Rows close to reversals, where bristles are on their way, are left out. The
-/// periods are found in what the rest leaves (periodic.hpp), then everything is fitted together. All columns
+/// η2 [N], λ [m], η3 [rad]. Rows close to reversals, where friction is still in pre-sliding, are left out. The
+/// periods are found in the residual (periodic.hpp), then everything is fitted together. All columns
 /// pass the window of motion.hpp and pair f[k−1], f[k] with x[k], so that a phase has no half-sample error.
 /// The measured acceleration is replaced by its projection on an instrument (two-stage least squares).
 /// Which parts are needed is decided on held-out passes: the simplest within one standard error of the best.
