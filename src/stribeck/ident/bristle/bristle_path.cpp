@@ -4,6 +4,7 @@
 #include <limits>
 #include <stribeck/ident/bristle/bristle_path.hpp>
 #include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::bristle {
 namespace {
@@ -59,6 +60,184 @@ struct Span {
   std::size_t begin;
   std::size_t end;  ///< last tick
 };
+
+/// One record and where its reversals lie.
+struct Course {
+  const log::Record& record;
+  const log::Motion& motion;
+  const CutOptions& options;
+  std::size_t half = 0;       ///< rows that the window and the whitening reach to either side
+  std::vector<double> x;      ///< position without its fastest noise [m]
+  std::vector<double> bends;  ///< of x, see spline()
+  std::vector<double> ahead;  ///< travel to the end of the stretch that a row lies in [m]
+
+  [[nodiscard]] std::size_t rows() const { return record.x.size(); }
+  [[nodiscard]] bool last_stretch(std::size_t k) const {
+    return motion.stretch[k] + 1 == static_cast<int>(motion.reversals.size());
+  }
+  /// Far enough from reversals on both sides that no bristle remembers one.
+  [[nodiscard]] bool free_of_turns(std::size_t k) const {
+    const double far = kForgotten * options.break_away;
+    return motion.distance[k] >= far && (last_stretch(k) || ahead[k] >= far);
+  }
+  [[nodiscard]] bool after_turn(std::size_t k, double distance) const {
+    return k >= motion.reversals.front() && motion.distance[k] <= distance * options.break_away;
+  }
+  [[nodiscard]] double travel(std::size_t k) const {
+    return std::abs(x[k + 1] - x[k]) + std::abs(along(x, bends, k, 0.5) - 0.5 * (x[k + 1] - x[k]));
+  }
+};
+
+/// Window that leaves little of the noise of the acceleration; in rows to either side.
+int window_of(const log::Record& first, const BristleData& data, double mass) {
+  const double T = first.sample_time;
+  const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
+  for (int window = 0; window < kWidestBox; ++window) {
+    const double left = std::sqrt(log::second_difference_variance(log::box_weights(window)));
+    if (mass * data.noise * left / (T * T) <= allowed) return window;
+  }
+  return kWidestBox;
+}
+
+/// Smoothed twice, so that curved motion keeps its height.
+std::vector<double> without_noise(const std::vector<double>& x, const std::vector<double>& calm) {
+  if (calm.size() <= 1) return x;
+  const std::vector<double> once = smooth(x, calm);
+  const std::vector<double> twice = smooth(once, calm);
+  std::vector<double> out(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) out[k] = 2.0 * once[k] - twice[k];
+  return out;
+}
+
+std::vector<double> travel_ahead(const log::Record& record, const log::Motion& motion) {
+  const std::size_t n = record.x.size();
+  std::vector<double> ahead(n, 0.0);
+  for (std::size_t k = n - 1; k-- > 0;) {
+    ahead[k] = motion.stretch[k] == motion.stretch[k + 1]
+                   ? ahead[k + 1] + motion.direction[k] * (record.x[k + 1] - record.x[k])
+                   : 0.0;
+  }
+  return ahead;
+}
+
+/// Rows near a reversal, or all of them.
+std::vector<char> wanted_rows(const Course& c) {
+  std::vector<char> wanted(c.rows(), 0);
+  for (std::size_t k = c.half + 1; k + c.half + 1 < c.rows(); ++k) {
+    const bool before = !c.last_stretch(k) && c.ahead[k] <= kNear * c.options.break_away;
+    wanted[k] = c.options.whole || c.after_turn(k, kNear) || before ? 1 : 0;
+  }
+  return wanted;
+}
+
+/// Wanted rows with what leads up to them, from where the bristles are known; spans that touch are one.
+std::vector<Span> spans_of(const Course& c, const std::vector<char>& wanted) {
+  const std::size_t n = c.rows();
+  std::vector<Span> spans;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (wanted[k] == 0) continue;
+    std::size_t begin = k - c.half - 1;
+    while (begin > 0 && !c.free_of_turns(begin)) --begin;
+    const std::size_t end = k + c.half + 1;
+    if (!spans.empty() && begin <= spans.back().end) {
+      spans.back().begin = std::min(spans.back().begin, begin);
+      spans.back().end = end;
+    } else {
+      spans.push_back({begin, end});
+    }
+  }
+  for (std::size_t i = spans.size(); i-- > 1;) {
+    if (spans[i].begin > spans[i - 1].end) continue;
+    spans[i - 1].begin = std::min(spans[i - 1].begin, spans[i].begin);
+    spans[i - 1].end = spans[i].end;
+    spans.erase(spans.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return spans;
+}
+
+/// Row k is so far from reversals, and its level so even, that bristles follow it at once.
+bool settled_at(const Course& c, const friction::AxisModel& known, std::size_t k) {
+  if (!c.free_of_turns(k) || !c.free_of_turns(k + 1)) return false;
+  if (!c.options.whole || k + 2 >= c.rows()) return true;
+  const auto mean_level = [&](std::size_t i) {
+    const int direction = c.motion.direction[i];
+    const double speed = std::max(direction * (c.x[i + 1] - c.x[i]) / c.record.sample_time, kSlowest);
+    return known.friction.parts(direction * speed, c.x[i]).level;
+  };
+  const double here = mean_level(k);
+  return std::abs(mean_level(k + 1) - here) * c.options.break_away <=
+         kSteady * here * std::abs(c.x[k + 1] - c.x[k]);
+}
+
+/// Sub-steps from row `begin` + i to the next; `direction` is that of the last one.
+void add_sample(const Course& c, const friction::AxisModel& known, std::size_t i, double& direction,
+                PathPiece& piece, std::vector<PathStep>& steps) {
+  const std::size_t k = piece.begin + i;
+  const double T = c.record.sample_time;
+  PathSample sample;
+  sample.first = steps.size();
+  sample.settled = settled_at(c, known, k);
+  const auto fine = static_cast<std::size_t>(std::ceil(c.travel(k) / (kStep * c.options.break_away)));
+  sample.count = sample.settled ? 1 : std::clamp<std::size_t>(fine, 1, kMostSteps);
+  double before = 0.0;
+  for (std::size_t s = 0; s < sample.count; ++s) {
+    const double from = static_cast<double>(s) / static_cast<double>(sample.count);
+    const double to = static_cast<double>(s + 1) / static_cast<double>(sample.count);
+    PathStep step;
+    const double after = along(c.x, c.bends, k, to);
+    step.dt = T * (to - from);
+    step.v = (after - before) / step.dt;
+    if (sample.settled) {
+      direction = c.motion.direction[k];
+    } else if (step.v != 0.0) {
+      direction = step.v > 0.0 ? 1.0 : -1.0;
+    }
+    step.direction = direction;
+    step.late = 0.5 * (to * to - from * from);
+    step.early = (to - from) - step.late;
+    const double v = direction * std::max(direction * step.v, kSlowest);
+    const auto p = known.friction.parts(v, c.x[k] + 0.5 * (before + after));
+    step.level = p.level;
+    piece.given[i] += step.early * (p.viscous + p.additive);
+    piece.given[i + 1] += step.late * (p.viscous + p.additive);
+    piece.speed[i] += step.early * step.v;
+    piece.speed[i + 1] += step.late * step.v;
+    steps.push_back(step);
+    before = after;
+  }
+  piece.samples.push_back(sample);
+}
+
+/// Acceleration and force of the ticks inside a piece, and those of them that are compared.
+void add_rows(const Course& c, const std::vector<double>& force, const std::vector<char>& wanted,
+              PathPiece& piece, BristlePath& path) {
+  const double T = c.record.sample_time;
+  const std::size_t ticks = piece.force.size();
+  for (std::size_t i = 1; i + 1 < ticks; ++i) {
+    const std::size_t k = piece.begin + i;
+    piece.acceleration[i] =
+        ((c.record.x[k + 1] - c.record.x[k]) - (c.record.x[k] - c.record.x[k - 1])) / (T * T);
+    piece.force[i] = force[k];
+    if (wanted[k] == 0 || (!c.record.skip.empty() && c.record.skip[k] != 0) || i < c.half + 1 ||
+        i + c.half + 1 >= ticks)
+      continue;
+    piece.rows.push_back(i);
+    path.rows.push_back({piece.record, k, path.stretches + c.motion.stretch[k], c.after_turn(k, kTurning)});
+  }
+}
+
+PathPiece empty_piece(std::size_t record, const Span& span, bool unknown_start) {
+  PathPiece piece;
+  piece.record = static_cast<int>(record);
+  piece.begin = span.begin;
+  piece.unknown_start = unknown_start;
+  const std::size_t ticks = span.end - span.begin + 1;
+  piece.acceleration.assign(ticks, 0.0);
+  piece.force.assign(ticks, 0.0);
+  piece.given.assign(ticks, 0.0);
+  piece.speed.assign(ticks, 0.0);
+  return piece;
+}
 
 }  // namespace
 
@@ -119,149 +298,25 @@ std::vector<double> whitening_of(const BristlePath& path, const double* e) {
 
 BristlePath cut_path(const std::vector<log::Record>& records, const BristleData& data,
                      const friction::AxisModel& known, const CutOptions& options) {
-  const double break_away = options.break_away;
   BristlePath path;
-  const double T0 = records.front().sample_time;
-  const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
-  do {
-    if (known.mass * data.noise * std::sqrt(log::second_difference_variance(log::box_weights(path.window))) /
-            (T0 * T0) <=
-        allowed)
-      break;
-  } while (++path.window <= kWidestBox);
-  path.window = std::min(path.window, kWidestBox);
+  path.window = window_of(records.front(), data, known.mass);
   const std::size_t half = 3 * static_cast<std::size_t>(path.window) + kMostWhitening;
   const std::vector<double> calm = log::box_weights(path.window / 2);
-
   for (std::size_t r = 0; r < records.size(); ++r) {
     const log::Record& record = records[r];
     const log::Motion& motion = data.motion[r];
-    const double T = record.sample_time;
-    const std::size_t n = record.x.size();
-    if (n < 2 * half + 4 || motion.reversals.empty()) continue;
-
-    std::vector<double> x = record.x;
-    if (calm.size() > 1) {
-      const std::vector<double> once = smooth(x, calm);
-      const std::vector<double> twice = smooth(once, calm);
-      for (std::size_t k = 0; k < n; ++k) x[k] = 2.0 * once[k] - twice[k];
-    }
-    const std::vector<double> m = spline(x);
+    if (record.x.size() < 2 * half + 4 || motion.reversals.empty()) continue;
+    Course c{record, motion, options, half, without_noise(record.x, calm), {}, travel_ahead(record, motion)};
+    c.bends = spline(c.x);
     const std::vector<double> force = log::align_force(record.f, options.shift);
-
-    // Way to the end of the stretch that a row lies in.
-    std::vector<double> ahead(n, 0.0);
-    for (std::size_t k = n - 1; k-- > 0;) {
-      ahead[k] = motion.stretch[k] == motion.stretch[k + 1]
-                     ? ahead[k + 1] + motion.direction[k] * (record.x[k + 1] - record.x[k])
-                     : 0.0;
-    }
-    const auto last_stretch = [&](std::size_t k) {
-      return motion.stretch[k] + 1 == static_cast<int>(motion.reversals.size());
-    };
-    const auto free_of_turns = [&](std::size_t k) {
-      return motion.distance[k] >= kForgotten * break_away &&
-             (last_stretch(k) || ahead[k] >= kForgotten * break_away);
-    };
-    const auto first_turn = motion.reversals.front();
-    std::vector<char> wanted(n, 0);
-    for (std::size_t k = half + 1; k + half + 1 < n; ++k) {
-      const bool after = k >= first_turn && motion.distance[k] <= kNear * break_away;
-      const bool before = !last_stretch(k) && ahead[k] <= kNear * break_away;
-      wanted[k] = options.whole || after || before ? 1 : 0;
-    }
-    std::vector<Span> spans;
-    for (std::size_t k = 0; k < n; ++k) {
-      if (wanted[k] == 0) continue;
-      std::size_t begin = k - half - 1;
-      while (begin > 0 && !free_of_turns(begin)) --begin;
-      const std::size_t end = k + half + 1;
-      if (!spans.empty() && begin <= spans.back().end) {
-        spans.back().begin = std::min(spans.back().begin, begin);
-        spans.back().end = end;
-      } else {
-        spans.push_back({begin, end});
-      }
-    }
-    for (std::size_t i = spans.size(); i-- > 1;) {
-      if (spans[i].begin > spans[i - 1].end) continue;
-      spans[i - 1].begin = std::min(spans[i - 1].begin, spans[i].begin);
-      spans[i - 1].end = spans[i].end;
-      spans.erase(spans.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-
-    double direction = 1.0;
-    for (const Span& span : spans) {
-      PathPiece piece;
-      piece.record = static_cast<int>(r);
-      piece.begin = span.begin;
-      piece.unknown_start = !free_of_turns(span.begin);
+    const std::vector<char> wanted = wanted_rows(c);
+    for (const Span& span : spans_of(c, wanted)) {
+      PathPiece piece = empty_piece(r, span, !c.free_of_turns(span.begin));
       if (piece.unknown_start) ++path.starts;
-      const std::size_t ticks = span.end - span.begin + 1;
-      piece.acceleration.assign(ticks, 0.0);
-      piece.force.assign(ticks, 0.0);
-      piece.given.assign(ticks, 0.0);
-      piece.speed.assign(ticks, 0.0);
-      direction = motion.direction[span.begin];
-      const auto mean_level = [&](std::size_t k) {
-        const double speed = std::max(motion.direction[k] * (x[k + 1] - x[k]) / T, kSlowest);
-        return known.friction.parts(motion.direction[k] * speed, x[k]).level;
-      };
-      for (std::size_t i = 0; i + 1 < ticks; ++i) {
-        const std::size_t k = span.begin + i;
-        PathSample sample;
-        sample.first = path.steps.size();
-        sample.settled = free_of_turns(k) && free_of_turns(k + 1);
-        if (options.whole && sample.settled && k + 2 < n) {
-          const double here = mean_level(k);
-          sample.settled =
-              std::abs(mean_level(k + 1) - here) * break_away <= kSteady * here * std::abs(x[k + 1] - x[k]);
-        }
-        const double way =
-            std::abs(x[k + 1] - x[k]) + std::abs(along(x, m, k, 0.5) - 0.5 * (x[k + 1] - x[k]));
-        sample.count = sample.settled ? 1
-                                      : std::clamp<std::size_t>(
-                                            static_cast<std::size_t>(std::ceil(way / (kStep * break_away))),
-                                            1, kMostSteps);
-        double before = 0.0;
-        for (std::size_t s = 0; s < sample.count; ++s) {
-          const double from = static_cast<double>(s) / static_cast<double>(sample.count);
-          const double to = static_cast<double>(s + 1) / static_cast<double>(sample.count);
-          PathStep step;
-          const double after = along(x, m, k, to);
-          step.dt = T * (to - from);
-          step.v = (after - before) / step.dt;
-          if (sample.settled) {
-            direction = motion.direction[k];
-          } else if (step.v != 0.0) {
-            direction = step.v > 0.0 ? 1.0 : -1.0;
-          }
-          step.direction = direction;
-          step.late = 0.5 * (to * to - from * from);
-          step.early = (to - from) - step.late;
-          const double v = direction * std::max(direction * step.v, kSlowest);
-          const auto p = known.friction.parts(v, x[k] + 0.5 * (before + after));
-          step.level = p.level;
-          piece.given[i] += step.early * (p.viscous + p.additive);
-          piece.given[i + 1] += step.late * (p.viscous + p.additive);
-          piece.speed[i] += step.early * step.v;
-          piece.speed[i + 1] += step.late * step.v;
-          path.steps.push_back(step);
-          before = after;
-        }
-        piece.samples.push_back(sample);
-      }
-      for (std::size_t i = 1; i + 1 < ticks; ++i) {
-        const std::size_t k = span.begin + i;
-        piece.acceleration[i] = ((record.x[k + 1] - record.x[k]) - (record.x[k] - record.x[k - 1])) / (T * T);
-        piece.force[i] = force[k];
-        if (wanted[k] == 0 || (!record.skip.empty() && record.skip[k] != 0) || i < half + 1 ||
-            i + half + 1 >= ticks)
-          continue;
-        piece.rows.push_back(i);
-        path.rows.push_back({static_cast<int>(r), k, path.stretches + motion.stretch[k],
-                             k >= first_turn && motion.distance[k] <= kTurning * break_away});
-      }
+      double direction = motion.direction[span.begin];
+      for (std::size_t i = 0; i + 1 < piece.force.size(); ++i)
+        add_sample(c, known, i, direction, piece, path.steps);
+      add_rows(c, force, wanted, piece, path);
       path.pieces.push_back(std::move(piece));
     }
     path.stretches += static_cast<int>(motion.reversals.size());
@@ -309,9 +364,8 @@ double guess_break_away(const std::vector<log::Record>& records, const BristleDa
     }
   }
   if (!crossings.empty()) {
-    const auto middle = crossings.begin() + static_cast<std::ptrdiff_t>(crossings.size() / 2);
-    std::nth_element(crossings.begin(), middle, crossings.end());
-    if (*middle > 0.0) return *middle;
+    const double middle = stats::median(std::move(crossings));
+    if (middle > 0.0) return middle;
   }
   if (most > 0.0 && stiffness > 0.0) return weight / stiffness;
   return std::numeric_limits<double>::quiet_NaN();

@@ -1,5 +1,5 @@
 #pragma once
-/// The way of an axis between its samples, cut into the pieces near reversals that show pre-sliding.
+/// The motion of an axis between its samples, cut into the pieces near reversals that show pre-sliding.
 ///
 ///   m·D²x[k] + load + J_k = (f[k−1] + f[k])/2      J_k = ∫ F(t)·w((t − t_k)/T) dt/T,  w(s) = 1 − |s|
 ///
