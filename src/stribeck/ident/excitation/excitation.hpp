@@ -88,9 +88,9 @@ std::vector<double> jog_speeds(double fastest);
 struct JogDesign {
   std::vector<double> speeds = jog_speeds(9.0e-3);  ///< [m/s]
   double start = 0.0;                               ///< [m]
-  double direction = 1.0;                           ///< first way: +1 or −1
+  double direction = 1.0;                           ///< of the first stroke: +1 or −1
   double period =
-      0.0;  ///< of a term periodic in position: every way holds whole numbers of it, where it fits [m]
+      0.0;  ///< of a term periodic in position: every stroke is a whole number of it long, where it fits [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 /// The fastest speed below the limit that the travel from `start` lets be constant for a second [m/s].
@@ -117,7 +117,7 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
 
 struct AccelerationDesign {
   double start = 0.0;      ///< [m]
-  double direction = 1.0;  ///< first way: +1 or −1
+  double direction = 1.0;  ///< of the first stroke: +1 or −1
   double flank = 1.0;      ///< shortest time from rest to the highest speed [s]
   int repeats = 5;         ///< of each direction
 };

@@ -1,0 +1,56 @@
+// Triangles of speed.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/excitation/excitation_parts.hpp>
+
+namespace stribeck::ident::excitation {
+
+Excitation design_constant_acceleration(const Limits& limits, double sample_time,
+                                        const AccelerationDesign& design) {
+  check(limits, sample_time, design.start);
+  if (!(design.flank > 0.0) || design.repeats < 1) {
+    throw Refused("constant acceleration: time of a flank and number of repeats must be positive");
+  }
+  const double room =
+      design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+  double v = kReserve * limits.speed;
+  double flank = design.flank;
+  if (limits.acceleration > 0.0) flank = std::max(flank, v / (0.5 * limits.acceleration));
+  v = std::min(v, 0.95 * room / flank);  // both flanks together go v·flank
+  check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + 0.2) / sample_time, sample_time,
+             fmt::format("constant acceleration: {} triangles in each direction", design.repeats),
+             "fewer repeats");
+  const auto rows = static_cast<std::size_t>(std::ceil(flank / sample_time));
+  if (rows < 20) {
+    throw Refused(fmt::format(
+        "constant acceleration: a flank of {:.3g} s has only {} samples, expected at least 20", flank, rows));
+  }
+  Excitation e;
+  e.method = "constant-acceleration";
+  e.sample_time = sample_time;
+  double r = design.start;
+  e.r.push_back(r);
+  for (int i = 0; i < design.repeats; ++i) {
+    for (const double direction : {design.direction, -design.direction}) {
+      for (std::size_t k = 0; k < 2 * rows; ++k) {
+        const double up = (static_cast<double>(k) + 0.5) / static_cast<double>(rows);
+        r += direction * v * std::min(up, 2.0 - up) * sample_time;
+        e.r.push_back(r);
+      }
+      for (double t = 0.0; t < 0.2; t += sample_time) e.r.push_back(r);
+    }
+    r = design.start;
+  }
+  stamp(e, e.r.size());
+  check_positions(e, limits);
+  e.says = fmt::format(
+      "constant acceleration: {:.1f} s, {} triangles of speed in each direction, {:.3g} mm/s2 up to {:.3g} mm/s. "
+      "Determines the mass, from accelerating against braking at the same speed, whatever the friction; "
+      "friction only roughly.",
+      e.t.back(), design.repeats, v / flank * 1e3, v * 1e3);
+  return e;
+}
+
+}  // namespace stribeck::ident::excitation

@@ -1,0 +1,145 @@
+// Constant speeds forward and back.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/excitation/excitation_parts.hpp>
+
+namespace stribeck::ident::excitation {
+namespace {
+
+constexpr double kShortestJog = 1.0;  // of constant speed: settling is left out [s]
+constexpr double kLongestJog = 60.0;  // for the sake of whole periods [s]
+constexpr double kSettle = 0.5;       // left out by the identification [s]
+
+/// Flanks of a jog and the longest time of constant speed that the room allows.
+struct Profile {
+  double ramp = 0.0;
+  double longest = 0.0;
+};
+
+Profile profile_of(const Limits& limits, double sample_time, double room, double v) {
+  const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
+  const double ramp = std::max(4.0 * sample_time, v / a);
+  return {ramp, (0.95 * room - v * ramp) / v};
+}
+
+double room_of(const Limits& limits, const JogDesign& design) {
+  return design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+}
+
+/// Two rows of the fastest speed fit into the period, and the period into the room.
+void check_period(const JogDesign& design, double room, double sample_time) {
+  if (!(design.period > 0.0)) return;
+  const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
+  const double least = 2.0 * fastest * sample_time;
+  if (design.period < least || design.period > room) {
+    throw BadDesign(
+        "period",
+        fmt::format("got {:g} mm, expected between {:g} mm (two rows at the fastest speed) and {:g} mm (the "
+                    "available travel)",
+                    design.period * 1e3, least * 1e3, room * 1e3));
+  }
+}
+
+/// One speed forward and back, with a short rest after each.
+void append_pair(const JogDesign& design, double v, double ramp, double flat, Excitation& e) {
+  double r = design.start;
+  const auto flank = static_cast<std::size_t>(std::ceil(ramp / e.sample_time));
+  const auto rows = static_cast<std::size_t>(std::ceil(flat / e.sample_time));
+  for (const double direction : {design.direction, -design.direction}) {
+    // Speed in the middle of each sample: the flanks sum up exactly and the stroke back ends at the start.
+    for (std::size_t k = 0; k < rows + 2 * flank; ++k) {
+      const double up = (static_cast<double>(k) + 0.5) / static_cast<double>(flank);
+      const double down = (static_cast<double>(rows + 2 * flank - k) - 0.5) / static_cast<double>(flank);
+      r += direction * v * std::min({1.0, up, down}) * e.sample_time;
+      e.r.push_back(r);
+    }
+    for (int k = 0; k < 20; ++k) e.r.push_back(r);
+  }
+}
+}  // namespace
+
+std::vector<double> jog_speeds(double fastest) {
+  std::vector<double> speeds;
+  for (const double mm : {0.01, 0.04, 0.08, 0.15, 0.2, 0.4, 0.5, 1.0, 1.5,  2.5,  3.0,  3.5,  4.0,  4.5, 5.0,
+                          5.5,  6.0,  6.5,  7.0,  7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0}) {
+    if (mm * 1e-3 <= fastest * (1.0 + 1e-9)) speeds.push_back(mm * 1e-3);
+  }
+  // Faster axes go on in equal shares.
+  constexpr double kFaster = 1.25, kClose = 1.1;
+  for (double v = 15e-3 * kFaster; std::isfinite(fastest) && v * kClose < fastest; v *= kFaster)
+    speeds.push_back(v);
+  // A curve is worth most where it ends: the last gap would leave it open there.
+  constexpr double kGap = 1.02;
+  if (!speeds.empty() && fastest > kGap * speeds.back() && std::isfinite(fastest)) speeds.push_back(fastest);
+  return speeds;
+}
+
+double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design) {
+  const double room = room_of(limits, design);
+  double low = 0.0;
+  double high = kReserve * limits.speed;
+  if (profile_of(limits, sample_time, room, high).longest >= kShortestJog) return high;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (profile_of(limits, sample_time, room, middle).longest >= kShortestJog ? low : high) = middle;
+  }
+  return low;
+}
+
+Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design) {
+  check(limits, sample_time, design.start);
+  if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
+  const double room = room_of(limits, design);
+  Excitation e;
+  e.method = "jog";
+  e.sample_time = sample_time;
+  e.r.push_back(design.start);
+  check_period(design, room, sample_time);
+  std::size_t whole_strokes = 0;
+  for (const double v : design.speeds) {
+    if (!(v > 0.0) || v > limits.speed) {
+      throw BadDesign(
+          "speeds",
+          fmt::format("jog: speed of {:g} mm/s, expected above 0 and at most the limit of {:g} mm/s", v * 1e3,
+                      limits.speed * 1e3));
+    }
+    // Long enough to leave the bristle behind (some tens of micrometres) and to average noise.
+    const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
+    double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
+    if (design.period > 0.0) {
+      // What is left out until the axis has settled comes on top of the whole periods.
+      const double settled = flat - std::min(kSettle, 0.3 * flat);
+      const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
+      if (whole <= std::min(longest, kLongestJog)) {
+        flat = whole;
+        ++whole_strokes;
+      }
+    }
+    if (flat < kShortestJog) {
+      throw Refused(fmt::format(
+          "jog: {:g} mm/s has only {:.3g} s of constant speed in the travel; start elsewhere or leave it out",
+          v * 1e3, flat));
+    }
+    check_rows(
+        "speeds",
+        static_cast<double>(e.r.size()) + 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time),
+        sample_time, fmt::format("jog: {:g} mm/s, with the speeds before it,", v * 1e3),
+        "leave out the slowest");
+    append_pair(design, v, ramp, flat, e);
+  }
+  stamp(e, e.r.size());
+  check_positions(e, limits);
+  e.says = fmt::format(
+      "jog: {:.1f} s, {} speeds in both directions, up to {:.3g} mm/s. Determines friction at these speeds, "
+      "the slowest included; says nothing about the mass.",
+      e.t.back(), design.speeds.size(), 1e3 * *std::max_element(design.speeds.begin(), design.speeds.end()));
+  if (design.period > 0.0) {
+    e.says += fmt::format(" At {} of them the travel is a whole number of turns of {:g} mm.", whole_strokes,
+                          design.period * 1e3);
+  }
+  return e;
+}
+
+}  // namespace stribeck::ident::excitation
