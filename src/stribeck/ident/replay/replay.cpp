@@ -1,26 +1,21 @@
-#include <Eigen/Dense>
+#include <fmt/core.h>
+
+#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/ident/replay/replay_axis.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <string>
 #include <utility>
 
 namespace stribeck::ident::replay {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostSubsteps = 4096.0;
-
-std::string text(const char* format, auto... values) {
-  std::array<char, 320> buffer;
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return buffer.data();
-}
 
 /// What a replay needs of a record, found once.
 struct Course {
@@ -66,11 +61,11 @@ void check(const friction::AxisModel& model, const log::Record& record, const Re
   const auto wrong = log::problems(record);
   if (!wrong.empty()) throw Refused(wrong.front());
   if (!(model.mass > 0.0) || !std::isfinite(model.mass) || !std::isfinite(model.load))
-    throw Refused(text("replay: mass %g kg, load %g N; expected a positive mass and a finite load",
-                       model.mass, model.load));
+    throw Refused(fmt::format("replay: mass {:g} kg, load {:g} N; expected a positive mass and a finite load",
+                              model.mass, model.load));
   if (!(std::abs(options.delay) <= 100.0 * record.sample_time))
-    throw Refused(text("replay: delay of %g s, expected at most 100 samples of %g s", options.delay,
-                       record.sample_time));
+    throw Refused(fmt::format("replay: delay of {:g} s, expected at most 100 samples of {:g} s",
+                              options.delay, record.sample_time));
 }
 
 void check_level(const friction::AxisModel& model, const Course& course) {
@@ -84,8 +79,9 @@ void check_level(const friction::AxisModel& model, const Course& course) {
     const double level =
         std::visit([v](const auto& m) { return m.parts(v, 0.0).level; }, model.friction.steady);
     if (!(level - proportional > 0.0)) {
-      throw Refused(text("replay: friction without its viscous part is %.4g N at %.4g m/s, expected above 0",
-                         level - proportional, v));
+      throw Refused(
+          fmt::format("replay: friction without its viscous part is {:.4g} N at {:.4g} m/s, expected above 0",
+                      level - proportional, v));
     }
   }
 }
@@ -97,8 +93,9 @@ void keep(const Axis& axis, std::size_t k, const Course& course, const friction:
   constexpr double kFarOff = 1e4;
   const double v = axis.v();
   if (!(std::abs(v) < kFarOff * course.speed) || !std::isfinite(axis.x())) {
-    throw Refused(text("%s: the model runs away from row %zu on (%.3g m/s); its friction does not hold it",
-                       course.record.source.c_str(), k + 1, v));
+    throw Refused(
+        fmt::format("{}: the model runs away from row {} on ({:.3g} m/s); its friction does not hold it",
+                    course.record.source, k + 1, v));
   }
   out.x[k] = axis.x();
   out.v[k] = v;
@@ -221,10 +218,10 @@ class ControlLoop {
 
 void check_substeps(double n, double dt, const char* what) {
   if (n <= kMostSubsteps) return;
-  throw Refused(
-      text("replay: %s %.3g sub-steps in a hold of %.4g s, more than %g (check mass and units, use the "
-           "model without dynamics or a softer one)",
-           what, n, dt, kMostSubsteps));
+  throw Refused(fmt::format(
+      "replay: {} {:.3g} sub-steps in a hold of {:.4g} s, more than {:g} (check mass and units, use the "
+      "model without dynamics or a softer one)",
+      what, n, dt, kMostSubsteps));
 }
 
 Start start_of(const log::Record& record, std::size_t row, double noise) {
@@ -243,10 +240,10 @@ Start start_of(const log::Record& record, std::size_t row, double noise) {
       X.row(static_cast<Index>(i)) << 1.0, s, s * s;
       y(static_cast<Index>(i)) = record.x[row + i] - record.x[row];
     }
-    const Eigen::Vector3d c = X.colPivHouseholderQr().solve(y);
+    const Eigen::Vector3d c = stats::least_squares(X, y).x;
     const double left = std::sqrt((y - X * c).squaredNorm() / static_cast<double>(n - 3));
     if (n > kFewest && !(left <= 1.5 * noise)) break;
-    const double deviation = std::max(left, noise) * std::sqrt((X.transpose() * X).inverse()(1, 1));
+    const double deviation = std::max(left, noise) * std::sqrt(stats::inverse(stats::gram(X))(1, 1));
     start.v = std::abs(c(1)) > 3.0 * deviation ? c(1) / T : 0.0;
   }
   return start;
@@ -298,8 +295,8 @@ Replay replay_closed_loop(const friction::AxisModel& model, const ReplayControll
   if (record.r.empty())
     throw Refused(record.source + ": no reference in the log, which a closed-loop replay follows");
   if (options.delay < 0.0)
-    throw Refused(
-        text("replay: delay of %g s; in closed loop a force cannot act before it is made", options.delay));
+    throw Refused(fmt::format("replay: delay of {:g} s; in closed loop a force cannot act before it is made",
+                              options.delay));
   const Course course(record);
   check_level(model, course);
   const std::size_t n = record.x.size();

@@ -78,7 +78,7 @@ struct PdLaw {
 
 struct ReplayController {
   std::variant<CascadeLaw, PdLaw> law;
-  std::optional<double> limit;  ///< of the force, both ways [N]
+  std::optional<double> limit;  ///< of the force, in both directions [N]
 
   static constexpr auto fields() {
     return std::tuple{
