@@ -16,6 +16,8 @@ struct AxisSettings {
   control::ErrorRate error_rate = control::ErrorRate::kDifferenceOfError;
   LawSettings law;
   control::CompensationParams compensation;
+  /// A host that gives no limits keeps what it had: the law answers bad numbers, and only a lost encoder or command is a fault.
+  control::SupervisionParams supervision{.checks = control::Checks::kLost};
 
   static constexpr auto fields() {
     using S = AxisSettings;
@@ -30,7 +32,8 @@ struct AxisSettings {
               "rate of the error: difference-of-error, late, or observed by kalman; axis 0 decides"),
         field("law", &S::law,
               "control law: contouring, sliding-mode, predictive or learning; the same on all axes"),
-        embedded(&S::compensation)};
+        embedded(&S::compensation),
+        field("supervision", &S::supervision, "supervision of the axis")};
   }
 };
 

@@ -1,6 +1,7 @@
 #include "controller.hpp"
 
 #include <cmath>
+#include <memory>
 #include <new>
 
 using namespace stribeck;
@@ -147,6 +148,7 @@ stribeck_result start(Controller<N>& c, double period) {
   if constexpr (std::is_same_v<Settings, capi::LearningLaw>)
     c.setup.lap = *std::get<I>(c.settings[0].law).lap;
   double slowest = std::numeric_limits<double>::infinity();
+  control::Supervision<N> supervision;
   for (std::size_t i = 0; i < N; ++i) {
     const capi::AxisSettings& s = c.settings[i];
     slowest = std::min(slowest, std::sqrt(kp_of(s)));
@@ -156,7 +158,10 @@ stribeck_result start(Controller<N>& c, double period) {
     c.setup.compensation[i] = s.compensation;
     c.setup.compensation[i].delay = s.compensation.model.delay;
     c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
+    supervision[i] = s.supervision;
   }
+  c.supervisor = control::Supervisor<N>(supervision, c.setup);
+  std::construct_at(&c.watch);
   ::new (capi::place_of<Law>(c)) capi::Running<Law>{Law(params, c.setup), {}};
   c.law = I;
   if constexpr (N > 1) c.frame.of_motion = path::MotionFrame<N>(period, kSlowest, kTurning * slowest);
@@ -203,7 +208,7 @@ std::uint32_t stribeck_capabilities(void) noexcept {
   return STRIBECK_HAS_CONTOURING | STRIBECK_HAS_DYNAMIC_FEEDFORWARD | STRIBECK_HAS_REVERSAL_FEEDFORWARD |
          STRIBECK_HAS_DISTURBANCE_OBSERVER | STRIBECK_HAS_KALMAN_OBSERVER | STRIBECK_HAS_ADAPTIVE_FRICTION |
          STRIBECK_HAS_FRICTION_ADAPTATION | STRIBECK_HAS_SLIDING_MODE | STRIBECK_HAS_PREDICTIVE |
-         STRIBECK_HAS_LEARNING;
+         STRIBECK_HAS_LEARNING | STRIBECK_HAS_SUPERVISION;
 }
 
 const char* stribeck_version(void) noexcept { return STRIBECK_VERSION; }
@@ -230,9 +235,20 @@ const char* stribeck_describe(stribeck_result r) noexcept {
       return "an input was not a finite number";
     case STRIBECK_NO_MEMORY:
       return "out of memory";
+    case STRIBECK_FAULT:
+      return "supervision has stopped the axes; stribeck_controller_supervision() tells why";
     default:
       return "unknown result";
   }
+}
+
+const char* stribeck_fault_name(std::int32_t f) noexcept {
+  return f < 0 || f >= STRIBECK_FAULTS ? nullptr : control::name_of(static_cast<control::Fault>(f)).data();
+}
+
+const char* stribeck_fault_describe(std::int32_t f) noexcept {
+  return f < 0 || f >= STRIBECK_FAULTS ? "unknown fault"
+                                       : control::describe(static_cast<control::Fault>(f)).data();
 }
 
 std::size_t stribeck_alignment(void) noexcept { return alignof(Controller<3>); }

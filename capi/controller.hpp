@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/path/motion_frame.hpp>
 
 #include "axis_settings.hpp"
@@ -50,8 +51,11 @@ template <std::size_t N>
 struct Controller : stribeck_controller {
   std::array<AxisSettings, N> settings;
   double period = 1e-3;
-  double phase = kAbsent;  ///< place in the lap
+  double phase = kAbsent;    ///< place in the lap
+  double elapsed = kAbsent;  ///< since the last step, as the host measured it [s]
   control::Setup<N> setup;
+  control::Supervisor<N> supervisor;
+  typename control::Supervisor<N>::State watch;
   Frame<N> frame;
   std::size_t law = kLaws;  ///< which one is at work; kLaws: none
   std::size_t room = 0;     ///< for it, behind this [bytes]

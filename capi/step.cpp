@@ -24,7 +24,8 @@ void renew(State& s) {
 template <std::size_t N>
 void forget(Controller<N>& c) {
   capi::with_law(c, [](auto& running) { renew(running.state); });
-  c.phase = capi::kAbsent;
+  capi::with_law(c, [&](auto& running) { c.supervisor.reset(c.watch, running.state); });
+  c.phase = c.elapsed = capi::kAbsent;
   if constexpr (N > 1) renew(c.frame.state);
 }
 
@@ -47,6 +48,20 @@ template <class Law, std::size_t N>
                                          const Vec<double, N>& measured) {
   return running.law.step(running.state, r, measured);
 }
+template <std::size_t N>
+[[gnu::noinline]] bool admit(Controller<N>& c, typename control::Common<N>::State& law, path::PathPoint<N>& r,
+                             Vec<double, N>& measured) {
+  return c.supervisor.admit(c.watch, law, r, measured, c.elapsed);
+}
+template <std::size_t N>
+[[gnu::noinline]] Vec<double, N> judge(Controller<N>& c, const typename control::Common<N>::State& law,
+                                       const path::PathPoint<N>& r, const Vec<double, N>& force) {
+  return c.supervisor.judge(c.watch, law, r, force);
+}
+template <std::size_t N>
+[[gnu::noinline]] Vec<double, N> stopped(Controller<N>& c) {
+  return c.supervisor.stopped(c.watch);
+}
 
 /// With `points` rows of the reference from `in` on; the law at work takes those that it wants.
 template <std::size_t N>
@@ -58,26 +73,34 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
     measured[i] = in[i].measured;
     sum += in[i].measured;
   }
-  bool finite = point_from(in, r) && isfinite(sum);
+  const bool led = point_from(in, r);
+  bool finite = led && isfinite(sum);
   r.phi = c.phase;
   if constexpr (N > 1) {
-    if (finite) c.frame.of_motion.step(c.frame.state, r);
+    if (led) c.frame.of_motion.step(c.frame.state, r);
   }
   Vec<double, N> f;
   const bool runs = capi::with_law(c, [&](auto& running) {
+    if (!admit<N>(c, running.state, r, measured)) {
+      f = stopped(c);
+      return;
+    }
     if constexpr (requires { running.ahead; }) {
       if (points > 1) {
         const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
         running.ahead[0] = r;
         for (std::size_t k = 1; k < n; ++k) finite = point_from(in + k * N, running.ahead[k]) && finite;
         f = running.law.step(running.state, std::span(running.ahead).first(n), measured);
+        f = judge<N>(c, running.state, r, f);
         return;
       }
     }
-    f = step_of(running, r, measured);
+    f = judge<N>(c, running.state, r, step_of(running, r, measured));
   });
   if (!runs) return STRIBECK_NOT_CONFIGURED;
+  c.elapsed = capi::kAbsent;
   for (std::size_t i = 0; i < N; ++i) force[i] = f[i];
+  if (c.watch.fault != control::Fault::kNone) return STRIBECK_FAULT;
   return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
 
@@ -86,7 +109,8 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
   capi::with_law(c, [&](const auto& running) {
     const typename control::Common<N>::State& common = running.state;
     const auto& s = common.compensation[i];
-    out.force = common.force[i];
+    out.force = c.watch.fault == control::Fault::kNone ? common.force[i] : c.watch.force[i];
+    out.bridged = c.watch.axes[i].encoder.bridged;
     out.friction = s.friction;
     out.disturbance = s.guard.trust * s.estimate;
     out.error = common.error[i].e;
@@ -102,6 +126,20 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
     if constexpr (requires { running.state.lag; }) out.lag = running.state.lag;
     if constexpr (requires { running.state.learned; }) out.learned = running.state.learned[i];
   });
+}
+
+template <std::size_t N>
+void supervision(const Controller<N>& c, stribeck_supervision& out) {
+  using control::Supervisor;
+  static_assert(STRIBECK_FAULTS == control::kFaults);
+  static_assert(STRIBECK_FAULT_COMMAND_LOST == static_cast<int>(control::Fault::kCommandLost));
+  out.fault = static_cast<std::int32_t>(c.watch.fault);
+  out.axis = static_cast<std::uint32_t>(c.watch.axis);
+  out.brake = Supervisor<N>::brake_requested(c.watch) ? 1 : 0;
+  out.safe = Supervisor<N>::safe(c.watch) ? 1 : 0;
+  out.late = c.watch.late;
+  out.commands_lost = c.watch.commands_lost;
+  for (std::size_t k = 0; k < control::kFaults; ++k) out.counts[k] = c.watch.counts[k];
 }
 
 }  // namespace
@@ -142,6 +180,23 @@ stribeck_result stribeck_controller_set_phase(stribeck_controller* c, double pha
 stribeck_result stribeck_controller_reset(stribeck_controller* c) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
   with(c, [](auto& whole) { forget(whole); });
+  return STRIBECK_OK;
+}
+
+stribeck_result stribeck_controller_set_elapsed(stribeck_controller* c, double elapsed) noexcept {
+  if (!good(c)) return STRIBECK_BAD_HANDLE;
+  if (!(elapsed >= 0.0) && elapsed == elapsed) return STRIBECK_BAD_ARGUMENT;
+  with(c, [&](auto& whole) { whole.elapsed = elapsed; });
+  return STRIBECK_OK;
+}
+
+stribeck_result stribeck_controller_supervision(const stribeck_controller* c, stribeck_supervision* out,
+                                                std::size_t size) noexcept {
+  if (!good(c)) return STRIBECK_BAD_HANDLE;
+  if (out == nullptr) return STRIBECK_BAD_ARGUMENT;
+  stribeck_supervision now{};
+  with(c, [&](const auto& whole) { supervision(whole, now); });
+  std::memcpy(out, &now, std::min(size, sizeof now));
   return STRIBECK_OK;
 }
 

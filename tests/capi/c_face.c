@@ -6,8 +6,8 @@
 
 _Static_assert(STRIBECK_ABI == 1, "a change below is a change of STRIBECK_ABI");
 _Static_assert(sizeof(stribeck_axis_input) == 32, "four numbers");
-_Static_assert(sizeof(stribeck_axis_signals) == 88,
-               "six numbers, two switches; since then four numbers: it may grow");
+_Static_assert(sizeof(stribeck_axis_signals) == 96,
+               "six numbers, two switches; since then four numbers and a counter: it may grow");
 _Static_assert(offsetof(stribeck_axis_signals, limited) == 48, "");
 _Static_assert(offsetof(stribeck_axis_signals, surface) == 56, "");
 _Static_assert(sizeof(stribeck_parameter) == 112, "");

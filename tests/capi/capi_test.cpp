@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <new>
 #include <set>
@@ -79,7 +80,7 @@ TEST(CInterface, TellsWhatItIs) {
   EXPECT_EQ(stribeck_controller_size(4), 0u);
   // A servo component keeps it in shared memory of one megabyte for all of the host.
   EXPECT_LT(stribeck_controller_size(3), 64u * 1024u);
-  for (stribeck_result r = STRIBECK_OK; r >= STRIBECK_NO_MEMORY; --r)
+  for (stribeck_result r = STRIBECK_OK; r >= STRIBECK_FAULT; --r)
     EXPECT_STRNE(stribeck_describe(r), "unknown result") << r;
 }
 
@@ -327,6 +328,137 @@ TEST(CInterface, HoldsTheForceWhenAnInputIsNotFinite) {
   const stribeck_axis_input still[2] = {{0.0, 0.0, 0.0, 1e-6}, {0.0, 0.0, 0.0, 0.0}};
   ASSERT_EQ(stribeck_controller_step(h.c, still, force), STRIBECK_OK);
   EXPECT_NEAR(force[0], -900.0 * 3600.0 * 1e-6, 1e-12);
+}
+
+TEST(CInterface, TheExampleOfTheHeaderWorksAsItStands) {
+  std::ifstream file(std::string(STRIBECK_SOURCE_DIR) + "/capi/include/stribeck/stribeck.h");
+  std::set<std::string> calls;
+  for (std::string line; std::getline(file, line) && line.find("*/") == std::string::npos;) {
+    const auto at = line.find("stribeck_controller_set(c, 0, \"");
+    if (at != std::string::npos) calls.insert(line.substr(at, line.find(");") + 2 - at));
+  }
+  EXPECT_EQ(calls, (std::set<std::string>{
+                       "stribeck_controller_set(c, 0, \"mass\", 1000.0);",
+                       "stribeck_controller_set(c, 0, \"friction.conventional.alpha0\", 20.0);"}));
+  Handle h(1);
+  h.set("mass", 1000.0).set("friction.conventional.alpha0", 20.0);
+  h.configure();
+  const stribeck_axis_input in{1e-6, 0.0, 0.0, 0.0};
+  double force = 0.0;
+  EXPECT_EQ(stribeck_controller_step(h.c, &in, &force), STRIBECK_OK);
+  EXPECT_NEAR(force, 1000.0 * 1600.0 * 1e-6, 1e-9);
+}
+
+stribeck_supervision supervision_of(const stribeck_controller* c) {
+  stribeck_supervision s{};
+  EXPECT_EQ(stribeck_controller_supervision(c, &s, sizeof s), STRIBECK_OK);
+  return s;
+}
+
+/// An axis that follows its reference by itself, so that the forces show what supervision does.
+class SupervisedAxis : public testing::Test {
+ protected:
+  void SetUp() override {
+    h.set("mass", 1000.0)
+        .set("friction.conventional.alpha0", 20.0)
+        .set("friction.conventional.alpha2", 4500.0);
+    h.set("force_limit", 250.0).set("omega", 60.0).set("load", 15.0);
+    h.choose("feedforward", "steady");
+  }
+  void configure(const char* checks) {
+    h.choose("supervision.checks", checks);
+    if (std::string(checks) == "all")
+      h.set("supervision.speed_limit", 16e-3).set("supervision.acceleration_limit", 0.1);
+    h.configure();
+  }
+  stribeck_result step(double added = 0.0) {
+    const double t = kPeriod * k++;
+    const double x = 10e-3 * std::sin(t);
+    const stribeck_axis_input in{x, 10e-3 * std::cos(t), -x, 1e-7 * std::round(x / 1e-7) + added};
+    return stribeck_controller_step(h.c, &in, &force);
+  }
+  void run(int periods) {
+    for (int i = 0; i < periods; ++i) ASSERT_EQ(step(), STRIBECK_OK) << k;
+  }
+
+  Handle h{1};
+  double force = 0.0;
+  int k = 0;
+};
+
+TEST_F(SupervisedAxis, AWildSampleIsBridgedAndCounted) {
+  configure("all");
+  run(300);
+  const double before = force;
+  EXPECT_EQ(step(1.0), STRIBECK_OK);
+  EXPECT_NEAR(force, before, 30.0);
+  EXPECT_EQ(step(kNan), STRIBECK_NOT_FINITE);
+  EXPECT_NEAR(force, before, 30.0);
+  run(100);
+  stribeck_axis_signals s{};
+  stribeck_controller_signals(h.c, 0, &s, sizeof s);
+  EXPECT_EQ(s.bridged, 2u);
+  EXPECT_EQ(supervision_of(h.c).fault, STRIBECK_FAULT_NONE);
+}
+
+TEST_F(SupervisedAxis, ALostEncoderEndsAtTheLoadWithinFiftyMillisecondsWhateverIsChecked) {
+  for (const char* checks : {"lost", "all"}) {
+    configure(checks);
+    k = 0;
+    run(300);
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(step(kNan), STRIBECK_NOT_FINITE);
+    for (int i = 10; i < 50; ++i) EXPECT_EQ(step(kNan), STRIBECK_FAULT);
+    EXPECT_EQ(force, 15.0) << checks;
+    stribeck_supervision s = supervision_of(h.c);
+    EXPECT_EQ(s.fault, STRIBECK_FAULT_ENCODER_LOST);
+    EXPECT_STREQ(stribeck_fault_name(s.fault), "encoder-lost");
+    EXPECT_EQ(s.brake, 1);
+    EXPECT_EQ(s.safe, 1);
+    EXPECT_EQ(s.counts[STRIBECK_FAULT_ENCODER_LOST], 1u);
+    EXPECT_EQ(step(), STRIBECK_FAULT) << "latched";
+    ASSERT_EQ(stribeck_controller_reset(h.c), STRIBECK_OK);
+    run(100);
+    s = supervision_of(h.c);
+    EXPECT_EQ(s.fault, STRIBECK_FAULT_NONE);
+    EXPECT_EQ(s.brake, 0);
+    EXPECT_EQ(s.counts[STRIBECK_FAULT_ENCODER_LOST], 1u);
+  }
+}
+
+TEST_F(SupervisedAxis, WithoutChecksTheLastForceStaysForEver) {
+  configure("none");
+  run(300);
+  const double before = force;
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(step(kNan), STRIBECK_NOT_FINITE);
+  EXPECT_EQ(force, before);
+}
+
+TEST_F(SupervisedAxis, IsToldHowLateTheStepIs) {
+  configure("all");
+  run(300);
+  EXPECT_EQ(stribeck_controller_set_elapsed(h.c, -1.0), STRIBECK_BAD_ARGUMENT);
+  ASSERT_EQ(stribeck_controller_set_elapsed(h.c, 2.0 * kPeriod), STRIBECK_OK);
+  ++k;
+  EXPECT_EQ(step(), STRIBECK_OK);
+  EXPECT_EQ(supervision_of(h.c).late, 1u);
+  run(10);
+  EXPECT_EQ(supervision_of(h.c).late, 1u) << "counts for one step";
+  k += 20;
+  stribeck_controller_set_elapsed(h.c, 21.0 * kPeriod);
+  EXPECT_EQ(step(), STRIBECK_FAULT);
+  EXPECT_EQ(supervision_of(h.c).fault, STRIBECK_FAULT_LATE);
+}
+
+TEST(CInterface, NamesItsFaults) {
+  for (std::int32_t f = 0; f < STRIBECK_FAULTS; ++f) {
+    EXPECT_NE(stribeck_fault_name(f), nullptr);
+    EXPECT_STRNE(stribeck_fault_describe(f), "unknown fault") << f;
+  }
+  for (const std::int32_t f : {-1, STRIBECK_FAULTS}) {
+    EXPECT_EQ(stribeck_fault_name(f), nullptr);
+    EXPECT_STREQ(stribeck_fault_describe(f), "unknown fault");
+  }
+  EXPECT_EQ(stribeck_controller_supervision(nullptr, nullptr, 0), STRIBECK_BAD_HANDLE);
 }
 
 TEST(CInterface, ContouringOverEqualGainsIsPdInEveryDirection) {

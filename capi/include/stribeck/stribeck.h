@@ -4,6 +4,7 @@
  *   size_t n = stribeck_controller_size(1);                               or stribeck_controller_size_for(1, "predictive")
  *   stribeck_controller *c = stribeck_controller_init(memory, n, 1);      memory of yours, stribeck_alignment() aligned
  *   stribeck_controller_set(c, 0, "mass", 1000.0);                        SI; names: stribeck_controller_parameter()
+ *   stribeck_controller_set(c, 0, "friction.conventional.alpha0", 20.0); level of friction
  *   stribeck_controller_configure(c, 1e-3);                               control period [s]; checks everything
  *   stribeck_controller_step(c, in, force);                               once per period
  *
@@ -12,11 +13,15 @@
  * direction; friction positive for a positive velocity. The frame of two and three axes comes from the commanded motion.
  * A number that is "left out" is NaN. Elements of lists are named by their index, from 0.
  *
- * Real time: step, step_ahead, set_phase, reset and signals are safe: no allocation, exception, lock or input and output. They use
+ * Supervision: what is no number for longer than 10 ms, encoder or command, stops the axes: the step then answers STRIBECK_FAULT with
+ * the forces of the stop, until reset. With supervision.checks = all and the limits of the axis, each sample and the motion are judged
+ * as well, and single wild samples are bridged (docs/theory/supervision.md, docs/guides/faults.md).
+ *
+ * Real time: step, step_ahead, set_phase, set_elapsed, reset, signals and supervision are safe: no allocation, exception, lock or input and output. They use
  * what is in the handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs
  * up to some hundred microseconds. A handle may be thrown away with its memory; there is nothing to release.
  * Errors: a result below zero, and then nothing has changed, but for STRIBECK_NOT_FINITE: a step that got such a number goes on with the
- * last force. stribeck_controller_problem() says which parameter and why.
+ * last force, or with what supervision put in its place; and for STRIBECK_FAULT. stribeck_controller_problem() says which parameter and why.
  */
 #ifndef STRIBECK_STRIBECK_H
 #define STRIBECK_STRIBECK_H
@@ -47,7 +52,8 @@ enum {
   STRIBECK_REFUSED = -6, /* the parameters together mean nothing; see problem() */
   STRIBECK_NOT_CONFIGURED = -7, /* step before configure */
   STRIBECK_NOT_FINITE = -8,     /* an input was NaN or infinite; the forces are the last ones */
-  STRIBECK_NO_MEMORY = -9
+  STRIBECK_NO_MEMORY = -9,
+  STRIBECK_FAULT = -10 /* supervision has stopped the axes; the forces are those of the stop */
 };
 
 /* What this library can do; bits of stribeck_capabilities(). */
@@ -61,7 +67,8 @@ enum {
   STRIBECK_HAS_FRICTION_ADAPTATION = 1u << 6,
   STRIBECK_HAS_SLIDING_MODE = 1u << 7,
   STRIBECK_HAS_PREDICTIVE = 1u << 8,
-  STRIBECK_HAS_LEARNING = 1u << 9
+  STRIBECK_HAS_LEARNING = 1u << 9,
+  STRIBECK_HAS_SUPERVISION = 1u << 10
 };
 
 uint32_t stribeck_abi(void) STRIBECK_NOEXCEPT;
@@ -140,7 +147,10 @@ uint32_t stribeck_controller_points(const stribeck_controller*) STRIBECK_NOEXCEP
 /* Learning: place in the lap for the steps to come, in the unit of learning.lap, counted on over the laps or begun anew in each.
  * NaN, and after reset: none, and nothing is learned or given; infinite counts as NaN and is answered with STRIBECK_NOT_FINITE. */
 stribeck_result stribeck_controller_set_phase(stribeck_controller*, double phase) STRIBECK_NOEXCEPT;
-/* Forgets all motion: the next step is a first one. */
+/* For the next step: time since the one before, as the host measured it [s]; NaN: one period. A late step is counted, and the encoder may
+ * have moved farther. */
+stribeck_result stribeck_controller_set_elapsed(stribeck_controller*, double elapsed) STRIBECK_NOEXCEPT;
+/* Forgets all motion: the next step is a first one. After a fault it goes on with what adaptation had learned before. */
 stribeck_result stribeck_controller_reset(stribeck_controller*) STRIBECK_NOEXCEPT;
 
 /* What the last step did on one axis. */
@@ -158,11 +168,46 @@ typedef struct stribeck_axis_signals {
   double switching_gain; /* [m/s2] */
   double lag;            /* predictive: time by which the reference is behind the one that was given [s] */
   double learned;        /* learning: force from earlier laps [N] */
+  uint32_t bridged;      /* samples that were bridged since configure */
 } stribeck_axis_signals;
 
 /* `size` is sizeof(stribeck_axis_signals), so that the struct may grow at its end. */
 stribeck_result stribeck_controller_signals(const stribeck_controller*, uint32_t axis, stribeck_axis_signals*,
                                             size_t size) STRIBECK_NOEXCEPT;
+
+/* Why supervision has stopped the axes. More may be added at the end. */
+enum {
+  STRIBECK_FAULT_NONE = 0,
+  STRIBECK_FAULT_ENCODER_LOST = 1,
+  STRIBECK_FAULT_ENCODER_IMPLAUSIBLE = 2,
+  STRIBECK_FAULT_ENCODER_FROZEN = 3,
+  STRIBECK_FAULT_ENCODER_UNRELIABLE = 4,
+  STRIBECK_FAULT_WRONG_SIGN = 5,
+  STRIBECK_FAULT_OVERSPEED = 6,
+  STRIBECK_FAULT_FOLLOWING_ERROR = 7,
+  STRIBECK_FAULT_SATURATED = 8,
+  STRIBECK_FAULT_OSCILLATION = 9,
+  STRIBECK_FAULT_LATE = 10,
+  STRIBECK_FAULT_COMMAND_LOST = 11
+};
+#define STRIBECK_FAULTS 12
+
+typedef struct stribeck_supervision {
+  int32_t fault;                    /* the first one since reset */
+  uint32_t axis;                    /* where */
+  int32_t brake;                    /* holding brakes should close */
+  int32_t safe;                     /* after a fault: the forces have reached their safe values */
+  uint32_t late;                    /* steps that were late, since configure */
+  uint32_t commands_lost;           /* references that were no numbers, since configure */
+  uint32_t counts[STRIBECK_FAULTS]; /* of each fault, since configure */
+} stribeck_supervision;
+
+/* `size` is sizeof(stribeck_supervision). */
+stribeck_result stribeck_controller_supervision(const stribeck_controller*, stribeck_supervision*,
+                                                size_t size) STRIBECK_NOEXCEPT;
+/* "encoder-lost", and a sentence; null, and "unknown fault", for other numbers. */
+const char* stribeck_fault_name(int32_t fault) STRIBECK_NOEXCEPT;
+const char* stribeck_fault_describe(int32_t fault) STRIBECK_NOEXCEPT;
 
 #ifdef __cplusplus
 }
