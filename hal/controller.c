@@ -4,8 +4,10 @@
  *   loadrt stribeck_axis names=ax.x,ax.y             one axis each: ax.x.pos-cmd, …, function ax.x
  *   loadrt stribeck_contour names=ct axes=3          one path:      ct.0.pos-cmd, …, function ct
  *
- * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h. Of a contour controller
- * every axis is enabled together, and a fault of one axis takes all down. Law learning needs `phase`, the place in the lap; law
+ * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h, and with supervision.checks = 2
+ * those of the library, as 100 and their number (docs/guides/faults.md); these stop the axes by braking and hold the load until enable
+ * falls. `brake` asks for the holding brakes. Of a contour controller every axis is enabled together, and a fault of one axis takes
+ * all down. Law learning needs `phase`, the place in the lap; law
  * predictive sees the present point alone, and tells in `lag` by how much it is behind a command that asks for too much.
  */
 #include "hal_parts.h"
@@ -13,7 +15,8 @@
 
 #include <stdlib.h>
 
-#define LONGEST_RAMP 1.0 /* [s] */
+#define LONGEST_RAMP 1.0  /* [s] */
+#define LIBRARY_FAULT 100 /* on top of the library's own numbers */
 
 #ifdef STRIBECK_CONTOUR
 #define COMPONENT "stribeck_contour"
@@ -37,7 +40,7 @@ RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the controllers");
 struct axis {
   hal_float_t *pos_cmd, *vel_cmd, *acc_cmd, *pos_fb;
   hal_float_t *force, *voltage, *friction_ff, *disturbance, *pos_error;
-  hal_s32_t* fault;
+  hal_s32_t *fault, *bridged;
   hal_bit_t* saturated;
   hal_float_t ferror_limit, jump_limit, frozen_limit;
   hal_float_t force_per_volt;
@@ -51,13 +54,15 @@ struct inner {
 
 struct instance {
   char name[HAL_NAME_LEN + 1];
-  hal_bit_t *enable, *faulted, *pending;
+  hal_bit_t *enable, *faulted, *pending, *brake;
   hal_float_t *phase, *lag;
   hal_float_t position_unit, force_unit, ramp_time;
   double position_used, force_used; /* units that are in use */
   double period;
   int was_enabled;
-  int good; /* the controller is configured */
+  int good;    /* the controller is configured */
+  int stopped; /* fault of the library's supervision, and its axis */
+  uint32_t stopped_axis;
   stribeck_controller* controller;
   size_t size;
   void* memory; /* of the controller, and what is in front of it for alignment */
@@ -177,6 +182,7 @@ static void update(void* arg, long period_ns) {
   }
 
   if (rises) {
+    s->stopped = 0;
     for (int a = 0; a < axes; ++a) {
       s->inner[a].watch.fault = FAULT_NONE;
       if (finite) {
@@ -201,7 +207,7 @@ static void update(void* arg, long period_ns) {
   int runs = 0;
   for (int a = 0; a < axes; ++a) {
     struct supervisor* w = &s->inner[a].watch;
-    if (w->mode == MODE_RUNNING && enable) {
+    if (w->mode == MODE_RUNNING && enable && s->stopped == 0) {
       const enum fault f = supervisor_judge(w, &limits[a], in[a].position, in[a].velocity, in[a].acceleration,
                                             in[a].measured, period);
       if (f != FAULT_NONE) supervisor_fail(w, f, period, ramp_time);
@@ -218,9 +224,14 @@ static void update(void* arg, long period_ns) {
   if (runs) {
     for (int a = 0; a < axes; ++a) in[a].position += s->inner[a].watch.offset;
     stribeck_controller_set_phase(s->controller, *s->phase);
-    stribeck_controller_step(s->controller, in, wanted);
+    if (stribeck_controller_step(s->controller, in, wanted) == STRIBECK_FAULT) {
+      stribeck_supervision why = {0};
+      stribeck_controller_supervision(s->controller, &why, sizeof why);
+      s->stopped = why.fault;
+      s->stopped_axis = why.axis;
+    }
   }
-  int faulted = 0;
+  int faulted = s->stopped != 0;
   double lag = 0.0;
   for (int a = 0; a < axes; ++a) {
     struct axis* x = &s->axis[a];
@@ -235,12 +246,16 @@ static void update(void* arg, long period_ns) {
     const double error = in[a].measured - in[a].position;
     *x->pos_error = isfinite(error) ? error / unit : 0.0;
     *x->fault = s->inner[a].watch.fault;
+    if (s->stopped != 0 && s->stopped_axis == (uint32_t)a && *x->fault == FAULT_NONE)
+      *x->fault = LIBRARY_FAULT + s->stopped;
+    if (runs) *x->bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
     *x->saturated = now.limited != 0;
     if (isfinite(now.lag)) lag = now.lag;
     if (s->inner[a].watch.fault != FAULT_NONE) faulted = 1;
   }
   *s->lag = lag;
   *s->faulted = faulted != 0;
+  *s->brake = faulted != 0;
   *s->pending = runs && must_configure(s, period);
 }
 
@@ -265,6 +280,7 @@ static int make_axis(struct axis* x, struct inner* inner, const char* prefix) {
       return r;
   }
   if ((r = hal_pin_s32_newf(HAL_OUT, &x->fault, component, "%s.fault", prefix)) < 0) return r;
+  if ((r = hal_pin_s32_newf(HAL_OUT, &x->bridged, component, "%s.bridged", prefix)) < 0) return r;
   if ((r = hal_pin_bit_newf(HAL_OUT, &x->saturated, component, "%s.saturated", prefix)) < 0) return r;
   const struct {
     const char* name;
@@ -313,6 +329,7 @@ static int make(const char* name) {
   if ((r = hal_pin_bit_newf(HAL_IN, &s->enable, component, "%s.enable", name)) < 0) return r;
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->faulted, component, "%s.faulted", name)) < 0) return r;
   if ((r = hal_pin_bit_newf(HAL_OUT, &s->pending, component, "%s.pending", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->brake, component, "%s.brake", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_IN, &s->phase, component, "%s.phase", name)) < 0) return r;
   if ((r = hal_pin_float_newf(HAL_OUT, &s->lag, component, "%s.lag", name)) < 0) return r;
   s->position_unit = s->position_used = 1e-3;

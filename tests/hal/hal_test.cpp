@@ -380,6 +380,44 @@ TEST_F(Loop, FollowingError) {
   expect_ramp_and_latch(5);
 }
 
+TEST_F(Loop, WithTheLibrarysSupervisionAWildSampleIsBridgedAndAFrozenEncoderBrakes) {
+  value("ax.x.supervision.checks") = 2.0;
+  value("ax.x.supervision.speed-limit") = 16e-3;
+  value("ax.x.supervision.acceleration-limit") = 0.1;
+  enable(true);
+  run(700);
+  // Below the jump limit of 0.5 mm: the component itself would let it through.
+  const double before = value("ax.x.force");
+  added_ = 0.3;
+  period();
+  added_ = 0.0;
+  EXPECT_NEAR(value("ax.x.force"), before, 20.0);
+  run(200);
+  EXPECT_LT(std::abs(value("ax.x.pos-error")), 2e-3);
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_EQ(*hal_.integers.at("ax.x.bridged"), 1);
+  EXPECT_FALSE(*hal_.bits.at("ax.x.brake"));
+  // At 6 mm/s; before the component's own limit of 0.2 mm.
+  const double at = value("pl.x.pos");
+  frozen_ = true;
+  run(11);
+  EXPECT_EQ(fault("ax.x"), 103);
+  EXPECT_TRUE(*hal_.bits.at("ax.x.faulted"));
+  EXPECT_TRUE(*hal_.bits.at("ax.x.brake"));
+  run(100);
+  EXPECT_EQ(value("ax.x.force"), 0.0);
+  EXPECT_LT(std::abs(value("pl.x.pos") - at), 0.5);
+  EXPECT_EQ(fault("ax.x"), 103) << "latched";
+  frozen_ = false;
+  enable(false);
+  run(25, false);
+  t_ = std::asin(std::clamp<double>(value("pl.x.pos-fb") / 10.0, -1.0, 1.0));
+  enable(true);
+  run(200, false);
+  EXPECT_EQ(fault("ax.x"), 0);
+  EXPECT_FALSE(*hal_.bits.at("ax.x.brake"));
+}
+
 TEST_F(Loop, RefusedParameters) {
   value("ax.x.mass") = -1.0;
   enable(true);
