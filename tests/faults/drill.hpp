@@ -1,0 +1,62 @@
+#pragma once
+/// A machine of machines/ in closed loop under any controller, with supervision, and something that breaks on the way: the set-up of
+/// the tests of this folder.
+///
+/// Controllers know the friction of the plant exactly. What breaks stands between encoder and controller, or between controller and
+/// drive.
+
+#include <cstdint>
+#include <functional>
+#include <stribeck/control/supervision/supervisor.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/experiments.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::test {
+
+struct Drill {
+  std::string machine;  ///< of machines/, without .toml
+  sim::ControllerSpec controller;
+  sim::Travel travel;
+  std::vector<std::size_t> axes;  ///< empty: the first ones
+  double duration = 4.0;          ///< of the run, at most [s]
+  bool supervised = true;
+  double friction = 1.0;  ///< friction and mass of the plant against what controllers know
+  double mass = 1.0;
+  std::uint64_t seed = 1;
+  /// What the controller reads in place of the encoder's position [m].
+  std::function<double(double time, std::size_t axis, double reading)> encoder;
+  /// What acts in place of the force that was asked for [N].
+  std::function<double(double time, std::size_t axis, double force)> force;
+};
+
+/// What happened, tick by tick.
+struct Tick {
+  double time = 0.0;
+  double error = 0.0;               ///< largest true tracking error over the axes [m]
+  sim::AxisValues position, force;  ///< true [m], put out [N]
+  bool limited = false;             ///< the force of an axis was cut
+};
+struct Drilled {
+  std::vector<Tick> ticks;
+  double period = 0.0;
+  control::Fault fault = control::Fault::kNone;
+  double tripped = -1.0;  ///< when [s]; below 0: never
+  std::uint32_t bridged = 0;
+
+  /// Largest tracking error from `begin` to before `end` [m].
+  [[nodiscard]] double worst(double begin, double end) const;
+  /// How far an axis has moved since then, at most [m].
+  [[nodiscard]] double moved(std::size_t axis, double since) const;
+  /// Of the fastest axis at that time [m/s].
+  [[nodiscard]] double speed(double time) const;
+  [[nodiscard]] std::size_t limited(double begin, double end) const;  ///< ticks
+};
+
+Drilled run(const Drill&);
+sim::Machine machine_of(const std::string& name);
+/// Every controller of an experiment's first setting on its last travel, which is the fastest.
+std::vector<Drill> drills_of(const std::string& experiment);
+
+}  // namespace stribeck::test

@@ -1,0 +1,3 @@
+#include "drill_run.hpp"
+
+template stribeck::test::Drilled stribeck::test::run_axes<2>(const Drill&);
