@@ -22,14 +22,14 @@ struct Relaxation {
   double length = 0.0;  ///< g/σ0 [m]; 0: no reversal seen
 };
 
-/// Friction level without a model: the map of one direction less its viscous part.
+/// Friction level without a model: the curve of one direction less its viscous part.
 struct Level {
-  const std::array<map::BinCurve, map::kSides>* map = nullptr;
-  std::array<double, map::kSides> viscous{};  ///< [N·s/m]
+  std::array<map::BinCurve, map::kSides> curve;  ///< without the load
+  std::array<double, map::kSides> viscous{};     ///< [N·s/m]
 
   [[nodiscard]] double operator()(int side, double speed) const {
     const auto s = static_cast<std::size_t>(side);
-    return std::max((*map)[s](speed) - viscous[s] * speed, 0.05 * std::abs((*map)[s].force.front()));
+    return std::max(curve[s](speed) - viscous[s] * speed, 0.05 * std::abs(curve[s].force.front()));
   }
 };
 

@@ -1,0 +1,115 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <stribeck/ident/drive/aligned_log.hpp>
+#include <stribeck/ident/refused.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+
+constexpr double kSlowestLoop = 0.6;  // [s] that a position follows its reference by
+
+/// Delays [rows] at which the velocity of the reference may act.
+std::vector<std::ptrdiff_t> delays(double sample_time, std::ptrdiff_t rows) {
+  std::vector<std::ptrdiff_t> out{-1, 0, 1, 2, 3, 4};
+  const auto longest =
+      std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(kSlowestLoop / sample_time), rows / 8);
+  while (out.back() * 4 / 3 + 1 <= longest) out.push_back(out.back() * 4 / 3 + 1);
+  return out;
+}
+
+/// Weight of each delay, by least squares on the measured velocity.
+VectorXd weights_of(const std::vector<double>& rate, const log::Motion& m,
+                    const std::vector<std::ptrdiff_t>& lags) {
+  const auto n = static_cast<std::ptrdiff_t>(rate.size());
+  const auto count = static_cast<Index>(lags.size());
+  MatrixXd normal = MatrixXd::Zero(count, count);
+  VectorXd right = VectorXd::Zero(count), c(count);
+  const std::ptrdiff_t step = n / 20000 + 1;
+  for (std::ptrdiff_t k = m.reach; k + m.reach < n; k += step) {
+    for (Index j = 0; j < count; ++j) {
+      const std::ptrdiff_t at = std::clamp<std::ptrdiff_t>(k - lags[static_cast<std::size_t>(j)], 0, n - 1);
+      c(j) = rate[static_cast<std::size_t>(at)];
+    }
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(c);
+    right += c * m.v[static_cast<std::size_t>(k)];
+  }
+  // Neighbouring delays see nearly the same: a weak pull keeps their weights small.
+  normal.diagonal().array() += 1e-6 * normal.trace() / static_cast<double>(count);
+  return normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+}
+
+/// Σ h_j·rate(k − l_j), the ends continued.
+std::vector<double> weighted(const std::vector<double>& rate, const std::vector<std::ptrdiff_t>& lags,
+                             const VectorXd& h) {
+  const auto n = static_cast<std::ptrdiff_t>(rate.size());
+  std::vector<double> v(rate.size(), 0.0);
+  // Delay by delay over pieces that stay in the cache.
+  constexpr std::ptrdiff_t kPiece = 2048;
+  for (std::ptrdiff_t from = 0; from < n; from += kPiece) {
+    const std::ptrdiff_t to = std::min(n, from + kPiece);
+    for (Index j = 0; j < h.size(); ++j) {
+      const std::ptrdiff_t lag = lags[static_cast<std::size_t>(j)];
+      const std::ptrdiff_t inner = std::clamp(lag, from, to), outer = std::clamp(n + lag, inner, to);
+      for (std::ptrdiff_t k = from; k < inner; ++k) v[static_cast<std::size_t>(k)] += h(j) * rate.front();
+      Eigen::Map<VectorXd>(v.data() + inner, outer - inner) +=
+          h(j) * Eigen::Map<const VectorXd>(rate.data() + (inner - lag), outer - inner);
+      for (std::ptrdiff_t k = outer; k < to; ++k) v[static_cast<std::size_t>(k)] += h(j) * rate.back();
+    }
+  }
+  return v;
+}
+
+void require_one_axis(const log::Record& r, const log::Record& first) {
+  const auto wrong = log::problems(r);
+  if (!wrong.empty()) throw Refused(wrong.front());
+  if (r.force_unit != first.force_unit || r.position_unit != first.position_unit) {
+    throw Refused(r.source + ": its force is in " + r.force_unit + " and its position in " + r.position_unit +
+                  ", expected " + first.force_unit + " and " + first.position_unit + " as in " +
+                  first.source);
+  }
+}
+
+}  // namespace
+
+std::vector<double> predicted_velocity(const log::Record& record, const log::Motion& m) {
+  if (m.loop != log::Loop::kClosed || record.r.empty()) return {};
+  const std::vector<double> r = log::smooth_like(m, record.r);
+  std::vector<double> rate(r.size(), 0.0);
+  for (std::size_t k = 1; k + 1 < r.size(); ++k) rate[k] = (r[k + 1] - r[k - 1]) / (2.0 * m.sample_time);
+  const std::vector<std::ptrdiff_t> lags = delays(m.sample_time, static_cast<std::ptrdiff_t>(r.size()));
+  return weighted(rate, lags, weights_of(rate, m, lags));
+}
+
+AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,
+                           Notes& notes) {
+  if (records.empty()) throw Refused("identification: no record given");
+  AlignedLog out;
+  out.records = records;
+  out.shift = shift.value_or(kHeldForce);
+  for (const log::Record& r : records) {
+    require_one_axis(r, records.front());
+    std::vector<double> force;
+    log::MotionOptions options;
+    options.cut_off = cut_off;
+    options.shift = out.shift;
+    options.smoothed_force = &force;
+    log::Motion m = log::reconstruct(r, options);
+    std::vector<double> v = predicted_velocity(r, m);
+    for (std::size_t k = 1; k + 1 < v.size(); ++k)
+      m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
+    if (m.loop == log::Loop::kAutomatic) {
+      notes.warn(r.source +
+                 ": no reference and no programmed force: the mass rests on smoothed accelerations alone");
+    }
+    out.motions.push_back(std::move(m));
+    out.force.push_back(std::move(force));
+    out.predicted.push_back(std::move(v));
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident::drive

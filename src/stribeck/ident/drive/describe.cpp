@@ -1,0 +1,288 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/text.hpp>
+#include <string>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr std::size_t kShownResiduals = 4000;
+constexpr double kApart = 0.1;  ///< of friction: difference of the directions that is worth a word
+constexpr double kMostUnseen =
+    0.1;  ///< share of a parameter in directions without data, to call it identifiable
+
+class Description {
+ public:
+  Description(const Found& found, const DriveFitOptions& options, Notes& notes)
+      : found_(found), options_(options), notes_(notes), terms_(found.terms.count()) {}
+
+  Result write() {
+    write_head();
+    write_shift();
+    write_map();
+    write_periodic();
+    for (int s = map::kSides - 1; s >= 0; --s) write_curve(s);
+    write_points();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] const map::StaticFit& map() const { return found_.choice.map.fit; }
+  /// "N" and the metre are written for whatever the log holds.
+  [[nodiscard]] std::string in_units(std::string unit) const {
+    if (result_.force_unit != "N" && unit.starts_with("N")) unit = result_.force_unit + unit.substr(1);
+    return unit;
+  }
+  void add(std::string name, double value, const std::string& unit, const std::string& shown, double error,
+           bool seen) {
+    const double half = found_.intervals.factor * error;
+    Parameter p;
+    p.name = std::move(name);
+    p.value = value;
+    p.unit = in_units(unit);
+    p.shown = in_units(shown);
+    p.ci_low = value - half;
+    p.ci_high = value + half;
+    p.identifiable = seen && std::isfinite(error) && half < std::abs(value);
+    result_.parameters.push_back(std::move(p));
+  }
+  /// Standard error of a parameter of the map.
+  [[nodiscard]] double map_error(std::size_t i) const { return found_.intervals.error_at(terms_ + i); }
+  [[nodiscard]] bool seen(std::size_t i) const { return found_.intervals.unseen[i] < kMostUnseen; }
+  [[nodiscard]] Index at(std::size_t map_parameter) const {
+    return static_cast<Index>(terms_ + map_parameter);
+  }
+
+  void write_head();
+  void write_shift();
+  void write_map();
+  void write_symmetric();
+  void write_load();
+  std::size_t write_branch(std::size_t s, friction::GaussianBranch<double>& branch);
+  void write_periodic();
+  void write_curve(int s);
+  void write_points();
+
+  const Found& found_;
+  const DriveFitOptions& options_;
+  Notes& notes_;
+  std::size_t terms_;
+  Result result_;
+};
+
+void Description::write_head() {
+  const LinearFit& fit = found_.fit;
+  const bool known = found_.terms.known_mass.has_value();
+  result_.method = "auto";
+  result_.force_unit = found_.log.records.front().force_unit;
+  result_.position_unit = found_.log.records.front().position_unit;
+  result_.mass = fit.mass;
+  result_.plain_mass = known ? std::numeric_limits<double>::quiet_NaN() : fit.plain_mass;
+  const double error = known ? 0.0 : found_.intervals.error_at(0);
+  const double half = found_.intervals.factor * error;
+  result_.mass_interval = {fit.mass - half, fit.mass + half};
+  result_.velocity_range = {-found_.rows.grid[1].high, found_.rows.grid[0].high};
+  result_.rows = found_.rows.size();
+  result_.peaks = {map::peaks_of(fit.curve[0]), map::peaks_of(fit.curve[1])};
+  result_.load = map().load;
+  result_.held_out_rms = found_.choice.map.held_out_rms;
+  result_.models = found_.choice.map.candidates;
+  const bool newton = result_.force_unit == "N";
+  add("mass", fit.mass, newton ? "kg" : "N s2/m", newton ? "N s2/mm" : "N s2/m", error, true);
+  if (!result_.parameters.back().identifiable) {
+    notes_.warn("the mass cannot be determined from this log; run a sine or pulses, or give the mass");
+  }
+}
+
+void Description::write_shift() {
+  if (!found_.terms.shift) return;
+  const double shift = found_.log.shift;
+  const double T = found_.log.records.front().sample_time;
+  // A held force belongs to the motion half a row later without any delay (motion.hpp). One that was measured stands late, if
+  // at all, and acts at once.
+  result_.delay = std::max(0.0, (-shift - 0.5) * T);
+  add("force_shift", shift * T, "s", "ms", found_.intervals.error_at(terms_ - 1) * T, true);
+  notes_.warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
+                   std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier"));
+}
+
+void Description::write_symmetric() {
+  const map::StaticFit& fit = map();
+  result_.model = "conventional";
+  friction::Conventional<double> steady{fit.coulomb, fit.viscous, {}};
+  add("load", fit.load, "N", "N", map_error(0), seen(0));
+  add("alpha0", fit.coulomb, "N", "N", map_error(1), seen(1));
+  if (fit.family == map::StaticFit::Family::kSymmetricStribeck) {
+    steady.stribeck = friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, 2.0};
+    VectorXd h = found_.intervals.zero();
+    h(at(1)) = h(at(3)) = 1.0;
+    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), seen(3));
+    add("v0", fit.v0, "m/s", "mm/s", map_error(4), seen(4));
+  }
+  add("alpha2", fit.viscous, "N s/m", "N s/mm", map_error(2), seen(2));
+  result_.friction.steady = steady;
+}
+
+void Description::write_load() {
+  const map::StaticFit& fit = map();
+  if (std::abs(fit.load) > 0.0) {
+    VectorXd h = found_.intervals.zero();
+    h(at(0)) = 0.5;
+    h(at(fit.span(1).first)) = -0.5;
+    add("load", fit.load, "N", "N", found_.intervals.error_of(h), true);
+    notes_.cannot_tell.emplace_back(
+        "how much of the load is friction that differs by direction: it is half the sum of both directions");
+    return;
+  }
+  const double v = 0.5 * std::min(fit.top[0], fit.top[1]);
+  const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
+  const double apart = 0.5 * (level(0) - level(1));
+  if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
+    notes_.cannot_tell.push_back(
+        text("whether the difference of %.3g %s between each direction and their mean is a load or friction: "
+             "taken as friction",
+             std::abs(apart), result_.force_unit.c_str()));
+  }
+}
+
+/// Returns the number of terms.
+std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<double>& branch) {
+  const map::BranchFit& b = map().branch[s];
+  const double top = map().top[s];
+  const double d = map::kDirection[s];
+  const std::string tail = std::string("_") + map::kSideName[s];
+  branch.eta0 = d * b.eta0;
+  branch.eta1 = b.eta1 / top;
+  std::size_t i = map().span(static_cast<int>(s)).first;
+  add("eta0" + tail, branch.eta0, "N", "N", map_error(i), seen(i));
+  add("eta1" + tail, branch.eta1, "N s/m", "N s/mm", map_error(i + 1) / top, seen(i + 1));
+  i += 2;
+  for (std::size_t k = 0; k < b.terms.size(); ++k) {
+    const map::FitTerm& g = b.terms[k];
+    const std::string name = "gaussian_" + std::to_string(k + 1) + "_";
+    branch.gaussians.push_back({d * g.a, d * g.b * top, g.c * top});
+    add(name + "a" + tail, d * g.a, "N", "N", map_error(i), seen(i));
+    ++i;
+    if (!b.centred) add(name + "b" + tail, d * g.b * top, "m/s", "mm/s", map_error(i) * top, seen(i)), ++i;
+    add(name + "c" + tail, g.c * top, "m/s", "mm/s", map_error(i) * top, seen(i));
+    ++i;
+  }
+  return b.terms.size();
+}
+
+void Description::write_map() {
+  if (map().family != map::StaticFit::Family::kByDirection) {
+    write_symmetric();
+    return;
+  }
+  write_load();
+  friction::Gaussian<double> steady;
+  steady.velocity_range = result_.velocity_range;
+  const std::size_t forward = write_branch(0, steady.positive);
+  const std::size_t back = write_branch(1, steady.negative);
+  result_.model = forward + back > 0 || options_.terms ? "gaussian" : "asymmetric";
+  result_.friction.steady = steady;
+  steady.validate([&](const auto&, const auto& words) {
+    notes_.warn(std::string("friction map: ") + std::string(words));
+  });
+}
+
+void Description::write_periodic() {
+  const std::vector<PeriodicColumns>& periodic = found_.terms.periodic;
+  if (periodic.empty()) return;
+  result_.model += " + periodic";
+  for (std::size_t n = 0; n < periodic.size(); ++n) {
+    const auto i = static_cast<Index>(found_.terms.first_periodic() + 2 * n);
+    const double s = found_.fit.value(i), c = found_.fit.value(i + 1);
+    // s·sin + c·cos = A·sin(· − φ)
+    const double amplitude = std::hypot(s, c);
+    const double phase = std::atan2(-c, s);
+    VectorXd along = found_.intervals.zero(), across = along;
+    along(i) = s / amplitude, along(i + 1) = c / amplitude;
+    across(i) = c / (amplitude * amplitude);
+    across(i + 1) = -s / (amplitude * amplitude);
+    const std::string tail = "_" + std::to_string(n + 1);
+    add("periodic_amplitude" + tail, amplitude, "N", "N", found_.intervals.error_of(along), true);
+    Parameter period;
+    period.name = "periodic_period" + tail;
+    period.value = periodic[n].period;
+    period.unit = "m", period.shown = "mm";
+    period.ci_low = periodic[n].period_interval.low, period.ci_high = periodic[n].period_interval.high;
+    result_.parameters.push_back(period);
+    const double phase_error = found_.intervals.error_of(across);
+    add("periodic_phase" + tail, phase, "rad", "rad", phase_error, true);
+    result_.parameters.back().identifiable = found_.intervals.factor * phase_error < 0.5 * kPi;
+    result_.friction.eccentric.push_back({amplitude, periodic[n].period, phase, periodic[n].form});
+  }
+  notes_.warn("the phase of the periodic terms belongs to the homing position of this log");
+}
+
+void Description::write_curve(int s) {
+  const map::StaticFit& fit = map();
+  const std::vector<map::StaticFit>& rivals = found_.choice.map.rivals;
+  const auto side = static_cast<std::size_t>(s);
+  const map::Grid& grid = found_.rows.grid[side];
+  const auto [first, count] = fit.span(s);
+  const int points = std::max(21, options_.curve_points);
+  std::vector<double> g(count);
+  for (int i = 0; i < points; ++i) {
+    const int place = s == 0 ? i : points - 1 - i;
+    const double speed = grid.low + (grid.high - grid.low) * place / (points - 1);
+    fit.gradient(s, speed, g.data());
+    VectorXd h = found_.intervals.zero();
+    for (std::size_t j = 0; j < count; ++j) h(at(first + j)) = g[j];
+    // The load is a parameter of its own in the symmetric families; friction is what is shown.
+    const double own = fit.force(s, speed) - map::kDirection[side] * fit.load;
+    if (fit.family != map::StaticFit::Family::kByDirection) h(at(0)) = 0.0;
+    // What the models differ in that the data cannot tell apart is part of the uncertainty (Buckland et al.
+    // 1997).
+    double spread = 0.0;
+    for (const map::StaticFit& r : rivals) spread += std::pow(r.force(s, speed) - fit.force(s, speed), 2.0);
+    if (!rivals.empty()) spread /= static_cast<double>(rivals.size() + 1);
+    const double error = found_.intervals.error_of(h);
+    const double half = found_.intervals.factor * std::sqrt(error * error + spread);
+    const double f = map::kDirection[side] * own;
+    result_.curve.push_back({map::kDirection[side] * speed, f, f - half, f + half});
+  }
+}
+
+void Description::write_points() {
+  const map::StaticFit& fit = map();
+  const Rows& rows = found_.rows;
+  const std::vector<double>& residual = found_.intervals.residual;
+  double sum = 0.0, square = 0.0, left = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double f = motion_of(found_.log, rows, i).f[rows.at[i]];
+    sum += f;
+    square += f * f;
+    left += residual[i] * residual[i];
+  }
+  const auto count = static_cast<double>(rows.size());
+  result_.r_squared = 1.0 - left / std::max(square - sum * sum / count, 1e-300);
+  const auto wanted = static_cast<std::size_t>(std::max(1, 2 * options_.map_points));
+  const std::size_t step = std::max<std::size_t>(1, rows.size() / wanted);
+  for (std::size_t i = 0; i < rows.size(); i += step) {
+    const std::size_t s = rows.side[i];
+    const double v = velocity_of(found_.log, rows, i);
+    const double f =
+        map::kDirection[s] * fit.force(static_cast<int>(s), std::abs(v)) - fit.load + residual[i];
+    result_.map.push_back({v, f, s == 0 ? 1 : -1});
+  }
+  const std::size_t fine = std::max<std::size_t>(1, rows.size() / kShownResiduals);
+  for (std::size_t i = 0; i < rows.size(); i += fine) {
+    const log::Record& record = found_.log.records[static_cast<std::size_t>(rows.record[i])];
+    result_.residuals.push_back({record.t[rows.at[i]], motion_of(found_.log, rows, i).x[rows.at[i]],
+                                 velocity_of(found_.log, rows, i), residual[i], rows.record[i]});
+  }
+}
+
+}  // namespace
+
+Result describe(const Found& found, const DriveFitOptions& options, Notes& notes) {
+  return Description(found, options, notes).write();
+}
+
+}  // namespace stribeck::ident::drive

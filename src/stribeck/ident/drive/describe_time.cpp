@@ -1,0 +1,101 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/bristle/bristle_fit.hpp>
+#include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/text.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr std::size_t kFewestForDrift = 500;  // rows
+constexpr double kWorthSaying = 0.02;         // of the friction
+
+}  // namespace
+
+void add_bristle(Result& result, const AlignedLog& log, Notes& notes) {
+  if (!(result.mass > 0.0) || result.position_unit != "m") return;
+  const friction::AxisModel known{result.mass, result.load, result.friction};
+  std::vector<log::Record> closed;
+  for (std::size_t r = 0; r < log.records.size(); ++r) {
+    if (log.motions[r].loop == log::Loop::kClosed) closed.push_back(log.records[r]);
+  }
+  bristle::BristleOptions options;
+  options.shift = log.shift;
+  const bool open = closed.empty();
+  if (open) closed.assign(log.records.begin(), log.records.end());
+  bristle::BristleFit fit;
+  try {
+    fit = bristle::fit_bristle(closed, known, options);
+  } catch (const Refused& why) {
+    fit.reason = why.what();
+  }
+  if (!fit.determinable) {
+    notes.cannot_tell.push_back(fit.reason);
+    return;
+  }
+  const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);
+  result.friction.dynamics = fit.best;
+  result.model += gms ? " + gms" : " + lugre";
+  for (Parameter p : gms ? fit.gms_parameters : fit.lugre_parameters) {
+    // The ringing after pulses tells stiffness, its damping hardly (bristle_fit.hpp).
+    if (open && p.name != "sigma0" && p.name != "stiffness") p.identifiable = false;
+    result.parameters.push_back(std::move(p));
+  }
+  result.break_away_distance = fit.break_away;
+  result.parameters.push_back({"break_away_distance", fit.break_away, "m", "um", fit.break_away_interval.low,
+                               fit.break_away_interval.high, true});
+  for (Candidate c : fit.models) {
+    c.name = "after reversals: " + c.name;
+    result.models.push_back(std::move(c));
+  }
+}
+
+void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes) {
+  const Rows& rows = found.rows;
+  std::vector<std::size_t> length(found.log.records.size());
+  for (const int r : rows.record) ++length[static_cast<std::size_t>(r)];
+  const auto longest = static_cast<int>(std::max_element(length.begin(), length.end()) - length.begin());
+  std::vector<std::size_t> used;
+  for (const std::size_t i : sample(rows)) {
+    if (rows.record[i] == longest) used.push_back(i);
+  }
+  if (used.size() < kFewestForDrift) return;
+  const log::Record& rec = found.log.records[static_cast<std::size_t>(longest)];
+  const double from = rec.t[rows.at[used.front()]], to = rec.t[rows.at[used.back()]];
+  MatrixXd X(static_cast<Index>(used.size()), 2);
+  VectorXd y(static_cast<Index>(used.size()));
+  const std::vector<int> record(used.size(), 0);
+  std::vector<std::size_t> at(used.size());
+  for (std::size_t j = 0; j < used.size(); ++j) {
+    const auto k = static_cast<Index>(j);
+    const double tau = (rec.t[rows.at[used[j]]] - from) / (to - from) - 0.5;
+    X(k, 0) = tau;
+    X(k, 1) = tau * map::kDirection[rows.side[used[j]]];
+    y(k) = found.intervals.residual[used[j]];
+    at[j] = rows.at[used[j]];
+  }
+  const MatrixXd normal = X.transpose() * X;
+  // One direction only, or next to it: offset and friction cannot be told apart.
+  if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return;
+  const MatrixXd inverse = normal.inverse();
+  const VectorXd x = inverse * (X.transpose() * y);
+  const stats::Uncertainty uncertainty(X, y - X * x, inverse, record, at);
+  const map::StaticFit& map = found.choice.map.fit;
+  const double level = 0.5 * (map.force(0, rows.grid[0].low) + map.force(1, rows.grid[1].low));
+  const char* what[2] = {"the offset of the force", "friction"};
+  for (Index j = 0; j < 2; ++j) {
+    const double half = uncertainty.half_width(VectorXd::Unit(2, j));
+    // Slow noise looks like a drift now and then: twice the interval.
+    if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(level)) continue;
+    notes.warn(text(
+        "%s %s by %.3g %s (%.2g %% of the friction) from begin to end of %s: warming up or running in; the "
+        "result is the mean over the record",
+        what[j], x(j) > 0 ? "rose" : "fell", std::abs(x(j)), force_unit.c_str(),
+        100.0 * std::abs(x(j) / level), rec.source.c_str()));
+  }
+}
+
+}  // namespace stribeck::ident::drive

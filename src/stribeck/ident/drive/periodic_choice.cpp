@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/drive/periodic_choice.hpp>
+#include <stribeck/ident/drive/text.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr int kPasses = 5;         ///< searches for periodic terms beside what has been found, at most
+constexpr double kSettled = 0.05;  ///< of the width of a period's interval: it does not move any more
+
+void take_terms(Terms& terms, const AlignedLog& log, const std::vector<map::PeriodicTerm>& found) {
+  terms.periodic.clear();
+  for (const map::PeriodicTerm& t : found) terms.periodic.push_back(columns_of(log, t));
+}
+
+bool same_terms(const std::vector<map::PeriodicTerm>& now, const std::vector<map::PeriodicTerm>& before) {
+  return std::equal(now.begin(), now.end(), before.begin(), before.end(), [](const auto& a, const auto& b) {
+    return a.term.form == b.term.form &&
+           std::abs(a.term.period - b.term.period) < kSettled * (a.period.high - a.period.low);
+  });
+}
+
+/// Gain on held-out motion [N²] and its standard error, over blocks.
+struct Gain {
+  double sum = 0.0;
+  double error = 0.0;
+};
+Gain gain_of(const std::vector<double>& without, const std::vector<double>& with) {
+  const auto blocks = static_cast<double>(with.size());
+  double gain = 0.0, square = 0.0;
+  for (std::size_t k = 0; k < with.size(); ++k) gain += without[k] - with[k];
+  for (std::size_t k = 0; k < with.size(); ++k) square += std::pow(without[k] - with[k] - gain / blocks, 2.0);
+  return {gain, std::sqrt(square * blocks / (blocks - 1.0))};
+}
+
+}  // namespace
+
+map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
+                                    const LinearFit& fit) {
+  map::PeriodicRows out;
+  const std::size_t first = terms.first_periodic();
+  const std::size_t behind = first + 2 * terms.periodic.size();
+  std::vector<double> c(terms.count() + 1);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    double e = terms.fill(log, rows, i, c.data());
+    for (std::size_t j = 0; j < terms.count(); ++j) {
+      if (j < first || j >= behind) e -= fit.value(static_cast<Index>(j)) * c[j];
+    }
+    const std::size_t s = rows.side[i];
+    e -= map::kDirection[s] * fit.curve[s](std::abs(velocity_of(log, rows, i)));
+    out.x.push_back(motion_of(log, rows, i).x[rows.at[i]]);
+    out.e.push_back(e);
+    out.direction.push_back(s == 0 ? 1 : -1);
+  }
+  out.record = rows.record;
+  out.at = rows.at;
+  return out;
+}
+
+PeriodicColumns columns_of(const AlignedLog& log, const map::PeriodicTerm& term) {
+  PeriodicColumns out{term.term.period, term.term.form, term.period, {}, {}};
+  for (std::size_t r = 0; r < log.motions.size(); ++r) {
+    std::vector<double> sine, cosine;
+    for (const double x : log.records[r].x) {
+      sine.push_back(std::sin(2.0 * kPi * x / out.period));
+      cosine.push_back(std::cos(2.0 * kPi * x / out.period));
+    }
+    out.sine.push_back(log::smooth_like(log.motions[r], sine));
+    out.cosine.push_back(log::smooth_like(log.motions[r], cosine));
+  }
+  return out;
+}
+
+PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
+                               const LinearFit& fit, MapChoice map, const DriveFitOptions& options,
+                               Notes& notes) {
+  map::PeriodicOptions search;
+  search.most = static_cast<int>(friction::kMaxEccentricTerms);
+  map::PeriodicResult found = map::find_periodic(rows_for_periodic(log, rows, terms, fit), search);
+  for (const std::string& note : found.notes) notes.warn(note);
+  notes.cannot_tell.insert(notes.cannot_tell.end(), found.cannot_tell.begin(), found.cannot_tell.end());
+  PeriodicChoice out{std::move(map), terms, fit, found.spectrum};
+  if (found.terms.empty()) return out;
+  take_terms(out.terms, log, found.terms);
+  out.fit = solve(log, rows, out.terms, &out.fit);
+  for (int k = 0; k < kPasses; ++k) {
+    map::PeriodicResult again = map::find_periodic(rows_for_periodic(log, rows, out.terms, out.fit), search);
+    if (again.terms.empty()) break;
+    const bool settled = same_terms(again.terms, found.terms);
+    found = std::move(again);
+    if (settled) break;
+    take_terms(out.terms, log, found.terms);
+    out.fit = solve(log, rows, out.terms, &out.fit);
+  }
+  MapChoice with = with_joint_fits(choose_map(log, rows, out.terms, out.fit, options), out.fit);
+  const Gain gain = gain_of(out.map.map.block_loss, with.map.block_loss);
+  const bool better = gain.sum > gain.error;
+  Candidate plain, periodic;
+  plain.name = "without periodic terms";
+  plain.parameters = static_cast<int>(out.map.map.fit.parameters() + terms.count());
+  plain.held_out_rms = out.map.map.held_out_rms;
+  plain.standard_error = gain.error / with.map.tested / (2.0 * with.map.held_out_rms);
+  plain.chosen = !better;
+  const std::size_t count = out.terms.periodic.size();
+  periodic.name = text("with %zu periodic term%s", count, count == 1 ? "" : "s");
+  periodic.parameters = static_cast<int>(with.map.fit.parameters() + out.terms.count() + count);
+  periodic.held_out_rms = with.map.held_out_rms;
+  periodic.chosen = better;
+  if (better) {
+    out.map = std::move(with);
+  } else {
+    out.terms = terms;
+    out.fit.curve = fit.curve;  // the one without the terms; the mass goes on from where it is
+    out.fit = solve(log, rows, terms, &out.fit);
+  }
+  out.map.map.candidates.push_back(std::move(plain));
+  out.map.map.candidates.push_back(std::move(periodic));
+  return out;
+}
+
+}  // namespace stribeck::ident::drive

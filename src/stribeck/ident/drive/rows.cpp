@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <stribeck/ident/drive/rows.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <string>
+
+namespace stribeck::ident::drive {
+namespace {
+
+/// Largest relative change of speed within one relaxation length: the lag, first order in it, is then small
+/// and known.
+constexpr double kLagShare = 0.2;
+constexpr std::size_t kFewestRows = 30;
+constexpr std::size_t kSampleRows = 60000;  // enough for what is only looked at
+constexpr std::size_t kSampleChunk = 2000;  // rows in sequence: their correlation is seen
+
+void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window) {
+  int stretches_before = 0;
+  for (std::size_t r = 0; r < log.motions.size(); ++r) {
+    const log::Motion& m = log.motions[r];
+    const std::vector<std::uint8_t>& skip = log.records[r].skip;
+    for (std::size_t k = 0; k < m.rows(); ++k) {
+      const double speed = m.v[k] * m.direction[k];
+      const double slowest = window.slowest_share * extent.top_speed[m.v[k] > 0.0 ? 0 : 1];
+      if (speed < slowest || window.relaxation * std::abs(m.a[k]) > kLagShare * speed * speed) continue;
+      if (!m.sliding(k, window.exclude) || (!skip.empty() && skip[k] != 0)) continue;
+      rows.record.push_back(static_cast<int>(r));
+      rows.at.push_back(k);
+      rows.stretch.push_back(stretches_before + m.stretch[k]);
+      rows.side.push_back(static_cast<std::uint8_t>(map::side_of(m.v[k])));
+    }
+    stretches_before += static_cast<int>(m.reversals.size());
+  }
+}
+
+void sort_into_bins(Rows& rows, const AlignedLog& log, int most_bins) {
+  std::array<std::size_t, map::kSides> count{};
+  for (map::Grid& g : rows.grid) g = {std::numeric_limits<double>::infinity(), 0.0, 1};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    map::Grid& g = rows.grid[rows.side[i]];
+    const double speed = std::abs(velocity_of(log, rows, i));
+    g.low = std::min(g.low, speed);
+    g.high = std::max(g.high, speed);
+    ++count[rows.side[i]];
+  }
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    if (count[s] < kFewestRows || !(rows.grid[s].high > rows.grid[s].low)) {
+      throw Refused("identification: " + std::to_string(count[s]) + " rows of " + map::kSideName[s] +
+                    " sliding motion, expected at least " + std::to_string(kFewestRows) +
+                    "; run the axis through its speeds in both directions");
+    }
+    rows.grid[s].bins = std::max(8, std::min(most_bins, static_cast<int>(count[s] / 12)));
+  }
+  rows.bin.resize(rows.size());
+  rows.lag.assign(rows.size(), 0.0);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows.bin[i] = rows.grid[rows.side[i]].bin(std::abs(velocity_of(log, rows, i)));
+}
+
+/// An open loop's instrument is its force.
+void renew_instruments(AlignedLog& log) {
+  for (log::Motion& m : log.motions) {
+    if (m.loop == log::Loop::kOpen) m.instrument = m.f;
+  }
+}
+
+}  // namespace
+
+Extent extent_of(const AlignedLog& log) {
+  Extent out;
+  double stroke = 0.0;
+  double hysteresis = 0.0;
+  for (const log::Motion& m : log.motions) {
+    stroke = std::max(stroke, m.stroke);
+    hysteresis = std::max(hysteresis, 20.0 * m.position_noise);
+    for (std::size_t k = 0; k < m.rows(); ++k) {
+      double& top = out.top_speed[m.v[k] > 0.0 ? 0 : 1];
+      if (m.valid(k)) top = std::max(top, std::abs(m.v[k]));
+    }
+  }
+  out.near = std::max(hysteresis, 2e-3 * stroke);
+  return out;
+}
+
+Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, int bins) {
+  Rows rows;
+  rows.reserve(std::accumulate(log.motions.begin(), log.motions.end(), std::size_t{0},
+                               [](std::size_t sum, const log::Motion& m) { return sum + m.rows(); }));
+  pick_rows(rows, log, extent, window);
+  sort_into_bins(rows, log, bins);
+  number_blocks(rows);
+  return rows;
+}
+
+void number_blocks(Rows& rows) {
+  std::array<std::size_t, map::kSides> stretches{};
+  std::array<std::size_t, map::kSides> count{};
+  std::array<int, map::kSides> last{-1, -1};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t s = rows.side[i];
+    ++count[s];
+    if (rows.stretch[i] != last[s]) last[s] = rows.stretch[i], ++stretches[s];
+  }
+  // Primes: programmes repeat their speeds in other rhythms.
+  rows.blocks = std::min(stretches[0], stretches[1]) >= 7 ? 7 : 5;
+  rows.block.resize(rows.size());
+  std::array<std::size_t, map::kSides> ordinal{}, seen{};
+  last = {-1, -1};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t s = rows.side[i];
+    if (rows.stretch[i] != last[s]) {
+      if (last[s] >= 0) ++ordinal[s];
+      last[s] = rows.stretch[i];
+    }
+    const std::size_t piece = std::max<std::size_t>(1, count[s] / (rows.blocks * 5));
+    const std::size_t number = stretches[s] >= rows.blocks ? ordinal[s] : seen[s] / piece;
+    rows.block[i] = static_cast<std::uint8_t>(number % rows.blocks);
+    ++seen[s];
+  }
+}
+
+std::vector<std::size_t> sample(const Rows& rows) {
+  const std::size_t every = rows.size() / kSampleRows + 1;
+  std::vector<std::size_t> out;
+  out.reserve(kSampleRows + kSampleChunk);
+  for (std::size_t from = 0; from < rows.size(); from += every * kSampleChunk) {
+    for (std::size_t i = from; i < std::min(from + kSampleChunk, rows.size()); ++i) out.push_back(i);
+  }
+  return out;
+}
+
+Rows sampled(const Rows& rows) {
+  const std::vector<std::size_t> kept = sample(rows);
+  if (kept.size() == rows.size()) return rows;
+  Rows out;
+  out.reserve(kept.size());
+  for (const std::size_t i : kept) {
+    out.record.push_back(rows.record[i]);
+    out.at.push_back(rows.at[i]);
+    out.stretch.push_back(rows.stretch[i]);
+    out.side.push_back(rows.side[i]);
+    out.bin.push_back(rows.bin[i]);
+    out.lag.push_back(rows.lag[i]);
+    out.block.push_back(rows.block[i]);
+  }
+  out.grid = rows.grid;
+  out.blocks = rows.blocks;
+  out.sampled = true;
+  return out;
+}
+
+void align_all(AlignedLog& log, double shift) {
+  log.shift = shift;
+  for (std::size_t r = 0; r < log.motions.size(); ++r)
+    log::align_force(log.force[r], shift, 0, log.force[r].size(), log.motions[r].f);
+  renew_instruments(log);
+}
+
+void align(AlignedLog& log, double shift, const Rows& rows) {
+  if (!rows.sampled) {
+    align_all(log, shift);
+    return;
+  }
+  log.shift = shift;
+  for (std::size_t i = 0; i < rows.size();) {
+    // A run of consecutive rows and its neighbours.
+    std::size_t last = i;
+    while (last + 1 < rows.size() && rows.record[last + 1] == rows.record[i] &&
+           rows.at[last + 1] == rows.at[last] + 1)
+      ++last;
+    const auto r = static_cast<std::size_t>(rows.record[i]);
+    const std::size_t from = rows.at[i] > 0 ? rows.at[i] - 1 : 0;
+    log::align_force(log.force[r], shift, from, std::min(log.force[r].size(), rows.at[last] + 2),
+                     log.motions[r].f);
+    i = last + 1;
+  }
+  renew_instruments(log);
+}
+
+}  // namespace stribeck::ident::drive

@@ -1,0 +1,246 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr double kLongestShift = 0.03;  // [s]
+constexpr double kMostShiftRows = 40.0;
+constexpr double kWorthwhileShift = 1.02;  // ratio of the sums of squares: 1 % of the residual
+constexpr double kPlainShift = 1.1;
+
+double dot(const std::vector<double>& x, const std::vector<double>& y) {
+  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
+}
+
+double longest_rows(double sample_time) { return std::max(3.0, std::ceil(kLongestShift / sample_time)); }
+
+/// Takes the mean of each bin of speed off columns over a sample of the rows.
+class Centring {
+ public:
+  Centring(const Rows& rows, const std::vector<std::size_t>& used) : rows_(rows), used_(used) {
+    for (std::size_t s = 0; s < map::kSides; ++s)
+      count_[s].assign(static_cast<std::size_t>(rows.grid[s].bins), 0.0);
+    for (const std::size_t i : used) count_[rows.side[i]][static_cast<std::size_t>(rows.bin[i])] += 1.0;
+  }
+
+  [[nodiscard]] std::vector<double> operator()(std::vector<double> column) const {
+    std::array<std::vector<double>, map::kSides> sum;
+    for (std::size_t s = 0; s < map::kSides; ++s) sum[s].assign(count_[s].size(), 0.0);
+    for (std::size_t j = 0; j < used_.size(); ++j)
+      sum[rows_.side[used_[j]]][static_cast<std::size_t>(rows_.bin[used_[j]])] += column[j];
+    for (std::size_t j = 0; j < used_.size(); ++j) {
+      const std::size_t s = rows_.side[used_[j]];
+      const auto b = static_cast<std::size_t>(rows_.bin[used_[j]]);
+      column[j] -= sum[s][b] / count_[s][b];
+    }
+    return column;
+  }
+
+ private:
+  const Rows& rows_;
+  const std::vector<std::size_t>& used_;
+  std::array<std::vector<double>, map::kSides> count_;
+};
+
+/// Residual over the shift. The force at a fraction of a row is a straight line between two whole ones: products
+/// of whole rows do.
+class ShiftCost {
+ public:
+  ShiftCost(const AlignedLog& log, const Rows& rows, double reach)
+      : lowest_(-static_cast<std::ptrdiff_t>(reach) - 2) {
+    const std::vector<std::size_t> used = sample(rows);
+    const Centring centred(rows, used);
+    std::vector<double> a(used.size()), v(used.size());
+    for (std::size_t j = 0; j < used.size(); ++j) {
+      const std::size_t i = used[j];
+      a[j] = motion_of(log, rows, i).a[rows.at[i]];
+      v[j] = velocity_of(log, rows, i);
+    }
+    a = centred(std::move(a));
+    v = centred(std::move(v));  // slope within a bin
+    vv_ = dot(v, v);
+    const double va = dot(v, a) / vv_;
+    for (std::size_t j = 0; j < used.size(); ++j) a[j] -= va * v[j];
+    aa_ = dot(a, a);
+    std::vector<double> before;
+    for (std::ptrdiff_t late = lowest_; late <= static_cast<std::ptrdiff_t>(reach) + 2; ++late) {
+      std::vector<double> f(used.size());
+      for (std::size_t j = 0; j < used.size(); ++j) {
+        const std::size_t i = used[j];
+        const std::vector<double>& raw = log.force[static_cast<std::size_t>(rows.record[i])];
+        const auto at = static_cast<std::ptrdiff_t>(rows.at[i]) + late;
+        f[j] = raw[static_cast<std::size_t>(
+            std::clamp<std::ptrdiff_t>(at, 0, static_cast<std::ptrdiff_t>(raw.size()) - 1))];
+      }
+      f = centred(std::move(f));
+      if (!products_.empty()) products_.back().next = dot(before, f);
+      products_.push_back({dot(f, f), 0.0, dot(a, f), dot(v, f)});
+      before = std::move(f);
+    }
+  }
+
+  /// Σ residual² at a shift [N²].
+  [[nodiscard]] double operator()(double shift, const std::optional<double>& mass) const {
+    const double whole = std::floor(shift);
+    const double part = shift - whole;
+    const auto at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(whole) - lowest_);
+    const Whole &p = products_[at], &n = products_[at + 1];
+    const double left = 1.0 - part;
+    const double ff = left * left * p.ff + 2.0 * left * part * p.next + part * part * n.ff;
+    const double af = left * p.af + part * n.af;
+    const double vf = left * p.vf + part * n.vf;
+    const double total = ff - vf * vf / vv_;
+    return mass ? total - 2.0 * *mass * af + *mass * *mass * aa_ : total - af * af / aa_;
+  }
+  [[nodiscard]] bool tells() const noexcept { return vv_ > 0.0 && aa_ > 0.0; }
+
+ private:
+  struct Whole {
+    double ff = 0.0, next = 0.0, af = 0.0, vf = 0.0;  // next: with the row after
+  };
+  std::ptrdiff_t lowest_;
+  double vv_ = 0.0, aa_ = 0.0;
+  std::vector<Whole> products_;
+};
+
+/// Σ residual² with friction of every bin free [N²].
+double squares_left(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit) {
+  std::vector<double> columns(terms.count() + 1);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double e = residual_of(log, rows, terms, fit, i, columns);
+    sum += e * e;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
+                                 const std::optional<double>& known_mass) {
+  const double reach = std::min(kMostShiftRows, longest_rows(log.records.front().sample_time));
+  const ShiftCost cost(log, rows, reach);
+  double best = kHeldForce;
+  double least = cost(best, known_mass);
+  for (double s = -reach - 0.5; s <= reach; s += 0.5) {
+    const double c = cost(s, known_mass);
+    if (c < least) least = c, best = s;
+  }
+  for (double half = 0.25; half > 1e-3; half *= 0.5) {
+    for (const double s : {best - half, best + half}) {
+      const double c = cost(s, known_mass);
+      if (c < least) least = c, best = s;
+    }
+  }
+  if (best <= -reach || best >= reach - 0.25 || !cost.tells()) return std::nullopt;
+  return best;
+}
+
+void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit) {
+  rows.asked_change.assign(rows.size(), 0.0);
+  // Neighbouring rows share what they difference.
+  std::size_t behind = 0;
+  std::array<double, 3> f{};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto r = static_cast<std::size_t>(rows.record[i]);
+    const std::vector<double>& v = log.predicted[r];
+    const std::vector<double>& a = log.motions[r].instrument;
+    const std::size_t k = rows.at[i];
+    if (v.empty() || k < 2 || k + 2 >= v.size()) continue;
+    const auto at = [&](std::size_t row) {
+      const std::size_t s = v[row] > 0.0 ? 0 : 1;
+      return fit.mass * a[row] + map::kDirection[s] * fit.curve[s](std::abs(v[row]));
+    };
+    const bool next =
+        i > 0 && i == behind + 1 && rows.record[i - 1] == rows.record[i] && rows.at[i - 1] + 1 == k;
+    f = next ? std::array{f[1], f[2], at(k + 1)} : std::array{at(k - 1), at(k), at(k + 1)};
+    behind = i;
+    rows.asked_change[i] = 0.5 * (f[2] - f[0]);
+  }
+}
+
+LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit) {
+  constexpr int kSteps = 6;
+  for (int i = 0; i < kSteps; ++i) {
+    ask_reference(log, rows, fit);
+    fit = solve(log, rows, terms, &fit);
+    const double step = std::clamp(fit.value(fit.value.size() - 1), -1.0, 1.0);
+    align(log, log.shift - step, rows);
+    if (std::abs(step) < 1e-3) break;
+  }
+  ask_reference(log, rows, fit);
+  return solve(log, rows, terms, &fit);
+}
+
+LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, Notes& notes) {
+  double half_width = 0.0;
+  double gain = 1.0;
+  bool told = false;
+  double found = log.shift;
+  if (terms.shift) {
+    fit = refine_shift(log, rows, terms, std::move(fit));
+    found = log.shift;
+    half_width = shift_half_width(log, rows, terms, fit);
+    told = half_width < 2.0 && std::abs(found) < longest_rows(log.records.front().sample_time);
+    const double with = squares_left(log, rows, terms, fit);
+    terms.shift = false;
+    align(log, kHeldForce, rows);
+    fit = solve(log, rows, terms, &fit);
+    gain = squares_left(log, rows, terms, fit) / std::max(with, 1e-300);
+  }
+  if (!told) {
+    notes.cannot_tell.emplace_back(
+        "the shift between force and motion: the force changes too little or too seldom; taken as a "
+        "commanded force under its zero-order hold");
+  }
+  // A shift that leaves as much of the force as none has no reason to be believed; one that leaves much less needs
+  // no further witness: its half width is taken from the residual, which remembers longer than what moves it.
+  const double away = std::abs(found - kHeldForce);
+  const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
+  const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);
+  if (told && (seen || plain)) {
+    terms.shift = true;
+    align(log, found, rows);
+    ask_reference(log, rows, fit);
+    return solve(log, rows, terms, &fit);
+  }
+  align(log, kHeldForce, rows);
+  fit = solve(log, rows, terms, &fit);
+  return solve(log, rows, terms, &fit);
+}
+
+double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit) {
+  const std::vector<std::size_t> used = sample(rows);
+  const std::size_t q = terms.count();
+  const auto n = static_cast<Index>(used.size());
+  MatrixXd X(n, static_cast<Index>(q)), Z(n, static_cast<Index>(q));
+  VectorXd e(n);
+  std::vector<int> record(used.size());
+  std::vector<std::size_t> at(used.size());
+  std::vector<double> c(q + 1);
+  for (std::size_t j = 0; j < used.size(); ++j) {
+    const auto k = static_cast<Index>(j);
+    const std::size_t i = used[j];
+    const BinSums t = fit.sums.of(rows.side[i], static_cast<std::size_t>(rows.bin[i]));
+    e(k) = residual_of(log, rows, terms, fit, i, c);
+    for (std::size_t col = 0; col < q; ++col)
+      X(k, static_cast<Index>(col)) = c[col] - t.column(col) / t.rows();
+    Z.row(k) = X.row(k);
+    Z(k, static_cast<Index>(q) - 1) =
+        shift_instrument(log, rows, i, c[q - 1]) - t.shift_instrument() / t.rows();
+    record[j] = rows.record[i];
+    at[j] = rows.at[i];
+  }
+  const Eigen::FullPivLU<MatrixXd> lu(Z.transpose() * X);
+  if (!lu.isInvertible()) return std::numeric_limits<double>::infinity();
+  return stats::Uncertainty(Z, e, lu.inverse(), record, at)
+      .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
+}
+
+}  // namespace stribeck::ident::drive
