@@ -1,0 +1,117 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/test_synthetic_log.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Steps one to six on a symmetric axis; `change` alters the force, t runs from 0 to 1.
+struct Steps {
+  explicit Steps(const std::function<double(double, double)>& change = {}) {
+    std::mt19937_64 engine(5);
+    std::normal_distribution<double> normal;
+    double row = 0.0;
+    log = testing::synthetic_log([&](double, double v, double a) {
+      row += 1.0;
+      return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + normal(engine) +
+             (change ? change(row / 40000.0, v) : 0.0);
+    });
+    rows = gather(log.log, extent_of(log.log), {1e-3, 0.04, 0.0}, 160);
+    const LinearFit first = solve(log.log, rows, terms);
+    fit = solve(log.log, rows, terms, &first);
+    choice = choose_map(log.log, rows, terms, fit, {});
+    found_intervals = intervals(log.log, rows, terms, fit, choice);
+  }
+  [[nodiscard]] Found found() const { return {log.log, rows, terms, fit, choice, found_intervals}; }
+
+  testing::SyntheticLog log;
+  Rows rows;
+  Terms terms;
+  LinearFit fit;
+  MapChoice choice;
+  Intervals found_intervals;
+};
+
+TEST(Describe, GivesParametersCurveAndPoints) {
+  const Steps steps;
+  Notes notes;
+  const Result r = describe(steps.found(), {}, notes);
+  EXPECT_EQ(r.model, "conventional");
+  EXPECT_EQ(r.method, "auto");
+  std::vector<std::string> names;
+  for (const Parameter& p : r.parameters) names.push_back(p.name);
+  EXPECT_THAT(names, ::testing::ElementsAre("mass", "load", "alpha0", "alpha2"));
+  EXPECT_NEAR(r.parameters[0].value, 250.0, 1.0);
+  EXPECT_EQ(r.parameters[0].unit, "kg");
+  EXPECT_LT(r.parameters[0].ci_low, 250.0);
+  EXPECT_GT(r.parameters[0].ci_high, 250.0);
+  EXPECT_FALSE(r.parameters[1].identifiable);  // no load: its interval holds zero
+  EXPECT_EQ(r.rows, steps.rows.size());
+  ASSERT_EQ(r.curve.size(), 2u * 24u);
+  for (std::size_t i = 1; i < r.curve.size(); ++i) ASSERT_GT(r.curve[i].velocity, r.curve[i - 1].velocity);
+  for (const CurvePoint& p : r.curve) {
+    ASSERT_LE(p.ci_low, p.friction);
+    ASSERT_GE(p.ci_high, p.friction);
+    ASSERT_NEAR(p.friction, (p.velocity > 0 ? 40.0 : -40.0) + 900.0 * p.velocity, 1.0);
+  }
+  EXPECT_GT(r.r_squared, 0.99);
+  EXPECT_THAT(notes.warnings, IsEmpty());
+}
+
+// A force in volts: every N of a unit stands for V, and the mass with it.
+TEST(Describe, WritesTheUnitOfTheLog) {
+  Steps steps;
+  (*steps.log.records)[0].force_unit = "V";
+  Notes notes;
+  const Result r = describe(steps.found(), {}, notes);
+  EXPECT_EQ(r.parameters[0].unit, "V s2/m");
+  EXPECT_EQ(r.parameters[2].unit, "V");
+  EXPECT_EQ(r.parameters[3].shown, "V s/mm");
+}
+
+TEST(Describe, AShiftIsAParameterAndAWarning) {
+  Steps steps;
+  steps.terms.shift = true;
+  steps.fit = solve(steps.log.log, steps.rows, steps.terms, &steps.fit);
+  steps.log.log.shift = 3.0;
+  steps.found_intervals = intervals(steps.log.log, steps.rows, steps.terms, steps.fit, steps.choice);
+  Notes notes;
+  const Result r = describe(steps.found(), {}, notes);
+  EXPECT_EQ(r.parameters[1].name, "force_shift");
+  EXPECT_DOUBLE_EQ(r.parameters[1].value, 3e-3);
+  EXPECT_EQ(r.delay, 0.0);  // late in the log: it acts at once
+  EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("3 rows (3 ms) later")));
+}
+
+TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
+  Notes notes;
+  warn_of_drift(Steps().found(), "N", notes);
+  EXPECT_THAT(notes.warnings, IsEmpty());
+  warn_of_drift(Steps([](double t, double v) { return (v > 0.0 ? -8.0 : 8.0) * t; }).found(), "N", notes);
+  EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("friction fell by")));
+  Notes offset;
+  warn_of_drift(Steps([](double t, double) { return 8.0 * t; }).found(), "N", offset);
+  EXPECT_THAT(offset.warnings, ::testing::ElementsAre(HasSubstr("the offset of the force rose by")));
+}
+
+TEST(Describe, NoBristleWithoutAMassOrMetres) {
+  Steps steps;
+  Notes notes;
+  Result r = describe(steps.found(), {}, notes);
+  r.position_unit = "rad";
+  const std::size_t before = r.parameters.size();
+  add_bristle(r, steps.log.log, notes);
+  EXPECT_EQ(r.parameters.size(), before);
+  EXPECT_THAT(notes.cannot_tell, IsEmpty());
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/test_synthetic_log.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+struct Fitted {
+  testing::SyntheticLog log;
+  Rows rows;
+  LinearFit fit;
+  MapChoice choice;
+  Intervals intervals;
+};
+
+/// `scale`: unit of the force.
+Fitted fitted(unsigned seed, double noise, double scale = 1.0) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  Fitted out;
+  out.log = testing::synthetic_log([&](double, double v, double a) {
+    return scale * (250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + noise * normal(engine));
+  });
+  out.rows = gather(out.log.log, extent_of(out.log.log), {1e-3, 0.04, 0.0}, 160);
+  const LinearFit first = solve(out.log.log, out.rows, {});
+  out.fit = solve(out.log.log, out.rows, {}, &first);
+  out.choice = choose_map(out.log.log, out.rows, {}, out.fit, {});
+  out.intervals = intervals(out.log.log, out.rows, {}, out.fit, out.choice);
+  return out;
+}
+
+// White noise: the closed form σ/√Σ(a − ā)² about the means of the bins.
+TEST(Intervals, WhiteNoiseGivesTheClosedFormForTheMass) {
+  const Fitted f = fitted(1, 2.0);
+  const double closed = 2.0 / std::sqrt(f.fit.moments(0, 0));
+  EXPECT_NEAR(f.intervals.error_at(0), closed, 0.2 * closed);
+  EXPECT_NEAR(f.intervals.factor, 1.96, 0.01);
+}
+
+// Of 40 noises the masses scatter as the standard error says: χ² with 39 degrees of freedom, 1 in 1000.
+TEST(Intervals, TheErrorOfTheMassIsItsScatter) {
+  double mean = 0.0, square = 0.0, error = 0.0;
+  constexpr int kRuns = 40;
+  for (unsigned seed = 0; seed < kRuns; ++seed) {
+    const Fitted f = fitted(seed + 10, 2.0);
+    mean += (f.fit.mass - 250.0) / kRuns;
+    square += std::pow(f.fit.mass - 250.0, 2.0);
+    error += f.intervals.error_at(0) / kRuns;
+  }
+  const double scatter = std::sqrt((square - kRuns * mean * mean) / (kRuns - 1));
+  EXPECT_GT(scatter / error, 0.61);
+  EXPECT_LT(scatter / error, 1.42);
+}
+
+TEST(Intervals, FollowTheUnitOfTheForce) {
+  const Fitted newton = fitted(1, 2.0), kilo = fitted(1, 2.0, 1e-3);
+  ASSERT_EQ(newton.intervals.long_run.rows(), kilo.intervals.long_run.rows());
+  EXPECT_NEAR(1e3 * kilo.intervals.error_at(0), newton.intervals.error_at(0),
+              1e-3 * newton.intervals.error_at(0));
+  EXPECT_NEAR(1e3 * kilo.intervals.residual[5], newton.intervals.residual[5], 1e-3);
+}
+
+TEST(Intervals, TheResidualIsWhatModelAndMassLeave) {
+  const Fitted f = fitted(3, 2.0);
+  const log::Motion& m = f.log.log.motions[0];
+  for (std::size_t i = 0; i < f.rows.size(); i += 101) {
+    const std::size_t k = f.rows.at[i], s = f.rows.side[i];
+    const double friction = f.choice.map.fit.force(static_cast<int>(s), std::abs(m.v[k]));
+    ASSERT_NEAR(f.intervals.residual[i], m.f[k] - f.fit.mass * m.a[k] - map::kDirection[s] * friction, 0.01)
+        << i;
+  }
+}
+
+// A term at speeds that no bin has: the data say nothing about it, and nothing else gets wider for it.
+TEST(Intervals, ADirectionWithoutDataIsUnseen) {
+  Fitted f = fitted(1, 2.0);
+  map::StaticFit& fit = f.choice.map.fit;
+  fit = {};
+  fit.top = {f.rows.grid[0].high, f.rows.grid[1].high};
+  for (std::size_t s = 0; s < map::kSides; ++s)
+    fit.branch[s] = {40.0, 900.0 * fit.top[s], {{1.0, 9.0, 0.1}}, false, 0.0};
+  const Intervals wide = intervals(f.log.log, f.rows, {}, f.fit, f.choice);
+  ASSERT_EQ(wide.unseen.size(), 10u);
+  for (const std::size_t i : {0u, 1u, 5u, 6u}) EXPECT_LT(wide.unseen[i], 1e-6) << i;
+  for (const std::size_t i : {2u, 3u, 4u, 7u, 8u, 9u}) EXPECT_GT(wide.unseen[i], 0.9) << i;
+  EXPECT_NEAR(wide.error_at(0), f.intervals.error_at(0), 0.05 * f.intervals.error_at(0));
+}
+
+TEST(Intervals, AJointFitTakesItsOwnLinearTerms) {
+  Fitted f = fitted(1, 2.0);
+  MapChoice joint = f.choice;
+  joint.joint = VectorXd::Constant(1, 251.0);
+  EXPECT_EQ(with_terms_of(joint, {}, f.fit).mass, 251.0);
+  EXPECT_EQ(with_terms_of(f.choice, {}, f.fit).mass, f.fit.mass);
+  const Intervals i = intervals(f.log.log, f.rows, {}, with_terms_of(joint, {}, f.fit), joint);
+  // Fitted together, the mass is told apart from a whole map instead of from free bins: no worse.
+  EXPECT_GT(i.error_at(0), 0.0);
+  EXPECT_LT(i.error_at(0), 1.5 * f.intervals.error_at(0));
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive

@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/drive/periodic_choice.hpp>
+#include <stribeck/ident/drive/test_synthetic_log.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr double kPeriod = 0.017;
+
+testing::SyntheticLog with_screw(double amplitude) {
+  std::mt19937_64 engine(2);
+  std::normal_distribution<double> normal;
+  return testing::synthetic_log([&](double x, double v, double a) {
+    return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + amplitude * std::sin(2.0 * kPi * x / kPeriod - 0.4) +
+           normal(engine);
+  });
+}
+
+struct Chosen {
+  Rows rows;
+  PeriodicChoice choice;
+};
+Chosen choose(const testing::SyntheticLog& s) {
+  Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
+  const LinearFit first = solve(s.log, rows, {});
+  const LinearFit fit = solve(s.log, rows, {}, &first);
+  Notes notes;
+  PeriodicChoice choice =
+      choose_periodic(s.log, rows, {}, fit, choose_map(s.log, rows, {}, fit, {}), {}, notes);
+  return {std::move(rows), std::move(choice)};
+}
+
+TEST(PeriodicChoice, ATermOfTheForceIsKept) {
+  const testing::SyntheticLog s = with_screw(6.0);
+  const Chosen c = choose(s);
+  ASSERT_EQ(c.choice.terms.periodic.size(), 1u);
+  EXPECT_NEAR(c.choice.terms.periodic[0].period, kPeriod, 1e-5);
+  EXPECT_EQ(c.choice.terms.periodic[0].form, friction::EccentricForm::kAdditive);
+  ASSERT_EQ(c.choice.fit.value.size(), 3);
+  EXPECT_NEAR(std::hypot(c.choice.fit.value(1), c.choice.fit.value(2)), 6.0, 0.1);
+  EXPECT_TRUE(c.choice.map.map.candidates.back().chosen);
+  EXPECT_EQ(c.choice.map.map.candidates.back().name, "with 1 periodic term");
+  EXPECT_FALSE(c.choice.spectrum.empty());
+}
+
+TEST(PeriodicChoice, WithoutATermNothingChanges) {
+  const testing::SyntheticLog s = with_screw(0.0);
+  const Chosen c = choose(s);
+  EXPECT_TRUE(c.choice.terms.periodic.empty());
+  EXPECT_EQ(c.choice.fit.value.size(), 1);
+  EXPECT_FALSE(c.choice.map.joint);
+}
+
+// The search sees the force less everything else, so the term is in it with its own amplitude.
+TEST(PeriodicChoice, TheSearchSeesTheTermAlone) {
+  const testing::SyntheticLog s = with_screw(6.0);
+  const Chosen c = choose(s);
+  const map::PeriodicRows rows = rows_for_periodic(s.log, c.rows, c.choice.terms, c.choice.fit);
+  ASSERT_EQ(rows.e.size(), c.rows.size());
+  double square = 0.0;
+  for (std::size_t i = 0; i < rows.e.size(); ++i) {
+    ASSERT_EQ(rows.x[i], s.log.motions[0].x[rows.at[i]]);
+    ASSERT_EQ(rows.direction[i], c.rows.side[i] == 0 ? 1 : -1);
+    square += std::pow(rows.e[i] - 6.0 * std::sin(2.0 * kPi * rows.x[i] / kPeriod - 0.4), 2.0);
+  }
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(rows.e.size())), 1.0, 0.05);  // the noise
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive

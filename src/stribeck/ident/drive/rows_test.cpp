@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <utility>
+
+#include <stribeck/ident/drive/rows.hpp>
+#include <stribeck/ident/drive/test_synthetic_log.hpp>
+#include <stribeck/ident/refused.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+testing::SyntheticLog any_log() {
+  return testing::synthetic_log([](double, double, double a) { return a; });
+}
+
+TEST(Rows, ExtentHoldsTheTopSpeedOfEachDirection) {
+  const testing::SyntheticLog s = any_log();
+  const Extent e = extent_of(s.log);
+  EXPECT_NEAR(e.top_speed[0], 0.1 + 0.003 * 7.3, 1e-4);  // both cosines at t = 0
+  EXPECT_GT(e.top_speed[1], 0.1);
+  EXPECT_DOUBLE_EQ(e.near, 2e-3 * 0.206);  // no noise: a share of the stroke
+}
+
+TEST(Rows, EveryUsedRowFitsTheWindow) {
+  testing::SyntheticLog s = any_log();
+  auto& skip = (*s.records)[0].skip;
+  skip.assign(s.log.motions[0].rows(), 0);
+  for (std::size_t k = 5000; k < 6000; ++k) skip[k] = 1;
+  const Extent e = extent_of(s.log);
+  const Window window{2e-3, 0.3, 1e-3};
+  const Rows rows = gather(s.log, e, window, 160);
+  ASSERT_GT(rows.size(), 1000u);
+  const log::Motion& m = s.log.motions[0];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t k = rows.at[i];
+    ASSERT_TRUE(k < 5000 || k >= 6000) << k;
+    ASSERT_GE(m.distance[k], window.exclude) << k;
+    ASSERT_GE(std::abs(m.v[k]), window.slowest_share * e.top_speed[rows.side[i]]) << k;
+    ASSERT_LE(window.relaxation * std::abs(m.a[k]), 0.2 * m.v[k] * m.v[k]) << k;
+    ASSERT_EQ(rows.side[i], m.v[k] > 0.0 ? 0 : 1) << k;
+    ASSERT_EQ(rows.bin[i], rows.grid[rows.side[i]].bin(std::abs(m.v[k]))) << k;
+  }
+}
+
+TEST(Rows, OneDirectionIsRefused) {
+  testing::SyntheticLog s = any_log();
+  auto& skip = (*s.records)[0].skip;
+  for (const double v : s.log.motions[0].v) skip.push_back(v < 0.0 ? 1 : 0);
+  EXPECT_THAT(
+      [&] {
+        gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
+      },
+      ThrowsMessage<Refused>(HasSubstr("0 rows of negative sliding motion, expected at least 30")));
+}
+
+// Whole stretches, in turn: no stretch lies in two blocks, and every block has rows of both directions.
+TEST(Rows, BlocksAreWholeStretches) {
+  const testing::SyntheticLog s = any_log();
+  const Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
+  EXPECT_EQ(rows.blocks, 7u);  // more than seven stretches of each direction
+  std::vector<int> block_of(64, -1);
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    int& known = block_of[static_cast<std::size_t>(rows.stretch[i])];
+    if (known < 0) known = rows.block[i];
+    ASSERT_EQ(known, rows.block[i]) << i;
+    seen.insert({rows.block[i], rows.side[i]});
+  }
+  EXPECT_EQ(seen.size(), 14u);
+}
+
+// Where a direction has fewer stretches than blocks, pieces of them take their place.
+TEST(Rows, FewStretchesAreCutIntoPieces) {
+  Rows rows;
+  for (std::size_t i = 0; i < 500; ++i) {
+    rows.record.push_back(0), rows.at.push_back(i), rows.stretch.push_back(i < 250 ? 0 : 1);
+    rows.side.push_back(i < 250 ? 0 : 1);
+  }
+  number_blocks(rows);
+  std::array<int, 5> count{};
+  for (const auto b : rows.block) ++count.at(b);
+  EXPECT_THAT(count, ::testing::Each(100));
+}
+
+TEST(Rows, ASampleIsAlignedAsTheWholeLogIs) {
+  testing::SyntheticLog s =
+      testing::synthetic_log([](double x, double v, double) { return 3e3 * x + 70.0 * v; });
+  Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
+  EXPECT_EQ(sampled(rows).size(), rows.size());  // few enough
+  EXPECT_FALSE(sampled(rows).sampled);
+  AlignedLog whole = s.log;
+  align_all(whole, 2.3);
+  rows.sampled = true;
+  align(s.log, 2.3, rows);
+  EXPECT_EQ(s.log.shift, 2.3);
+  for (const std::size_t k : rows.at) {
+    ASSERT_EQ(s.log.motions[0].f[k], whole.motions[0].f[k]) << k;
+    ASSERT_EQ(s.log.motions[0].f[k + 1], whole.motions[0].f[k + 1]) << k;
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive

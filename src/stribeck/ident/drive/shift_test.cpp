@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/drive/test_synthetic_log.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+double force(double, double v, double a) { return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v; }
+
+/// The measured force stands `late` rows later than its motion, with white noise.
+testing::SyntheticLog late_log(double late) {
+  testing::SyntheticLog s = testing::synthetic_log(force);
+  const std::vector<double> right = s.log.force[0];
+  std::mt19937_64 engine(4);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  const double whole = std::floor(late), part = late - whole;
+  std::vector<double>& f = s.log.force[0];
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    const auto at = [&](double row) {
+      return right[static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(f.size() - 1)))];
+    };
+    const double row = static_cast<double>(k) - whole;
+    f[k] = (1.0 - part) * at(row) + part * at(row - 1.0) + noise(engine);
+  }
+  return s;
+}
+
+Rows rows_of(const testing::SyntheticLog& s) {
+  return gather(s.log, extent_of(s.log), {4e-3, 0.1, 0.0}, 160);
+}
+
+LinearFit second_pass(const testing::SyntheticLog& s, const Rows& rows, const Terms& terms) {
+  const LinearFit first = solve(s.log, rows, terms);
+  return solve(s.log, rows, terms, &first);
+}
+
+TEST(Shift, IsFoundWhereTheResidualIsLeast) {
+  for (const double late : {-3.0, 0.0, 4.0, 6.5}) {
+    const testing::SyntheticLog s = late_log(late);
+    const std::optional<double> found = find_shift(s.log, rows_of(s), std::nullopt);
+    ASSERT_TRUE(found) << late;
+    EXPECT_NEAR(*found, late, 0.3) << late;
+    const std::optional<double> with_mass = find_shift(s.log, rows_of(s), 250.0);
+    ASSERT_TRUE(with_mass) << late;
+    EXPECT_NEAR(*with_mass, late, 0.3) << late;
+  }
+}
+
+TEST(Shift, BeyondTheSearchThereIsNone) {
+  const testing::SyntheticLog s = late_log(60.0);
+  EXPECT_FALSE(find_shift(s.log, rows_of(s), 250.0));
+}
+
+// From one row beside it, Gauss–Newton comes to the shift, and the mass with it.
+TEST(Shift, IsRefined) {
+  testing::SyntheticLog s = late_log(4.0);
+  Rows rows = rows_of(s);
+  align(s.log, 3.2, rows);
+  Terms terms;
+  const LinearFit before = second_pass(s, rows, terms);
+  terms.shift = true;
+  const LinearFit fit = refine_shift(s.log, rows, terms, before);
+  EXPECT_NEAR(s.log.shift, 4.0, 0.1);
+  EXPECT_NEAR(fit.mass, 250.0, 0.5);
+  EXPECT_LT(shift_half_width(s.log, rows, terms, fit), 0.5);
+}
+
+TEST(Shift, IsKeptWhenTheResidualIsSmallerForIt) {
+  testing::SyntheticLog s = late_log(4.0);
+  Rows rows = rows_of(s);
+  align(s.log, 4.0, rows);
+  Terms terms;
+  const LinearFit before = second_pass(s, rows, terms);
+  terms.shift = true;
+  Notes notes;
+  const LinearFit fit = judge_shift(s.log, rows, terms, before, notes);
+  EXPECT_TRUE(terms.shift);
+  EXPECT_NEAR(s.log.shift, 4.0, 0.1);
+  EXPECT_EQ(fit.value.size(), 2);
+  EXPECT_TRUE(notes.cannot_tell.empty());
+}
+
+// A force under its hold belongs to −½: nothing is estimated there.
+TEST(Shift, IsDroppedWhereTheForceActsUnderItsHold) {
+  testing::SyntheticLog s = late_log(kHeldForce);
+  Rows rows = rows_of(s);
+  align(s.log, kHeldForce, rows);
+  Terms terms;
+  const LinearFit before = second_pass(s, rows, terms);
+  terms.shift = true;
+  Notes notes;
+  const LinearFit fit = judge_shift(s.log, rows, terms, before, notes);
+  EXPECT_FALSE(terms.shift);
+  EXPECT_EQ(s.log.shift, kHeldForce);
+  EXPECT_EQ(fit.value.size(), 1);
+  EXPECT_TRUE(notes.cannot_tell.empty());
+}
+
+TEST(Shift, WithoutASearchTheLogCannotTellIt) {
+  testing::SyntheticLog s = late_log(0.0);
+  Rows rows = rows_of(s);
+  Terms terms;
+  Notes notes;
+  judge_shift(s.log, rows, terms, second_pass(s, rows, terms), notes);
+  EXPECT_THAT(notes.cannot_tell,
+              ::testing::ElementsAre(::testing::HasSubstr("the shift between force and motion")));
+}
+
+// m·a + F of the predicted motion, differenced over two rows.
+TEST(Shift, TheReferenceAsksForItsOwnChange) {
+  testing::SyntheticLog s = late_log(0.0);
+  Rows rows = rows_of(s);
+  const LinearFit fit = second_pass(s, rows, {});
+  s.log.predicted[0] = s.log.motions[0].v;
+  ask_reference(s.log, rows, fit);
+  const log::Motion& m = s.log.motions[0];
+  for (std::size_t i = 0; i < rows.size(); i += 53) {
+    const std::size_t k = rows.at[i];
+    const auto at = [&](std::size_t row) {
+      const std::size_t side = m.v[row] > 0.0 ? 0 : 1;
+      return fit.mass * m.instrument[row] + map::kDirection[side] * fit.curve[side](std::abs(m.v[row]));
+    };
+    ASSERT_DOUBLE_EQ(rows.asked_change[i], 0.5 * (at(k + 1) - at(k - 1))) << i;
+    ASSERT_EQ(shift_instrument(s.log, rows, i, 7.0), rows.asked_change[i]);
+  }
+  s.log.predicted[0].clear();
+  EXPECT_EQ(shift_instrument(s.log, rows, 0, 7.0), 7.0);  // no reference: the change itself
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive
