@@ -106,37 +106,32 @@ Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
     return out;
   }
 
-  const auto find = [&](const std::string& name) -> const ident::Parameter* {
-    for (const auto& p : result.parameters) {
-      if (p.name == name) return &p;
-    }
-    return nullptr;
-  };
   const auto ask = [&](const char* what, const ident::Parameter* p, double truth) {
     if (p == nullptr || !p->identifiable) return;
     out.hits.push_back({what, p->ci_low <= truth && truth <= p->ci_high ? 1 : 0, 1});
   };
-  ask("mass", find("mass"), axis.plant.mass);
+  ask("mass", result.find("mass"), axis.plant.mass);
   if (const auto* map = std::get_if<friction::Conventional<double>>(&axis.plant.friction.steady)) {
-    ask("Coulomb", find("alpha0"), map->alpha0);
-    ask("viscous", find("alpha2"), map->alpha2);
+    ask("Coulomb", result.find("alpha0"), map->alpha0);
+    ask("viscous", result.find("alpha2"), map->alpha2);
     // A Gaussian away from v = 0 takes its part of the line; a straight line over a Stribeck rise is none.
-    const bool load_told = find("load") != nullptr;
+    const bool load_told = result.find("load") != nullptr;
     for (const char* side : {"positive", "negative"}) {
       const std::string tail = std::string("_") + side;
-      if (find("gaussian_1_b" + tail) != nullptr || (map->stribeck && find("gaussian_1_a" + tail) == nullptr))
+      if (result.find("gaussian_1_b" + tail) != nullptr ||
+          (map->stribeck && result.find("gaussian_1_a" + tail) == nullptr))
         continue;
       const double sign = side[0] == 'p' ? 1.0 : -1.0;
-      ask("Coulomb", find("eta0" + tail), sign * map->alpha0 + (load_told ? 0.0 : axis.plant.load));
-      ask("viscous", find("eta1" + tail), map->alpha2);
+      ask("Coulomb", result.find("eta0" + tail), sign * map->alpha0 + (load_told ? 0.0 : axis.plant.load));
+      ask("viscous", result.find("eta1" + tail), map->alpha2);
     }
   }
   for (const auto& e : axis.plant.friction.eccentric) {
     const ident::Parameter* found = nullptr;
     for (int w = 1; w <= 4; ++w) {
-      const auto* period = find("periodic_period_" + std::to_string(w));
+      const auto* period = result.find("periodic_period_" + std::to_string(w));
       if (period != nullptr && std::abs(period->value / e.period - 1.0) < 0.02)
-        found = find("periodic_amplitude_" + std::to_string(w));
+        found = result.find("periodic_amplitude_" + std::to_string(w));
     }
     ask("periodic amplitude", found, e.amplitude);
   }
@@ -148,7 +143,7 @@ Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
         std::visit([&](const auto& m) { return m.parts(p.velocity, 0.0); }, axis.plant.friction.steady);
     double truth = parts.level * (p.velocity > 0.0 ? 1.0 : -1.0) + parts.viscous;
     // Where no load was told from friction, the curve contains it, and the result says so.
-    if (find("load") == nullptr) truth += axis.plant.load;
+    if (result.find("load") == nullptr) truth += axis.plant.load;
     curve.inside += p.ci_low <= truth && truth <= p.ci_high;
     ++curve.asked;
   }

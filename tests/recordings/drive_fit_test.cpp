@@ -94,16 +94,9 @@ class Protocol {
 
 friction::AxisModel axis(const ident::Result& result) { return {result.mass, result.load, result.friction}; }
 
-const ident::Parameter* find(const ident::Result& result, const std::string& name) {
-  for (const ident::Parameter& p : result.parameters) {
-    if (p.name == name) return &p;
-  }
-  return nullptr;
-}
-
 /// Of the force, in rows of 1 ms; under its hold where none was found.
 double shift_of(const ident::Result& result) {
-  const ident::Parameter* shift = find(result, "force_shift");
+  const ident::Parameter* shift = result.find("force_shift");
   return shift == nullptr ? kHold : shift->value / 1e-3;
 }
 
@@ -140,8 +133,8 @@ TEST(DriveFit, FindsInEmpsWhatTheDataHold) {
   // A commanded force; with a drive behind it that is late by a third of a row at most.
   EXPECT_LE(shift_of(result), kHold);
   EXPECT_GE(shift_of(result), kHold - 0.4);
-  const ident::Parameter* period = find(result, "periodic_period_1");
-  const ident::Parameter* amplitude = find(result, "periodic_amplitude_1");
+  const ident::Parameter* period = result.find("periodic_period_1");
+  const ident::Parameter* amplitude = result.find("periodic_amplitude_1");
   ASSERT_NE(period, nullptr);
   ASSERT_NE(amplitude, nullptr);
   EXPECT_NEAR(period->value, 2.5e-3, 0.02e-3);

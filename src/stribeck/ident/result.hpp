@@ -15,6 +15,7 @@
 #include <optional>
 #include <stribeck/friction/axis_model.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stribeck::ident {
@@ -98,6 +99,14 @@ struct Result {
   double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not seen
   std::size_t rows = 0;                                                   ///< rows that were fitted
   std::optional<std::array<int, 2>> peaks;  ///< v > 0, v < 0: terms by the thesis's rule, for comparison
+
+  /// The parameter of this name; nullptr where there is none.
+  [[nodiscard]] const Parameter* find(std::string_view name) const noexcept {
+    for (const Parameter& p : parameters) {
+      if (p.name == name) return &p;
+    }
+    return nullptr;
+  }
 };
 
 }  // namespace stribeck::ident

@@ -38,13 +38,6 @@ log::Record sine(const testing::Drive& drive, std::uint64_t seed, double periods
                              testing::sine_reference(drive.sample_time, 0.01, 1.0, periods), seed);
 }
 
-const Parameter* find(const Result& r, const std::string& name) {
-  for (const Parameter& p : r.parameters) {
-    if (p.name == name) return &p;
-  }
-  return nullptr;
-}
-
 DriveFitOptions quick() {
   DriveFitOptions options;
   options.dynamics = false;
@@ -57,11 +50,11 @@ TEST(DriveFit, FindsTheModelThatMadeTheLog) {
   const Result r = identify_drive({sine(drive, 3, 4.0)}, quick());
   EXPECT_EQ(r.model, "conventional");
   EXPECT_NEAR(r.mass, drive.mass, 0.01 * drive.mass);
-  ASSERT_NE(find(r, "v0"), nullptr);
-  EXPECT_NEAR(find(r, "alpha0")->value, 18.0, 0.4);
-  EXPECT_NEAR(find(r, "alpha2")->value, 4500.0, 90.0);
+  ASSERT_NE(r.find("v0"), nullptr);
+  EXPECT_NEAR(r.find("alpha0")->value, 18.0, 0.4);
+  EXPECT_NEAR(r.find("alpha2")->value, 4500.0, 90.0);
   EXPECT_NEAR(r.load, 0.0, 0.2);
-  EXPECT_EQ(find(r, "force_shift"), nullptr);
+  EXPECT_EQ(r.find("force_shift"), nullptr);
   EXPECT_TRUE(r.friction.eccentric.empty());
 }
 
@@ -75,7 +68,7 @@ TEST(DriveFit, TellsALoadFromFriction) {
   const Result b = identify_drive({heavy}, quick());
   EXPECT_NEAR(b.load - a.load, 60.0, 1e-3);
   EXPECT_NEAR(b.mass, a.mass, 1e-3 * a.mass);
-  EXPECT_NEAR(find(b, "alpha0")->value, find(a, "alpha0")->value, 0.01);
+  EXPECT_NEAR(b.find("alpha0")->value, a.find("alpha0")->value, 0.01);
 }
 
 // Mass and friction of a fit that does not know the screw take a part of it; the period is searched again without that.
@@ -119,10 +112,10 @@ TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
       drive, drive.mass, testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
   const Result r = identify_drive({log}, quick());
   EXPECT_NEAR(r.mass, drive.mass, 0.02 * drive.mass);
-  EXPECT_NEAR(find(r, "alpha0")->value, 59.0, 0.6);
+  EXPECT_NEAR(r.find("alpha0")->value, 59.0, 0.6);
   ASSERT_FALSE(r.friction.eccentric.empty());
   EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 14.8, 0.3);
-  EXPECT_EQ(find(r, "force_shift"), nullptr);
+  EXPECT_EQ(r.find("force_shift"), nullptr);
   EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("no shift is removed")));
 }
 
@@ -158,8 +151,8 @@ TEST(DriveFit, FindsTheShiftBetweenForceAndMotion) {
   for (std::size_t k = 3; k < late.size(); ++k) late[k] = rec.f[k - 3];
   rec.f = late;
   const Result shifted = identify_drive({rec}, quick());
-  ASSERT_NE(find(shifted, "force_shift"), nullptr);
-  EXPECT_NEAR(find(shifted, "force_shift")->value, 2.5 * drive.sample_time, 0.5 * drive.sample_time);
+  ASSERT_NE(shifted.find("force_shift"), nullptr);
+  EXPECT_NEAR(shifted.find("force_shift")->value, 2.5 * drive.sample_time, 0.5 * drive.sample_time);
   EXPECT_NEAR(shifted.mass, right.mass, 0.02 * right.mass);
 }
 
@@ -170,7 +163,7 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
   rec.force_unit = "V";
   const Result volt = identify_drive({rec}, quick());
   EXPECT_EQ(volt.force_unit, "V");
-  EXPECT_EQ(find(volt, "mass")->unit, "V s2/m");
+  EXPECT_EQ(volt.find("mass")->unit, "V s2/m");
   EXPECT_NEAR(25.0 * volt.mass, newton.mass, 1e-6 * newton.mass);
   log::Record other = rec;
   other.force_unit = "N";

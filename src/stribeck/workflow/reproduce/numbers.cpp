@@ -70,13 +70,11 @@ Line line_through_print(std::vector<SpeedAndForce> points, const std::string& ax
 }
 
 Estimate estimate(const ident::Result& r, std::string_view name, double scale) {
-  for (const ident::Parameter& p : r.parameters) {
-    if (p.name != name) continue;
-    Estimate e{p.value * scale, {p.ci_low * scale, p.ci_high * scale}};
-    if (scale < 0.0) std::swap(e.interval.low, e.interval.high);
-    return e;
-  }
-  return {};
+  const ident::Parameter* p = r.find(name);
+  if (p == nullptr) return {};
+  Estimate e{p->value * scale, {p->ci_low * scale, p->ci_high * scale}};
+  if (scale < 0.0) std::swap(e.interval.low, e.interval.high);
+  return e;
 }
 
 Estimate plus_minus(double value, double half) { return {value, {value - half, value + half}}; }
