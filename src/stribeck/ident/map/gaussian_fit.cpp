@@ -1,192 +1,20 @@
 #include <ceres/jet.h>
 #include <ceres/tiny_solver.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/map/gaussian_fit.hpp>
+#include <stribeck/ident/map/gaussian_projected.hpp>
 
 namespace stribeck::ident::map {
 namespace {
 
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using Index = Eigen::Index;
-
-// Centres may lie beyond the range on both sides (Table 2.3 has one at 1.47 of it).
-constexpr double kLowestCentre = -0.6;
-constexpr double kHighestCentre = 1.7;
-constexpr double kWidest = 2.0;
 /// The level may fall to this share of η0 + η1.
 constexpr double kLeastLevel = 0.05;
 constexpr double kFirmer = 0.2;
 constexpr int kPulls = 6;
-/// The straight line may take this share of the smallest friction per speed.
-constexpr double kMostViscous = 0.6;
-
-constexpr int kMostTerms = 6;
-
-/// (lo, hi) ↔ the whole line.
-double into(double p, double lo, double hi) { return lo + (hi - lo) / (1.0 + std::exp(-p)); }
-double out_of(double x, double lo, double hi) {
-  const double s = std::clamp((x - lo) / (hi - lo), 1e-6, 1.0 - 1e-6);
-  return std::log(s / (1.0 - s));
-}
-double slope(double p, double lo, double hi) {
-  const double s = 1.0 / (1.0 + std::exp(-p));
-  return (hi - lo) * s * (1.0 - s);
-}
-
-/// Least squares with the heights and the straight line eliminated.
-class Projected {
- public:
-  Projected(const Bins& bins, int terms, const FitSettings& settings)
-      : terms_(terms), settings_(settings), rows_(static_cast<Index>(bins.size())) {
-    u_ = Eigen::Map<const VectorXd>(bins.u.data(), rows_);
-    root_ = Eigen::Map<const VectorXd>(bins.weight.data(), rows_).cwiseSqrt() / settings.noise;
-    // Below the bins: one row for each pull, terms first, then η1 and η0.
-    pulls_ = terms > 0 ? terms + 2 : 0;
-    y_ = VectorXd::Zero(rows_ + pulls_);
-    y_.head(rows_) = Eigen::Map<const VectorXd>(bins.force.data(), rows_).cwiseProduct(root_);
-    design_ = MatrixXd::Zero(rows_ + pulls_, 2 + terms);
-    design_.col(0).head(rows_) = root_;
-    design_.col(1).head(rows_) = root_.cwiseProduct(u_);
-    for (int i = 0; i < terms; ++i) design_(rows_ + i, 2 + i) = 1.0 / settings.height_scale;
-    if (terms > 0) {
-      const VectorXd line = design_.topLeftCorner(rows_, 2).colPivHouseholderQr().solve(y_.head(rows_));
-      double viscous = std::max(0.0, line(1));
-      for (std::size_t k = 0; k < bins.size(); ++k)
-        viscous = std::min(viscous, kMostViscous * bins.force[k] / bins.u[k]);
-      design_(rows_ + terms, 1) = 1.0 / settings.slope_scale;
-      y_(rows_ + terms) = viscous / settings.slope_scale;
-      design_(rows_ + terms + 1, 0) = 1.0 / settings.slope_scale;
-      y_(rows_ + terms + 1) = line(0) / settings.slope_scale;
-    }
-    prepare();
-  }
-
-  [[nodiscard]] int residuals() const { return static_cast<int>(rows_) + pulls_; }
-
-  [[nodiscard]] int parameters() const { return 2 * terms_; }
-
-  [[nodiscard]] double low_width() const { return std::log(settings_.narrowest); }
-  [[nodiscard]] static double high_width() { return std::log(kWidest); }
-
-  bool operator()(const double* p, double* residuals, double* jacobian) const {
-    evaluate(p);
-    Eigen::Map<VectorXd>(residuals, residual_.size()) = residual_;
-    if (jacobian == nullptr) return true;
-    Eigen::Map<MatrixXd> j(jacobian, residual_.size(), 2 * terms_);
-    for (int i = 0; i < terms_; ++i) {
-      const double c = width_[i];
-      auto by_centre = j.col(2 * i), by_width = j.col(2 * i + 1);
-      by_centre.tail(pulls_).setZero();
-      by_width.tail(pulls_).setZero();
-      const double by = -2.0 * linear_(2 + i) / c * slope(p[2 * i], kLowestCentre, kHighestCentre);
-      by_centre.head(rows_).array() =
-          by / c * design_.col(2 + i).head(rows_).array() * (u_.array() - centre_[i]);
-      // c = exp(q): ∂c/∂q = c.
-      const double ratio =
-          slope(p[2 * i + 1], low_width(), high_width()) / slope(p[2 * i], kLowestCentre, kHighestCentre);
-      by_width.head(rows_).array() = ratio * by_centre.head(rows_).array() * (u_.array() - centre_[i]);
-      // Column by column: the general product packs its operands, which costs more than so few columns are.
-      for (Index k = 0; k < thin_.cols(); ++k) {
-        by_centre -= thin_.col(k).dot(by_centre) * thin_.col(k);
-        by_width -= thin_.col(k).dot(by_width) * thin_.col(k);
-      }
-    }
-    return true;
-  }
-
-  [[nodiscard]] BranchFit result(const double* p) const {
-    evaluate(p);
-    BranchFit fit;
-    fit.eta0 = linear_(0);
-    fit.eta1 = linear_(1);
-    for (int i = 0; i < terms_; ++i) fit.terms.push_back({linear_(2 + i), centre_[i], width_[i]});
-    fit.cost = residual_.head(rows_).squaredNorm() * settings_.noise * settings_.noise;
-    return fit;
-  }
-
-  /// What a further term of this centre and width would take off the cost.
-  [[nodiscard]] double gain(double centre, double width, const VectorXd& residual) const {
-    VectorXd g = VectorXd::Zero(rows_ + pulls_);
-    g.head(rows_) = column(centre, width);
-    g -= thin_ * (thin_.transpose() * g).eval();
-    const double along = g.dot(residual);
-    const double pull = 1.0 / (settings_.height_scale * settings_.height_scale);
-    return along * along / (g.squaredNorm() + pull);
-  }
-  [[nodiscard]] const VectorXd& residual(const double* p) const {
-    evaluate(p);
-    return residual_;
-  }
-
- private:
-  [[nodiscard]] VectorXd column(double centre, double width) const {
-    return (root_.array() * (-((u_.array() - centre) / width).square()).exp()).matrix();
-  }
-  void evaluate(const double* p) const {
-    // The solver asks for the derivatives where it has just asked for the residuals.
-    if (fresh_ && std::equal(p, p + 2 * terms_, at_)) return;
-    fresh_ = true;
-    std::copy(p, p + 2 * terms_, at_);
-    for (int i = 0; i < terms_; ++i) {
-      centre_[i] = into(p[2 * i], kLowestCentre, kHighestCentre);
-      width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
-      design_.col(2 + i).head(rows_) = column(centre_[i], width_[i]);
-    }
-    // Modified Gram–Schmidt: the pulls keep the columns independent enough, and it is a fifth of the time of
-    // Householder's form on so few columns. The first two columns never change.
-    const Index n = design_.cols();
-    for (Index j = kFixed; j < n; ++j) {
-      thin_.col(j) = design_.col(j);
-      for (Index i = 0; i < j; ++i) {
-        const double along = thin_.col(i).dot(thin_.col(j));
-        upper_(i, j) = along;
-        thin_.col(j) -= along * thin_.col(i);
-      }
-      upper_(j, j) = thin_.col(j).norm();
-      thin_.col(j) /= upper_(j, j);
-    }
-    residual_ = y_;
-    for (Index j = 0; j < n; ++j) {
-      linear_(j) = thin_.col(j).dot(residual_);
-      residual_ -= linear_(j) * thin_.col(j);
-    }
-    for (Index j = n - 1; j >= 0; --j) {
-      linear_(j) /= upper_(j, j);
-      for (Index i = 0; i < j; ++i) linear_(i) -= upper_(i, j) * linear_(j);
-    }
-  }
-  /// The orthogonal form of the columns that stand still.
-  void prepare() {
-    linear_.resize(design_.cols());
-    thin_ = design_;
-    upper_ = MatrixXd::Zero(design_.cols(), design_.cols());
-    upper_(0, 0) = thin_.col(0).norm();
-    thin_.col(0) /= upper_(0, 0);
-    upper_(0, 1) = thin_.col(0).dot(thin_.col(1));
-    thin_.col(1) -= upper_(0, 1) * thin_.col(0);
-    upper_(1, 1) = thin_.col(1).norm();
-    thin_.col(1) /= upper_(1, 1);
-  }
-
-  static constexpr Index kFixed = 2;
-  int terms_;
-  int pulls_ = 0;
-  FitSettings settings_;
-  Index rows_;
-  VectorXd u_, root_, y_;
-  mutable MatrixXd design_, thin_, upper_;
-  mutable VectorXd linear_, residual_;
-  mutable bool fresh_ = false;
-  mutable double at_[2 * kMostTerms] = {};
-  mutable double centre_[kMostTerms] = {};
-  mutable double width_[kMostTerms] = {};
-};
 
 /// As the solver wants it. Were the number of parameters known to the compiler, it would be 4 % faster, and 40 s of compiling.
 struct Problem {
