@@ -1,0 +1,438 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stribeck/ident/map/static_fit.hpp>
+#include <string>
+#include <utility>
+
+namespace stribeck::ident::map {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+using Family = StaticFit::Family;
+
+constexpr std::size_t kFoldBins = 80;
+/// Motion that is repeated makes paired differences exact: a gain of less than this share of the error is none.
+constexpr double kWorthwhile = 0.01;
+constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
+
+/// All blocks but one.
+Bins bins_without(const SideSums& side, std::size_t without, std::vector<char>* filled = nullptr) {
+  Bins bins;
+  const std::size_t count = side.block.front().n.size();
+  if (filled != nullptr) filled->assign(count, 0);
+  for (std::size_t b = 0; b < count; ++b) {
+    double n = 0, v = 0, f = 0;
+    for (std::size_t k = 0; k < side.block.size(); ++k) {
+      if (k == without) continue;
+      n += side.block[k].n[b];
+      v += side.block[k].v[b];
+      f += side.block[k].f[b];
+    }
+    if (n <= 0.0) continue;
+    bins.u.push_back(v / n / side.grid.high);
+    bins.force.push_back(f / n);
+    bins.weight.push_back(n);
+    if (filled != nullptr) (*filled)[b] = 1;
+  }
+  return bins;
+}
+
+/// Σ residual² of a fit on one block, over bins that the other blocks have filled too.
+template <class Force>
+double loss_on(const SideSums& side, std::size_t k, const std::vector<char>& filled, const Force& force,
+               double* rows = nullptr) {
+  double sum = 0.0;
+  const BlockSums& block = side.held.empty() ? side.block[k] : side.held[k];
+  for (std::size_t b = 0; b < filled.size(); ++b) {
+    const double count = block.n[b];
+    if (!filled[b] || count <= 0.0) continue;
+    const double f = force(block.v[b] / count);
+    sum += block.ff[b] - 2.0 * f * block.f[b] + f * f * count;
+    if (rows != nullptr) *rows += count;
+  }
+  return sum;
+}
+
+struct Scored {
+  std::string name;
+  int terms = 0;
+  std::size_t parameters = 0;
+  std::vector<double> loss;  // by block
+};
+
+/// The candidates' rows for the result.
+std::vector<Candidate> rows_of(const std::vector<Scored>& scored, const Picked& picked) {
+  std::vector<Candidate> out;
+  for (std::size_t n = 0; n < scored.size(); ++n) {
+    Candidate c;
+    c.name = scored[n].name;
+    c.terms = scored[n].terms;
+    c.parameters = static_cast<int>(scored[n].parameters);
+    c.held_out_rms = picked.rms[n];
+    c.standard_error = picked.error[n];
+    c.chosen = n == picked.chosen;
+    out.push_back(std::move(c));
+  }
+  return out;
+}
+Picked pick_of(const std::vector<Scored>& scored, double rows) {
+  std::vector<std::vector<double>> loss;
+  std::vector<std::size_t> parameters;
+  for (const Scored& s : scored) loss.push_back(s.loss), parameters.push_back(s.parameters);
+  return pick(loss, parameters, rows);
+}
+
+/// Gaussian fits of one direction and their held-out errors.
+struct Branches {
+  std::vector<BranchFit> fit;
+  std::vector<Scored> scored;
+  double rows = 0.0;
+};
+
+FitSettings settings_of(const SideSums& side) {
+  double within = 0.0, rows = 0.0, highest = 0.0;
+  for (std::size_t b = 0; b < side.block.front().n.size(); ++b) {
+    double n = 0, f = 0, ff = 0;
+    for (const BlockSums& k : side.block) n += k.n[b], f += k.f[b], ff += k.ff[b];
+    if (n > 0) within += ff - f * f / n, rows += n, highest = std::max(highest, std::abs(f / n));
+  }
+  FitSettings settings;
+  settings.noise = std::max({std::sqrt(std::max(0.0, within) / rows), 1e-7 * highest, 1e-300});
+  settings.height_scale = std::max(10.0 * highest, 1e-300);
+  settings.slope_scale = std::max(0.2 * highest, 1e-300);
+  return settings;
+}
+
+/// All rungs for one direction: the fit of everything and, with each block left out, its held-out error.
+Branches score_branches(const SideSums& side, int s, const StaticOptions& options) {
+  const std::size_t blocks = side.block.size();
+  const double top = side.grid.high;
+  const Bins all = bins_without(side, blocks);
+  const FitSettings settings = settings_of(side);
+  FitSettings quick = settings;
+  quick.polished = 2;
+  quick.scattered = 4;
+  quick.exchange = false;
+  struct Fold {
+    std::vector<char> filled;
+    Bins bins;
+    BranchFit fit;
+  };
+  std::vector<Fold> folds(blocks);
+  Branches out;
+  for (std::size_t k = 0; k < blocks; ++k) {
+    folds[k].bins = joined(bins_without(side, k, &folds[k].filled), kFoldBins);
+    static_cast<void>(loss_on(
+        side, k, folds[k].filled, [](double) { return 0.0; }, &out.rows));
+  }
+  const std::string where = s == 0 ? ", v > 0" : ", v < 0";
+  const auto add = [&](BranchFit fit) {
+    Scored scored;
+    scored.name = fit.centred ? "by direction, Stribeck part" + where
+                              : "by direction, " + std::to_string(fit.terms.size()) +
+                                    (fit.terms.size() == 1 ? " Gaussian" : " Gaussians") + where;
+    scored.terms = static_cast<int>(fit.terms.size());
+    scored.parameters = fit.parameters();
+    for (std::size_t k = 0; k < blocks; ++k) {
+      const BranchFit& part = folds[k].fit;
+      scored.loss.push_back(
+          loss_on(side, k, folds[k].filled, [&](double speed) { return part.force(speed / top); }));
+    }
+    out.fit.push_back(std::move(fit));
+    out.scored.push_back(std::move(scored));
+    return std::accumulate(out.scored.back().loss.begin(), out.scored.back().loss.end(), 0.0);
+  };
+
+  const int most = options.terms.value_or(options.most_terms);
+  BranchFit fit = fit_line(all, settings);
+  for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
+  double best = add(fit);
+  if (!options.terms) {
+    if (auto centred = fit_centred(all, settings)) {
+      for (Fold& f : folds) f.fit = fit_centred(f.bins, quick).value_or(f.fit);
+      add(std::move(*centred));
+      for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
+    }
+  }
+  int vain = 0;
+  for (int n = 1; n <= most && (options.terms || vain < 2); ++n) {
+    std::optional<BranchFit> next = fit_one_more(all, fit, settings);
+    if (!next) break;
+    fit = std::move(*next);
+    for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
+    const double loss = add(fit);
+    // Two rungs in a row that do not pay: nor will the next.
+    vain = loss < (1.0 - kWorthwhile) * best ? 0 : vain + 1;
+    best = std::min(best, loss);
+  }
+  if (options.terms) {
+    // Only what was asked for.
+    out.fit.erase(out.fit.begin(), out.fit.end() - 1);
+    out.scored.erase(out.scored.begin(), out.scored.end() - 1);
+  }
+  return out;
+}
+
+/// Symmetric fits over the bins of both directions.
+struct Both {
+  std::vector<double> side_sign, speed, force, root;
+
+  void add(const Bins& bins, int side, double top) {
+    for (std::size_t i = 0; i < bins.size(); ++i) {
+      side_sign.push_back(kDirection[static_cast<std::size_t>(side)]);
+      speed.push_back(bins.u[i] * top);
+      force.push_back(bins.force[i]);
+      root.push_back(std::sqrt(bins.weight[i]));
+    }
+  }
+};
+
+StaticFit fit_symmetric(const Both& b, bool stribeck) {
+  const auto n = static_cast<Index>(b.speed.size());
+  MatrixXd design(n, stribeck ? 4 : 3);
+  VectorXd y(n);
+  double highest = 0.0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    design(i, 0) = b.root[k] * b.side_sign[k];
+    design(i, 1) = b.root[k];
+    design(i, 2) = b.root[k] * b.speed[k];
+    y(i) = b.root[k] * b.force[k];
+    highest = std::max(highest, b.speed[k]);
+    lowest = std::min(lowest, b.speed[k]);
+  }
+  struct Trial {
+    VectorXd x;
+    double cost;
+  };
+  const auto solve = [&](double v0) {
+    if (stribeck) {
+      for (Index i = 0; i < n; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        design(i, 3) = b.root[k] * std::exp(-std::pow(b.speed[k] / v0, 2.0));
+      }
+    }
+    VectorXd x = design.colPivHouseholderQr().solve(y);
+    const double cost = (y - design * x).squaredNorm();
+    return Trial{std::move(x), cost};
+  };
+  StaticFit fit;
+  fit.family = stribeck ? Family::kSymmetricStribeck : Family::kSymmetric;
+  Trial best = solve(highest);
+  double at = std::log(highest);
+  if (stribeck) {
+    const double from = std::log(std::max(1.5 * lowest, 0.01 * highest));
+    const double to = std::log(0.7 * highest);
+    constexpr int kCoarse = 24;
+    const double step = (to - from) / kCoarse;
+    best.cost = std::numeric_limits<double>::infinity();
+    for (int i = 0; i <= kCoarse; ++i) {
+      Trial t = solve(std::exp(from + step * i));
+      if (t.cost < best.cost) best = std::move(t), at = from + step * i;
+    }
+    for (double half = 0.5 * std::abs(step); half > 1e-4; half *= 0.5) {
+      for (const double p : {at - half, at + half}) {
+        Trial t = solve(std::exp(p));
+        if (t.cost < best.cost) best = std::move(t), at = p;
+      }
+    }
+    fit.rise = best.x(3);
+    fit.v0 = std::exp(at);
+  }
+  fit.load = best.x(0);
+  fit.coulomb = best.x(1);
+  fit.viscous = best.x(2);
+  return fit;
+}
+
+/// Half the sum of both directions, where a branch would drive the motion without it.
+void take_out_load(StaticFit& fit) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double level = 0.0, half_sum = 0.0;
+  constexpr int kPoints = 50;
+  const double reach = std::min(fit.top[0], fit.top[1]);
+  for (int i = 0; i <= kPoints; ++i) {
+    const double speed = reach * i / kPoints;
+    const double forward = fit.force(0, speed), back = fit.force(1, speed);
+    lowest = std::min({lowest, forward - fit.branch[0].eta1 * speed / fit.top[0],
+                       back - fit.branch[1].eta1 * speed / fit.top[1]});
+    level += 0.5 * (forward + back) / (kPoints + 1);
+    half_sum += 0.5 * (forward - back) / (kPoints + 1);
+  }
+  if (lowest > kLeastLevel * std::abs(level)) return;
+  fit.load = half_sum;
+  fit.branch[0].eta0 -= half_sum;
+  fit.branch[1].eta0 += half_sum;
+}
+
+/// The fit of each direction on its own, and what is as good.
+struct ByDirection {
+  std::array<Branches, kSides> branches;
+  StaticFit fit;
+  Scored scored;
+  std::array<std::vector<std::size_t>, kSides> equal;  ///< other numbers of terms within one standard error
+  std::vector<Candidate> candidates;
+  double tested = 0.0;  ///< rows that were judged
+
+  /// The fit with another branch of one direction.
+  [[nodiscard]] StaticFit with_branch(std::size_t s, std::size_t n) const {
+    StaticFit other = fit;
+    other.branch[s] = branches[s].fit[n];
+    other.branch[s].eta0 -= kDirection[s] * fit.load;
+    return other;
+  }
+};
+
+ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const StaticOptions& options) {
+  ByDirection out;
+  out.scored.loss.assign(std::min(sums[0].block.size(), sums[1].block.size()), 0.0);
+  for (std::size_t s = 0; s < kSides; ++s) {
+    out.branches[s] = score_branches(sums[s], static_cast<int>(s), options);
+    const Branches& found = out.branches[s];
+    const Picked picked = pick_of(found.scored, std::max(1.0, found.rows));
+    out.fit.branch[s] = found.fit[picked.chosen];
+    auto& terms = out.fit.branch[s].terms;
+    std::sort(terms.begin(), terms.end(), [](const FitTerm& x, const FitTerm& y) { return x.b < y.b; });
+    out.fit.top[s] = sums[s].grid.high;
+    out.scored.parameters += out.fit.branch[s].parameters();
+    const std::vector<double>& loss = found.scored[picked.chosen].loss;
+    for (std::size_t k = 0; k < loss.size(); ++k) out.scored.loss[k % out.scored.loss.size()] += loss[k];
+    for (std::size_t n = 0; n < picked.equal.size(); ++n) {
+      if (picked.equal[n] && n != picked.chosen) out.equal[s].push_back(n);
+    }
+    const auto rows = rows_of(found.scored, picked);
+    out.candidates.insert(out.candidates.end(), rows.begin(), rows.end());
+    out.tested += found.rows;
+  }
+  out.tested = std::max(1.0, out.tested);
+  out.scored.name = out.fit.name();
+  take_out_load(out.fit);
+  return out;
+}
+
+/// The straight line, and with a Stribeck part, by direction.
+std::vector<StaticFit> simple_by_direction(const ByDirection& found) {
+  std::vector<StaticFit> out;
+  for (std::size_t n = 0; n < 2; ++n) {
+    StaticFit fit = found.fit;
+    bool there = true;
+    for (std::size_t s = 0; s < kSides && there; ++s) {
+      const std::vector<BranchFit>& fits = found.branches[s].fit;
+      there = fits.size() > n && (n == 0 || fits[n].centred);
+      if (there) fit.branch[s] = found.with_branch(s, n).branch[s];
+    }
+    if (there) out.push_back(fit);
+  }
+  return out;
+}
+
+Both bins_of_both(const std::array<SideSums, kSides>& sums, std::size_t without) {
+  Both both;
+  for (std::size_t s = 0; s < kSides; ++s)
+    both.add(bins_without(sums[s], without), static_cast<int>(s), sums[s].grid.high);
+  return both;
+}
+
+/// Held-out errors of a symmetric family.
+Scored score_symmetric(const std::array<SideSums, kSides>& sums, const StaticFit& fit, std::size_t blocks) {
+  Scored scored;
+  scored.name = fit.name();
+  scored.parameters = fit.parameters();
+  for (std::size_t k = 0; k < blocks; ++k) {
+    const StaticFit part = fit_symmetric(bins_of_both(sums, k), fit.family == Family::kSymmetricStribeck);
+    double loss = 0.0;
+    for (int s = 0; s < kSides; ++s) {
+      const SideSums& side = sums[static_cast<std::size_t>(s)];
+      if (k >= side.block.size()) continue;
+      std::vector<char> filled;
+      static_cast<void>(bins_without(side, k, &filled));
+      loss += loss_on(side, k, filled, [&](double speed) { return part.force(s, speed); });
+    }
+    scored.loss.push_back(loss);
+  }
+  return scored;
+}
+
+/// The symmetric families that the bins carry.
+std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
+                                      const std::array<double, kSides>& top) {
+  const Both all = bins_of_both(sums, std::max(sums[0].block.size(), sums[1].block.size()));
+  std::vector<StaticFit> out;
+  for (const bool stribeck : {false, true}) {
+    if (all.speed.size() < (stribeck ? 12u : 8u)) continue;
+    StaticFit fit = fit_symmetric(all, stribeck);
+    fit.top = top;
+    if (fit.coulomb > 0.0 && fit.coulomb + fit.rise > 0.0 && fit.viscous >= 0.0)
+      out.push_back(std::move(fit));
+  }
+  return out;
+}
+
+}  // namespace
+
+Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& parameters,
+            double rows) {
+  const auto m = static_cast<double>(loss.front().size());
+  std::vector<double> mean;
+  for (const auto& l : loss) mean.push_back(std::accumulate(l.begin(), l.end(), 0.0) / rows);
+  const auto best = static_cast<std::size_t>(std::min_element(mean.begin(), mean.end()) - mean.begin());
+  Picked p;
+  p.chosen = best;
+  for (std::size_t n = 0; n < loss.size(); ++n) {
+    const double fold_mean = (mean[n] - mean[best]) * rows / m;
+    double square = 0.0;
+    for (std::size_t k = 0; k < loss[n].size(); ++k)
+      square += std::pow(loss[n][k] - loss[best][k] - fold_mean, 2.0);
+    const double error = std::sqrt(square * m / (m - 1.0)) / rows;
+    p.rms.push_back(std::sqrt(std::max(0.0, mean[n])));
+    p.error.push_back(p.rms.back() > 0.0 ? error / (2.0 * p.rms.back()) : 0.0);
+    p.equal.push_back(mean[n] - mean[best] <= std::max(error, 2.0 * kWorthwhile * mean[best]));
+    if (p.equal.back() && parameters[n] < parameters[p.chosen]) p.chosen = n;
+  }
+  return p;
+}
+
+StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const StaticOptions& options) {
+  const ByDirection by_direction = choose_by_direction(sums, options);
+  StaticChoice out;
+  out.candidates = by_direction.candidates;
+  out.tested = by_direction.tested;
+  if (!options.terms) out.simple = simple_by_direction(by_direction);
+  std::vector<Scored> families{by_direction.scored};
+  std::vector<StaticFit> fits{by_direction.fit};
+  if (options.symmetric && !options.terms) {
+    for (StaticFit& fit : symmetric_fits(sums, by_direction.fit.top)) {
+      families.push_back(score_symmetric(sums, fit, by_direction.scored.loss.size()));
+      out.simple.push_back(fit);
+      fits.push_back(std::move(fit));
+    }
+  }
+  const Picked family = pick_of(families, out.tested);
+  out.fit = fits[family.chosen];
+  out.block_loss = families[family.chosen].loss;
+  out.held_out_rms = family.rms[family.chosen];
+  if (family.chosen == 0) {
+    // What is as good by direction differs in one branch at a time.
+    for (std::size_t s = 0; s < kSides; ++s) {
+      for (const std::size_t n : by_direction.equal[s]) out.rivals.push_back(by_direction.with_branch(s, n));
+    }
+  } else {
+    for (Candidate& c : out.candidates) c.chosen = false;
+    for (std::size_t n = 0; n < fits.size(); ++n) {
+      if (family.equal[n] && n != family.chosen) out.rivals.push_back(fits[n]);
+    }
+  }
+  if (families.size() > 1) {
+    const auto rows = rows_of(families, family);
+    out.candidates.insert(out.candidates.begin(), rows.begin(), rows.end());
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident::map
