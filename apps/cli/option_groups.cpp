@@ -8,7 +8,7 @@
 #include <stribeck/control/laws/contouring.hpp>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 
 namespace stribeck::cli {
 

@@ -18,10 +18,10 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/part_program.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/part_program.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <stribeck/workflow/path/single_run.hpp>
 #include <stribeck/workflow/reference_file.hpp>
-#include <stribeck/workflow/single_run.hpp>
 #include <stribeck/workflow/traces.hpp>
 
 namespace stribeck::cli {

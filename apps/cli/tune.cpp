@@ -17,8 +17,8 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/part_program.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/part_program.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/tune_options.hpp>
 
 namespace stribeck::cli {

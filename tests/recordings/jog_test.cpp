@@ -9,7 +9,7 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/methods/break_away.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <tests/recordings/recording.hpp>
 
 namespace stribeck::test {

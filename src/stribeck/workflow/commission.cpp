@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <stribeck/ident/drive/drive_fit.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/workflow/commission.hpp>

@@ -17,7 +17,7 @@
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/methods/idim_ls.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/workflow/log/log_options.hpp>

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <stribeck/sim/study/tuning.hpp>
 #include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 #include <vector>
 

@@ -27,7 +27,7 @@
 #include <optional>
 #include <stribeck/friction/conventional.hpp>
 #include <stribeck/ident/log/record.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/result.hpp>
 #include <vector>
 

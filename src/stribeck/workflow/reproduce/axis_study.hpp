@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <stribeck/ident/log/record.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/ident/result.hpp>

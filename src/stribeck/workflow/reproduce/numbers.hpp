@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 #include <stribeck/friction/model.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
 #include <string_view>

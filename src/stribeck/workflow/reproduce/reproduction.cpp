@@ -7,7 +7,7 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/reproduce/identification.hpp>
 #include <stribeck/workflow/reproduce/reproduction.hpp>
 

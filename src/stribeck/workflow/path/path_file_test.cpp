@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <stribeck/workflow/path_file.hpp>
+#include <stribeck/workflow/path/path_file.hpp>
 #include <string>
 #include <utility>
 #include <vector>

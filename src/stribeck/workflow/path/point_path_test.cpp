@@ -6,7 +6,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/built_in.hpp>
-#include <stribeck/workflow/point_path.hpp>
+#include <stribeck/workflow/path/point_path.hpp>
 #include <string>
 
 namespace stribeck::test {

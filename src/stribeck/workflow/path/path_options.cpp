@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/part_program.hpp>
-#include <stribeck/workflow/path_options.hpp>
-#include <stribeck/workflow/point_path.hpp>
+#include <stribeck/workflow/path/part_program.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <stribeck/workflow/path/point_path.hpp>
 
 namespace stribeck::workflow {
 

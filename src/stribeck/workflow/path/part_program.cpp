@@ -8,8 +8,8 @@
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/part_program.hpp>
-#include <stribeck/workflow/planned_path.hpp>
+#include <stribeck/workflow/path/part_program.hpp>
+#include <stribeck/workflow/path/planned_path.hpp>
 
 namespace stribeck::workflow {
 namespace {

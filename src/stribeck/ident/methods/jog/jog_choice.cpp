@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/core/numbers.hpp>
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>

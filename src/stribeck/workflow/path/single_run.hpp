@@ -5,7 +5,7 @@
 
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 
 namespace stribeck::workflow {

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 
 namespace stribeck::ident::methods::jog {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 
 namespace stribeck::ident::methods::jog {
 namespace {

@@ -18,7 +18,7 @@
 #include <optional>
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/map/gaussian_fit.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <string>
 #include <vector>
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/methods/equal_speed.hpp>
-#include <stribeck/ident/methods/jog.hpp>
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>

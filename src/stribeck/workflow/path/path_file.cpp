@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <stribeck/io/units.hpp>
-#include <stribeck/workflow/path_file.hpp>
+#include <stribeck/workflow/path/path_file.hpp>
 
 namespace stribeck::workflow {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
 

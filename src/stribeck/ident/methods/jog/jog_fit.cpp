@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <stribeck/ident/methods/jog_parts.hpp>
+#include <stribeck/ident/methods/jog/jog_parts.hpp>
 #include <stribeck/ident/stats/least_squares.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>

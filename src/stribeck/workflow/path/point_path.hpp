@@ -10,7 +10,7 @@
 /// Errors: InputError naming the file, the row or the option.
 
 #include <stribeck/sim/compare.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,7 @@
 /// A part program as the path of an experiment: read by LinuxCNC's interpreter, planned within the limits of the machine.
 
 #include <stribeck/sim/compare.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 
 namespace stribeck::workflow {

@@ -13,7 +13,7 @@
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/sim/part/travel.hpp>
 #include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/path_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 #include <utility>
 #include <vector>

@@ -7,7 +7,7 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
-#include <stribeck/ident/methods/jog.hpp>
+#include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/test_jogs.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>

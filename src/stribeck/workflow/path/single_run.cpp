@@ -8,7 +8,7 @@
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/single_run.hpp>
+#include <stribeck/workflow/path/single_run.hpp>
 
 namespace stribeck::workflow {
 

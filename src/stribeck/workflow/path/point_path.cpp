@@ -5,9 +5,9 @@
 
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/part/part_path.hpp>
-#include <stribeck/workflow/path_file.hpp>
-#include <stribeck/workflow/planned_path.hpp>
-#include <stribeck/workflow/point_path.hpp>
+#include <stribeck/workflow/path/path_file.hpp>
+#include <stribeck/workflow/path/planned_path.hpp>
+#include <stribeck/workflow/path/point_path.hpp>
 
 namespace stribeck::workflow {
 namespace {
