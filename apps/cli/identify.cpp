@@ -101,7 +101,7 @@ int run_identify(const Options& o) {
         io::write_toml(axis_file_model(found, axis),
                        fmt::format("{}{}, identified from {} by stribeck {} ({}).",
                                    axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
-                                   axis.sources, STRIBECK_VERSION, found.result.method)));
+                                   axis.sources, STRIBECK_VERSION, ident::name_of(found.result.method))));
   }
   write_json(o.common.json, to_json(found, axis.axis));
   if (!o.common.report.empty()) {

@@ -74,13 +74,47 @@ struct SpectrumLine {
   double amplitude = 0.0;  ///< [N]
 };
 
+/// How a result came about. name_of() has the words of files and reports.
+enum class Method {
+  kAuto,
+  kVelocityMap,
+  kLeastSquaresA,
+  kJog,
+  kPositionMap,
+  kIdimLs,
+  kBreakAway,
+  kGravity,
+  kConstantAcceleration
+};
+constexpr std::string_view name_of(Method method) noexcept {
+  constexpr std::array<std::string_view, 9> kNames{"auto",       "velocity-map", "least-squares-a",
+                                                   "jog",        "position-map", "idim-ls",
+                                                   "break-away", "gravity",      "constant-acceleration"};
+  return kNames[static_cast<std::size_t>(method)];
+}
+
+/// The steady part of the model.
+enum class SteadyModel {
+  kNone,          ///< single numbers only
+  kConventional,  ///< Coulomb, viscous, Stribeck; the same in both directions
+  kAsymmetric,    ///< Coulomb and viscous, by direction
+  kGaussian,
+  kCogging  ///< forces periodic in position alone
+};
+constexpr std::string_view name_of(SteadyModel model) noexcept {
+  constexpr std::array<std::string_view, 5> kNames{"none", "conventional", "asymmetric", "gaussian",
+                                                   "cogging"};
+  return kNames[static_cast<std::size_t>(model)];
+}
+
 struct Result {
-  std::string method;               ///< "auto", "velocity-map", "jog", "position-map", …
-  std::string model;                ///< "gaussian", "conventional"
-  std::string force_unit = "N";     ///< unit of every force here
-  std::string position_unit = "m";  ///< "m" or "rad"
-  double mass = 0.0;                ///< [kg]
-  Interval mass_interval;           ///< [kg]
+  Method method = Method::kAuto;
+  SteadyModel steady = SteadyModel::kNone;
+  std::string model;  ///< for people: the name of `steady` and what belongs to it, " + periodic", …
+  std::string force_unit = "N";                                  ///< unit of every force here
+  std::string position_unit = "m";                               ///< "m" or "rad"
+  double mass = 0.0;                                             ///< [kg]
+  Interval mass_interval;                                        ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   double delay = 0.0;  ///< from the command of a force to the begin of its hold [s]; 0: none was found
   double load = 0.0;   ///< constant force against +x, e.g. weight [N]
@@ -100,6 +134,11 @@ struct Result {
   std::size_t rows = 0;                                                   ///< rows that were fitted
   std::optional<std::array<int, 2>> peaks;  ///< v > 0, v < 0: terms by the thesis's rule, for comparison
 
+  /// Begins the name of the model with its steady part.
+  void set_steady(SteadyModel part) {
+    steady = part;
+    model = name_of(part);
+  }
   /// The parameter of this name; nullptr where there is none.
   [[nodiscard]] const Parameter* find(std::string_view name) const noexcept {
     for (const Parameter& p : parameters) {

@@ -192,7 +192,7 @@ nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axi
   Json out;
   out["schema"] = "stribeck.identify/1";
   out["axis"] = axis.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(axis));
-  out["method"] = result.method;
+  out["method"] = ident::name_of(result.method);
   out["model"] = result.model;
   out["force_unit"] = units.force;
   out["position_unit"] = result.position_unit;

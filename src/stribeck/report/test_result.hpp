@@ -81,8 +81,8 @@ inline sim::CompareResult two_controllers() {
 /// A fit with one parameter that the data cannot tell.
 inline ident::Result fit() {
   ident::Result r;
-  r.method = "velocity-map";
-  r.model = "gaussian";
+  r.method = ident::Method::kVelocityMap;
+  r.set_steady(ident::SteadyModel::kGaussian);
   r.mass = 57650.123;
   r.mass_interval = {57600.0, 57700.5};
   r.velocity_range = {-9.5e-3, 9.5e-3};
@@ -109,8 +109,9 @@ inline ident::Result fit() {
 /// A fit with everything that a result may hold: a ripple of 2.5 mm, bristles, residuals, a spectrum.
 inline ident::Result whole_fit() {
   ident::Result r = fit();
-  r.method = "auto";
-  r.model = "gaussian + periodic";
+  r.method = ident::Method::kAuto;
+  r.set_steady(ident::SteadyModel::kGaussian);
+  r.model += " + periodic";
   r.load = -3.25;
   r.break_away_distance = 12e-6;
   r.parameters.push_back({"periodic_amplitude_1", 1.5, "N", "N", 1.25, 1.75, true});

@@ -76,7 +76,7 @@ class Description {
 void Description::write_head() {
   const LinearFit& fit = found_.fit;
   const bool known = found_.terms.known_mass.has_value();
-  result_.method = "auto";
+  result_.method = Method::kAuto;
   result_.force_unit = found_.log.records.front().force_unit;
   result_.position_unit = found_.log.records.front().position_unit;
   result_.mass = fit.mass;
@@ -111,7 +111,7 @@ void Description::write_shift() {
 
 void Description::write_symmetric() {
   const map::StaticFit& fit = map();
-  result_.model = "conventional";
+  result_.set_steady(SteadyModel::kConventional);
   friction::Conventional<double> steady{fit.coulomb, fit.viscous, {}};
   add("load", fit.load, "N", "N", map_error(0), seen(0));
   add("alpha0", fit.coulomb, "N", "N", map_error(1), seen(1));
@@ -183,7 +183,8 @@ void Description::write_map() {
   steady.velocity_range = result_.velocity_range;
   const std::size_t forward = write_branch(0, steady.positive);
   const std::size_t back = write_branch(1, steady.negative);
-  result_.model = forward + back > 0 || options_.terms ? "gaussian" : "asymmetric";
+  result_.set_steady(forward + back > 0 || options_.terms ? SteadyModel::kGaussian
+                                                          : SteadyModel::kAsymmetric);
   result_.friction.steady = steady;
   steady.validate([&](const auto&, const auto& words) {
     notes_.warn(std::string("friction map: ") + std::string(words));

@@ -290,8 +290,8 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
         "; ramp the force from rest until the axis slips (excite --method ramp)");
   }
   Result& r = out.result;
-  r.method = "break-away";
-  r.model = "none";
+  r.method = Method::kBreakAway;
+  r.set_steady(SteadyModel::kNone);
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.mass = std::numeric_limits<double>::quiet_NaN();

@@ -111,8 +111,8 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
         found.runs.size()));
   }
   Result r;
-  r.method = "gravity";
-  r.model = "none";
+  r.method = Method::kGravity;
+  r.set_steady(SteadyModel::kNone);
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.mass = std::numeric_limits<double>::quiet_NaN();
@@ -226,8 +226,8 @@ Result identify_constant_acceleration(const std::vector<log::Record>& records,
         mass.rows, mass.value, mass.interval.low, mass.interval.high));
   }
   Result r;
-  r.method = "constant-acceleration";
-  r.model = "none";
+  r.method = Method::kConstantAcceleration;
+  r.set_steady(SteadyModel::kNone);
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.mass = mass.value;

@@ -101,7 +101,7 @@ IdimResult::Published published(const VectorXd& theta, const VectorXd& e, const 
 
 void write_law(const VectorXd& theta, bool by_direction, Result& r) {
   if (by_direction) {
-    r.model = "asymmetric";
+    r.set_steady(SteadyModel::kAsymmetric);
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;
     map.positive.eta1 = theta(1);
@@ -110,7 +110,7 @@ void write_law(const VectorXd& theta, bool by_direction, Result& r) {
     map.negative.eta0 = -theta(4);
     r.friction.steady = map;
   } else {
-    r.model = "conventional";
+    r.set_steady(SteadyModel::kConventional);
     r.load = theta(3);
     friction::Conventional<double> map;
     map.alpha0 = theta(2);
@@ -174,7 +174,7 @@ IdimResult identify_idim_ls(const log::Record& record, const IdimOptions& option
   const stats::Uncertainty uncertainty(X, e, inverse, std::vector<int>(force.size(), 0), at);
 
   Result& r = out.result;
-  r.method = "idim-ls";
+  r.method = Method::kIdimLs;
   r.rows = out.published.rows;
   r.mass = theta(0);
   const auto [low, high] =

@@ -153,7 +153,7 @@ LeastSquaresA parameters_of(const Rows& rows, const Vector4d& theta) {
 void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, const Matrix4d& d,
                       LeastSquaresA& out) {
   Result& r = out.result;
-  r.method = "least-squares-a";
+  r.method = Method::kLeastSquaresA;
   r.rows = rows.rows.size();
   r.mass = out.mass_exact;
   r.velocity_range = {-rows.fastest[1], rows.fastest[0]};
@@ -166,7 +166,7 @@ void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, c
   add("alpha0_positive", out.alpha0_positive, "N", "N", 2);
   add("alpha0_negative", out.alpha0_negative, "N", "N", 3);
   r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
-  r.model = "conventional";
+  r.set_steady(SteadyModel::kConventional);
   friction::Gaussian<double> map;  // no terms: Coulomb and viscous, each direction its own
   map.velocity_range = r.velocity_range;
   map.positive.eta0 = out.alpha0_positive;

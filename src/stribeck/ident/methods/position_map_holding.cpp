@@ -88,8 +88,8 @@ void write_points(const std::vector<log::Record>& records, const map::PeriodicRe
 
 Result identify_held(const std::vector<log::Record>& records, const PositionMapOptions& options) {
   Result r;
-  r.method = "position-map";
-  r.model = "cogging";
+  r.method = Method::kPositionMap;
+  r.set_steady(SteadyModel::kCogging);
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.mass = kNaN;

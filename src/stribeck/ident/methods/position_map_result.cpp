@@ -100,7 +100,7 @@ void write_friction(const Described& d, const Coefficients& c, Result& r) {
 /// The law as it goes into an axis file.
 void write_law(const Described& d, const Coefficients& c, Result& r) {
   if (d.fit.shape.asymmetric) {
-    r.model = "asymmetric";
+    r.set_steady(SteadyModel::kAsymmetric);
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;
     map.positive.eta0 = c.eta0;
@@ -113,7 +113,7 @@ void write_law(const Described& d, const Coefficients& c, Result& r) {
     }
     r.friction.steady = map;
   } else {
-    r.model = "conventional";
+    r.set_steady(SteadyModel::kConventional);
     friction::Conventional<double> map;
     map.alpha0 = c.eta0;
     map.alpha2 = c.eta1;
@@ -229,7 +229,7 @@ double Intervals::width(const VectorXd& g) const {
 }
 
 void describe(const Described& d, bool no_mass, Result& r) {
-  r.method = "position-map";
+  r.method = Method::kPositionMap;
   r.force_unit = (*d.rows.records).front().force_unit;
   r.position_unit = (*d.rows.records).front().position_unit;
   r.rows = d.rows.rows;

@@ -16,7 +16,7 @@ Result identify_velocity_map(const std::vector<log::Record>& records, const Velo
   drive.curve_points = options.curve_points;
   drive.map_points = options.map_points;
   Result result = drive::identify_drive(records, drive);
-  result.method = "velocity-map";
+  result.method = Method::kVelocityMap;
   return result;
 }
 

@@ -128,7 +128,7 @@ void identification(Page& page, const CompareReportInput& input) {
     for (const auto& model : input.axes[i].models) {
       const ident::Result& result = model.second;
       std::string about = fmt::format("Axis {}: {} model by {}, {} rows", input.result.axes[i], result.model,
-                                      result.method, result.rows);
+                                      ident::name_of(result.method), result.rows);
       if (std::isfinite(result.held_out_rms)) {
         about += fmt::format(", {} N RMS on motion that was not fitted", significant(result.held_out_rms, 3));
       }

@@ -82,15 +82,17 @@ void residuals(Page& page, const ident::Result& r, bool heading) {
 }  // namespace
 
 std::string headline(const ident::Result& r) {
-  if (r.method == "break-away") return "force and distance of break-away, from slow ramps";
-  if (r.method == "gravity") return "load and friction, from equal speeds both ways";
-  if (r.method == "constant-acceleration") return "mass, from accelerating against braking at equal speed";
-  if (r.model == "cogging") return "forces periodic in position (cogging), from holding at standstill";
-  return fmt::format("{} model by {}", r.model, r.method);
+  if (r.method == ident::Method::kBreakAway) return "force and distance of break-away, from slow ramps";
+  if (r.method == ident::Method::kGravity) return "load and friction, from equal speeds both ways";
+  if (r.method == ident::Method::kConstantAcceleration)
+    return "mass, from accelerating against braking at equal speed";
+  if (r.steady == ident::SteadyModel::kCogging)
+    return "forces periodic in position (cogging), from holding at standstill";
+  return fmt::format("{} model by {}", r.model, ident::name_of(r.method));
 }
 
 std::string counted(const ident::Result& r) {
-  const char* one = r.method == "break-away" ? "slip" : "row";
+  const char* one = r.method == ident::Method::kBreakAway ? "slip" : "row";
   return fmt::format("{} {}{}", r.rows, one, r.rows == 1 ? "" : "s");
 }
 
@@ -114,7 +116,11 @@ std::string identify_report(const IdentifyReportInput& input) {
     if (r.curve.size() < 2) map.model = r.friction.steady;
     map.model_label = "fit";
     for (const ident::Result& other : input.results) {
-      if (&other != &r && other.model == "conventional") map.conventional = other.friction.steady;
+      // The whole model: one with periodic terms or bristles is no curve to compare with.
+      const bool steady_only = other.friction.eccentric.empty() &&
+                               std::holds_alternative<friction::Static>(other.friction.dynamics);
+      if (&other != &r && other.steady == ident::SteadyModel::kConventional && steady_only)
+        map.conventional = other.friction.steady;
     }
     page.figures(
         friction_plots(map), 2,

@@ -15,8 +15,8 @@ using ::testing::StartsWith;
 /// What break-away hands back: no model, no mass.
 ident::Result slips() {
   ident::Result r;
-  r.method = "break-away";
-  r.model = "none";
+  r.method = ident::Method::kBreakAway;
+  r.set_steady(ident::SteadyModel::kNone);
   r.mass = std::numeric_limits<double>::quiet_NaN();
   r.rows = 8;
   r.parameters.push_back({"break_away_positive", 1200.0, "N", "N", 1150.0, 1250.0, true});
@@ -32,15 +32,15 @@ TEST(IdentifyReport, SaysInPlainWordsWhatWasDetermined) {
   EXPECT_THAT(page, Not(HasSubstr("Mass")));  // it is not known
   r.rows = 1;
   EXPECT_EQ(counted(r), "1 slip");
-  r.method = "gravity";
+  r.method = ident::Method::kGravity;
   EXPECT_EQ(headline(r), "load and friction, from equal speeds both ways");
   EXPECT_EQ(counted(r), "1 row");
-  r.method = "constant-acceleration";
+  r.method = ident::Method::kConstantAcceleration;
   EXPECT_THAT(headline(r), StartsWith("mass, "));
-  r.method = "position-map";
-  r.model = "cogging";
+  r.method = ident::Method::kPositionMap;
+  r.set_steady(ident::SteadyModel::kCogging);
   EXPECT_THAT(headline(r), HasSubstr("cogging"));
-  r.model = "conventional";
+  r.set_steady(ident::SteadyModel::kConventional);
   EXPECT_EQ(headline(r), "conventional model by position-map");
 }
 

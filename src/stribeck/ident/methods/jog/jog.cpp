@@ -55,7 +55,7 @@ double load_taken(const LoadEstimate& load, bool both) {
 
 void write_symmetric(const Fitted& d, Result& r) {
   const Fit& fit = d.fit;
-  r.model = "conventional";
+  r.set_steady(SteadyModel::kConventional);
   friction::Conventional<double> map;
   map.alpha0 = fit.p[0];
   map.alpha2 = fit.p[1];
@@ -85,7 +85,7 @@ void write_symmetric(const Fitted& d, Result& r) {
 }
 
 void write_by_direction(const Fitted& d, Result& r) {
-  r.model = "gaussian";
+  r.set_steady(SteadyModel::kGaussian);
   r.friction.steady = as_map(d.fit, r.velocity_range);
   r.load = d.taken;
   if (d.taken != 0.0) {
@@ -206,7 +206,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
 
   Group out;
   Result& r = out.result;
-  r.method = "jog";
+  r.method = Method::kJog;
   r.force_unit = records.front().force_unit;
   r.position_unit = records.front().position_unit;
   r.models = std::move(chosen.candidates);
