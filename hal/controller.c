@@ -153,110 +153,161 @@ static int must_configure(const struct instance* s, double period) {
   return 0;
 }
 
-static void update(void* arg, long period_ns) {
-  struct instance* s = arg;
-  const double period = 1e-9 * (double)period_ns;
-  const int enable = *s->enable != 0;
-  const int rises = enable && !s->was_enabled;
-  s->was_enabled = enable;
-  if (rises) take_units(s);
-  const double unit = s->position_used;
-  /* What is no time means at once: a force must not stay. */
-  const double ramp_time = s->ramp_time <= LONGEST_RAMP ? s->ramp_time : 0.0;
-
-  stribeck_axis_input in[AXES];
+/* What HAL says in one period, in SI. */
+struct inputs {
+  double period;
+  double unit; /* position unit that is in use */
+  double ramp_time;
+  int enable;
+  int finite; /* all of `axis` */
+  stribeck_axis_input axis[AXES];
   struct limits limits[AXES];
-  int finite = 1;
+};
+
+static void read_inputs(const struct instance* s, int enable, double period, struct inputs* in) {
+  in->period = period;
+  in->unit = s->position_used;
+  /* What is no time means at once: a force must not stay. */
+  in->ramp_time = s->ramp_time <= LONGEST_RAMP ? s->ramp_time : 0.0;
+  in->enable = enable;
+  in->finite = 1;
   for (int a = 0; a < axes; ++a) {
     const struct axis* x = &s->axis[a];
-    in[a].position = *x->pos_cmd * unit;
-    in[a].velocity = *x->vel_cmd * unit;
-    in[a].acceleration = *x->acc_cmd * unit;
-    in[a].measured = *x->pos_fb * unit;
-    limits[a].ferror = x->ferror_limit * unit;
-    limits[a].jump = x->jump_limit * unit;
-    limits[a].frozen = x->frozen_limit * unit;
-    limits[a].ramp_time = ramp_time;
-    limits[a].force = INFINITY;
-    if (!isfinite(in[a].position + in[a].velocity + in[a].acceleration + in[a].measured)) finite = 0;
+    stribeck_axis_input* i = &in->axis[a];
+    i->position = *x->pos_cmd * in->unit;
+    i->velocity = *x->vel_cmd * in->unit;
+    i->acceleration = *x->acc_cmd * in->unit;
+    i->measured = *x->pos_fb * in->unit;
+    struct limits* l = &in->limits[a];
+    l->ferror = x->ferror_limit * in->unit;
+    l->jump = x->jump_limit * in->unit;
+    l->frozen = x->frozen_limit * in->unit;
+    l->ramp_time = in->ramp_time;
+    l->force = INFINITY;
+    if (!isfinite(i->position + i->velocity + i->acceleration + i->measured)) in->finite = 0;
   }
+}
 
-  if (rises) {
-    s->stopped = 0;
-    for (int a = 0; a < axes; ++a) {
-      s->inner[a].watch.fault = FAULT_NONE;
-      if (finite) {
-        supervisor_begin(&s->inner[a].watch, in[a].position, in[a].velocity, in[a].measured);
-      } else {
-        const enum fault f = supervisor_judge(&s->inner[a].watch, &limits[a], in[a].position, in[a].velocity,
-                                              in[a].acceleration, in[a].measured, period);
-        supervisor_fail(&s->inner[a].watch, f, period, ramp_time);
-      }
-    }
-    if (!check_own(s)) {
-      s->good = 0;
-    } else if (must_configure(s, period)) {
-      s->good = configure(s, period);
-    } else {
-      stribeck_controller_reset(s->controller);
-    }
-    if (!s->good) supervisor_fail(&s->inner[0].watch, FAULT_PARAMETERS, period, ramp_time);
-  }
+static void fail_axis(struct instance* s, int a, enum fault f, const struct inputs* in) {
+  supervisor_fail(&s->inner[a].watch, f, in->period, in->ramp_time);
+}
 
-  int failed = !enable;
-  int runs = 0;
+static enum fault judge_axis(struct instance* s, int a, const struct inputs* in) {
+  const stribeck_axis_input* i = &in->axis[a];
+  return supervisor_judge(&s->inner[a].watch, &in->limits[a], i->position, i->velocity, i->acceleration,
+                          i->measured, in->period);
+}
+
+/* Enable has risen: clears the faults, begins every axis where it is, and takes over parameters that have changed. */
+static void begin(struct instance* s, const struct inputs* in) {
+  s->stopped = 0;
   for (int a = 0; a < axes; ++a) {
     struct supervisor* w = &s->inner[a].watch;
-    if (w->mode == MODE_RUNNING && enable && s->stopped == 0) {
-      const enum fault f = supervisor_judge(w, &limits[a], in[a].position, in[a].velocity, in[a].acceleration,
-                                            in[a].measured, period);
-      if (f != FAULT_NONE) supervisor_fail(w, f, period, ramp_time);
+    w->fault = FAULT_NONE;
+    if (in->finite) {
+      supervisor_begin(w, in->axis[a].position, in->axis[a].velocity, in->axis[a].measured);
+    } else {
+      fail_axis(s, a, judge_axis(s, a, in), in);
+    }
+  }
+  if (!check_own(s)) {
+    s->good = 0;
+  } else if (must_configure(s, in->period)) {
+    s->good = configure(s, in->period);
+  } else {
+    stribeck_controller_reset(s->controller);
+  }
+  if (!s->good) fail_axis(s, 0, FAULT_PARAMETERS, in);
+}
+
+/* Judges the inputs of axes that run; one fault, or enable that has fallen, takes every axis down. Answers whether the controller
+ * runs in this period. */
+static int supervise(struct instance* s, const struct inputs* in) {
+  int failed = !in->enable;
+  for (int a = 0; a < axes; ++a) {
+    const struct supervisor* w = &s->inner[a].watch;
+    /* Axes that the library brakes leave the command: their inputs are not judged. */
+    if (w->mode == MODE_RUNNING && in->enable && s->stopped == 0) {
+      const enum fault f = judge_axis(s, a, in);
+      if (f != FAULT_NONE) fail_axis(s, a, f, in);
     }
     if (w->fault != FAULT_NONE) failed = 1;
   }
+  int runs = 0;
   for (int a = 0; a < axes; ++a) {
-    struct supervisor* w = &s->inner[a].watch;
-    if (failed && w->mode == MODE_RUNNING) supervisor_fail(w, FAULT_NONE, period, ramp_time);
+    const struct supervisor* w = &s->inner[a].watch;
+    if (failed && w->mode == MODE_RUNNING) fail_axis(s, a, FAULT_NONE, in);
     if (w->mode == MODE_RUNNING) runs = 1;
   }
+  return runs;
+}
 
-  double wanted[AXES] = {0};
-  if (runs) {
-    for (int a = 0; a < axes; ++a) in[a].position += s->inner[a].watch.offset;
-    stribeck_controller_set_phase(s->controller, *s->phase);
-    if (stribeck_controller_step(s->controller, in, wanted) == STRIBECK_FAULT) {
-      stribeck_supervision why = {0};
-      stribeck_controller_supervision(s->controller, &why, sizeof why);
-      s->stopped = why.fault;
-      s->stopped_axis = why.axis;
-    }
-  }
+/* Forces from the controller. The positions of `in` become those of its reference, which goes over to the command (supervisor.h). */
+static void step_controller(struct instance* s, struct inputs* in, double* wanted) {
+  for (int a = 0; a < axes; ++a) in->axis[a].position += s->inner[a].watch.offset;
+  stribeck_controller_set_phase(s->controller, *s->phase);
+  if (stribeck_controller_step(s->controller, in->axis, wanted) != STRIBECK_FAULT) return;
+  stribeck_supervision why = {0};
+  stribeck_controller_supervision(s->controller, &why, sizeof why);
+  s->stopped = why.fault;
+  s->stopped_axis = why.axis;
+}
+
+/* The axis' own fault, else that of the library if it is in this axis. */
+static int fault_of(const struct instance* s, int a) {
+  const enum fault f = s->inner[a].watch.fault;
+  if (f == FAULT_NONE && s->stopped != 0 && s->stopped_axis == (uint32_t)a) return LIBRARY_FAULT + s->stopped;
+  return (int)f;
+}
+
+static void write_axis(const struct instance* s, int a, const struct inputs* in, double force,
+                       const stribeck_axis_signals* now) {
+  const struct axis* x = &s->axis[a];
+  *x->force = force / s->force_used;
+  *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
+  *x->friction_ff = now->friction;
+  *x->disturbance = now->disturbance;
+  const double error = in->axis[a].measured - in->axis[a].position;
+  *x->pos_error = isfinite(error) ? error / in->unit : 0.0;
+  *x->fault = fault_of(s, a);
+  *x->saturated = now->limited != 0;
+}
+
+/* Puts out the forces and what belongs to them, and advances every supervisor by one period. */
+static void write_outputs(struct instance* s, const struct inputs* in, int runs, const double* wanted) {
   int faulted = s->stopped != 0;
   double lag = 0.0;
   for (int a = 0; a < axes; ++a) {
-    struct axis* x = &s->axis[a];
+    struct supervisor* w = &s->inner[a].watch;
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
-    const double force = supervisor_force(&s->inner[a].watch, &limits[a], wanted[a]);
-    supervisor_advance(&s->inner[a].watch, &limits[a], in[a].measured, period);
-    *x->force = force / s->force_used;
-    *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
-    *x->friction_ff = now.friction;
-    *x->disturbance = now.disturbance;
-    const double error = in[a].measured - in[a].position;
-    *x->pos_error = isfinite(error) ? error / unit : 0.0;
-    *x->fault = s->inner[a].watch.fault;
-    if (s->stopped != 0 && s->stopped_axis == (uint32_t)a && *x->fault == FAULT_NONE)
-      *x->fault = LIBRARY_FAULT + s->stopped;
-    if (runs) *x->bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
-    *x->saturated = now.limited != 0;
+    const double force = supervisor_force(w, &in->limits[a], wanted[a]);
+    supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
+    write_axis(s, a, in, force, &now);
+    /* Without the controller the last count stays. */
+    if (runs) *s->axis[a].bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
     if (isfinite(now.lag)) lag = now.lag;
-    if (s->inner[a].watch.fault != FAULT_NONE) faulted = 1;
+    if (w->fault != FAULT_NONE) faulted = 1;
   }
   *s->lag = lag;
   *s->faulted = faulted != 0;
   *s->brake = faulted != 0;
-  *s->pending = runs && must_configure(s, period);
+  *s->pending = runs && must_configure(s, in->period);
+}
+
+static void update(void* arg, long period_ns) {
+  struct instance* s = arg;
+  const int enable = *s->enable != 0;
+  const int rises = enable && !s->was_enabled;
+  s->was_enabled = enable;
+  if (rises) take_units(s);
+  struct inputs in;
+  read_inputs(s, enable, 1e-9 * (double)period_ns, &in);
+  if (rises) begin(s, &in);
+  const int runs = supervise(s, &in);
+  double wanted[AXES] = {0};
+  if (runs) step_controller(s, &in, wanted);
+  write_outputs(s, &in, runs, wanted);
 }
 
 static int make_axis(struct axis* x, struct inner* inner, const char* prefix) {
