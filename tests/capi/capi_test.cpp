@@ -199,9 +199,9 @@ TEST(CInterface, HasTheRulesOfControllerFiles) {
   h.set("mass", 900.0).set("friction.conventional.alpha0", 20.0).set("friction.conventional.alpha2", 4000.0);
   h.choose("feedforward", "steady").set("adaptation.enabled", 1.0);
   EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
-  EXPECT_STREQ(stribeck_controller_problem(h.c),
-               "axis 0: adaptation: corrects what is fed forward: needs feedforward = \"dynamic\" or "
-               "\"reversal\"");
+  EXPECT_STREQ(
+      stribeck_controller_problem(h.c),
+      "axis 0: adaptation: corrects the feed-forward: needs feedforward = \"dynamic\" or \"reversal\"");
   h.choose("feedforward", "reversal");
   h.configure();
   // Other than in a file, what has no effect may keep its value: the observer is off.
