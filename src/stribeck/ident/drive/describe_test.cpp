@@ -45,7 +45,7 @@ TEST(Describe, GivesParametersCurveAndPoints) {
   Notes notes;
   const Result r = describe(steps.found(), {}, notes);
   EXPECT_EQ(r.model, "conventional");
-  EXPECT_EQ(r.method, "auto");
+  EXPECT_EQ(r.method, Method::kAuto);
   std::vector<std::string> names;
   for (const Parameter& p : r.parameters) names.push_back(p.name);
   EXPECT_THAT(names, ::testing::ElementsAre("mass", "load", "alpha0", "alpha2"));
