@@ -6,6 +6,8 @@
 #include "law_settings.hpp"
 #include "parameters.hpp"
 
+#include <stribeck/control/supervision/limits.hpp>
+
 namespace stribeck::capi {
 
 struct AxisSettings {
