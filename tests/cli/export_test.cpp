@@ -546,7 +546,7 @@ TEST(Evaluate, RefusesInOneLine) {
   refused({"--map", "x=nothing"}, "nothing");
   // A unit replaces that of the file, as everywhere: such a circle is too flat to be one.
   refused({"--map", "x=x um"}, "no circle");
-  refused({"--map", "x=x N"}, "which is no N");
+  refused({"--map", "x=x N"}, "which cannot be converted to N");
   refused({"--map", "x=line"}, "line");
   refused({"--where", "line=seven"}, "expected a number");
   refused({"--where", "line=8"}, "a.csv: --where: no row has \"line=8\"");

@@ -172,10 +172,17 @@ TEST(RealTime, SupervisionAllocatesNothingOverFaultStopAndReset) {
   EXPECT_EQ(allocated([&] {
               const control::Supervised<control::Contouring<3>, 3> controller({}, setup, limits);
               control::Supervised<control::Contouring<3>, 3>::State state;
-              for (int k = 0; k < 10; ++k) controller.step(state, r, r.position);
-              auto lost = r.position;
-              lost[1] = std::nan("");
-              for (int k = 0; k < 20; ++k) controller.step(state, r, lost);
+              auto moving =
+                  r;  // an encoder that stands still on a moving reference would be a fault of its own
+              const auto go_on = [&] {
+                for (std::size_t i = 0; i < 3; ++i) moving.position[i] += setup.period * moving.velocity[i];
+              };
+              for (int k = 0; k < 10; ++k, go_on()) controller.step(state, moving, moving.position);
+              for (int k = 0; k < 20; ++k, go_on()) {
+                auto lost = moving.position;
+                lost[1] = std::nan("");
+                controller.step(state, moving, lost);
+              }
               ASSERT_EQ(state.watch.fault, control::Fault::kEncoderLost);
               controller.reset(state);
               ASSERT_TRUE(std::isfinite(controller.step(state, r, r.position)[0]));

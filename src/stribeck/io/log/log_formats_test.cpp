@@ -113,7 +113,7 @@ TEST(LogFormats, NamesInPlaceOfAHeader) {
   EXPECT_EQ(log.at("x").unit_text, "mm");
   EXPECT_EQ(log.at("i").unit_text, "A");
   EXPECT_EQ(log.rows, 8u);
-  EXPECT_THAT(log.notes, Contains(HasSubstr("in place of those in line 1")));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("the given names of the columns replace those in line 1")));
 }
 
 TEST(LogFormats, TncScope) {

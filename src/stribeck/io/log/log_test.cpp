@@ -210,9 +210,9 @@ TEST(Log, ColumnsInSi) {
   EXPECT_THAT(in_si(log.at("t"), quantity("s", "ms")), ElementsAre(0.0, 0.005));
   EXPECT_THAT(in_si(log.at("x"), quantity("m", "mm")), ElementsAre(0.035, -0.0015));
   EXPECT_THAT([&] { in_si(log.at("x"), quantity("N", "N")); },
-              ThrowsMessage<InputError>(HasSubstr("column \"x\"")));
+              ThrowsMessage<InputError>(HasSubstr("column \"x [mm]\"")));
   EXPECT_THAT([&] { in_si(log.at("T"), quantity("K", "K")); },
-              ThrowsMessage<InputError>(HasSubstr("column \"T\"")));
+              ThrowsMessage<InputError>(HasSubstr("column \"T [degC]\"")));
   try {
     in_si(log.at("F"), quantity("N", "N"));
     FAIL();

@@ -36,8 +36,8 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
     refuse_option(
         "--map",
         fmt::format(
-            "column {} has the unit {} in the file, which is not a unit of a {}; leave the unit out or "
-            "map another column (to scale a force, use --gain)",
+            "column {} has the unit {} in the file, which cannot be converted to {}; leave the unit out "
+            "or map another column (to scale a force, use --gain)",
             io::in_quotes(header_of(column)), column.unit_text, unit));
   }
 }

@@ -101,7 +101,7 @@ TEST(LogAxis, UnitsOfMaps) {
   const std::string text = csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"});
   EXPECT_THAT(refusal(text, {.maps = {"x=x N s/mm"}}),
               AllOf(HasSubstr("--map"), HasSubstr("has the unit mm in the file")));
-  EXPECT_THAT(refusal(text, {.maps = {"force=x N"}}), HasSubstr("no N"));
+  EXPECT_THAT(refusal(text, {.maps = {"force=x N"}}), HasSubstr("cannot be converted to N"));
   EXPECT_NEAR(axis_of(text, {.maps = {"x=x m"}}).x.y[kRow], 1e3 * x_at(), 1e-5);
   // Units that the file does not hold, and a letter that may be the axis.
   const std::string capture = csv("CYCLE,ENC_POS|1,CURRENT|1", {"t", "x_mm", "f"});
