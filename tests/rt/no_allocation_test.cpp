@@ -157,9 +157,10 @@ TEST(RealTime, NoLawAllocatesAlongAPath) {
 }
 
 TEST(RealTime, SupervisionAllocatesNothingOverFaultStopAndReset) {
+  // From rest on, so that encoder, command and force belong together and nothing but the lost encoder is a fault.
   path::Reference reference(saddle(), {9.5e-3, 1.0, 10e-3});
-  while (reference.time() < 1.0) reference.advance(5e-3);
-  const auto r = reference.point();
+  std::vector<decltype(reference.point())> points;
+  for (; points.size() < 220; reference.advance(5e-3)) points.push_back(reference.point());
   control::Setup<3> setup;
   setup.period = 5e-3;
   for (auto& c : setup.compensation) {
@@ -172,20 +173,14 @@ TEST(RealTime, SupervisionAllocatesNothingOverFaultStopAndReset) {
   EXPECT_EQ(allocated([&] {
               const control::Supervised<control::Contouring<3>, 3> controller({}, setup, limits);
               control::Supervised<control::Contouring<3>, 3>::State state;
-              auto moving =
-                  r;  // an encoder that stands still on a moving reference would be a fault of its own
-              const auto go_on = [&] {
-                for (std::size_t i = 0; i < 3; ++i) moving.position[i] += setup.period * moving.velocity[i];
-              };
-              for (int k = 0; k < 10; ++k, go_on()) controller.step(state, moving, moving.position);
-              for (int k = 0; k < 20; ++k, go_on()) {
-                auto lost = moving.position;
-                lost[1] = std::nan("");
-                controller.step(state, moving, lost);
+              for (std::size_t k = 0; k < points.size(); ++k) {
+                auto encoder = points[k].position;
+                if (k >= 200) encoder[1] = std::nan("");
+                controller.step(state, points[k], encoder);
               }
               ASSERT_EQ(state.watch.fault, control::Fault::kEncoderLost);
               controller.reset(state);
-              ASSERT_TRUE(std::isfinite(controller.step(state, r, r.position)[0]));
+              ASSERT_TRUE(std::isfinite(controller.step(state, points.back(), points.back().position)[0]));
             }),
             0);
 }
