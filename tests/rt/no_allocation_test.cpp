@@ -16,6 +16,7 @@
 #include <stribeck/path/curve.hpp>
 #include <stribeck/path/fourier.hpp>
 #include <stribeck/path/reference.hpp>
+#include <vector>
 
 namespace {
 std::atomic<long> allocations{0};
