@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <stribeck/core/fields.hpp>
 #include <tuple>
 

@@ -101,7 +101,9 @@ struct Gms {
   /// From one limit of an element to the other: 2·α_i·g/k_i.
   [[nodiscard]] FixedVector<Stop, kMostStops> stops() const noexcept requires std::same_as<T, double> {
     FixedVector<Stop, kMostStops> all;
-    for (const auto& e : elements) all.push_back({e.share, 2.0 * e.share / e.stiffness});
+    if constexpr (std::same_as<T, double>) {  // Clang 14 compiles the body for jets as well
+      for (const auto& e : elements) all.push_back({e.share, 2.0 * e.share / e.stiffness});
+    }
     return all;
   }
 
