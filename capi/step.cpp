@@ -54,7 +54,7 @@ template <std::size_t N>
   return c.supervisor.admit(c.watch, law, r, measured, c.elapsed);
 }
 template <std::size_t N>
-[[gnu::noinline]] Vec<double, N> judge(Controller<N>& c, const typename control::Common<N>::State& law,
+[[gnu::noinline]] Vec<double, N> judge(Controller<N>& c, typename control::Common<N>::State& law,
                                        const path::PathPoint<N>& r, const Vec<double, N>& force) {
   return c.supervisor.judge(c.watch, law, r, force);
 }
@@ -117,7 +117,7 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
     out.error_rate = common.error[i].rate;
     if (c.setup.compensation[i].adaptation.enabled)
       out.level = control::DriftMonitor::report(s.drift, s.adaptation, c.period).level;
-    out.limited = s.limited ? 1 : 0;
+    out.limited = s.limited && !c.watch.axes[i].cut ? 1 : 0;
     out.backed_off = s.guard.trust < 1.0 ? 1 : 0;
     if constexpr (requires { running.state.surface; }) {
       out.surface = running.state.surface[i];

@@ -51,7 +51,7 @@ struct Watching {
                     Vec<double, N>& x) {
     return s.admit(state, law, r, x);
   }
-  static Vec<double, N> judge(const S& s, typename S::State& state, const typename S::Law& law,
+  static Vec<double, N> judge(const S& s, typename S::State& state, typename S::Law& law,
                               const path::PathPoint<N>& r, const Vec<double, N>& force) {
     return s.judge(state, law, r, force);
   }

@@ -161,7 +161,7 @@ typedef struct stribeck_axis_signals {
   double error;       /* encoder minus reference [m] */
   double error_rate;  /* [m/s] */
   double level;       /* by adaptation: change of the level of friction as a share; NaN without */
-  int32_t limited;    /* the force was cut */
+  int32_t limited;    /* the force was cut at the force limit */
   int32_t backed_off; /* the loop oscillated, and observer and adaptation were turned down */
   /* NaN under other laws. Sliding mode, of the direction with the axis's number: along the path, then across it. */
   double surface;        /* distance from it [m/s] */

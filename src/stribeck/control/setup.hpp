@@ -55,6 +55,8 @@ class Common {
     Vec<double, N> force;  ///< last output [N]
     /// The sample of this axis is a prediction, so that nothing may be learned from it; set by supervision (supervisor.hpp).
     std::array<bool, N> bridged{};
+    /// The sample is used, but may be a small wild one: adaptation rests, observers do not; set by supervision.
+    std::array<bool, N> doubtful{};
     StatusCounter status;
   };
 
@@ -78,7 +80,7 @@ class Common {
     for (std::size_t i = 0; i < N; ++i) {
       TrackingError& e = s.error[i];
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
-      compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i]);
+      compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i], s.doubtful[i]);
       if (form_ == ErrorRate::kObserved && compensation_[i].observes_velocity(s.compensation[i]))
         e.rate = compensation_[i].velocity(s.compensation[i]) - r.velocity[i];
     }

@@ -113,8 +113,10 @@ class Compensation {
   }
 
   /// Takes the position of the encoder [m] and its differenced velocity [m/s]. To be called once per period, before step().
-  /// `bridged`: both are predictions; observers go on by their models, and estimates stay.
-  void observe(State& s, double position, double velocity, bool bridged = false) const noexcept {
+  /// `bridged`: both are predictions; observers go on by their models, and estimates stay. `doubtful`: the sample may be wrong;
+  /// adaptation takes the motion of the reference in its place and learns nothing.
+  void observe(State& s, double position, double velocity, bool bridged = false,
+               bool doubtful = false) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
     if (bridged) {
       carry_on(s, net, velocity);
@@ -132,8 +134,9 @@ class Compensation {
     adaptation_.step(s.adaptation, force_acting(s.force) - params_.model.load,
                      force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
                          force_acting(s.change_by_theta_history),
-                     position, v, s.last_acceleration + middle * s.last_jerk,
-                     !s.limited && s.guard.trust == 1.0, bridged);
+                     doubtful ? s.adaptation.position + period_ * v : position, v,
+                     s.last_acceleration + middle * s.last_jerk, !s.limited && s.guard.trust == 1.0,
+                     bridged || doubtful);
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 

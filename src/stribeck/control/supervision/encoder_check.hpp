@@ -10,10 +10,11 @@
 ///   off after a small wild sample that was let through. A sample equal to the one before is not good either where a quarter of the
 ///   gate was to be moved: no axis stops like that, and dropped samples are bridged.
 ///   doubt ← doubt + 1 for a bridged sample, doubt − 1/4 for a good one: above 20, more than a fifth are bad.
-/// A good sample is handed on as it is, bit for bit.
+/// A good sample is handed on as it is, bit for bit. It is doubtful when it is the first one that lies farther from p₁ than a quarter
+/// of the gate: a small wild sample looks like that. A second one says that the axis has left p₁.
 /// Source: validation gates of tracking filters, Bar-Shalom, Li, Kirubarajan 2001, Estimation with Applications to Tracking and
 /// Navigation, ch. 2; the two gates are Stribeck's own.
-/// Not modelled: the first two samples, which nothing can be compared with; wild samples within the gate.
+/// Not modelled: the first two samples, which nothing can be compared with; wild samples within a quarter of the gate.
 /// Real time: safe.
 
 #include <cstdint>
@@ -75,6 +76,11 @@ class EncoderCheck {
 
   /// Whether the last sample was bridged.
   [[nodiscard]] static bool bridges(const State& s) noexcept { return s.in_a_row > 0; }
+
+  /// Whether the last sample is good, but is not to be learned from.
+  [[nodiscard]] static bool doubts(const State& s) noexcept {
+    return s.known == 2 && s.in_a_row == 0 && s.off == 1;
+  }
 
   [[nodiscard]] static Fault judge(const State& s, const SupervisionLimits& l) noexcept {
     if (s.in_a_row > l.samples) {

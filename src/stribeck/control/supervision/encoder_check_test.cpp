@@ -125,6 +125,33 @@ TEST(EncoderCheck, AWildSampleInsideTheGateDoesNotDragTheNextOnesOut) {
   }
 }
 
+TEST(EncoderCheck, ASmallWildSampleIsDoubtfulAndAnAxisThatReallyLeavesIsNot) {
+  for (const double period : {1e-3, 5e-3}) {
+    const SupervisionLimits l = limits(period);
+    const double size = 0.5 * (l.noise + l.growth);
+    for (const bool stays : {false, true}) {
+      EncoderCheck::State s;
+      Sine m;
+      m.dt = period;
+      for (; m.t < 1.0; m.t += m.dt) {
+        m.step(s, l, m.read());
+        ASSERT_FALSE(EncoderCheck::doubts(s)) << m.t;
+      }
+      EXPECT_EQ(m.step(s, l, m.read() + size), m.read() + size);
+      EXPECT_TRUE(EncoderCheck::doubts(s));
+      EXPECT_FALSE(EncoderCheck::bridges(s));
+      m.t += m.dt;
+      m.step(s, l, m.read() + (stays ? 2.0 * size : 0.0));
+      EXPECT_FALSE(EncoderCheck::doubts(s));
+      // One that is bridged is not doubtful as well.
+      m.t += m.dt;
+      m.step(s, l, 1.0);
+      EXPECT_TRUE(EncoderCheck::bridges(s));
+      EXPECT_FALSE(EncoderCheck::doubts(s));
+    }
+  }
+}
+
 TEST(EncoderCheck, AnAxisThatLeavesItsReferenceIsFollowed) {
   // From rest with all the force there is, away from a reference at rest; then the same against a friction that stops it.
   const SupervisionLimits l = limits();

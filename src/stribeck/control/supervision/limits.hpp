@@ -5,6 +5,7 @@
 ///   jump   10 encoder steps + A·T²           how far a sample may lie from its prediction
 ///   n      samples bridged in a row = 10 ms/T, at least 3 and at most 50; one more is a fault
 ///   push   max(2·friction level, force limit/4)    a force that friction cannot hold
+///   start  max(start share·force limit, 1.25·push)    force beside the load until the sign is proven (sign_proof.hpp)
 ///   speed  1.5·speed limit; following error 20 ms·speed limit + 100 ms·|ṙ|
 ///
 /// A number that needs a limit that nobody knows is infinite: that check is off.
@@ -52,6 +53,7 @@ struct SupervisionParams {
   double bridge_time = 10e-3;                  ///< [s]
   double stop_time = 50e-3;                    ///< [s]
   double saturation_time = 0.5;                ///< [s]
+  double start_share = 0.5;                    ///< of the force limit, until the sign is proven
 
   static constexpr auto fields() {
     using P = SupervisionParams;
@@ -87,6 +89,9 @@ struct SupervisionParams {
             .or_default(),
         field("saturation_time", &P::saturation_time, quantity("s", "ms").positive(),
               "how long the force may stay at its limit")
+            .or_default(),
+        field("start_share", &P::start_share, pure_number().positive().at_most(1.0),
+              "share of the force limit that is used until the axis has once moved as the force says")
             .or_default()};
   }
 };
@@ -104,7 +109,9 @@ struct SupervisionLimits {
   double noise = 0.0;           ///< part of the jump that does not grow [m]
   double growth = kOff;         ///< A·T², for each period without a good sample [m]
   double speed = kOff;          ///< [m/s]
+  double level = 0.0;           ///< of friction at rest [N]
   double push = kOff;           ///< [N]
+  double start = kOff;          ///< [N]
   double following = kOff;      ///< [m]
   double following_time = 0.0;  ///< [s]
   int samples = 3;              ///< n
@@ -128,7 +135,7 @@ struct SupervisionLimits {
     stop_periods = periods(p.stop_time, 1, 100000);
     saturation_periods = periods(p.saturation_time, 1, 1000000);
     if (checks != Checks::kAll) return;
-    const double level = axis.model.friction.parts(0.0, 0.0).level;
+    level = axis.model.friction.parts(0.0, 0.0).level;
     const double physical = (force_limit + level + abs(load)) / mass;
     const double most =
         p.acceleration_limit ? min_of(physical, kAcceleration * *p.acceleration_limit) : physical;
@@ -141,6 +148,8 @@ struct SupervisionLimits {
     speed = p.speed_limit ? kSpeed * *p.speed_limit : kOff;
     const double known = isfinite(force_limit) ? max_of(2.0 * level, 0.25 * force_limit) : 2.0 * level;
     push = p.push ? *p.push : known > 0.0 ? known : kOff;
+    // Below push, nothing would be seen of a wrong sign.
+    if (p.start_share < 1.0) start = max_of(p.start_share * force_limit, kStart * push);
     following = p.following_error ? *p.following_error : p.speed_limit ? kFollowing * *p.speed_limit : kOff;
   }
 
@@ -152,6 +161,7 @@ struct SupervisionLimits {
   static constexpr double kAcceleration = 4.0;
   static constexpr double kSpeed = 1.5;
   static constexpr double kFollowing = 20e-3;
+  static constexpr double kStart = 1.25;
 
   [[nodiscard]] int periods(double time, double least, double most) const noexcept {
     return static_cast<int>(clamp_to(std::floor(time / period + 1e-6), least, most));

@@ -180,6 +180,55 @@ TEST(Supervisor, ABridgedSampleLeavesEveryEstimateAsItWas) {
   }
 }
 
+TEST(Supervisor, AdaptationRestsOverASmallWildSampleAndObserversDoNot) {
+  for (const Observer observer : {Observer::kDisturbance, Observer::kKalman, Observer::kAdaptive}) {
+    Loop run(observer, true);
+    run.go(3000);
+    const auto& c = run.state->law.compensation[0];
+    const double estimate = c.estimate;
+    const auto theta = c.adaptation.theta;
+    const double other = run.state->law.compensation[1].adaptation.theta[FrictionRls::kPositive];
+    // Within the gate of 1.27 um, beyond a quarter of it.
+    run.added = 0.8e-6;
+    run.step();
+    EXPECT_TRUE(run.state->law.doubtful[0]);
+    EXPECT_FALSE(run.state->law.bridged[0]);
+    EXPECT_FALSE(run.state->law.doubtful[1]);
+    EXPECT_NE(c.estimate, estimate);
+    for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_EQ(c.adaptation.theta[i], theta[i]);
+    EXPECT_NE(run.state->law.compensation[1].adaptation.theta[FrictionRls::kPositive], other);
+    EXPECT_EQ(run.state->watch.axes[0].encoder.bridged, 0u);
+    run.added = 0.0;
+    run.step();
+    EXPECT_FALSE(run.state->law.doubtful[0]);
+  }
+}
+
+TEST(Supervisor, UntilTheSignIsProvenTheForceIsCutAndTheLawKnows) {
+  const Watched watched(ContouringParams::critical(300.0, 300.0), setup(), limits());
+  const auto s = std::make_unique<Watched::State>();
+  // The first axis is where it should not be, and stays there.
+  path::PathPoint<2> r;
+  r.position = {{2e-6, 0.0}};
+  V force = watched.step(*s, r, V{});
+  r.position[0] = 300e-6;
+  force = watched.step(*s, r, V{});
+  EXPECT_EQ(s->watch.fault, Fault::kNone);
+  EXPECT_EQ(force[0], 125.0);
+  EXPECT_EQ(s->law.force[0], 125.0);
+  EXPECT_EQ(s->law.compensation[0].force[0], 125.0);
+  EXPECT_TRUE(s->law.compensation[0].limited);
+  EXPECT_TRUE(s->watch.axes[0].cut);
+  EXPECT_FALSE(s->law.compensation[1].limited);
+  EXPECT_EQ(s->watch.force[0], 125.0);
+  s->watch.axes[0].proof.proven = true;
+  EXPECT_GT(watched.step(*s, r, V{})[0], 125.0);
+  EXPECT_FALSE(s->watch.axes[0].cut);
+  // Each start has to prove it anew.
+  watched.reset(*s);
+  EXPECT_FALSE(s->watch.axes[0].proof.proven);
+}
+
 TEST(Supervisor, AWildSampleLeavesNothingBehind) {
   // Against the same run without it: forces come back, and what was learned, up to 0.22, is the same to a hundredth.
   for (const Observer observer : {Observer::kDisturbance, Observer::kKalman, Observer::kAdaptive}) {

@@ -2,13 +2,15 @@
 /// Supervision of a controller for N axes, around the step of any law.
 ///
 ///   admit   before the law: a wild or missing sample is bridged (encoder_check.hpp), a reference that is no number goes on with its
-///           last acceleration, the law is told which axes are bridged, so that their observers and adaptation rest
-///   judge   after the law: motion of each axis (motion_check.hpp); the forces go out as the law gave them
+///           last acceleration, the law is told which axes are bridged, so that their observers and adaptation rest, and which are
+///           doubtful, so that adaptation rests
+///   judge   after the law: motion of each axis (motion_check.hpp); the forces go out as the law gave them, but for a limit until
+///           the sign of an axis is proven (sign_proof.hpp), of which the law is told
 ///   a fault is latched with its axis; from then on all axes stop together (safe_stop.hpp), a brake is asked for, the law rests
 ///   checks = lost: the law sees every sample and reference as it is, and only those that are no numbers for too long are a fault
 ///   reset   what adaptation had learned from 1 to 2 s before the fault is kept, the rest begins anew
 ///
-/// Without a fault and without a bridged sample, forces are those of the law alone, bit for bit.
+/// Without a fault, a bridged or doubtful sample and a force cut at the start, forces are those of the law alone, bit for bit.
 /// Supervised<Law, N> is a law with supervision, for callers that know the law; a caller that does not calls the three itself.
 /// Source: Stribeck's own; docs/theory/supervision.md.
 /// Real time: safe; constructors configure only.
@@ -18,6 +20,7 @@
 #include <stribeck/control/supervision/encoder_check.hpp>
 #include <stribeck/control/supervision/motion_check.hpp>
 #include <stribeck/control/supervision/safe_stop.hpp>
+#include <stribeck/control/supervision/sign_proof.hpp>
 
 namespace stribeck::control {
 
@@ -33,6 +36,8 @@ class Supervisor {
   struct Axis {
     EncoderCheck::State encoder;
     MotionCheck::State motion;
+    SignProof::State proof;
+    bool cut = false;  ///< the last force, because the sign is not proven
     SafeStop::State stop;
     /// What was learned, newest first, a second apart.
     std::array<FrictionRls::Learned, 2> kept;
@@ -71,7 +76,7 @@ class Supervisor {
     const int periods = count_periods(s, elapsed);
     take_command(s, r);
     for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
-      law.bridged[i] = false;
+      law.bridged[i] = law.doubtful[i] = false;
       if (limits_[i].checks == Checks::kNone) continue;
       EncoderCheck::State& e = s.axes[i].encoder;
       const double used = EncoderCheck::step(e, limits_[i], measured[i], r.position[i], r.velocity[i],
@@ -80,6 +85,7 @@ class Supervisor {
       if (limits_[i].checks == Checks::kAll) {
         measured[i] = used;
         law.bridged[i] = EncoderCheck::bridges(e);
+        law.doubtful[i] = EncoderCheck::doubts(e);
         raise(s, found, i);
       } else if (found == Fault::kEncoderLost) {
         raise(s, found, i);
@@ -89,10 +95,12 @@ class Supervisor {
   }
 
   /// After the law: its forces, or those of the stop when they may not go out.
-  V judge(State& s, const Law& law, const path::PathPoint<N>& r, const V& force) const noexcept {
+  V judge(State& s, Law& law, const path::PathPoint<N>& r, const V& wanted) const noexcept {
     bool quiet = true;
+    V force = wanted;
     for (std::size_t i = 0; i < N && s.fault == Fault::kNone; ++i) {
       if (limits_[i].checks != Checks::kAll) continue;
+      cut_at_start(s.axes[i], law, force[i], i);
       const Compensation::State& c = law.compensation[i];
       quiet = quiet && !law.bridged[i] && !c.limited;
       const EncoderCheck::State& e = s.axes[i].encoder;
@@ -101,6 +109,7 @@ class Supervisor {
                             {e.used, e.smooth, law.error[i].e, r.velocity[i], force[i],
                              force[i] - c.friction - c.inertia_force, c.limited, law.bridged[i]}),
             i);
+      if (!law.bridged[i]) SignProof::step(s.axes[i].proof, limits_[i], e.used, e.smooth, force[i]);
     }
     if (s.fault != Fault::kNone) return stopped(s);
     if (quiet) keep(s, law);
@@ -145,6 +154,17 @@ class Supervisor {
  private:
   static constexpr double kLate = 1.5;  ///< in periods
   static constexpr double kMostPeriods = 1000.0;
+
+  /// The law goes on with the force that went out, as with one that it had limited itself.
+  void cut_at_start(Axis& a, Law& law, double& force, std::size_t i) const noexcept {
+    const double most = SignProof::limited(a.proof, limits_[i], force);
+    a.cut = most != force;
+    if (!a.cut) return;
+    force = law.force[i] = most;
+    law.compensation[i].force[0] = most;
+    law.compensation[i].limited = true;
+    law.status.raise(Status::kOutputLimited);
+  }
 
   void raise(State& s, Fault f, std::size_t axis) const noexcept {
     if (f == Fault::kNone || s.fault != Fault::kNone) return;
