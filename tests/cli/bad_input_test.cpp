@@ -191,7 +191,8 @@ TEST_F(BadLog, InspectTakesNothingOfAnIdentification) {
 TEST_F(BadLog, UnitOfAnotherQuantity) {
   const auto spoil = [](Lines& l) { l[0] = "t [s],x [mm/s2],f [N]"; };
   expect_refused(with(spoil, {"--map", "x=x mm"}), {"--map", "x [mm/s2]", "cannot be converted to mm"});
-  expect_refused(with([](Lines&) {}, {"--map", "force=x N", "--map", "x=f mm"}), {"--map", "x [mm]", "cannot be converted to N"});
+  expect_refused(with([](Lines&) {}, {"--map", "force=x N", "--map", "x=f mm"}),
+                 {"--map", "x [mm]", "cannot be converted to N"});
 }
 
 TEST(Report, AFailedCommandLeavesNoFolderBehind) {
