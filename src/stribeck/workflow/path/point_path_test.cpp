@@ -67,7 +67,8 @@ TEST(PointPath, SplineThroughACircleIsTheCircle) {
   o.path = folder.write("circle.csv", points);
   o.join = PointJoin::kSpline;
   o.corner_tolerance = "10 nm";
-  const sim::Part<2> part = part_of(planned(o));
+  const sim::CompareSpec spec = planned(o);
+  const sim::Part<2>& part = part_of(spec);
   EXPECT_EQ(part.summary.corners, 0U);
   EXPECT_NEAR(part.summary.length, 20e-3 * std::numbers::pi, 1e-7);
   // Between the points a quintic spline of 5 degrees is off the circle by less than the tolerance as well.
