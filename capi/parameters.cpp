@@ -234,7 +234,7 @@ stribeck_result assign(Target target, const Quantity& quantity, std::string_view
     case Kind::kCount:
     case Kind::kNumber:
     case Kind::kChoice:
-      return rest.empty() ? assign_scalar(target, quantity, x) : STRIBECK_UNKNOWN_NAME;
+      return rest.empty() ? assign_scalar(target, quantity, x) : stribeck_result{STRIBECK_UNKNOWN_NAME};
     case Kind::kOptional:
       return assign_optional(target, quantity, rest, x);
     case Kind::kList:
