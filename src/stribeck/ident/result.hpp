@@ -1,12 +1,11 @@
 #pragma once
-/// What an identification hands back: numbers with 95 % intervals, the curve, the models that were tried.
+/// Result of an identification: numbers with 95 % intervals, the curve, the models that were tried.
 ///
-/// Everything is SI; `unit` is the SI unit text and `shown` the unit people read (N s/m, N s/mm). A log whose
-/// force has no known scale is identified in its own unit: force_unit says which ("A", "%", "V"), and every
-/// text "N" in a unit stands for it; likewise position_unit "rad" for an axis without a lead. Intervals
-/// hold under correlated residuals. A parameter that the data cannot determine has identifiable = false: its
-/// value belongs to the curve but means nothing alone. An interval that could not be computed is NaN on both
-/// sides.
+/// Everything is SI; `unit` is the SI unit as text and `shown` the unit for people (N s/m, N s/mm). A log whose force has no
+/// known scale is identified in its own unit: force_unit names it ("A", "%", "V"), and "N" in a unit then stands for it; likewise
+/// position_unit "rad" for an axis without a lead. Intervals hold under correlated residuals. A parameter that the data cannot
+/// determine has identifiable = false: its value is part of the curve but means nothing alone. An interval that could not be
+/// computed is NaN on both sides.
 ///
 /// Real time: no.
 
@@ -29,7 +28,7 @@ struct Parameter {
   std::string name;  ///< mass, eta0_positive, gaussian_1_a_negative, …
   double value = 0.0;
   std::string unit;   ///< SI
-  std::string shown;  ///< unit that people read
+  std::string shown;  ///< unit for people
   double ci_low = std::numeric_limits<double>::quiet_NaN();
   double ci_high = std::numeric_limits<double>::quiet_NaN();
   bool identifiable = true;
@@ -59,7 +58,7 @@ struct MapPoint {
   int direction = 0;      ///< +1 or −1
 };
 
-/// What the model leaves in one row, for plots.
+/// Residual of the model in one row, for plots.
 struct ResidualPoint {
   double t = 0.0;      ///< [s]
   double x = 0.0;      ///< [m]
@@ -74,7 +73,7 @@ struct SpectrumLine {
   double amplitude = 0.0;  ///< [N]
 };
 
-/// How a result came about. name_of() has the words of files and reports.
+/// The method of a result. name_of() has the words of files and reports.
 enum class Method {
   kAuto,
   kVelocityMap,
@@ -95,11 +94,11 @@ constexpr std::string_view name_of(Method method) noexcept {
 
 /// The steady part of the model.
 enum class SteadyModel {
-  kNone,          ///< single numbers only
-  kConventional,  ///< Coulomb, viscous, Stribeck; the same in both directions
+  kNone,          ///< single values only
+  kConventional,  ///< Coulomb, viscous, Stribeck; equal in both directions
   kAsymmetric,    ///< Coulomb and viscous, by direction
   kGaussian,
-  kCogging  ///< forces periodic in position alone
+  kCogging  ///< only forces periodic in position
 };
 constexpr std::string_view name_of(SteadyModel model) noexcept {
   constexpr std::array<std::string_view, 5> kNames{"none", "conventional", "asymmetric", "gaussian",
@@ -110,14 +109,14 @@ constexpr std::string_view name_of(SteadyModel model) noexcept {
 struct Result {
   Method method = Method::kAuto;
   SteadyModel steady = SteadyModel::kNone;
-  std::string model;  ///< for people: the name of `steady` and what belongs to it, " + periodic", …
+  std::string model;  ///< as text for people: the name of `steady` and of further parts, " + periodic", …
   std::string force_unit = "N";                                  ///< unit of every force here
   std::string position_unit = "m";                               ///< "m" or "rad"
   double mass = 0.0;                                             ///< [kg]
   Interval mass_interval;                                        ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
-  double delay = 0.0;  ///< from the command of a force to the begin of its hold [s]; 0: none was found
-  double load = 0.0;   ///< constant force against +x, e.g. weight [N]
+  double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]; 0: none was found
+  double load = 0.0;   ///< constant force against +x, e.g. a weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;
   std::vector<CurvePoint> curve;                                   ///< ascending velocity
@@ -129,17 +128,18 @@ struct Result {
   std::vector<SpectrumLine> spectrum;    ///< of the residual over position, ascending period
   std::vector<std::string> warnings;
   std::vector<std::string> cannot_tell;  ///< what this log does not determine
-  friction::Model friction;              ///< goes into an axis file as it is
-  double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not seen
+  friction::Model friction;              ///< is written into an axis file unchanged
+  double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not determined
   std::size_t rows = 0;                                                   ///< rows that were fitted
-  std::optional<std::array<int, 2>> peaks;  ///< v > 0, v < 0: terms by the thesis's rule, for comparison
+  std::optional<std::array<int, 2>>
+      peaks;  ///< number of terms for v > 0 and v < 0 by the rule of the thesis, for comparison
 
-  /// Begins the name of the model with its steady part.
+  /// First part of the name of the model: its steady part.
   void set_steady(SteadyModel part) {
     steady = part;
     model = name_of(part);
   }
-  /// The parameter of this name; nullptr where there is none.
+  /// The parameter with this name; nullptr where there is none.
   [[nodiscard]] const Parameter* find(std::string_view name) const noexcept {
     for (const Parameter& p : parameters) {
       if (p.name == name) return &p;

@@ -3,8 +3,8 @@
 ///
 ///   m·a = f − F(z, v) − d        d: first-order noise, held over a sample, positive against the motion to +x
 ///
-/// Own equations, own integrator (classical Runge–Kutta): an identification is not judged with the code it
-/// uses. Included by tests only.
+/// It has its own equations and its own integrator (classical Runge–Kutta): an identification must not be judged with the code
+/// that it uses. Included by tests only.
 
 #include <cmath>
 #include <cstdint>
@@ -34,7 +34,7 @@ struct Drive {
   double volts = 10.0;
   double bits = 16.0;
 
-  /// Bristle level of the branch [N].
+  /// Level of friction of the bristle, by branch [N].
   [[nodiscard]] double level(double v, bool forward) const {
     const auto& branch = forward ? friction.positive : friction.negative;
     const double edge = forward ? friction.velocity_range[1] : friction.velocity_range[0];
@@ -79,7 +79,7 @@ struct Truth {
   std::vector<double> v, a, friction;  ///< at the ticks
 };
 
-/// One run. command(k, t, x measured) returns the force [N] asked for at tick k.
+/// One run. command(k, t, x measured) returns the force [N] that is commanded at tick k.
 inline log::Record run(const Drive& drive, double duration, std::uint64_t seed,
                        const std::function<double(std::size_t, double, double)>& command,
                        Truth* truth = nullptr) {
@@ -143,7 +143,7 @@ inline log::Record run(const Drive& drive, double duration, std::uint64_t seed,
   return rec;
 }
 
-/// PD on a reference with a disturbance observer, gains of the thesis §2.4.3.
+/// PD control of a reference with a disturbance observer, gains of thesis §2.4.3.
 inline log::Record run_closed(const Drive& drive, double mass_model, const std::vector<double>& r,
                               std::uint64_t seed, Truth* truth = nullptr) {
   const double T = drive.sample_time;
@@ -172,7 +172,7 @@ inline log::Record run_closed(const Drive& drive, double mass_model, const std::
   return rec;
 }
 
-/// r = −A + A·cos(w·t) with a run-in: the phase speeds up over one second, so that it starts from rest.
+/// r = −A + A·cos(w·t) with a run-in: the phase speeds up over one second, so that the motion starts from rest.
 inline std::vector<double> sine_reference(double T, double amplitude, double w, double periods) {
   std::vector<double> r;
   const double end = periods * 2 * kPi / w + 0.5;

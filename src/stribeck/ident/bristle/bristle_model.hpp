@@ -1,9 +1,9 @@
 #pragma once
 /// The laws of bristle_fit.hpp on the pieces of bristle_path.hpp: residuals of all rows and their derivatives.
 ///
-/// A case names the law, its own parameters in scales of one, and the mean force over a sub-step; the laws
-/// themselves are those of friction/, on jets. Behind the own parameters stand the common ones: factors of the
-/// levels less 1, mass less 1, load and viscous force as shares of the level, then the unknown starts.
+/// A case names the law, its own parameters scaled to about one, and the mean force over a sub-step. The laws themselves
+/// are those of friction/, evaluated on jets. The own parameters are followed by the common ones: factor of each level less 1,
+/// mass less 1, load and viscous force as shares of the level, then the unknown starts.
 ///
 /// Inside ident only: includes Eigen.
 /// Real time: no.
@@ -23,10 +23,10 @@ using Index = Eigen::Index;
 
 inline constexpr int kMostElements = 6;
 
-/// What the fits are scaled with.
+/// Scales of the parameters.
 struct Scales {
   double level = 1.0;       ///< at rest, mean of the directions [N]
-  double break_away = 1.0;  ///< first idea [m]
+  double break_away = 1.0;  ///< first estimate [m]
   double damping = 1.0;     ///< [N·s/m]
   double fading = 1.0;      ///< v_d [m/s]
 };
@@ -39,7 +39,7 @@ struct Bristle {
 
   void start(const T& share, double level) { law.carry(state, share * T(level)); }
   void settle(const T& level, double direction) { law.slide(state, level * T(direction)); }
-  /// Mean force over a step.
+  /// Mean force over a sub-step.
   T advance(const PathStep& step, const T& level) {
     const auto before = state;
     const T v(step.v);
@@ -48,7 +48,7 @@ struct Bristle {
   }
 };
 
-/// Own parameters of LuGre: ln(σ0·δ/g), σ1 and ln v_d in their scales.
+/// The law's own parameters: ln(σ0·δ/g), σ1 and ln v_d, each in its scale.
 struct LuGreCase {
   static constexpr int kMostOwn = 3;
 
@@ -65,8 +65,8 @@ struct LuGreCase {
   }
 };
 
-/// Own parameters of GMS with N elements: ln of the first break-away distance over δ, N − 1 logs of the
-/// logs of the ratios of the next, N − 1 logits of shares, ln C, σ and ln v_d in their scales.
+/// The law's own parameters for N elements: ln of the first break-away distance over δ, N − 1 logs of the
+/// logs of the ratios of the next ones, N − 1 logits of shares, ln C, σ and ln v_d, each in its scale.
 struct GmsCase {
   static constexpr int kMostOwn = 2 * kMostElements + 2;
 
@@ -92,7 +92,7 @@ struct GmsCase {
   }
 };
 
-/// Friction is its level at once.
+/// Static friction: its force is the level at once.
 struct StaticCase {
   static constexpr int kMostOwn = 0;
   template <class T>
@@ -109,13 +109,13 @@ struct StaticCase {
 
 enum Common { kForward, kBackward, kMass, kLoad, kViscous, kCommon };
 
-/// Everything but the law.
+/// Everything that does not depend on the law.
 struct Setting {
   const BristlePath* path = nullptr;
   Scales scales;
   double mass = 0.0;
   double load = 0.0;
-  double fastest = 1.0;  ///< [m/s] speed at which the viscous parameter is the force
+  double fastest = 1.0;  ///< speed at which the viscous parameter equals the force [m/s]
 };
 
 /// Residuals of one law over all rows. A law is chosen by one of the functions below.
@@ -128,7 +128,7 @@ class Model {
   [[nodiscard]] int own() const { return own_; }
   [[nodiscard]] const BristlePath& path() const { return *setting_->path; }
   [[nodiscard]] int parameters() const { return own_ + kCommon + setting_->path->starts; }
-  /// The force at all rows, through the window: an instrument for the mass, free of the noise of the motion.
+  /// The modelled force at all rows, through the window. It is an instrument for the mass, free of the noise of the motion.
   [[nodiscard]] VectorXd force() const;
   /// Residuals [N] of all rows: modelled less measured force, and their derivatives.
   virtual void evaluate(const VectorXd& p, VectorXd& e, MatrixXd* jacobian, bool white = true) const = 0;
@@ -140,7 +140,7 @@ class Model {
   int own_;
 };
 
-/// The setting must live as long as the model. `own` is the number of parameters of GMS: 2·N + 2 for N elements.
+/// The setting must live as long as the model. `own` is the number of GMS's own parameters: 2·N + 2 for N elements.
 std::unique_ptr<Model> static_model(const Setting& setting);
 std::unique_ptr<Model> lugre_model(const Setting& setting);
 std::unique_ptr<Model> gms_model(const Setting& setting, int own);

@@ -1,12 +1,12 @@
 #pragma once
-/// Inside of bristle_fit.hpp: values that are handed on from the logs to the result.
+/// Inside of bristle_fit.hpp: the values that each step hands to the next, from the logs to the result.
 ///
 ///   bristle_path.cpp    the rows near reversals, with sub-steps and window
 ///   bristle_model.cpp   residuals of each law over them
 ///   bristle_solve.cpp   least squares, covariance, prediction of what was left out
-///   bristle_laws.cpp    each law fitted: starts, priors, damping that is none
-///   bristle_report.cpp  parameters with intervals, what was determined and why not
-///   bristle_fit.cpp     the order of these steps, the choice between the laws
+///   bristle_laws.cpp    fit of each law: starts, priors, damping that does not differ from zero
+///   bristle_report.cpp  parameters with intervals; what was determined, or why nothing
+///   bristle_fit.cpp     order of these steps, choice between the laws
 ///
 /// Inside ident only: includes Eigen. Real time: no.
 
@@ -25,7 +25,7 @@ namespace stribeck::ident::bristle {
 
 inline constexpr const char* kNotDeterminable = "pre-sliding is not determinable from this log: ";
 
-/// Units of the log, and lengths as people read them.
+/// Units of the log, and lengths as text for people.
 struct Units {
   std::string length;
   std::string force;
@@ -42,25 +42,25 @@ struct Given {
   BristleOptions options;
   BristleData data;
   Units units;
-  bool open = true;      ///< every log is of open loop
+  bool open = true;      ///< every log is open loop
   double stroke = 0.0;   ///< [m]
   double quantum = 0.0;  ///< step of the encoder, from its noise [m]
-  double level = 0.0;    ///< of friction at rest, mean of the directions [N]
+  double level = 0.0;    ///< friction at rest, mean of the directions [N]
 };
 
-/// The rows that are fitted, and the scales of the parameters. The setting points to the path beside it.
+/// The rows that are fitted, and the scales of the parameters. `setting` points to the path beside it.
 struct Rows {
   BristlePath path;
   Setting setting;
   std::vector<char> every_row;
-  double noise = 1.0;  ///< of a row [N]
+  double noise = 1.0;  ///< standard deviation of a row [N]
 
   Rows() = default;
   Rows(const Rows&) = delete;
   Rows& operator=(const Rows&) = delete;
 };
 
-/// A fitted law with all that is needed to judge it.
+/// A fitted law, with everything that is needed to judge it.
 struct Fitted {
   Solution solution;
   std::vector<Index> free;
@@ -68,24 +68,24 @@ struct Fitted {
   Spread spread;
   int own = 0;
   double break_away = 0.0;
-  double half = 0.0;  ///< 95 % half width of its logarithm
+  double half = 0.0;  ///< 95 % half width of the logarithm of the break-away distance
 };
 
 // bristle_laws.cpp
-/// Whether damping (parameter number `damping`) came out above zero.
+/// Whether the damping (parameter number `damping`) was found above zero.
 inline bool has_damping(const Fitted& f, Index damping) { return f.solution.p(damping) > 0.0; }
-/// Cuts the rows, whose pieces follow the break-away distance that is found, from the first guess on. Empty, or why
-/// LuGre could not be fitted.
+/// Repeats the fit of LuGre from the first guess on: the pieces are cut by the break-away distance that the fit before found.
+/// Returns an empty text, or why LuGre could not be fitted.
 std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugre);
 Fitted fit_static(const Given& given, const Rows& rows);
-/// From the solution of LuGre on; empty where no start leads anywhere.
+/// Starts from the solution of LuGre. Empty where no start converges.
 std::optional<Fitted> fit_gms(const Given& given, const Rows& rows, const Fitted& lugre);
 inline Index gms_damping(int elements) { return 2 * elements; }
 
 // bristle_report.cpp
 void report_lugre(const Given& given, const Rows& rows, Fitted& lugre, BristleFit& out);
 void report_gms(const Given& given, const Rows& rows, Fitted& gms, BristleFit& out);
-/// What the chosen law says, or why this log does not determine it. `best` and `chosen` are numbers of models.
+/// Writes what the chosen law says, or why this log does not determine it. `best` and `chosen` are indices of models.
 void answer(const Given& given, const Rows& rows, const Fitted& law, std::size_t best, std::size_t chosen,
             BristleFit& out);
 

@@ -4,15 +4,15 @@
 ///   m·D²x[k] + load + J_k = (f[k−1] + f[k])/2      J_k = ∫ F(t)·w((t − t_k)/T) dt/T,  w(s) = 1 − |s|
 ///
 /// D²x is the second difference over T². The relation is exact under a zero-order hold: friction enters by its
-/// mean over two samples under a triangle and not by its value at the tick. The position between ticks is a
+/// mean over two samples under a triangle, not by its value at the tick. The position between ticks is a
 /// cubic spline through the measured one, after a window of fourth order (2K − K²) where the encoder is coarse.
-/// A sub-step is short against the break-away distance; `early` and `late` are its shares of the triangles of
-/// the tick before and after it.
+/// A sub-step is short compared with the break-away distance. `early` and `late` are its shares of the triangles of
+/// the tick before it and of the tick after it.
 ///
-/// A piece begins where the axis has been sliding for long, so that the bristle is known; one that begins with
-/// the record brings an unknown start. Residuals pass a window (three boxes of 2j+1 rows), the shortest one
-/// that takes the noise of D²x below a hundredth of the swing of friction at a reversal.
-/// Then they may be whitened, e_k + Σ c_l·e_{k−l}: noise that lasts longer than a reversal hides it less so.
+/// A piece begins where the axis has been sliding for long, so that the state of the bristle is known. A piece that begins
+/// with the record adds an unknown start. Residuals pass a window (three boxes of 2j+1 rows): the shortest one that brings the
+/// noise of D²x below a hundredth of the swing of friction at a reversal. They may then be whitened, e_k + Σ c_l·e_{k−l}: this
+/// removes noise that lasts longer than a reversal and would hide it.
 ///
 /// Inside ident only.
 /// Real time: no.
@@ -25,41 +25,41 @@
 
 namespace stribeck::ident::bristle {
 
-/// One sub-step. Friction is taken from the middle of it.
+/// One sub-step. Friction is evaluated in its middle.
 struct PathStep {
   double dt = 0.0;         ///< [s]
   double v = 0.0;          ///< mean [m/s]
   double level = 0.0;      ///< of the steady map [N]
-  double direction = 1.0;  ///< +1 or −1; of the last motion where v = 0
-  double early = 0.0;      ///< share of J of the tick before
-  double late = 0.0;       ///< share of J of the tick after
+  double direction = 1.0;  ///< +1 or −1; where v = 0 that of the last motion
+  double early = 0.0;      ///< share of J of the tick before it
+  double late = 0.0;       ///< share of J of the tick after it
 };
 
-/// One sample: the steps after a tick.
+/// One sample: the sub-steps that follow a tick.
 struct PathSample {
-  std::size_t first = 0;  ///< step
+  std::size_t first = 0;  ///< index of the first step
   std::size_t count = 0;
-  bool settled = false;  ///< sliding for so long that friction is at its steady state
+  bool settled = false;  ///< the axis has been sliding for so long that friction is steady
 };
 
 struct PathPiece {
   int record = 0;
   std::size_t begin = 0;       ///< first tick, row of the record
-  bool unknown_start = false;  ///< bristle at the first tick unknown
+  bool unknown_start = false;  ///< the state of the bristle at the first tick is not known
   std::vector<PathSample> samples;
   std::vector<double> acceleration;  ///< D²x at ticks begin … begin + samples [m/s²]
   std::vector<double> force;         ///< mean of the two held forces [N]
   std::vector<double> given;         ///< J of viscous and additive parts [N]
   std::vector<double> speed;         ///< J of v [m/s]
-  std::vector<std::size_t> rows;     ///< ticks, counted from begin, whose residual counts
+  std::vector<std::size_t> rows;     ///< ticks, counted from begin, whose residual counts in the fit
 };
 
-/// A row that counts.
+/// A row that counts in the fit.
 struct PathRow {
   int record = 0;
   std::size_t at = 0;    ///< row of the record
-  int stretch = 0;       ///< between two reversals, counted over all records
-  bool turning = false;  ///< shortly after a reversal: what dynamic models are compared on
+  int stretch = 0;       ///< stretch between two reversals, counted over all records
+  bool turning = false;  ///< shortly after a reversal: dynamic models are compared on these rows
 };
 
 struct BristlePath {
@@ -72,7 +72,7 @@ struct BristlePath {
   int starts = 0;  ///< pieces with an unknown start
 };
 
-/// What the pieces are cut from, per record.
+/// What the pieces are cut from, for each record.
 struct BristleData {
   std::vector<log::Motion> motion;
   double noise = 0.0;             ///< of the position [m], the largest of the records
@@ -82,7 +82,7 @@ struct BristleData {
 
 inline constexpr std::size_t kMostWhitening = 4;
 
-/// Window, and whitening where `white`: column[k] for every k that has its neighbours inside, else undefined.
+/// Applies the window, and the whitening where `white`, to every column[k] whose neighbours lie inside; the others are undefined.
 void filter_like(const BristlePath& path, bool white, std::size_t n, const double* column, double* out,
                  std::vector<double>& work);
 
@@ -97,8 +97,8 @@ struct CutOptions {
 BristlePath cut_path(const std::vector<log::Record>& records, const BristleData& data,
                      const friction::AxisModel& known, const CutOptions& options);
 
-/// First idea of the break-away distance g/σ0 [m]: where friction crosses zero after a reversal, else from the
-/// stiffness of a motion that never slides. NaN when nothing moves.
+/// First estimate of the break-away distance g/σ0 [m]: the place where friction crosses zero after a reversal; without
+/// reversals, from the stiffness of a motion that never slides. NaN when nothing moves.
 double guess_break_away(const std::vector<log::Record>& records, const BristleData& data,
                         const friction::AxisModel& known);
 

@@ -20,14 +20,14 @@ struct Found {
   const Intervals& intervals;
 };
 
-/// Without notes and what add_bristle() and warn_of_drift() add.
+/// The result without its notes, and without what add_bristle() and warn_of_drift() add.
 Result describe(const Found& found, const DriveFitOptions& options, Notes& notes);
 
-/// Pre-sliding from the reversals. Records of a closed loop where there are any: their slow reversals tell more than
+/// Adds pre-sliding from the reversals. Uses the closed-loop records where there are any: their slow reversals tell more than
 /// the ringing after a pulse.
 void add_bristle(Result& result, const AlignedLog& log, Notes& notes);
 
-/// Friction or offset that moves with time, on the longest record.
+/// Warns of friction or an offset that changes with time, judged on the longest record.
 void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes);
 
 }  // namespace stribeck::ident::drive

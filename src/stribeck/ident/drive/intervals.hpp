@@ -1,12 +1,12 @@
 #pragma once
-/// Covariance of the linear terms and the map, and what is left of the force.
+/// Covariance of the linear terms and the map, and the residual of the force.
 ///
 ///   C = B·S·Bᵀ      S: long-run covariance of multiplier·residual (long_run.hpp), or that of stationary noise;
-///                   the larger standard error of the two stands
+///                   the larger of the two standard errors is used
 ///
-/// Newey–West sees at each speed only the few passes through it and is often too small there by chance; the
-/// stationary form pools all rows but misses noise that depends on speed. Directions of the map that the data do
-/// not see are taken out of B: the curve on the data does not move along them.
+/// At each speed, Newey–West has only the few passes through that speed, and by chance its variance is often too small. The
+/// stationary form pools all rows but misses noise that depends on speed. Directions of the map that the data do not determine
+/// are removed from B: the curve over the data does not change along them.
 ///
 /// Inside ident only. Real time: no.
 
@@ -21,22 +21,22 @@ struct Intervals {
   std::vector<double> residual;  ///< of each row [N]
   MatrixXd long_run;             ///< covariance of linear terms and map
   MatrixXd stationary;           ///< the same under stationary noise
-  /// Share of each map parameter that lies in directions which the data do not see.
+  /// Share of each map parameter that lies in directions which the data do not determine.
   std::vector<double> unseen;
-  double factor = 1.96;  ///< half width over standard error
+  double factor = 1.96;  ///< half width divided by standard error
 
   /// Standard error of hᵀθ, θ = (linear terms, map).
   [[nodiscard]] double error_of(const VectorXd& h) const;
-  /// That of one parameter.
+  /// Standard error of one parameter.
   [[nodiscard]] double error_at(std::size_t i) const;
-  /// A derivative with respect to θ, to be filled.
+  /// A vector of zeros for a derivative with respect to θ.
   [[nodiscard]] VectorXd zero() const { return VectorXd::Zero(long_run.rows()); }
 };
 
 /// The fit with the linear terms that belong to the chosen map.
 LinearFit with_terms_of(const MapChoice& choice, const Terms& terms, LinearFit fit);
 
-/// `fit` as from with_terms_of().
+/// `fit` is one that with_terms_of() returned.
 Intervals intervals(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
                     const MapChoice& choice);
 

@@ -1,14 +1,14 @@
 #pragma once
-/// The terms that are linear, mass, periodic terms and shift, with friction of every bin of speed free.
+/// The linear terms (mass, periodic terms, shift), with one free friction value in every bin of speed.
 ///
 ///   f − lag = Σ θ_j·c_j + F(bin) + e        c: acceleration, sine and cosine of each periodic term, ḟ
 ///
-/// Deviations from the mean of each bin leave the linear terms alone (Robinson 1988). The acceleration is
-/// multiplied with an instrument in its place (motion.hpp), ḟ with the change of the force that the reference
-/// asks for; the noise of both would bias the estimate. What remains over the bins is the map without a model.
+/// Only deviations from the mean of each bin are used, so friction does not affect the linear terms (Robinson 1988). An instrument
+/// (motion.hpp) multiplies in place of the acceleration, and the change of force that the reference asks for in place of ḟ: the
+/// noise of both columns would bias the estimate. The mean that remains in each bin is the map without a model.
 ///
-/// To solve a second time, with the curve of the fit before, takes slopes within a bin out and makes an
-/// instrument of a programmed force.
+/// A second pass uses the curve of the first fit: it removes the slope within each bin and makes an instrument of a
+/// programmed force.
 ///
 /// Inside ident only. Real time: no.
 
@@ -28,16 +28,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
 
-/// A term periodic in position: two columns.
+/// A term periodic in position; it has two columns.
 struct PeriodicColumns {
   double period = 1.0;  ///< [m]
   friction::EccentricForm form = friction::EccentricForm::kAdditive;
   Interval period_interval;
-  /// Of each record, through the window that the force has passed.
+  /// The cosine and sine columns of each record, through the window that the force has passed.
   std::vector<std::vector<double>> sine, cosine;
 };
 
-/// Which linear terms there are. Columns: acceleration unless the mass is known, periodic terms, shift.
+/// The linear terms of the model. Columns: acceleration unless the mass is known, periodic terms, shift.
 struct Terms {
   std::optional<double> known_mass;  ///< [kg]
   std::vector<PeriodicColumns> periodic;
@@ -47,11 +47,11 @@ struct Terms {
   [[nodiscard]] std::size_t count() const noexcept {
     return first_periodic() + 2 * periodic.size() + (shift ? 1 : 0);
   }
-  /// Columns of row i; returns the force that is left when a known mass and the lag are taken off [N].
+  /// Fills the columns of row i. Returns the force less that of a known mass and less the lag [N].
   double fill(const AlignedLog& log, const Rows& rows, std::size_t i, double* c) const;
 };
 
-/// Where a sum stands among the sums of one bin.
+/// Index of each sum among the sums of one bin.
 struct SumsLayout {
   std::size_t terms = 0;
 
@@ -59,7 +59,7 @@ struct SumsLayout {
   [[nodiscard]] std::size_t shift_instrument() const noexcept { return terms + 1; }
   [[nodiscard]] std::size_t force_beside_curve() const noexcept { return terms + 2; }
   [[nodiscard]] std::size_t force() const noexcept { return terms + 3; }
-  /// Columns that have products with each other: those above.
+  /// The columns above: they have products with each other.
   [[nodiscard]] std::size_t columns() const noexcept { return terms + 4; }
   [[nodiscard]] std::size_t rows() const noexcept { return terms + 4; }
   [[nodiscard]] std::size_t speed() const noexcept { return terms + 5; }
@@ -91,7 +91,7 @@ struct Sums {
   SumsLayout layout;
   std::size_t blocks = 0;
   std::array<std::size_t, map::kSides> bins{};
-  std::vector<MatrixXd> products;                         ///< of the columns with each other, by block
+  std::vector<MatrixXd> products;  ///< products of the columns with each other, by block
   std::array<std::vector<double>, map::kSides> by_block;  ///< by side: block, bin, layout
   std::array<std::vector<double>, map::kSides> total;     ///< by side: bin, layout
 
@@ -104,31 +104,33 @@ struct Sums {
 };
 
 struct LinearFit {
-  VectorXd value;                       ///< θ
-  std::vector<VectorXd> held_out;       ///< θ without each block
-  std::vector<std::size_t> multiplier;  ///< column that multiplies the residual in place of each column
-  MatrixXd moments;                     ///< multipliers with columns, about the means of the bins
-  MatrixXd instrument_moments;          ///< multipliers with multipliers
+  VectorXd value;                  ///< θ
+  std::vector<VectorXd> held_out;  ///< θ without each block
+  std::vector<std::size_t>
+      multiplier;               ///< for each column, the index of the column that multiplies the residual
+  MatrixXd moments;             ///< multipliers with columns, about the means of the bins
+  MatrixXd instrument_moments;  ///< multipliers with multipliers
   Sums sums;
   std::array<map::BinCurve, map::kSides> curve;  ///< friction over the bins, the load included
   double mass = 0.0;                             ///< [kg]
   double plain_mass = 0.0;                       ///< by ordinary least squares [kg]
-  double load = 0.0;                             ///< [N], where friction is small beside it, else 0
-  bool mass_by_acceleration = false;             ///< the instrument hardly moves with the acceleration
+  double load = 0.0;                             ///< [N], where friction is small beside it; otherwise 0
+  bool mass_by_acceleration =
+      false;  ///< the acceleration was used because its instrument hardly correlates with it
 };
 
-/// `before`: the fit of the pass before; none in the first pass, which has no instrument either.
+/// `before`: the fit of the first pass; null in the first pass, which has no instrument.
 LinearFit solve(const AlignedLog& log, const Rows& rows, const Terms& terms,
                 const LinearFit* before = nullptr);
 
-/// What is left of the force of row i [N]; `columns` has room for all terms.
+/// Residual of the force of row i [N]; `columns` has room for all terms.
 double residual_of(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
                    std::size_t i, std::vector<double>& columns);
 
-/// What multiplies the residual in the place of the acceleration: the programmed force less friction over the
-/// mass in open loop, else Motion's instrument [m/s²].
+/// Multiplier of the residual in place of the acceleration. In open loop: the programmed force less friction, divided by the
+/// mass; otherwise Motion's instrument [m/s²].
 double mass_instrument(const AlignedLog& log, const Rows& rows, const LinearFit& fit, std::size_t i);
-/// The same in the place of `change`, the column of the shift [N].
+/// Multiplier in place of `change`, the column of the shift [N].
 double shift_instrument(const AlignedLog& log, const Rows& rows, std::size_t i, double change);
 
 }  // namespace stribeck::ident::drive

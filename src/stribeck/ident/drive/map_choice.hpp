@@ -1,9 +1,9 @@
 #pragma once
-/// The steady map that is chosen for what the linear terms leave, alone and together with periodic terms.
+/// Chooses the steady map for the force less the linear terms, alone and together with periodic terms.
 ///
-/// On a sine every speed has two positions only: bins of speed would take the even part of a periodic term for
-/// friction; a map of few parameters does not. Such maps are therefore fitted together with the linear terms by
-/// Gauss–Newton on the sums of the bins, each block left out in turn, and compared with what the bins chose.
+/// On a sine every speed occurs at two positions only. Bins of speed would then take the even part of a periodic term for
+/// friction; a map of few parameters does not. Such maps are therefore fitted together with the linear terms, by Gauss–Newton on
+/// the sums of the bins, each block left out in turn, and compared with the map that the bins alone gave.
 ///
 /// Inside ident only. Real time: no.
 
@@ -17,7 +17,8 @@ namespace stribeck::ident::drive {
 
 struct MapChoice {
   map::StaticChoice map;
-  std::optional<VectorXd> joint;  ///< linear terms of a map that was fitted together with them
+  std::optional<VectorXd>
+      joint;  ///< linear terms of a map that was fitted together with them; absent: fitted to the bins alone
 };
 
 /// Families fitted to the bins and the choice among them (static_fit.hpp).
@@ -30,12 +31,12 @@ struct JointFit {
   VectorXd linear;
   bool good = false;
 };
-/// On the sums of all blocks but `without`; of all where there is no such block.
+/// Fit on the sums of all blocks but `without`; of all blocks where there is no block of that number.
 JointFit fit_jointly(const map::StaticFit& start, const LinearFit& fit, std::size_t without);
 /// Σ residual² of one block [N²].
 double loss_of(const JointFit& joint, const Sums& sums, std::size_t block);
 
-/// Enters the maps of few parameters, fitted together with the periodic terms, into the choice.
+/// Adds the maps of few parameters, fitted together with the periodic terms, to the choice.
 MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit);
 
 }  // namespace stribeck::ident::drive

@@ -1,9 +1,9 @@
 #pragma once
-/// Terms periodic in position beside the map: searched in the residual (map/periodic.hpp), kept if held-out motion
-/// is better for them by more than the standard error of the difference.
+/// Terms periodic in position beside the map. They are searched in the residual (map/periodic.hpp) and kept if they improve the
+/// prediction of held-out motion by more than the standard error of the difference.
 ///
-/// Mass and friction of a fit that does not know the terms take a part of them. The search is therefore repeated
-/// on what is left beside the terms found, until their periods stand still.
+/// A fit without these terms puts a part of them into mass and friction. The search is therefore repeated on the residual
+/// beside the terms found, until their periods no longer change.
 ///
 /// Inside ident only. Real time: no.
 
@@ -15,14 +15,14 @@
 
 namespace stribeck::ident::drive {
 
-/// What is left of the force when everything but the periodic terms is taken off.
+/// The force less everything but the periodic terms.
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
                                     const LinearFit& fit);
 
 /// The columns of a term.
 PeriodicColumns columns_of(const AlignedLog& log, const map::PeriodicTerm& term);
 
-/// The map with the linear terms that it was chosen beside.
+/// The map with the linear terms beside which it was chosen.
 struct PeriodicChoice {
   MapChoice map;
   Terms terms;

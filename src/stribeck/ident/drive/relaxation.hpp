@@ -1,11 +1,11 @@
 #pragma once
-/// Friction after a reversal: it follows the way slid, not time.
+/// Friction after a reversal: it depends on the distance slid, not on time.
 ///
 ///   dF/ds = σ0·(1 − F/g(v)),   relaxation length g/σ0
 ///
-/// σ0 is the value that explains the force around reversals best (a search on a logarithmic grid, refined by
-/// golden section), with g from the map without a model. It serves to leave out the rows in which friction has
-/// not settled and to take off the small lag that remains; bristle_fit.hpp estimates the bristle itself.
+/// σ0 is the value that explains the force around reversals best (logarithmic grid, then golden section), with g from the map
+/// without a model. It is used to leave out the rows in which friction has not settled, and to subtract the small lag that
+/// remains. bristle_fit.hpp estimates the bristle itself.
 ///
 /// Source: Dahl 1968; thesis §5.2.
 /// Not modelled: damping of the bristle.
@@ -19,10 +19,10 @@ namespace stribeck::ident::drive {
 
 struct Relaxation {
   double sigma0 = std::numeric_limits<double>::infinity();
-  double length = 0.0;  ///< g/σ0 [m]; 0: no reversal seen
+  double length = 0.0;  ///< g/σ0 [m]; 0: no reversal found
 };
 
-/// Friction level without a model: the curve of one direction less its viscous part.
+/// Level of friction without a model: the curve of one direction less its viscous part.
 struct Level {
   std::array<map::BinCurve, map::kSides> curve;  ///< without the load
   std::array<double, map::kSides> viscous{};     ///< [N·s/m]
@@ -33,7 +33,7 @@ struct Level {
   }
 };
 
-/// mass, load: as known so far. `near`: how far after a reversal rows are looked at [m].
+/// mass, load: current estimates. `near`: distance after a reversal within which rows are used [m].
 Relaxation find_relaxation(const std::vector<log::Motion>& motions, const Level& level, double mass,
                            double load, double near);
 

@@ -1,9 +1,9 @@
 #pragma once
 /// Rows of settled sliding motion: which rows of a log the fit uses, sorted into bins of speed and into blocks.
 ///
-/// A row is used when its window lies in one stretch between reversals, behind the distance in which friction
-/// settles, at a speed above the slowest, and not marked `skip`. Blocks are left out in turn to judge on motion
-/// that was not fitted: whole stretches where there are enough, else pieces of them.
+/// A row is used when its window lies in one stretch between reversals, farther from the reversal than friction needs to
+/// settle, faster than the slowest speed, and not marked `skip`. Blocks are left out in turn to judge the fit on other motion:
+/// whole stretches where there are enough of them, otherwise pieces of stretches.
 ///
 /// Inside ident only. Real time: no.
 /// Errors: Refused when a direction has too few rows.
@@ -21,37 +21,38 @@ struct Rows : map::Rows {
   std::array<map::Grid, map::kSides> grid;
   std::vector<std::uint8_t> block;
   std::size_t blocks = 5;
-  /// Change of the force from row to row that the reference asks for [N], the instrument of the shift; empty while
-  /// the shift is not fitted.
+  /// Change from row to row of the force that the reference asks for [N]: the instrument of the shift. Empty while the shift is
+  /// not fitted.
   std::vector<double> asked_change;
-  bool sampled = false;  ///< these are not all rows: the force is aligned at them and their neighbours only
+  bool sampled = false;  ///< only some of the rows: the force is aligned at these and their neighbours only
 };
 
-/// What is seen of the axis before any fit.
+/// First estimates, before any fit.
 struct Extent {
   std::array<double, map::kSides> top_speed{};  ///< [m/s]
-  double near = 0.0;  ///< way after a reversal in which friction may not have settled, as a first guess [m]
+  double near =
+      0.0;  ///< first guess of the distance after a reversal in which friction may not have settled [m]
 };
 Extent extent_of(const AlignedLog& log);
 
-/// Which rows are used.
+/// Limits that select the rows.
 struct Window {
-  double exclude = 0.0;        ///< way after a reversal that is left out [m]
-  double slowest_share = 0.0;  ///< of the top speed
-  double relaxation = 0.0;     ///< way in which friction settles [m]; 0: not known
+  double exclude = 0.0;        ///< distance after a reversal that is left out [m]
+  double slowest_share = 0.0;  ///< as a share of the top speed
+  double relaxation = 0.0;     ///< distance in which friction settles [m]; 0: not known
 };
 
 Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, int bins);
 
-/// Indices of rows in sequence, spread over everything: enough for what is only looked at.
+/// Indices of rows spread evenly over the log, for quick looks at the data.
 std::vector<std::size_t> sample(const Rows& rows);
-/// Those rows alone; all of them where there are few.
+/// The rows with these indices; all rows where there are few.
 Rows sampled(const Rows& rows);
 
-/// Numbers the blocks of the rows anew.
+/// Renumbers the blocks of the rows.
 void number_blocks(Rows& rows);
 
-/// Aligns the force, as far as `rows` needs it.
+/// Aligns the force at all rows that `rows` needs.
 void align(AlignedLog& log, double shift, const Rows& rows);
 /// Aligns the force at every row.
 void align_all(AlignedLog& log, double shift);

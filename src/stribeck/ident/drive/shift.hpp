@@ -1,11 +1,10 @@
 #pragma once
 /// The shift between force and motion: searched, refined, and judged.
 ///
-///   search   the shift of least residual with friction of every bin and the mass free, over ±30 ms, 40 rows at most
+///   search   the shift with the smallest residual over ±30 ms, at most 40 rows; friction of every bin and the mass are free
 ///   refine   Gauss–Newton on the column ḟ of the linear terms
-///   judge    a shift is believed when it differs from that of a force under its hold by more than its interval
-///            and the residual is smaller for it; a commanded force acts under its hold, exactly, and nothing is
-///            gained by estimating what is known
+///   judge    a shift is accepted when it differs by more than its interval from the shift of a held force, and the residual is
+///            smaller with it. A commanded force acts under its hold exactly: to estimate what is known gains nothing
 ///
 /// Inside ident only. Real time: no.
 
@@ -15,20 +14,20 @@
 
 namespace stribeck::ident::drive {
 
-/// Absent where the search ends at its border, or where neither speed nor acceleration changes within the bins.
+/// Absent where the best shift lies at the border of the search, or where neither speed nor acceleration changes within bins.
 std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
                                  const std::optional<double>& known_mass);
 
-/// Fills rows.asked_change: m·a + F(v) of the predicted motion, differenced.
+/// Fills rows.asked_change: the difference between rows of m·a + F(v) of the predicted motion.
 void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit);
 
-/// Needs terms.shift; aligns the log anew.
+/// Needs terms.shift; aligns the log again.
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit);
 
-/// Sets terms.shift and aligns the log; the fit that belongs to both.
+/// Sets terms.shift, aligns the log and returns the fit for both.
 LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, Notes& notes);
 
-/// 95 % half width of the shift beside the other terms [rows].
+/// 95 % half width of the shift [rows], estimated together with the other terms.
 double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit);
 
 }  // namespace stribeck::ident::drive

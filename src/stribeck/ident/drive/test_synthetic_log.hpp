@@ -1,6 +1,6 @@
 #pragma once
-/// A log with exact motion and a force by formula, for the tests of the steps: what a step must find is known to
-/// the last digit. Included by tests only.
+/// A log with exact motion and a force by formula, for the tests of the steps: the right answer is known to the last digit.
+/// Included by tests only.
 
 #include <cmath>
 #include <functional>

@@ -9,23 +9,21 @@
 ///   ramp    force, open loop: slowly up to beyond break-away, quickly back, in both directions
 ///   constant acceleration   position, closed loop: triangles of speed
 ///
-/// An axis with friction does not move below the force of break-away, and above it the speed depends on how
-/// much above: pulses need a rough idea of the drive (a slow jog gives the Coulomb force). Base is chosen so
-/// that K_u = 4 just moves the axis; smaller scales show the bristle alone. The length of every pulse follows
-/// from the speed predicted with 15 % less friction, since the idea is rough. Friction that it leaves out
-/// keeps the axis slower than predicted: identify a first run, make a better idea of it with rough_drive(),
-/// design again.
+/// An axis with friction does not move below the break-away force, and above it the speed depends on the excess. Pulses
+/// therefore need a rough estimate of the drive; a slow jog gives the Coulomb force. Base is chosen so that K_u = 4 just moves
+/// the axis; smaller scales show the bristle alone. The length of every pulse follows from the speed predicted with 15 % less
+/// friction, because the estimate is rough. Friction that the estimate lacks keeps the axis slower than predicted: identify a
+/// first run, improve the estimate with rough_drive(), design again.
 ///
-/// Positions are also written as G-code for controls that take no table; forces cannot be.
+/// Positions can also be written as G-code, for controls that take no table. Forces cannot.
 ///
-/// Position tables start at r0; force tables start at rest. A design that would break a limit is not
-/// returned.
+/// Position tables start at r0, force tables at rest. A design that would break a limit is not returned.
 ///
 /// Source: thesis §2.3.2 (figs 2.9–2.11), §2.3.3, (2.33), (2.38), §4.4.1, §4.5.3.
 /// Not modelled: the machine's own limits of jerk; elasticity.
 /// Real time: no.
-/// Errors: Refused names the limit, what was asked and what would fit; BadDesign, where a parameter of the design is
-/// at fault, names it too.
+/// Errors: Refused names the limit, the value asked for and one that would fit; BadDesign also names the parameter of the
+/// design that is wrong.
 
 #include <cstddef>
 #include <optional>
@@ -37,7 +35,7 @@
 
 namespace stribeck::ident::excitation {
 
-/// Rows of one design at the most: some hours at the period of a servo loop, a file of about 100 MB.
+/// Largest number of rows of a design: some hours at the period of a servo loop, a file of about 100 MB.
 inline constexpr std::size_t kMostRows = 2000000;
 
 /// A parameter of a design that makes no sense or too many rows.
@@ -54,14 +52,14 @@ struct Limits {
   double force = 0.0;         ///< [N]
 };
 
-/// What is known of the drive before the experiment; 20 % is good enough.
+/// What is known of the drive before the experiment; within 20 % is good enough.
 struct RoughDrive {
   double mass = 0.0;     ///< [kg]
   double coulomb = 0.0;  ///< break-away and Coulomb force [N]
   double viscous = 0.0;  ///< [N·s/m]
 };
 
-/// The straight line through an identified curve, its larger side, and the mass.
+/// A straight line through the identified curve, taken from the direction with the larger friction, and the mass.
 RoughDrive rough_drive(const Result& first);
 
 struct Excitation {
@@ -70,7 +68,7 @@ struct Excitation {
   std::vector<double> t;      ///< [s]
   std::vector<double> r;      ///< [m]; empty for pulses
   std::vector<double> force;  ///< [N]; empty for closed loop
-  std::string says;           ///< how long, how far, what it will determine
+  std::string says;           ///< in words: duration, travel and what a log of it will determine
 };
 
 struct PulseDesign {
@@ -82,7 +80,7 @@ struct PulseDesign {
 Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
                          const PulseDesign& design = {});
 
-/// Those of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], beyond them a quarter more each, and that one itself.
+/// Speeds of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], then each a quarter higher, and `fastest` itself.
 std::vector<double> jog_speeds(double fastest);
 
 struct JogDesign {
@@ -93,7 +91,7 @@ struct JogDesign {
       0.0;  ///< of a term periodic in position: every stroke is a whole number of it long, where it fits [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
-/// The fastest speed below the limit that the travel from `start` lets be constant for a second [m/s].
+/// The fastest speed below the limit that the travel from `start` allows for a second at constant speed [m/s].
 double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 
 struct SineDesign {
@@ -107,7 +105,7 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
 
 struct RampDesign {
   double start = 0.0;  ///< [m]
-  /// Time until the rough Coulomb force is reached [s]; absent: at most 15 s, shorter where the axis would slip too
+  /// Time until the force reaches the rough Coulomb force [s]; absent: at most 15 s, shorter where the axis would slip too
   /// far or too fast.
   std::optional<double> rise;
   int repeats = 4;  ///< of each direction
@@ -124,9 +122,8 @@ struct AccelerationDesign {
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design = {});
 
-/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move), on one axis letter.
-/// Constant speeds are one move each, other motions moves of about 20 ms. Refused for forces, which no G-code
-/// can ask for.
+/// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move) for one axis letter. A constant
+/// speed is one move; other motions are moves of about 20 ms. Refused for forces, which G-code cannot command.
 std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
 
 }  // namespace stribeck::ident::excitation

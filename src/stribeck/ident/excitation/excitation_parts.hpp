@@ -1,5 +1,5 @@
 #pragma once
-/// Inside of excitation.hpp: what every design checks and writes. Each design has a file of its own.
+/// Inside of excitation.hpp: what every design checks and writes. Each design has its own file.
 /// Real time: no.
 
 #include <cstddef>
@@ -8,21 +8,21 @@
 
 namespace stribeck::ident::excitation {
 
-inline constexpr double kReserve = 0.95;  ///< of the speed limit
-/// Speeds are predicted with this share of the friction: the idea of the drive is rough.
+inline constexpr double kReserve = 0.95;  ///< share of the speed limit that is used
+/// Share of the friction with which speeds are predicted, because the estimate of the drive is rough.
 inline constexpr double kDoubt = 0.85;
-inline constexpr double kRest = 0.15;  ///< between motions, after the axis has stopped [s]
-inline constexpr double kStep = 1e-3;  ///< of the prediction [s]
+inline constexpr double kRest = 0.15;  ///< pause between motions, after the axis has stopped [s]
+inline constexpr double kStep = 1e-3;  ///< time step of the prediction [s]
 
-/// Refuses limits without speed or travel, and a start outside.
+/// Refuses limits without speed or travel, and a start outside the travel.
 void check(const Limits& l, double sample_time, double start);
 
-/// Refuses designs of too many rows, before anything is filled. Rows are no integer here: those that are asked for
-/// may not fit one.
+/// Refuses designs with too many rows before anything is filled. The number of rows is no integer here, because one that is
+/// asked for may not fit an integer.
 void check_rows(const char* parameter, double rows, double sample_time, const std::string& what,
                 const std::string& way_out);
 
-/// Time of so many rows.
+/// Times of that many rows.
 void stamp(Excitation& e, std::size_t rows);
 
 /// Refuses positions beyond travel, speed or acceleration.

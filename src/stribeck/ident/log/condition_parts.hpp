@@ -1,5 +1,5 @@
 #pragma once
-/// Inside of condition(): a table of equally spaced rows, the notes on what was found, and the steps by file.
+/// Inside of condition(): a table of equally spaced rows, the notes on what was found, and the steps, listed by file.
 /// Nothing here is for users of the library; it may change at any time.
 /// Real time: no.
 
@@ -24,26 +24,26 @@ struct Table {
   bool gap_before = false;
 
   [[nodiscard]] std::size_t rows() const noexcept { return t.size(); }
-  /// The column that tells of motion.
+  /// The column that shows motion.
   [[nodiscard]] const std::vector<double>& motion() const noexcept { return x.empty() ? v : x; }
 };
 
 /// Rows from first to last (not included).
 Table slice(const Table& table, std::size_t first, std::size_t last);
 
-/// Collects findings; a kind that is switched off is neither noted nor repaired.
+/// Collects findings. A kind that is switched off is neither noted nor repaired.
 class Notes {
  public:
   explicit Notes(const ConditionOptions& options);
   [[nodiscard]] bool wanted(std::string_view kind) const;
-  /// Place from a table: row k, or rows k to last.
+  /// The place of a finding is row k of a table, or rows k to last.
   void add(std::string kind, const Table& table, std::size_t k, bool repaired, const std::string& text,
            std::vector<double> values = {});
   void add_range(std::string kind, const Table& table, std::size_t k, std::size_t last, bool repaired,
                  const std::string& text, std::vector<double> values = {});
   void add_all(std::string kind, const std::string& source, bool repaired, const std::string& text,
                std::vector<double> values = {});
-  /// A length [m or rad] as people read it.
+  /// A length [m or rad] as text for people.
   [[nodiscard]] std::string travel(double value) const;
   void turns(bool yes) { turns_ = yes; }
   [[nodiscard]] bool has(std::string_view kind) const;
@@ -55,7 +55,7 @@ class Notes {
   bool turns_ = false;
 };
 
-inline constexpr std::size_t kFewestRows = 100;  ///< of a piece, as problems() of a record asks for
+inline constexpr std::size_t kFewestRows = 100;  ///< fewest rows of a piece, as in problems() of a record
 
 inline bool turning(const std::string& position_unit) { return position_unit == "rad"; }
 
@@ -63,58 +63,58 @@ inline bool turning(const std::string& position_unit) { return position_unit == 
 bool same_row(const Table& table, std::size_t a, std::size_t b);
 /// Whether a column has one value in all rows of all tables.
 bool constant(const std::vector<Table>& tables, std::vector<double> Table::*column);
-/// At most `most` values in four blocks spread over the column, each of neighbouring rows.
+/// At most `most` values of a column: four blocks spread over it, each of neighbouring rows.
 std::vector<double> sample_of(const std::vector<double>& values, std::size_t most);
-/// Mean over [from, to) of a signal that holds its value from one stamp to the next.
+/// Mean over [from, to) of a signal that keeps its value from one stamp to the next.
 double hold_mean(const std::vector<double>& t, const std::vector<double>& y, double from, double to,
                  std::size_t& hint);
-/// On the straight line between the neighbouring stamps.
+/// Value at a time, on the straight line between the neighbouring stamps.
 double on_line(const std::vector<double>& t, const std::vector<double>& y, double at, std::size_t& hint);
 
 // condition_bases.cpp
-/// All signals on one time base; takes them out of the log. Throws Refused.
+/// Brings all signals to one time base and takes them out of the log. Throws Refused.
 Table one_table(RawLog& log, std::size_t run, Notes& notes);
 
 // condition_time.cpp
 double median_step(const std::vector<double>& t);
-/// Pieces without gaps, each with regular time.
+/// Cuts a table into pieces without gaps, each with regular time.
 std::vector<Table> regular_pieces(Table table, Sampling& sampling, Notes& notes);
 
 // condition_sampling.cpp
-/// Rows between new values; 1 when the column is new in every row.
+/// Number of rows between new values; 1 when every row has a new value.
 double hold_of(const std::vector<Table>& tables, std::vector<double> Table::*column);
-/// Resolution and noise of every channel.
+/// Measures resolution and noise of every channel.
 void measure(const std::vector<Table>& tables, Sampling& sampling);
 
 // condition_grid.cpp
-/// The same pieces on the grid of the slowest channel.
+/// Brings the pieces to the grid of the slowest channel.
 std::vector<Table> on_slow_grid(std::vector<Table> tables, Sampling& sampling, Notes& notes);
-/// Cuts out what a frozen logger wrote.
+/// Cuts out the rows that a frozen logger wrote.
 std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold, Notes& notes);
 
 // condition_columns.cpp
-/// Position from velocity where the log has none, from 0 on; or the reference from its velocity.
+/// Integrates the velocity to a position that begins at 0, where the log has no position; or the reference from its velocity.
 void integrate_velocity(std::vector<Table>& tables, bool reference);
 /// Leaves out, turns or refuses a velocity that is not the rate of the position.
 void check_velocity(std::vector<Table>& tables, const Sampling& sampling, Notes& notes);
-/// Leaves out a reference that has nothing to do with the position.
+/// Leaves out a reference that does not belong to the position.
 void check_reference(std::vector<Table>& tables, Notes& notes);
 
 // condition_samples.cpp
-/// Replaces single samples far off their neighbours, which agree with each other.
+/// Replaces single samples that are far off neighbours which agree with each other.
 void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<double> Table::*column,
                  const char* name, Notes& notes);
-/// Cuts where the position jumps between two rows while the speed before and after is the same.
+/// Cuts where the position jumps between two rows although the speed before and after is the same.
 std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes);
-/// Cuts out a force that keeps its value to the last bit while the axis is accelerated.
+/// Cuts out rows in which the force keeps its value to the last bit although the axis accelerates.
 std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes& notes);
 
 // condition_drive.cpp
-/// Cuts standstill without drive off both ends.
+/// Cuts off standstill with the drive switched off, at both ends.
 void cut_drive_off(std::vector<Table>& tables, Notes& notes);
 /// Whether the force has no noise of its own: it was programmed, not measured.
 bool quiet(const std::vector<double>& force);
-/// Marks rows in which the force stands at the end of its range.
+/// Marks rows in which the force is at the end of its range.
 void find_saturation(std::vector<Table>& tables, Notes& notes);
 
 // rough_fit.cpp
@@ -123,7 +123,7 @@ RoughFit rough_fit(const std::vector<Table>& tables);
 // condition_sign.cpp
 /// Recovers the signs of a force that was logged as a magnitude.
 void recover_signs(std::vector<Table>& tables, Notes& notes);
-/// Turns the force where it acts against the position.
+/// Reverses the force where its sign disagrees with the position's.
 void mend_sign(std::vector<Table>& tables, Notes& notes);
 
 // condition_coverage.cpp
@@ -132,7 +132,7 @@ void mark_rest(Table& table, double resolution);
 Coverage cover(const std::vector<Table>& tables, const Sampling& sampling, const std::string& position_unit);
 
 // condition_verdict.cpp
-/// Writes what such a log can tell and what not.
+/// Writes what such a log can determine and what not.
 void judge(Conditioned& out, const std::string& position_unit);
 
 }  // namespace stribeck::ident::log::parts

@@ -1,15 +1,15 @@
 #pragma once
-/// Digital filters of the published identification protocols, with their treatment of the ends.
+/// Digital filters of the published identification protocols, with the same treatment of the ends.
 ///
 ///   y[k] = (b0·x[k] + … + bn·x[k−n] − a1·y[k−1] − … − an·y[k−n]) / a0
 ///
 /// Low-pass designs by the bilinear transformation with a prewarped edge; the edge is a share of the Nyquist
-/// frequency, 0 < edge < 1. Forward-backward filtering has no phase and the squared gain. Its ends: odd
-/// extension by 3·(number of coefficients − 1) samples, and states that start as after a constant input.
+/// frequency, 0 < edge < 1. Forward-backward filtering has no phase and the squared gain. At the ends: odd
+/// extension by 3·(number of coefficients − 1) samples, and initial states as after a constant input.
 ///
 /// Source: Oppenheim, Schafer, Discrete-Time Signal Processing, chapter 7; ends: Gustafsson 1996,
 /// doi:10.1109/78.492552.
-/// Not modelled: second-order sections; the direct form loses digits above order 10 or so.
+/// Not modelled: second-order sections; above an order of about 10 the direct form loses digits.
 /// Real time: no.
 /// Errors: std::invalid_argument names the argument.
 
@@ -32,8 +32,8 @@ Filter chebyshev_1(int order, double ripple_db, double edge);
 /// Zero-phase filtering. The signal must be longer than the extension.
 std::vector<double> forward_backward(const Filter& filter, const std::vector<double>& x);
 
-/// Every factor-th sample of the signal after forward_backward with a Chebyshev filter of order 8, 0.05 dB,
-/// 0.8/factor; the samples are counted back from the end, as MATLAB's `decimate` does.
+/// The signal after forward_backward with a Chebyshev filter of order 8, 0.05 dB, 0.8/factor; every factor-th sample of it,
+/// counted back from the end as MATLAB's `decimate` does.
 std::vector<double> decimate(const std::vector<double>& x, std::size_t factor);
 
 /// Weights of three boxes of 2j+1 samples, convolved; 6j+1 of them, with sum 1.

@@ -1,14 +1,14 @@
 #pragma once
-/// Runs that look like different days of measurement.
+/// Finds runs that look as if they were measured on different days.
 ///
-/// Friction of one axis changes from day to day by more than the friction curve bends between two speeds. When the slow
-/// runs come from one day and the fast ones from another, an identification makes a low-speed term of the difference.
+/// From day to day, friction of one axis changes by more than the friction curve changes between two speeds. When the slow
+/// runs come from one day and the fast ones from another, an identification takes the difference for a low-speed term.
 ///
-/// Steady runs of each direction are ordered by speed. Two groups are told apart by the duration or the sampling time of
-/// their runs; they are reported when the mean force at the same positions jumps between them by far more than between
-/// neighbouring speeds within the groups.
+/// The steady runs of each direction are ordered by speed. Two groups are separated by the duration or the sampling time of
+/// their runs. They are reported when, at equal positions, the mean force jumps between the groups by far more than between
+/// neighbouring speeds within a group.
 ///
-/// Not modelled: days that differ in nothing but friction.
+/// Not modelled: days that differ in friction alone.
 /// Real time: no.
 
 #include <stribeck/ident/log/condition.hpp>

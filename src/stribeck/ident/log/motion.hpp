@@ -4,23 +4,22 @@
 ///   a[k] = (x[k+1] − 2x[k] + x[k−1])/T²     pairs exactly with (f[k−1] + f[k])/2 under a zero-order hold
 ///   v[k] = (x[k+1] − x[k−1])/(2T)
 ///
-/// A log may hold the force s + ½ rows later (options.shift = s: the force of row k + s belongs to the motion of
-/// row k; −½ is a commanded force under its hold). The weights are then the shares of the triangle over
-/// [k−1, k+1], which a second difference is, so that the hold stays exact at any fraction of a row.
+/// A log may hold the force s + ½ rows later (options.shift = s: the force of row k + s belongs to the motion of row k; −½ is a
+/// commanded force under its hold). The weights are then shares of the triangle over [k−1, k+1]. A second difference has the
+/// same triangle, so the hold stays exact for any fraction of a row.
 ///
-/// Both sides then pass one symmetric window (a box of 2j+1 rows, three times; or, with options.cut_off, a
-/// Butterworth filter of order 4 forward and backward), so that the linear relation is kept and nothing is
-/// shifted. The window is the shortest one that brings the noise of a, as it follows from the white part of the
-/// noise of x, below 1 % of the spread of a. Rows whose window reaches over an end are not valid.
+/// Both sides then pass one symmetric window (a box of 2j+1 rows, three times; or, with options.cut_off, a Butterworth
+/// filter of order 4 forward and backward). So the linear relation is kept and nothing is shifted. The window is the shortest
+/// one that brings the noise of a, computed from the white part of the noise of x, below 1 % of the spread of a. A row whose
+/// window reaches over an end is not valid.
 ///
-/// A reversal is the extreme from which x has come back by more than the hysteresis (ten times the noise of
-/// x); elastic spring-back after a stop counts. `distance` is the travel since then: bristles follow it, not
+/// A reversal is an extreme of x from which x has come back by more than the hysteresis (ten times the noise of
+/// x); elastic spring-back after a stop counts. `distance` is the travel since then, because bristles depend on travel, not on
 /// time.
 ///
-/// `instrument` is what least squares for the mass multiplies with instead of the measured a, whose noise
-/// would bias it (mass −4.7 % on a 25 nm encoder at 5 ms without window): the acceleration of the reference
-/// in closed loop, the force in open loop, the acceleration through a three times longer window when neither
-/// is known to be free of noise.
+/// `instrument` multiplies in least squares for the mass instead of the measured a, whose noise would bias the mass (by −4.7 %
+/// with a 25 nm encoder at 5 ms without a window). In closed loop it is the acceleration of the reference, in open loop the
+/// force; where neither is known to be free of noise, the acceleration through a three times longer window.
 ///
 /// Source: thesis §2.4.3; Söderström, Errors-in-Variables Methods in System Identification, 2018.
 /// Not modelled: elasticity between encoder and force.
@@ -34,12 +33,12 @@ namespace stribeck::ident::log {
 
 struct Motion {
   double sample_time = 0.0;      ///< [s]
-  Loop loop = Loop::kAutomatic;  ///< as found
+  Loop loop = Loop::kAutomatic;  ///< as found: never kAutomatic
   double position_noise = 0.0;   ///< RMS of the white part of x [m]
   double stroke = 0.0;           ///< [m]
   int window = 0;                ///< j of the boxes, 0: none
   double cut_off = 0.0;          ///< of the Butterworth filter instead [Hz], 0: none
-  int reach = 0;                 ///< rows that a row's values draw on, to each side
+  int reach = 0;                 ///< rows on each side that the values of a row use
 
   std::vector<double> x;               ///< [m]
   std::vector<double> v;               ///< [m/s]
@@ -52,12 +51,12 @@ struct Motion {
   std::vector<std::size_t> reversals;  ///< rows
 
   [[nodiscard]] std::size_t rows() const noexcept { return v.size(); }
-  /// The window of row k lies inside the record.
+  /// Whether the window of row k lies inside the record.
   [[nodiscard]] bool valid(std::size_t k) const noexcept {
     const auto n = static_cast<std::size_t>(reach);
     return k >= n && k + n < rows();
   }
-  /// The window of row k lies in one stretch, at least `exclude` [m] after its reversal.
+  /// Whether the window of row k lies in one stretch, at least `exclude` [m] after its reversal.
   [[nodiscard]] bool sliding(std::size_t k, double exclude) const noexcept {
     const auto n = static_cast<std::size_t>(reach);
     return valid(k) && stretch[k - n] == stretch[k + n] && distance[k - n] >= exclude;
@@ -68,22 +67,22 @@ struct MotionOptions {
   int window = -1;       ///< j of the boxes; negative: chosen from the data
   double cut_off = 0.0;  ///< of the Butterworth filter that replaces the boxes [Hz]; 0: boxes
   double shift = -0.5;   ///< the force of row k + shift belongs to the motion of row k [rows]
-  std::vector<double>* smoothed_force = nullptr;  ///< takes the force through the window, not aligned
+  std::vector<double>* smoothed_force = nullptr;  ///< receives the windowed force before alignment
 };
 
 /// Force that acts together with the acceleration of each row.
 std::vector<double> align_force(const std::vector<double>& f, double shift);
-/// The same for rows from `from` up to, not including, `to` of `out`, which has as many rows as f.
+/// The same for rows `from` to `to` (not included) of `out`, which has as many rows as f.
 void align_force(const std::vector<double>& f, double shift, std::size_t from, std::size_t to,
                  std::vector<double>& out);
 
-/// Another column of the same record through the same window.
+/// Passes another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);
 
 /// The record must be free of problems().
 Motion reconstruct(const Record& record, const MotionOptions& options = {});
 
-/// RMS [m] of the white part of the position noise, from fourth differences where the axis moves.
+/// RMS of the white part of the position noise [m], from fourth differences where the axis moves.
 double position_noise(const std::vector<double>& x);
 
 }  // namespace stribeck::ident::log

@@ -1,19 +1,18 @@
 #pragma once
-/// One run of one axis, as every identification method takes it.
+/// One run of one axis: the input of every identification method.
 ///
 ///   t  time [s]                  r  reference position [m]; empty: not logged
 ///   x  measured position [m]     f  force of the drive [N]
 ///   v  measured velocity [m/s], where the log has one; empty: from x
 ///
-/// All columns have one length. Time is uniform with the period T of the controller. f is the force that was
-/// asked for, under a zero-order hold: f[k] acts from t[k] to t[k+1]; x[k] is read at t[k]. Force is positive
-/// towards larger x.
+/// All columns have the same length. Time is uniform with the period T of the controller. f is the commanded force under a
+/// zero-order hold: f[k] acts from t[k] to t[k+1]; x[k] is read at t[k]. A positive force pushes towards larger x.
 ///
-/// A log whose force has no known scale keeps its own unit (force_unit "A", "%", "V"), and one of an axis without
-/// a lead keeps the angle (position_unit "rad"); then N and m stand for these everywhere. A log that was cut at
-/// gaps is several records with one source.
+/// A log whose force has no known scale keeps its own unit (force_unit "A", "%", "V"). One of an axis without a lead keeps
+/// the angle (position_unit "rad"). N and m then stand for these units everywhere. A log that was cut at gaps is several records
+/// with the same source.
 ///
-/// Not modelled: a delay between the columns; a log that has one must be shifted before.
+/// Not modelled: a delay between the columns; such a log must be shifted before.
 /// Real time: no.
 /// Errors: problems() lists everything that is wrong, each with its row.
 
@@ -23,15 +22,15 @@
 
 namespace stribeck::ident::log {
 
-/// How the force came about. It decides which signal is free of the noise: the reference or the force itself.
+/// How the force was made. This decides which signal is free of noise: the reference or the force itself.
 enum class Loop {
-  kAutomatic,  ///< closed if there is a reference, open if the force looks like a programme, else unknown
-  kOpen,       ///< the force was programmed; the axis did not act back on it
+  kAutomatic,  ///< closed if there is a reference; open if the force looks programmed; otherwise unknown
+  kOpen,       ///< the force was programmed and did not react to the axis
   kClosed      ///< a position controller made the force
 };
 
 struct Record {
-  std::string source;        ///< where it comes from, for messages and reports
+  std::string source;        ///< file or other origin, for messages and reports
   double sample_time = 0.0;  ///< T [s]
   std::vector<double> t;     ///< [s]
   std::vector<double> r;     ///< [m], may be empty
@@ -44,8 +43,8 @@ struct Record {
   std::string position_unit = "m";
 };
 
-/// Everything that keeps a record from being identified, one sentence each with place, what was got and what
-/// was expected; empty when it is good. Time stamps may jitter by 1 % of the period.
+/// All reasons why a record cannot be identified, one sentence each with place, value found and value expected; empty for a
+/// good record. Time stamps may jitter by 1 % of the period.
 std::vector<std::string> problems(const Record& record);
 
 }  // namespace stribeck::ident::log

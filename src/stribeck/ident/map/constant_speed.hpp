@@ -1,6 +1,6 @@
 #pragma once
-/// Stretches of constant speed in a record (steady_runs.hpp): the speed in blocks, neighbours that differ least joined
-/// until those left differ by more than 4 % and by more than their noise.
+/// Finds stretches of constant speed in a record (steady_runs.hpp). The speed is averaged over blocks; the neighbours that differ
+/// least are joined until those left differ by more than 4 % and by more than their noise.
 ///
 /// Inside ident only. Real time: no.
 
@@ -12,14 +12,14 @@
 
 namespace stribeck::ident::map {
 
-/// A stretch, nothing left out at its beginning yet.
+/// A stretch, before its beginning is left out.
 struct ConstantSpeed {
   SteadyRun run;
   bool from_change = true;              ///< a change of speed precedes
   std::optional<std::size_t> reversal;  ///< row of the reversal before it
 };
 
-/// At the scale that shows most: a rippling speed is constant only to longer blocks.
+/// Tries several lengths of blocks and takes the one that finds most: a rippling speed is constant only over longer blocks.
 std::vector<ConstantSpeed> find_constant_speeds(const log::Record& rec, std::size_t number);
 
 /// Mean of values [first, end).

@@ -1,6 +1,6 @@
 #pragma once
-/// Rows of sliding motion, sorted into bins of speed for each direction, and friction over the bins without a
-/// model. Inside ident only.
+/// Rows of sliding motion, sorted into bins of speed for each direction, and the mean friction of each bin, without a model.
+/// Inside ident only.
 /// Real time: no.
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Grid {
   }
 };
 
-/// Means over bins, joined by straight lines.
+/// Mean over each bin, joined by straight lines.
 struct BinCurve {
   Grid grid;
   std::vector<double> speed, force, weight;  ///< occupied bins; force against the motion
@@ -55,22 +55,22 @@ inline double BinCurve::operator()(double s) const noexcept {
   return force[i - 1] + share * (force[i] - force[i - 1]);
 }
 
-/// Rows that are used, one behind the other over all records.
+/// Rows that are used, of all records in a row.
 struct Rows {
   std::vector<int> record;
   std::vector<std::size_t> at;  ///< row of the record
   std::vector<int> stretch;     ///< counted over all records
   std::vector<std::uint8_t> side;
   std::vector<int> bin;
-  std::vector<double> lag;  ///< what friction lags behind its steady state, signed [N]
+  std::vector<double> lag;  ///< by how much friction lags behind its steady state, signed [N]
 
   [[nodiscard]] std::size_t size() const noexcept { return at.size(); }
   void reserve(std::size_t rows);
-  void clear();  ///< keeps the memory
+  void clear();  ///< keeps the memory allocated
 };
 
-/// Peaks of the smoothed map after its straight line is taken off, the border at the highest speed counted
-/// (thesis §2.4.3).
+/// Number of peaks of the smoothed map less its straight line; the border at the highest speed counts as a peak if the map rises
+/// to it (thesis §2.4.3).
 int peaks_of(const BinCurve& map);
 
 }  // namespace stribeck::ident::map

@@ -5,17 +5,16 @@
 ///
 ///   u = |v|/v_max in (0, 1], F against the motion [N], w rows of the bin
 ///
-/// The force depends on v alone, so bins lose nothing and cost a hundredth of the rows. η0, η1, a_i are
-/// eliminated (variable projection, Kaufman's Jacobian); b_i, c_i are found by Levenberg–Marquardt
-/// (ceres::TinySolver) inside bounds. Every number of terms gets starts of two kinds, the same in every run:
-/// a term added to the best smaller fit where, over a grid of centres and widths, it explains most; and
-/// centres and widths spread over the range. Most are given up after a few steps, the best are finished, each
-/// minimum once. From the best fit the search goes on to its neighbours: a term, or a pair that nearly cancels, set
-/// anew where it explains most; dips of a high level turned into bells of a low one.
+/// The force depends on v alone, so bins lose nothing and cost a hundredth of the rows. η0, η1, a_i are eliminated (variable
+/// projection, Kaufman's Jacobian); b_i, c_i are found by Levenberg–Marquardt (ceres::TinySolver) inside bounds. Every number of
+/// terms gets starts of two kinds, the same in every run: the best smaller fit with a term added where, over a grid of centres
+/// and widths, it explains most; and centres and widths spread over the range. Most starts are given up after a few steps; the
+/// best are finished. The search goes on from the best fit to its neighbours: a term, or a pair that nearly cancels, is placed
+/// anew where it explains most; dips in a high level are replaced by bells on a low one.
 ///
-/// η0 and η1 are held near the straight line through the bins, since wide terms can take their part: without
-/// that, η0 or F − η1·v may leave the sign of the motion. A weak pull of the heights to zero keeps cancelling
-/// terms of thousands of newtons out; its share of the cost is below the noise.
+/// η0 and η1 are held near the straight line through the bins, because wide terms can take their place: η0 or F − η1·v could
+/// then have the wrong sign. A weak pull of the heights to zero prevents terms of thousands of newtons that cancel; its share
+/// of the cost is below the noise.
 ///
 /// Source: Golub, Pereyra 1973, doi:10.1137/0710036; Kaufman 1975, doi:10.1007/BF01932995.
 /// Not modelled: bounds on the heights.
@@ -46,7 +45,7 @@ struct BranchFit {
   double eta0 = 0.0;  ///< [N]
   double eta1 = 0.0;  ///< [N] per unit of u
   std::vector<FitTerm> terms;
-  bool centred = false;  ///< one term with b = 0, which is no parameter then: a Stribeck part
+  bool centred = false;  ///< one term with b = 0, not fitted: a Stribeck part
   double cost = 0.0;     ///< Σ w·residual² [N²]
 
   [[nodiscard]] double force(double u) const noexcept;
@@ -59,28 +58,30 @@ struct FitSettings {
   double noise = 1.0;         ///< standard deviation of one row [N]: the unit of the stopping rule
   double height_scale = 1e5;  ///< heights beyond it are pulled back [N]
   double slope_scale = 1e5;   ///< deviations of η0, η1 from the straight line beyond it are pulled back [N]
-  int polished = 3;           ///< places that are tried for each added term
+  int polished = 3;           ///< number of places tried for each added term
   int scattered = 96;         ///< further starts with centres and widths spread over the range
-  bool exchange = true;       ///< terms of the best fit are taken out and set anew until it gets no better
-  double narrowest = 0.015;   ///< bound of c [-]
-  unsigned first_start = 1;   ///< of the sequence of scattered starts: another number, other starts
+  bool exchange =
+      true;  ///< terms of the best fit are removed and placed anew until the fit no longer improves
+  double narrowest = 0.015;  ///< bound of c [-]
+  unsigned first_start =
+      1;  ///< first number of the sequence of scattered starts; another number gives other starts
 };
 
-/// No term: the straight line.
+/// The fit without terms: the straight line.
 BranchFit fit_line(const Bins& bins, const FitSettings& settings);
 
-/// One term more than `before`, which is one of the starts. Absent where the bins do not carry more parameters.
-/// `also`: a fit of as many terms to nearly the same data, a start too.
+/// One term more than `before`, which is one of the starts. Absent where the bins do not determine more parameters.
+/// `also`: a fit of as many terms to nearly the same data, used as one more start.
 std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before, const FitSettings& settings,
                                       const BranchFit* also = nullptr);
 
 /// Fits with 0 … most terms, each started from the one before; element n has n terms.
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings);
 
-/// η0 + η1·u + a·exp(−(u/c)²): a Stribeck part that may rise or fall. Absent where the bins do not carry it.
+/// η0 + η1·u + a·exp(−(u/c)²): a Stribeck part that may rise or fall. Absent where the bins do not determine it.
 std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings);
 
-/// Neighbouring bins joined until about `wanted` are left.
+/// Joins neighbouring bins until about `wanted` are left.
 Bins joined(const Bins& bins, std::size_t wanted);
 
 }  // namespace stribeck::ident::map

@@ -1,8 +1,8 @@
 #pragma once
-/// Least squares of a branch with the heights and the straight line eliminated (gaussian_fit.hpp): residuals and
-/// derivatives over centres and widths alone.
+/// Least squares of a branch in which heights and straight line are eliminated (gaussian_fit.hpp): residuals and
+/// derivatives depend on centres and widths alone.
 ///
-///   p = (p_b1, p_c1, p_b2, …)      b and ln c are mapped from the whole line into their bounds
+///   p = (p_b1, p_c1, p_b2, …)      b and ln c are mapped from all real numbers into their bounds
 ///
 /// Inside ident only. Real time: no.
 
@@ -22,12 +22,12 @@ using Index = Eigen::Index;
 inline constexpr double kLowestCentre = -0.6;
 inline constexpr double kHighestCentre = 1.7;
 inline constexpr double kWidest = 2.0;
-/// The straight line may take this share of the smallest friction per speed.
+/// Largest slope of the straight line, as a share of the smallest friction divided by its speed.
 inline constexpr double kMostViscous = 0.6;
 
 inline constexpr int kMostTerms = 6;
 
-/// (lo, hi) ↔ the whole line.
+/// Maps the bounds (lo, hi) to all real numbers and back.
 inline double into(double p, double lo, double hi) { return lo + (hi - lo) / (1.0 + std::exp(-p)); }
 inline double out_of(double x, double lo, double hi) {
   const double s = std::clamp((x - lo) / (hi - lo), 1e-6, 1.0 - 1e-6);
@@ -38,14 +38,14 @@ inline double slope(double p, double lo, double hi) {
   return (hi - lo) * s * (1.0 - s);
 }
 
-/// Least squares with the heights and the straight line eliminated.
+/// Least squares with heights and straight line eliminated.
 class Projected {
  public:
   Projected(const Bins& bins, int terms, const FitSettings& settings)
       : terms_(terms), settings_(settings), rows_(static_cast<Index>(bins.size())) {
     u_ = Eigen::Map<const VectorXd>(bins.u.data(), rows_);
     root_ = Eigen::Map<const VectorXd>(bins.weight.data(), rows_).cwiseSqrt() / settings.noise;
-    // Below the bins: one row for each pull, terms first, then η1 and η0.
+    // Rows below those of the bins: one for each pull, terms first, then η1 and η0.
     pulls_ = terms > 0 ? terms + 2 : 0;
     y_ = VectorXd::Zero(rows_ + pulls_);
     y_.head(rows_) = Eigen::Map<const VectorXd>(bins.force.data(), rows_).cwiseProduct(root_);
@@ -90,7 +90,7 @@ class Projected {
       const double ratio =
           slope(p[2 * i + 1], low_width(), high_width()) / slope(p[2 * i], kLowestCentre, kHighestCentre);
       by_width.head(rows_).array() = ratio * by_centre.head(rows_).array() * (u_.array() - centre_[i]);
-      // Column by column: the general product packs its operands, which costs more than so few columns are.
+      // Column by column: Eigen's general product first packs its operands, which costs more than these few columns.
       for (Index k = 0; k < thin_.cols(); ++k) {
         by_centre -= thin_.col(k).dot(by_centre) * thin_.col(k);
         by_width -= thin_.col(k).dot(by_width) * thin_.col(k);
@@ -109,7 +109,7 @@ class Projected {
     return fit;
   }
 
-  /// What a further term of this centre and width would take off the cost.
+  /// Reduction of the cost by a further term of this centre and width.
   [[nodiscard]] double gain(double centre, double width, const VectorXd& residual) const {
     VectorXd g = VectorXd::Zero(rows_ + pulls_);
     g.head(rows_) = column(centre, width);
@@ -128,7 +128,7 @@ class Projected {
     return (root_.array() * (-((u_.array() - centre) / width).square()).exp()).matrix();
   }
   void evaluate(const double* p) const {
-    // The solver asks for the derivatives where it has just asked for the residuals.
+    // The solver asks for derivatives at the point whose residuals it has just asked for.
     if (fresh_ && std::equal(p, p + 2 * terms_, at_)) return;
     fresh_ = true;
     std::copy(p, p + 2 * terms_, at_);
@@ -137,8 +137,8 @@ class Projected {
       width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
       design_.col(2 + i).head(rows_) = column(centre_[i], width_[i]);
     }
-    // Modified Gram–Schmidt: the pulls keep the columns independent enough, and it is a fifth of the time of
-    // Householder's form on so few columns. The first two columns never change.
+    // Modified Gram–Schmidt: the pulls keep the columns independent enough, and it takes a fifth of the time of Householder's
+    // form for so few columns. The first two columns never change.
     const Index n = design_.cols();
     for (Index j = kFixed; j < n; ++j) {
       thin_.col(j) = design_.col(j);
@@ -160,7 +160,7 @@ class Projected {
       for (Index i = 0; i < j; ++i) linear_(i) -= upper_(i, j) * linear_(j);
     }
   }
-  /// The orthogonal form of the columns that stand still.
+  /// The orthogonal form of the columns that do not change.
   void prepare() {
     linear_.resize(design_.cols());
     thin_ = design_;

@@ -1,14 +1,14 @@
 #pragma once
-/// Terms periodic in position in what a friction model leaves of the force; the periods are not known before.
+/// Finds terms periodic in position in the residual of a friction model. The periods are not known before.
 ///
 ///   e = Σ_j η_j·sin(2π·x/λ_j − φ_j)·(1 or sgn v) + smooth + noise
 ///
 ///   e residual [N], x [m], η amplitude [N], λ period [m], φ phase [rad] at the homing position of the log
 ///
-/// 1. Neighbouring rows are averaged. Each pass (a stretch of one direction) loses a polynomial in x, at most cubic;
-///    its ends, where reversals still act, get a lower weight.
-/// 2. The least-squares spectrum is taken in both forms: the same sign in both directions (additive), or reversing
-///    with the direction (proportional).
+/// 1. Neighbouring rows are averaged. From each pass (a stretch of one direction) a polynomial in x, at most cubic, is
+///    removed; its ends, where reversals still act, get a lower weight.
+/// 2. The least-squares spectrum is computed for both forms: the same sign in both directions (additive), or a sign that
+///    changes with the direction (proportional).
 /// 3. The strongest line is tried as a term. It counts when it stands out of the background at neighbouring periods
 ///    (chance below 1e-3 over all lines), also after it has been taken out. All terms are then refined together by
 ///    Gauss–Newton, far below the resolution λ²/stroke. The search ends when no line stands out.
@@ -33,7 +33,7 @@ namespace stribeck::ident::map {
 struct PeriodicRows {
   std::vector<double> x;        ///< [m]
   std::vector<double> e;        ///< [N]
-  std::vector<int> direction;   ///< +1, −1; 0 throughout: held at standstill
+  std::vector<int> direction;   ///< +1, −1; 0 everywhere: held at standstill
   std::vector<int> record;      ///< number of the record
   std::vector<std::size_t> at;  ///< row in the record
 };
@@ -42,18 +42,18 @@ struct PeriodicTerm {
   friction::Eccentric<double> term;
   Interval amplitude;                 ///< [N]
   Interval period;                    ///< [m]
-  Interval phase;                     ///< [rad], around term.phase and not wrapped
+  Interval phase;                     ///< around term.phase, not wrapped [rad]
   double share = 0.0;                 ///< of the variance of the residual
-  double signal_to_background = 0.0;  ///< amplitude over that of a line of the background
-  bool form_told = false;             ///< the data tell additive from proportional
-  int harmonic = 1;                   ///< of the longest period found that it is a whole part of
+  double signal_to_background = 0.0;  ///< amplitude divided by that of a line of the background
+  bool form_told = false;             ///< the data distinguish additive from proportional
+  int harmonic = 1;                   ///< number n if the period is 1/n of the longest period found; else 1
 };
 
 struct PeriodicOptions {
-  double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the travel, or what keeps it fast
+  double shortest = 0.0;  ///< [m]; 0: four rows, a 2000th of the travel, or what keeps the search fast
   double longest = 0.0;   ///< [m]; 0: a third of the travel
-  double turn = 0.0;      ///< [m]; 0: unknown, else only its whole parts are searched and kept exact
-  int most = 4;           ///< terms
+  double turn = 0.0;  ///< period of one turn [m]; then only 1/n of it is searched, and kept exact; 0: unknown
+  int most = 4;       ///< largest number of terms
 };
 
 struct PeriodicResult {

@@ -11,7 +11,7 @@
 
 namespace stribeck::ident::map {
 
-/// Absent where it explains too little. `period`: as in SteadyOptions.
+/// Absent where the term explains too little. `period`: as in SteadyOptions.
 std::optional<friction::Eccentric<double>> find_run_periodic(const std::vector<log::Record>& records,
                                                              const std::vector<SteadyRun>& runs,
                                                              const std::optional<double>& period);

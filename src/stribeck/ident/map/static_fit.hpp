@@ -1,19 +1,18 @@
 #pragma once
 /// Families of steady friction fitted to bins of speed, and the choice among them on held-out motion.
 ///
-///   symmetric           f = load + (α0 + (α1 − α0)·exp(−(v/v0)²))·sgn v + α2·v      with or without the bracket's
-///                                                                                 second part
+///   symmetric           f = load + (α0 + (α1 − α0)·exp(−(v/v0)²))·sgn v + α2·v      with or without the exponential
 ///   by direction        f = η0± + η1±·v + Σ a_i·exp(−((v − b_i)/c_i)²)              0 … 6 terms, or one with b = 0:
 ///                                                                                 a Stribeck part, rising or falling
 ///
-/// The load is half the sum of both directions in the symmetric family. By direction it cannot be told from a
-/// friction that differs; it is taken out (half the sum again) only where a branch would drive the motion
-/// otherwise.
+/// In the symmetric family the load is half the sum of both directions. In the family by direction a load cannot be
+/// distinguished from friction that differs between the directions; half the sum is taken for it only where a branch would
+/// otherwise drive the motion.
 ///
-/// Choice: every candidate is fitted with each block of motion left out in turn, from starts of its own, and
-/// judged on that block. Of those within one standard error of the best (of paired differences over blocks)
-/// the one with fewest parameters is taken: first the number of terms of each direction, then the family. Less
-/// than 1 % of the error is no gain: where a programme repeats itself the standard error is next to nothing.
+/// Choice: every candidate is fitted with each block of motion left out in turn, from its own starts, and judged on that
+/// block. Of the candidates within one standard error of the best (of paired differences over blocks) the one with the fewest
+/// parameters is taken: first the number of terms of each direction, then the family. An improvement of less than 1 % of the
+/// error does not count, because a programme that repeats itself makes the standard error almost zero.
 ///
 /// Source: Breiman, Friedman, Olshen, Stone 1984 (one standard error); thesis (2.9), (2.32).
 /// Not modelled: an exponent other than 2 in the Stribeck part.
@@ -38,8 +37,8 @@ struct BlockSums {
 
 struct SideSums {
   Grid grid;
-  std::vector<BlockSums> block;  ///< to fit
-  std::vector<BlockSums> held;   ///< to judge; empty: the same
+  std::vector<BlockSums> block;  ///< sums to fit
+  std::vector<BlockSums> held;   ///< sums to judge on; empty: the same
 };
 
 struct StaticFit {
@@ -53,19 +52,19 @@ struct StaticFit {
   double v0 = 1.0;       ///< [m/s]
 
   std::array<BranchFit, kSides> branch;
-  std::array<double, kSides> top{1.0, 1.0};  ///< speed that stands for u = 1 [m/s]
+  std::array<double, kSides> top{1.0, 1.0};  ///< speed at which u = 1 [m/s]
 
   /// Force against the motion [N], the load included.
   [[nodiscard]] double force(int side, double speed) const noexcept;
   [[nodiscard]] std::size_t parameters() const noexcept;
-  /// First parameter of a side and how many: the others do not move it.
+  /// Index of the first parameter of a side, and their number; other parameters do not change that side.
   [[nodiscard]] std::pair<std::size_t, std::size_t> span(int side) const noexcept;
   /// ∂force/∂parameters of the span. Symmetric: load, α0, α2, rise, v0; by direction: BranchFit's.
   void gradient(int side, double speed, double* out) const noexcept;
   /// Takes a Gauss–Newton step of all parameters; widths and v0 change by no more than half. Returns the largest
   /// change in relation to the level of friction, or to the width.
   double move(const Eigen::VectorXd& step) noexcept;
-  /// Friction opposes the motion over the range.
+  /// Whether friction opposes the motion over the whole range.
   [[nodiscard]] bool plausible() const noexcept;
   [[nodiscard]] std::string name() const;
 };
@@ -78,12 +77,12 @@ struct StaticOptions {
 
 struct StaticChoice {
   StaticFit fit;
-  std::vector<StaticFit> rivals;  ///< as good on held-out motion
-  std::vector<StaticFit> simple;  ///< families of few parameters, fitted to everything
+  std::vector<StaticFit> rivals;  ///< fits that predict held-out motion as well
+  std::vector<StaticFit> simple;  ///< families of few parameters, fitted to all blocks
   std::vector<Candidate> candidates;
   double held_out_rms = std::numeric_limits<double>::quiet_NaN();  ///< [N]
   std::vector<double> block_loss;  ///< Σ residual² of the chosen fit, by block
-  double tested = 0.0;             ///< rows that were judged
+  double tested = 0.0;             ///< number of rows that were judged
 };
 
 /// The simplest within one standard error of the best, of paired differences over blocks. loss: Σ residual² by

@@ -1,22 +1,22 @@
 #pragma once
-/// Break-away force and distance from slow ramps of force, at rest to the first slip.
+/// Break-away force and distance from slow ramps of the force, which begin at rest and end at the first slip.
 ///
 ///   slip      first row k whose deflection is twice that of the row where the force was 5 % smaller
-///   force     F_k − m·a_k (the mass, where it is given: an axis that is just let go lags behind the ramp)
+///   force     F_k − m·a_k (where the mass is given: an axis that begins to slip accelerates and lags behind the ramp)
 ///   distance  δ of F = F_s·(1 − exp(−y/δ)), least squares up to 85 % of the force: g/σ0 of LuGre
 ///
-/// Sliding begins where the deflection grows without bound at a nearly constant force. The rule needs neither
-/// a threshold of speed nor one of position: for F = F_s·(1 − exp(−y/δ)) it is met at 0.997 F_s. Stick and slip
-/// that follow with a rising force are not looked at.
+/// Sliding begins where the deflection grows without bound at a nearly constant force. The rule needs no threshold of speed
+/// or position: for F = F_s·(1 − exp(−y/δ)) it is met at 0.997 F_s. Stick and slip that follow while the force rises are not
+/// evaluated.
 ///
-/// A record may hold several ramps, of both directions. Each ends at its first slip; quick changes of force in
-/// between (return to the start) are no ramps. A ramp begins at a force near zero and at rest and rises along a
-/// straight line; where a reference moves, the force follows the motion and is no ramp, and where the axis creeps
-/// far before it slips, there is no point of break-away. Intervals are Student's over the repeats.
+/// A record may hold several ramps, of both directions. Each ends at its first slip; quick changes of force between ramps
+/// (return to the start) are no ramps. A ramp begins at rest with a force near zero, and rises along a straight line. There is no
+/// ramp where a reference moves, because the force then follows the motion. There is no break-away point where the axis creeps
+/// far before it slips. Intervals are Student's over the repeats.
 ///
 /// Source: thesis §2.1; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994, doi:10.1016/0005-1098(94)90209-7.
-/// Not modelled: growth of the static friction with the time at rest, creep under a force that trembles (it makes
-/// the distance too large), a load, which is part of both directions.
+/// Not modelled: growth of the static friction with the time at rest; creep under a force with ripple, which makes
+/// the distance too large; a load, which both directions contain.
 /// Real time: no.
 /// Errors: Refused, with the reason.
 
@@ -44,7 +44,7 @@ struct Slip {
 
 struct BreakAway {
   std::vector<Slip> slips;
-  std::array<double, 2> force{};     ///< forward, backward (signed) [N]; NaN: not seen
+  std::array<double, 2> force{};     ///< forward, backward (signed) [N]; NaN: no such ramp
   std::array<Interval, 2> interval;  ///< 95 %
   double distance = 0.0;             ///< δ, mean [m]
   Interval distance_interval;        ///< 95 %

@@ -1,20 +1,20 @@
 #pragma once
-/// What two runs through the same speed tell without any model of friction.
+/// Load and mass from two runs through the same speed, without any model of friction.
 ///
-///   load   g = (F(+v) + F(−v))/2             forward and backward at one speed; friction of both equal
+///   load   g = (F(+v) + F(−v))/2             forward and backward at one speed, where friction is the same
 ///   mass   m = Σ z̃·f̃ / Σ z̃·ã                rows of one direction and nearly one speed, where friction is the
-///                                            same: accelerating against braking
+///                                            same, while accelerating and while braking
 ///
-/// ~ means less the mean of the row's bin of speed. z is the instrument of motion.hpp (acceleration of the
-/// reference), so that noise of the measured position does not bias the mass. A run of constant acceleration
-/// (triangles of speed, thesis §4.5.3) or a sine serves equally.
+/// ~: less the mean over the row's bin of speed. z is the instrument of motion.hpp (acceleration of the reference), so that
+/// noise of the measured position does not bias the mass. A run of constant acceleration (triangles of speed, thesis §4.5.3)
+/// or a sine serves equally well.
 ///
-/// A load is called constant when the half sums of all speeds agree within their errors; if they do not, the
-/// two directions have friction of their own, and then no run at constant speed tells a load from it.
+/// The load is called constant when the half sums of all speeds agree within their errors. If they do not, friction differs
+/// between the directions, and no run at constant speed can then separate it from a load.
 ///
 /// Source: thesis §4.5.3; Robinson 1988, doi:10.2307/1912705.
-/// Not modelled: friction that depends on acceleration (rows near a reversal are left out), or on position but for
-/// the periods that are given.
+/// Not modelled: friction that depends on acceleration (rows near a reversal are left out); friction that depends on position,
+/// except with the given periods.
 /// Real time: no.
 /// Errors: Refused, with the reason.
 
@@ -25,7 +25,7 @@
 
 namespace stribeck::ident::methods {
 
-/// Forward and backward at one speed.
+/// One speed that was run forward and backward.
 struct SpeedPair {
   double speed = 0.0;     ///< [m/s]
   double load = 0.0;      ///< half the sum [N]
@@ -47,7 +47,7 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
 struct EqualSpeedOptions {
   double exclude = 50e-6;  ///< left out after reversals [m]
   int bins = 60;           ///< of speed, each direction
-  /// Periods of forces periodic in position, which would else count as inertia [m].
+  /// Periods of forces periodic in position [m], which would otherwise be taken for inertia.
   std::vector<double> periods;
 };
 
@@ -59,7 +59,7 @@ struct MassEstimate {
 MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records,
                                  const EqualSpeedOptions& options = {});
 
-/// Method "constant-acceleration": the mass, and friction as what is left, as means over bins of speed.
+/// Method "constant-acceleration": the mass first; friction is the rest of the force, as means over bins of speed.
 Result identify_constant_acceleration(const std::vector<log::Record>& records,
                                       const EqualSpeedOptions& options = {});
 

@@ -4,17 +4,16 @@
 ///   f = M·a + Fv·v + Fc·sgn v + offset                                   or, with friction by direction,
 ///   f = M·a + Fv⁺·v⁺ + Fc⁺·[v>0] + Fv⁻·v⁻ − Fc⁻·[v<0]                    v± = v where v ≷ 0, else 0
 ///
-/// The protocol, step by step: x through a Butterworth low-pass forward and backward; v and a by two central
-/// differences with one-sided ends; the first rows dropped; every regressor and the force decimated
-/// (filter.hpp); ordinary least squares. `published` holds what papers print: deviations
-/// std(e)·√diag((XᵀX)⁻¹) for white residuals, the norm of the error, its ratio to the norm of the force,
-/// std(e), the condition of X. The residuals are not white; the intervals in `result` hold for correlated
+/// The protocol, step by step: x passes a Butterworth low-pass forward and backward; v and a are two central differences with
+/// one-sided ends; the first rows are dropped; every regressor and the force are decimated (filter.hpp); ordinary least squares.
+/// `published` holds what papers print: deviations std(e)·√diag((XᵀX)⁻¹) for white residuals, the norm of the error, its ratio to
+/// the norm of the force, std(e), the condition of X. The residuals are not white: the intervals in `result` hold for correlated
 /// ones and are usually several times wider.
 ///
 /// Source: Janot, Gautier, Brunot, Data Set and Reference Models of EMPS, Workshop on Nonlinear System
 /// Identification Benchmarks 2019; Gautier, Janot, Vandanjon 2013, doi:10.1109/TCST.2012.2185697.
-/// Not modelled: Stribeck rise, pre-sliding. In closed loop the estimate has the bias of noise that comes
-/// back through the controller; velocity_map.hpp removes it by instruments. Real time: no.
+/// Not modelled: Stribeck rise, pre-sliding. In closed loop, noise that comes back through the controller biases the estimate;
+/// velocity_map.hpp removes this bias with instruments. Real time: no.
 /// Errors: Refused.
 
 #include <stribeck/ident/log/record.hpp>
@@ -25,9 +24,9 @@ namespace stribeck::ident::methods {
 struct IdimOptions {
   double cut_off = 100.0;  ///< of the Butterworth low-pass [Hz]
   int order = 4;           ///< of the Butterworth low-pass
-  std::size_t drop = 49;   ///< rows at the start
+  std::size_t drop = 49;   ///< rows dropped at the start
   std::size_t decimation = 10;
-  bool by_direction = false;  ///< friction of its own for each direction
+  bool by_direction = false;  ///< separate friction for each direction
 };
 
 struct IdimResult {

@@ -8,13 +8,12 @@
 /// PV, NV = 1 where w > v_d, w < −v_d. Rows with |w| ≤ v_d, and rows across which w leaves the band, are
 /// dropped.
 ///
-/// "Unbiased" is against the simple fit without PV and NV, which takes Coulomb friction for inertia and
-/// viscosity; that one is returned beside it. Two readings of the print are corrected: rows inside the dead
-/// band stay in there as "no friction", and the force of a row is sample k alone although a backward
-/// difference lies half a sample earlier.
+/// "Unbiased" is in contrast to the simple fit without PV and NV, which takes Coulomb friction for inertia and viscosity;
+/// that fit is returned beside it. Two errors of the printed description are corrected: rows inside the dead band count there as
+/// "no friction", and the force of a row is sample k alone although a backward difference lies half a sample earlier.
 ///
-/// Neighbouring rows carry nearly the same disturbance: intervals hold for correlated residuals. They
-/// describe scatter, not what Coulomb friction with one viscous coefficient leaves out.
+/// Neighbouring rows carry nearly the same disturbance, so the intervals hold for correlated residuals. They
+/// describe scatter, not the error of a model with only Coulomb friction and one viscous coefficient.
 ///
 /// Jogs at constant speeds correct the viscous coefficient: ViscousCorrection below.
 ///
@@ -53,8 +52,8 @@ struct ObservedFriction {
 ///   disturbance observer  v̂' = (f − d̂)/m − 40·(v̂ − v),  d̂' = 400·m·(v̂ − v)       both poles at 20 rad/s
 ///   Kalman                x, v, d from f and x; d a random walk
 ///
-/// The straight line through the means from 1 mm/s on gives α2 and α0±; what rises above it below is the Stribeck
-/// part (2.9).
+/// The straight line through the means from 1 mm/s on gives α2 and α0±. What lies above this line at lower speeds is the
+/// Stribeck part (2.9).
 struct ViscousCorrection {
   double alpha2 = 0.0;                                 ///< [N·s/m]
   Interval alpha2_interval;                            ///< 95 %
@@ -65,15 +64,15 @@ struct ViscousCorrection {
 
 struct LeastSquaresA {
   std::array<double, 4> theta{};
-  double mass_exact = 0.0;       ///< [kg], the one in `result`
+  double mass_exact = 0.0;       ///< as in `result` [kg]
   double mass_euler = 0.0;       ///< [kg]
   double alpha2 = 0.0;           ///< [N·s/m]
   double alpha0_positive = 0.0;  ///< [N]
   double alpha0_negative = 0.0;  ///< [N], signed
-  double simple_mass = 0.0;      ///< [kg] of the simple fit: all rows, no Coulomb friction, force of sample k
+  double simple_mass = 0.0;      ///< of the simple fit: all rows, no Coulomb friction, force of sample k [kg]
   double simple_alpha2 = 0.0;    ///< [N·s/m]
   std::vector<ObservedFriction> jogs;         ///< in the order of the log
-  std::optional<ViscousCorrection> observer;  ///< the one in `result`, where jogs were given
+  std::optional<ViscousCorrection> observer;  ///< the one used in `result`, where jogs were given
   std::optional<ViscousCorrection> kalman;
   Result result;
 };
@@ -81,7 +80,7 @@ struct LeastSquaresA {
 LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
                                        const LeastSquaresAOptions& options = {});
 
-/// With the viscous correction by jogging.
+/// The same, with the viscous correction from jogs.
 LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& pulses,
                                        const std::vector<log::Record>& jogs,
                                        const LeastSquaresAOptions& options = {});

@@ -1,9 +1,9 @@
 #pragma once
-/// Inside of position_map.hpp: values that are handed on from the logs to the result.
+/// Inside of position_map.hpp: the values that each step hands to the next, from the logs to the result.
 ///
 ///   position_map_rows.cpp     logs → Rows: sliding rows, smoothed, in groups
 ///   position_map_fit.cpp      Rows, Shape, Nonlinear → Fit: least squares, Stribeck velocity, periods
-///   position_map_choice.cpp   which parts of the law are needed, on passes left out
+///   position_map_choice.cpp   which parts of the law are needed, judged on passes that were left out
 ///   position_map_result.cpp   Fit → Result: intervals, parameters, curve, points
 ///   position_map_holding.cpp  the whole method for an axis held at standstill
 ///
@@ -26,7 +26,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// About so many points are kept for plots.
+/// Approximate number of points kept for plots.
 inline constexpr std::size_t kPlotted = 1200;
 inline constexpr const char* kHoming =
     "the phase of a periodic term belongs to the homing of this log: after another homing it must be found "
@@ -35,7 +35,7 @@ inline constexpr const char* kHoming =
 Parameter parameter(std::string name, double value, const char* unit, const char* shown, double half,
                     bool seen = true);
 
-/// Consecutive rows of one stretch, averaged; one row each unless the log is very long.
+/// Consecutive rows of one stretch, averaged; a group is a single row unless the log is very long.
 struct Group {
   int record = 0;
   std::size_t first = 0;
@@ -44,14 +44,14 @@ struct Group {
   int block = 0;
 };
 
-/// The rows that are fitted; one entry of a column for each group.
+/// The rows that are fitted; each column has one entry for each group.
 struct Rows {
   const std::vector<log::Record>* records = nullptr;
   std::vector<log::Motion> motions;
   std::vector<Group> groups;
-  std::size_t rows = 0;      ///< before they were joined
-  std::size_t together = 1;  ///< at most so many rows make a group
-  bool both = false;         ///< directions
+  std::size_t rows = 0;      ///< number before they were joined
+  std::size_t together = 1;  ///< largest number of rows in a group
+  bool both = false;         ///< the rows have both directions
   double top = 0.0;          ///< largest speed [m/s]
   double slowest = 0.0;      ///< [m/s]
   double middle = 0.0;       ///< of the travel [m]
@@ -61,14 +61,14 @@ struct Rows {
   VectorXd instrument;       ///< of the acceleration
   VectorXd s;                ///< +1 forward, −1 backward
 
-  /// Means over the groups of a column of every record.
+  /// Means over the groups, of a column of every record.
   [[nodiscard]] VectorXd mean_of(const std::vector<std::vector<double>>& columns) const;
 };
 
 /// Throws Refused for records that do not belong together and for too few rows. Writes warnings.
 Rows gather(const std::vector<log::Record>& records, const PositionMapOptions& options, Result& result);
 
-/// a·sin(2πf·u) + b·cos(2πf·u), u from the middle of the travel, reversing with the direction or not.
+/// a·sin(2πf·u) + b·cos(2πf·u), u measured from the middle of the travel; `reversing`: times the direction.
 struct Term {
   double f = 0.0;
   double a = 0.0;
@@ -76,7 +76,7 @@ struct Term {
   bool reversing = false;
 };
 
-/// Which parts the law has.
+/// The parts that the law has.
 struct Shape {
   bool mass = true;
   bool load = true;
@@ -97,7 +97,7 @@ struct Shape {
   }
 };
 
-/// What the force is not linear in.
+/// Parameters in which the force is not linear.
 struct Nonlinear {
   double v0 = 1e-3;  ///< Stribeck velocity [m/s]
   std::vector<Term> terms;
@@ -106,7 +106,7 @@ struct Nonlinear {
 struct Fit {
   Shape shape;
   MatrixXd X;      ///< regressors
-  MatrixXd W;      ///< the same, the acceleration projected on the instrument
+  MatrixXd W;      ///< regressors with the acceleration projected on the instrument
   VectorXd theta;  ///< [mass] coulomb viscous [load] [viscous difference] [rise] [sin cos]…
   VectorXd e;
   bool weak = false;
@@ -124,51 +124,51 @@ struct Fit {
 
 /// All linear parameters by two-stage least squares.
 Fit solve(const Rows& rows, const Shape& shape, const Nonlinear& nonlinear);
-/// The Stribeck velocity with the least squares, over a grid and then closer; the old one where no speed is slow
-/// enough.
+/// Finds the Stribeck velocity with the smallest sum of squares, on a grid and then more finely; returns the old one where no
+/// speed is slow enough.
 double find_rise(const Rows& rows, const Shape& shape, const Nonlinear& nonlinear);
-/// Periodic terms in what the fit leaves, the terms that it has put back.
+/// Searches periodic terms in the residual, to which the terms of the fit are added back.
 map::PeriodicResult search(const Rows& rows, const Fit& fit, const PositionMapOptions& options);
-/// Gauss–Newton over the periods, which stay where `exact` says that they are known; all else is linear.
+/// Gauss–Newton over the periods, except those that `exact` marks as known; all other parameters are linear.
 Fit refine(const Rows& rows, const Shape& shape, bool exact, Nonlinear& nonlinear);
 VectorXd rise_slope(const Rows& rows, double v0);
 /// ∂/∂f of a term.
 VectorXd term_slope(const Rows& rows, const Term& term);
 
-/// The simplest shape that predicts held-out passes within one standard error of the best; all that were tried
-/// are written into the result.
+/// The simplest shape that predicts held-out passes within one standard error of the best. Writes all shapes that were tried
+/// into the result.
 Shape choose(const Rows& rows, const Shape& full, const Nonlinear& nonlinear, Result& result);
 
-/// 95 % half widths of anything linear in the parameters, those included that the force is not linear in.
+/// 95 % half widths of any linear function of the parameters, those included in which the force is not linear.
 class Intervals {
  public:
   Intervals(const Rows& rows, const Fit& fit, const Nonlinear& nonlinear, bool exact);
 
   [[nodiscard]] VectorXd unit(Index i) const { return VectorXd::Unit(scale_.size(), i); }
   [[nodiscard]] double half(Index i) const { return width(unit(i)); }
-  /// Of gᵀθ; NaN where it leans on what these rows do not see.
+  /// Half width of gᵀθ; NaN where it depends on directions that these rows do not determine.
   [[nodiscard]] double width(const VectorXd& g) const;
-  /// Some combination of parameters is not seen at all, e.g. Coulomb against viscous friction at one speed.
+  /// Whether some combination of parameters is not determined at all, e.g. Coulomb against viscous friction at one speed.
   [[nodiscard]] bool some_unseen() const { return unseen_.cols() > 0; }
 
  private:
   Intervals(const Rows& rows, const Fit& fit, const MatrixXd& X);
 
-  VectorXd scale_;   ///< of the parameters, one over the norm of each column
-  MatrixXd unseen_;  ///< orthonormal columns, in these scales
+  VectorXd scale_;   ///< one over the norm of each column
+  MatrixXd unseen_;  ///< directions that are not determined: orthonormal columns, in these scales
   stats::Uncertainty uncertainty_;
 };
 
-/// All that a result is made of.
+/// Everything that a result is made of.
 struct Described {
   const Rows& rows;
   const Fit& fit;
   const Nonlinear& nonlinear;
-  const map::PeriodicResult& found;  ///< by the last search that found any term
+  const map::PeriodicResult& found;  ///< of the last search that found a term
   const PositionMapOptions& options;
   const Intervals& intervals;
 };
-/// Writes parameters, curve and points into the result. `no_mass`: the motion did not determine it.
+/// Writes parameters, curve and points into the result. `no_mass`: the motion did not determine the mass.
 void describe(const Described& d, bool no_mass, Result& result);
 
 Result identify_held(const std::vector<log::Record>& records, const PositionMapOptions& options);

@@ -1,5 +1,5 @@
 #pragma once
-/// Jogs with a friction that is known, for the tests of this folder. Included by tests only.
+/// Jogs with known friction, for the tests of this folder. Included by tests only.
 
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace stribeck::ident::testing {
 inline constexpr double kPeriod = 0.005;
 inline constexpr excitation::Limits kTable{-0.075, 0.075, 0.010, 0.2, 10480.0};
 
-/// Forward and back at each speed, rests and ramps between, friction as given, without mass.
+/// Motion forward and back at each speed with rests and ramps between, and the force of the given friction; the axis has no mass.
 inline log::Record ideal(const std::vector<double>& speeds,
                          const std::function<double(double, double)>& friction, double noise = 0.0,
                          std::uint64_t seed = 1) {

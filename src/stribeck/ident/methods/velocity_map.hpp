@@ -3,9 +3,9 @@
 ///
 ///   f = m·a + F(v) + noise          F: Gaussian-augmented map, one branch for each direction
 ///
-/// The general identification (drive_fit.hpp) held to this model: a commanded force under its zero-order hold,
-/// nothing periodic, friction by direction. The thesis chooses the number of terms by the peaks of the smoothed
-/// map (border counted); that number is reported beside the one that held-out motion chooses.
+/// The general identification (drive_fit.hpp), restricted to this model: a commanded force under its zero-order hold, nothing
+/// periodic, friction by direction. The thesis takes the number of terms from the peaks of the smoothed map (the border counts);
+/// that number is reported beside the one that held-out motion gives.
 ///
 /// Source: thesis §2.4.3.
 /// Not modelled: friction that depends on position, temperature or load.

@@ -1,9 +1,9 @@
 #pragma once
-/// One axis of a model under a given force, as a replay moves it.
+/// One axis of a model, moved by a given force, for replay.hpp.
 ///
 ///   m·v̇ = f − F(v, x) − load         f force, held; F friction of the model, with pre-sliding or without
 ///
-/// Which of the two axes runs follows from the law of the model: a law that is not built in needs no line here.
+/// The law of the model decides which of the two kinds of axis runs; a law that is not built in needs no change here.
 /// Integrated by Kutta's third order; sub-steps follow from the fastest rate of the equations.
 /// Sign: f > 0 pushes in +x, friction and load against it.
 /// Not modelled: elasticity of the axis.
@@ -27,10 +27,10 @@ inline double substeps(double dt, double rate) {
   return std::max({kFewestSubsteps, std::ceil(dt / kLongestSubstep), std::ceil(dt * rate)});
 }
 
-/// Refuses n sub-steps in a hold of dt [s] where they are too many; `what` needs them.
+/// Refuses n sub-steps in a hold of dt [s] where they are too many; `what` names what needs them.
 void check_substeps(double n, double dt, const char* what);
 
-/// Greatest steepness of friction in velocity, either side of standstill [N·s/m].
+/// Greatest slope of friction over velocity, on either side of standstill [N·s/m].
 template <class Map>
 double steepness(const Map& map, double speed) {
   constexpr int kPoints = 2000;
@@ -47,7 +47,7 @@ double steepness(const Map& map, double speed) {
   return most;
 }
 
-/// Friction that is its steady state at once. Standstill is exact: a state of its own, left only when the
+/// An axis whose friction is always at its steady state. Standstill is exact: it is a state of its own, left only when the
 /// force leaves the level of friction.
 template <class Map>
 class StaticAxis {
@@ -74,7 +74,7 @@ class StaticAxis {
 
  private:
   using State = Vec<double, 2>;
-  static constexpr double kTiny = 1e-12;  ///< velocity that only tells a direction [m/s]
+  static constexpr double kTiny = 1e-12;  ///< velocity that only gives a direction [m/s]
   static constexpr int kMostEvents = 8;
 
   /// Direction in which the axis leaves standstill; 0: it stays.
@@ -85,7 +85,7 @@ class StaticAxis {
     return push - backward.additive < -backward.level ? -1 : 0;
   }
 
-  /// One step while the direction s does not change; beyond v = 0 friction is that of standstill.
+  /// One step while the direction s does not change; beyond v = 0, friction keeps its value at standstill.
   [[nodiscard]] State step(double push, double h, double s) const {
     const auto rhs = [&](const State& y) {
       const double v = y[1] * s > kTiny ? y[1] : s * kTiny;
@@ -118,7 +118,7 @@ class StaticAxis {
     return t;
   }
 
-  /// False: the axis stands, and stays so while the force is held.
+  /// False: the axis stands still, and stays so while the force is held.
   bool pass(double push, double h) {
     for (int events = 0; events < kMostEvents; ++events) {
       const bool standing = y_[1] == 0.0;
@@ -130,14 +130,14 @@ class StaticAxis {
         y_ = end;
         return true;
       }
-      if (standing) return false;  // friction rises at once by more than the force is above it
+      if (standing) return false;  // friction rises at once by more than the force exceeds it
       const double t = stop_time(push, h, s, end[1]);
       y_ = step(push, t, s);
       y_[1] = 0.0;
       h -= t;
       if (!(h > 0.0)) return true;
     }
-    y_[1] = 0.0;  // the force is at the border of standstill to rounding
+    y_[1] = 0.0;  // to rounding, the force is at the border of standstill
     return true;
   }
 
@@ -148,7 +148,7 @@ class StaticAxis {
   State y_{};
 };
 
-/// A law with pre-sliding over the map.
+/// An axis whose law has pre-sliding, over the steady map.
 template <class Map, friction::PreSlidingLaw Law>
 class DynamicAxis {
  public:
@@ -159,7 +159,7 @@ class DynamicAxis {
     y_[0] = x;
     y_[1] = v;
   }
-  /// Bristles where sliding puts them, at rest where they carry `force`.
+  /// Bristles as sliding leaves them; at rest they carry `force`.
   void settle(double force) {
     const auto p = map_.parts(v(), x());
     const double carried = v() != 0.0 ? p.level * (v() > 0.0 ? 1.0 : -1.0)
@@ -179,7 +179,7 @@ class DynamicAxis {
     const double push = force - load_;
     const Law& law = friction_.law();
     const auto p = map_.parts(v(), x());
-    // The speed that the hold can reach at the most decides how fast bristles may decay in it.
+    // The highest speed that can occur in the hold decides how fast bristles may decay in it.
     const double reach = std::abs(v()) + (std::abs(push) + p.level) / mass_ * dt;
     const double rate = std::max(2.0 * std::sqrt(law.stiffness() / mass_) + law.damping() / mass_,
                                  law.rate_bound(reach, p.level));
@@ -201,7 +201,8 @@ class DynamicAxis {
 
  private:
   using Friction = friction::Integrated<Law>;
-  static constexpr double kSafety = 1.0 / 0.8;  ///< Kutta's third order is stable to 2.5; 0.8 is accurate too
+  static constexpr double kSafety =
+      1.0 / 0.8;  ///< Kutta's third order is stable up to 2.5; with 0.8 it is accurate as well
   using State = Vec<double, 2 + Friction::kCount>;
 
   Map map_;
@@ -211,7 +212,7 @@ class DynamicAxis {
   State y_{};
 };
 
-/// Calls run(axis) with the axis that the model asks for; `Model` is any friction::BasicModel, `speed` [m/s] the largest.
+/// Calls run(axis) with the kind of axis that the model needs; `Model` is any friction::BasicModel, `speed` [m/s] the largest.
 template <class Model, class Run>
 void with_axis(double mass, double load, const Model& model, double speed, Run&& run) {
   std::visit(

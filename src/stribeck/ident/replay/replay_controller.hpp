@@ -1,6 +1,6 @@
 #pragma once
-/// The position controller of a log, in the few laws that real controls have, so that a model can be driven
-/// in its closed loop. Read from a TOML file like any other parameters.
+/// The position controller of a log, in the few laws that common controls have, so that a model can be replayed in its closed
+/// loop. Read from a TOML file like other parameters.
 ///
 ///   cascade   w = kp·(r − x) + c·ṙ − v_m       F = kv·(w + ∫w dt / T_i) + M_f·r̈
 ///   pd        F = k·(r − x) + d·Δ(r − x)/T + k_i·∫(r − x) dt + M_f·r̈
@@ -8,11 +8,11 @@
 ///   v_m(k) = (y(k) − y(k−1))/T,  y(k) mean of the last n positions;  ṙ, r̈ central differences of r
 ///
 ///   kp [1/s], kv [N·s/m], T_i [s], c share of the reference velocity [-], n [-], k [N/m], d [N·s/m],
-///   k_i [N/(m·s)], M_f [kg]; F positive towards +x, cut at ±limit [N]; an integral stands still meanwhile
+///   k_i [N/(m·s)], M_f [kg]; F positive towards +x, limited to ±limit [N]; at the limit an integral stops
 ///
-/// F(k) is made from x(k) and acts from t(k) to t(k+1). A drive commanded in volts: multiply its gains and
-/// its limit by the force per volt (EMPS: 243.45 V·s/m · 35.15065 N/V = 8557.42 N·s/m). The integral begins
-/// where F(0) is the first force of the log.
+/// F(k) is computed from x(k) and acts from t(k) to t(k+1). For a drive commanded in volts, multiply its gains and its limit
+/// by the force per volt (EMPS: 243.45 V·s/m · 35.15065 N/V = 8557.42 N·s/m). The integral starts with the value that makes F(0)
+/// the first force of the log.
 ///
 /// Not modelled: friction feed-forward, observers, notch filters, resolution of encoder and D/A.
 /// Real time: configure only.

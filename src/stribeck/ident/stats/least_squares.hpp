@@ -1,5 +1,5 @@
 #pragma once
-/// Nonlinear least squares by Levenberg and Marquardt: min ½·Σ rᵢ(p)², from a start that is near enough.
+/// Nonlinear least squares by Levenberg–Marquardt: min ½·Σ rᵢ(p)², from a start that is near enough.
 ///
 /// Ceres's TinySolver, compiled once for any number of residuals and parameters.
 ///
@@ -15,8 +15,8 @@ class Residuals {
   virtual ~Residuals() = default;
   [[nodiscard]] virtual int count() const = 0;
   [[nodiscard]] virtual int parameters() const = 0;
-  /// `jacobian` is count × parameters, column by column; nullptr where only the residuals are asked for.
-  /// False: p is no point of the model.
+  /// `jacobian` is count × parameters, column by column; nullptr where only the residuals are needed.
+  /// Returns false where the model is not defined at p.
   virtual bool evaluate(const double* p, double* residuals, double* jacobian) const = 0;
 };
 
@@ -29,7 +29,7 @@ struct DescentOptions {
 };
 
 struct Descent {
-  double cost = 0.0;  ///< ½·Σ rᵢ² at the end; may be not a number
+  double cost = 0.0;  ///< ½·Σ rᵢ² at the end; may be NaN
 };
 
 /// Moves p from the start to the nearest minimum.

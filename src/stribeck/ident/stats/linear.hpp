@@ -1,7 +1,7 @@
 #pragma once
-/// The matrix decompositions that identification needs, as plain functions of matrices of any size.
+/// The matrix decompositions that identification needs, as functions of matrices of any size.
 ///
-/// Eigen's decompositions are templates: each file that calls one compiles it anew, which is four to ten seconds.
+/// Eigen's decompositions are templates: each file that calls one compiles it again, which takes four to ten seconds.
 /// Here each is compiled once, in the files linear_*.cpp. Everything else of Eigen is used directly.
 ///
 /// Inside ident only: includes Eigen. Real time: no.
@@ -16,22 +16,22 @@ Eigen::MatrixXd gram(const Eigen::MatrixXd& X);
 /// A·x = b for a symmetric positive A.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
-/// A·x = b for any invertible A: partial pivoting, and full pivoting where A is badly scaled.
+/// A·x = b for any invertible A, with partial pivoting; with full pivoting where A is badly scaled.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::VectorXd solve_full_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
 Eigen::MatrixXd inverse_full_lu(const Eigen::MatrixXd& A);
-/// Of the decomposition with partial pivoting.
+/// Inverse by the decomposition with partial pivoting.
 double determinant(const Eigen::MatrixXd& A);
 
-/// The shortest x among those that are nearest to A·x = b; A may be singular.
+/// The shortest of all x that minimise |A·x − b|; A may be singular.
 Eigen::VectorXd solve_shortest(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A);
 
 /// Least squares |A·x − b| by Householder reflections with pivoting of columns.
 struct LeastSquares {
   Eigen::VectorXd x;
-  Eigen::Index rank = 0;  ///< of A; below its number of columns the solution is one of many
+  Eigen::Index rank = 0;  ///< rank of A; where it is below its number of columns, the solution is one of many
 };
 LeastSquares least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 /// As many solutions as b has columns.
@@ -47,7 +47,7 @@ struct SymmetricEigen {
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& A);
 
-/// Least squares by singular values, for what they say about A.
+/// Least squares by singular values, which also show how well A determines x.
 struct SingularValues {
   Eigen::VectorXd x;       ///< solution of A·x = b
   Eigen::VectorXd values;  ///< descending

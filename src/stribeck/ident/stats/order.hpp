@@ -1,8 +1,8 @@
 #pragma once
 /// Order statistics: median and quantiles of a list of numbers.
 ///
-/// Each function returns one of the numbers, never a value between two of them. The list is taken by value,
-/// because finding the element reorders it. Not a number where the list is empty.
+/// Each function returns one of the numbers, never a value between two of them. The list is taken by value because the search
+/// reorders it. The result for an empty list is NaN.
 ///
 /// Real time: no.
 
@@ -11,17 +11,16 @@
 
 namespace stribeck::ident::stats {
 
-/// The element that stands at place k (from 0) in ascending order.
+/// The element at index k (from 0) in ascending order.
 double nth_smallest(std::vector<double> values, std::size_t k);
 
-/// The middle element; the upper one of the two where their number is even.
+/// The middle element; with an even number of elements, the upper one of the two.
 double median(std::vector<double> values);
 
-/// The element below which a share (0 … 1) of the others lies.
+/// The element below which a share (0 … 1) of the elements lies.
 double quantile(std::vector<double> values, double share);
 
-/// The same, of at most about 100 000 elements taken at equal distances: long logs would cost time and gain
-/// nothing.
+/// The same, from at most about 100 000 elements at equal distances: the whole of a long log would cost time and gain nothing.
 double thinned_quantile(std::vector<double> values, double share);
 
 std::vector<double> magnitudes(std::vector<double> values);

@@ -7,11 +7,10 @@
 
 namespace stribeck::ident::stats {
 
-/// Student's t: the factor of a standard deviation for a two-sided 95 % interval, t_{0.975} with `freedom`
-/// degrees of freedom.
+/// Student's t: half width of a two-sided 95 % interval in standard deviations, t_{0.975} with `freedom` degrees of freedom.
 double student_factor(double freedom);
 
-/// Chi-squared: probability of a sum of squares above `sum`, with `freedom` degrees of freedom.
+/// Chi-squared: probability that a sum of squares exceeds `sum`, with `freedom` degrees of freedom.
 double chi_squared_above(double sum, double freedom);
 
 }  // namespace stribeck::ident::stats

@@ -1,8 +1,8 @@
 #pragma once
 /// Nelder–Mead's simplex, as the papers of this field use it (fminsearch), by NLopt.
 ///
-/// Needs no derivatives, is slow and stops at the nearest local minimum: the fits of this folder use derivatives
-/// and many starts, and offer the simplex for comparison with printed results.
+/// It needs no derivatives, is slow, and stops at the nearest local minimum. The fits of this folder use derivatives
+/// and many starts; the simplex is there for comparison with printed results.
 ///
 /// Source: Nelder, Mead 1965, doi:10.1093/comjnl/7.4.308; NLopt (LN_NELDERMEAD).
 /// Real time: no.
@@ -22,7 +22,7 @@ struct SimplexResult {
   std::vector<double> x;
   double value = 0.0;
   int evaluations = 0;
-  bool converged = false;  ///< false: the evaluations were used up
+  bool converged = false;  ///< false: the limit of evaluations was reached
 };
 
 /// Minimum of f near `start`; `step` is the size of the first simplex in each coordinate. Values that are not

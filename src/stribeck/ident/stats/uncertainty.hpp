@@ -1,12 +1,11 @@
 #pragma once
-/// How uncertain a linear least-squares estimate is when neighbouring rows carry nearly the same noise.
+/// Uncertainty of a linear least-squares estimate when neighbouring rows carry nearly the same noise.
 ///
 ///   y = X·θ + e,   C = (XᵀX)⁻¹·S·(XᵀX)⁻¹,   half width of gᵀθ = t_{0.975}·√(gᵀCg)
 ///
-/// S is the long-run covariance of the rows X_k·e_k (long_run.hpp), or that of stationary noise,
-/// (1 + 2Σρ)·σ²·XᵀX; the larger of the two half widths stands. With instruments Z in the place of X, `inverse` is
-/// (ZᵀX)⁻¹ and C = (ZᵀX)⁻¹·S·(XᵀZ)⁻¹. The number of independent rows, N/(1 + 2Σρ),
-/// less the number of parameters, is the degrees of freedom.
+/// S is the long-run covariance of the rows X_k·e_k (long_run.hpp), or that of stationary noise, (1 + 2Σρ)·σ²·XᵀX; the larger of
+/// the two half widths is used. With instruments Z in place of X, `inverse` is (ZᵀX)⁻¹ and C = (ZᵀX)⁻¹·S·(XᵀZ)⁻¹. The degrees of
+/// freedom are the number of independent rows, N/(1 + 2Σρ), less the number of parameters.
 ///
 /// Inside ident only: includes Eigen.
 /// Real time: no.

@@ -1,24 +1,24 @@
 #pragma once
-/// Model B: friction from constant speeds (jogs), mean force per speed, nonlinear fit of (2.9).
+/// Model B: friction from constant speeds (jogs): mean force at each speed, then a nonlinear fit of (2.9).
 ///
-///   symmetric       f = load + [α0 + (α1 − α0)·exp(−|v/v0|^δ)]·sgn v + α2·v     δ = 2 or free; or without bracket
-///   by direction    f = η0± + η1±·v + a±·exp(−(v/c±)²)                          c common, own, or without
-///   Gaussians       f = η0± + η1±·v + Σ a_i·exp(−((v − b_i)/c_i)²)              as many as the speeds carry
+///   symmetric       f = load + [α0 + (α1 − α0)·exp(−|v/v0|^δ)]·sgn v + α2·v     δ = 2 or free; or without exponential
+///   by direction    f = η0± + η1±·v + a±·exp(−(v/c±)²)                          c common or separate; or without the last term
+///   Gaussians       f = η0± + η1±·v + Σ a_i·exp(−((v − b_i)/c_i)²)              as many as the speeds determine
 ///
-/// Stretches of constant speed are found in the records (steady_runs.hpp). Every candidate is fitted with each
-/// speed but the fastest (both directions) left out in turn and judged on it; of those within one standard error of the best the
-/// one with the fewest parameters is taken. v0 and c lie between the slowest speed and a third of the fastest,
-/// α2 and η1 are not negative beside a Stribeck part: a wide one with a falling slope is a parabola, not friction.
+/// Stretches of constant speed are found in the records (steady_runs.hpp). Every candidate is fitted with each speed but the
+/// fastest (both directions) left out in turn, and judged on it. Of those within one standard error of the best, the one with the
+/// fewest parameters is taken. v0 and c lie between the slowest speed and a third of the fastest. Beside a Stribeck part, α2 and η1
+/// are not negative: a wide one with a falling slope is a parabola, not friction.
 ///
-/// Linear parameters are eliminated, the others found by Levenberg–Marquardt from many starts; the simplex of the
-/// papers is selectable. Intervals hold the larger of two errors: of the means under correlated noise, and of what
-/// the curve leaves of them. By direction a load is not to be told from friction; half the sum of both directions
-/// is taken for it when it is the same at all speeds, or too large for friction.
+/// Linear parameters are eliminated; the others are found by Levenberg–Marquardt from many starts (the simplex of the papers can
+/// be selected). Intervals use the larger of two errors: that of the means under correlated noise, and the residual of the curve.
+/// By direction, a load cannot be told from friction; half the sum of both directions is taken for the load when it is the same
+/// at all speeds, or too large for friction.
 ///
-/// The mass comes from records that hold no constant speed, e.g. a sine (equal_speed.hpp).
+/// The mass comes from records without constant speeds, e.g. a sine (equal_speed.hpp).
 ///
 /// Source: thesis §2.3.3, §4.4.1, (2.9); one standard error: Breiman et al. 1984.
-/// Not modelled: pre-sliding; drift between the runs (a jump between groups of speeds is found and said).
+/// Not modelled: pre-sliding; drift between the runs (a jump between groups of speeds is found and reported).
 /// Real time: no.
 /// Errors: Refused, with the reason.
 
@@ -45,7 +45,7 @@ struct Jog {
   Result result;                     ///< of the group with the most speeds
   std::vector<map::SteadyRun> runs;  ///< all of them
   double residual_rms = 0.0;         ///< of the means that were fitted [N]
-  std::vector<Result> groups;  ///< the other groups, where the friction jumps between two days; usually empty
+  std::vector<Result> groups;  ///< the other groups, where friction jumps between two days; usually empty
 };
 
 Jog identify_jog(const std::vector<log::Record>& records, const JogOptions& options = {});

@@ -1,12 +1,12 @@
 #pragma once
-/// identify_jog() from inside: candidate curves over mean forces, the choice among them, their intervals, and
-/// measuring days told apart.
+/// Inside of identify_jog(): candidate curves over mean forces, the choice among them, their intervals, and the search for
+/// runs of different days.
 ///
 ///   jog.cpp            records to runs, groups and the result
 ///   jog_fit.cpp        the candidates and how each is fitted
 ///   jog_choice.cpp     every speed left out in turn; one standard error
 ///   jog_intervals.cpp  intervals of parameters and of the curve
-///   jog_jump.cpp       a jump of friction that no curve has
+///   jog_jump.cpp       finds a jump of friction that no friction curve has
 ///
 /// Inside ident only. Real time: no.
 
@@ -40,9 +40,9 @@ struct Point {
   std::size_t run = 0;
 };
 
-/// One direction of them, 0: v > 0.
+/// The points of one direction, 0: v > 0.
 std::vector<Point> side_of(const std::vector<Point>& points, int side);
-/// Error of a typical one [N].
+/// Median error of the points [N].
 double typical_error(const std::vector<Point>& points);
 
 // jog_fit.cpp
@@ -73,7 +73,7 @@ struct Fit {
   [[nodiscard]] VectorXd gradient(double v) const;
 };
 
-/// Gaussian fits of one set of points with 0, 1, … terms: each needs the one before.
+/// Gaussian fits of one set of points with 0, 1, … terms; each starts from the one before.
 struct Ladders {
   bool done = false;
   std::vector<map::BranchFit> side[2];
@@ -83,7 +83,7 @@ class Fitter {
  public:
   Fitter(const JogOptions& options, bool both) : options_(options), both_(both) {}
 
-  /// Empty where the points do not carry the candidate.
+  /// Empty where the points do not determine the candidate.
   [[nodiscard]] std::optional<Fit> fit(const Kind& kind, const std::vector<Point>& points,
                                        Ladders& ladders) const;
 
@@ -96,9 +96,9 @@ class Fitter {
 };
 
 std::string name_of(const Kind& kind);
-/// As friction::Gaussian; branches signed as in Table 2.3.
+/// As friction::Gaussian; the branches have signs as in Table 2.3.
 friction::Gaussian<double> as_map(const Fit& fit, const std::array<double, 2>& range);
-/// What does not oppose the motion cannot be the level of a hysteresis.
+/// Whether friction opposes the motion; otherwise it cannot be the level of a hysteresis.
 bool opposes(const Fit& fit, double low, double high);
 
 // jog_choice.cpp
@@ -114,7 +114,7 @@ Chosen choose(const std::vector<Point>& points, std::size_t folds, const Fitter&
 
 // jog_intervals.cpp
 
-/// Half widths of 95 % intervals of anything linear in the parameters.
+/// Half widths of 95 % intervals of any linear function of the parameters.
 class Spread {
  public:
   Spread(const Fit& fit, const std::vector<Point>& points);
@@ -130,25 +130,25 @@ void add_parameters(const Fit& fit, const Spread& spread, Result& r);
 
 // jog_jump.cpp
 
-/// Friction of one direction over speed; speeds that are one joined.
+/// Friction of one direction over speed; runs at the same speed are joined.
 struct SpeedMean {
   double v = 0.0, f = 0.0, variance = 0.0, n = 0.0;
 };
 std::vector<SpeedMean> means_of(const std::vector<Point>& ascending, int side);
 
-/// A step between two neighbouring speeds that no friction curve has: another day.
+/// A step of friction between two neighbouring speeds that no friction curve has: measured on another day.
 struct Jump {
   double below = 0.0, above = 0.0;  // [m/s]
   double share = 0.0;               // of the force, signed
   double errors = 0.0;              // its size in standard errors
 };
-/// The largest step that both directions have between the same speeds and in the same sense.
+/// The largest step that both directions have between the same speeds and with the same sign.
 std::optional<Jump> find_jump(const std::vector<Point>& ascending);
-/// For telling days apart: where each record is one run and its speed wandered, the mean of the record stands for
-/// each of its pieces.
+/// For the search for different days: where each record is one run and its speed wandered, the mean of the record replaces
+/// that of each of its pieces.
 std::vector<Point> by_record(const std::vector<Point>& points, const std::vector<map::SteadyRun>& runs,
                              const std::vector<log::Record>& records);
-/// Ascending in speed, each with the number of its speed; how many speeds.
+/// Sorts by speed and gives each run the number of its speed. Returns how many speeds there are.
 std::size_t number_folds(std::vector<Point>& points);
 
 }  // namespace stribeck::ident::methods::jog
