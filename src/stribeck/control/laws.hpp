@@ -1,5 +1,5 @@
 #pragma once
-/// The list of control laws. A new one is a header of its own and one line here; files, options and reports find it by its
+/// The list of control laws. A new one is a header and one line here; files, options and reports find it by its
 /// kKind. docs/guides/write-a-controller.md shows how.
 ///
 /// Which law runs is decided once, outside the loop:

@@ -6,9 +6,9 @@
 ///   m mass of the model [kg], k_p [1/s²], k_v [1/s], f force on the axis [N]. Closed loop: ë + k_v ė + k_p e
 ///   = 0.
 ///
-/// The force is limited to ±limit; the observer sees the limited force, so nothing winds up. Errors, compensation, limits
-/// and answers to bad input are those of every law, Common<1> in setup.hpp; Input and one number of output spare a caller
-/// with one axis the vectors.
+/// The force is limited to ±limit; the observer sees the limited force, so nothing winds up. Errors, compensation, limits and
+/// the treatment of bad input are those of every law, Common<1> in setup.hpp. Input and a single number as output let a caller
+/// with one axis do without vectors.
 /// Source: thesis (2.25), (2.30).
 /// Real time: safe; the constructor configure only.
 

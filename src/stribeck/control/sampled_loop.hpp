@@ -1,6 +1,6 @@
 #pragma once
-/// Stability of the loop that most laws here close on each axis: PID on a mass, sampled. Exact for the zero-order hold and the
-/// differenced error, where a condition in continuous time is only the limit of short periods.
+/// Stability of the loop that most laws here close on each axis: PID on a mass, sampled. It is exact for the zero-order hold and the
+/// differenced error; a condition in continuous time is only its limit for short periods.
 ///
 ///   a_k = −k_p e_k − k_v (e_k − e_{k−1})/T − k_i I_k,   I_k = I_{k−1} + T e_k,   ë = a_k held over T
 ///   z(z−1)³ + (T²/2)(z+1)·{ k_p z(z−1) + (k_v/T)(z−1)² + k_i T z² } = 0       (without k_i one factor z−1 less)
@@ -9,7 +9,7 @@
 ///   k_i < k_p k_v; with k_i = 0 it is k_p T < 2k_v(2 − k_v T)/(2 + k_v T) and k_v T < 2, for a double pole ω T < 0.70.
 ///
 /// Source: Schur 1918 and Cohn 1922; Jury 1964, Theory and Application of the z-Transform Method.
-/// Not modelled: delay, friction, wrong mass; each takes its share of the margin.
+/// Not modelled: delay, friction, wrong mass; each reduces the margin.
 /// Real time: safe.
 
 #include <array>
@@ -31,7 +31,7 @@ constexpr bool roots_inside_unit_circle(std::array<double, N> c) noexcept {
 }
 
 constexpr bool sampled_loop_stable(double kp, double kv, double ki, double period) noexcept {
-  // The braces in powers of z, then times (T²/2)(z+1), then the free mass.
+  // The braces in powers of z, then times (T²/2)(z+1), then plus the free mass.
   const double p = kp;
   const double v = kv / period;
   const double h = 0.5 * period * period;

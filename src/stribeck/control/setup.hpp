@@ -21,11 +21,11 @@
 
 namespace stribeck::control {
 
-/// No machine here has more axes.
+/// Largest number of axes of a machine.
 inline constexpr std::size_t kMostAxes = 6;
 
-/// One value for each axis, or for each direction of the path's frame (tangent first). A shorter list stands for the rest with
-/// its last value: (20, 40) means 20 along the path and 40 across it, whatever the number of axes.
+/// One value for each axis, or for each direction of the path's frame (tangent first). The last value of a shorter list holds for
+/// the rest: (20, 40) means 20 along the path and 40 across it, whatever the number of axes.
 using PerAxis = FixedVector<double, kMostAxes>;
 
 template <std::size_t N>
@@ -39,9 +39,9 @@ constexpr Vec<double, N> spread(const PerAxis& list, double otherwise) noexcept 
 template <std::size_t N>
 struct Setup {
   double period = 1e-3;  ///< control period T [s]
-  /// Range of the path's parameter after which it repeats; NaN: it never does.
+  /// Range of the path's parameter after which the path repeats; NaN: it does not repeat.
   double lap = std::numeric_limits<double>::quiet_NaN();
-  std::array<CompensationParams, N> compensation;  ///< model of each axis and what to add from it
+  std::array<CompensationParams, N> compensation;  ///< model of each axis and settings of its compensation
   Vec<double, N> force_limit = spread<N>({}, std::numeric_limits<double>::infinity());  ///< [N]
 };
 
@@ -53,9 +53,9 @@ class Common {
     std::array<TrackingError, N> error;
     std::array<Compensation::State, N> compensation;
     Vec<double, N> force;  ///< last output [N]
-    /// The sample of this axis is a prediction, so that nothing may be learned from it; set by supervision (supervisor.hpp).
+    /// The sample of this axis is a prediction: nothing may be learned from it. Set by supervision (supervisor.hpp).
     std::array<bool, N> bridged{};
-    /// The sample is used, but may be a small wild one: adaptation rests, observers do not; set by supervision.
+    /// The sample may be slightly wild but is used: adaptation rests, observers continue. Set by supervision.
     std::array<bool, N> doubtful{};
     StatusCounter status;
   };
@@ -68,7 +68,7 @@ class Common {
   bool begin(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
     double sum = 0.0;
     for (std::size_t i = 0; i < N; ++i) {
-      // A sum with a value that is not finite is infinite or NaN.
+      // A sum that contains an infinite value or NaN is infinite or NaN.
       sum += measured[i] + r.position[i] + r.velocity[i] + r.acceleration[i];
       for (std::size_t k = 0; k < N; ++k)
         sum += r.frame[i][k] + r.frame_rate[i][k] + r.frame_acceleration[i][k];
@@ -87,7 +87,7 @@ class Common {
     return true;
   }
 
-  /// Forces [N] from accelerations of the law [m/s²]: M·a + friction + load + d̂, limited.
+  /// Forces [N] from the law's accelerations [m/s²]: M·a + friction + load + d̂, limited.
   Vec<double, N> finish(State& s, const path::PathPoint<N>& r,
                         const Vec<double, N>& acceleration) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
@@ -95,7 +95,7 @@ class Common {
           compensation_[i].step(s.compensation[i], r.position[i], r.velocity[i], r.acceleration[i], s.status);
       const double wanted = compensation_[i].mass() * acceleration[i] + added;
       if (!isfinite(wanted)) {
-        // Parameters beyond what numbers hold: the last force stays, as with an input that is not finite.
+        // Parameters that overflow: the last force stays, as with an input that is not finite.
         s.status.raise(Status::kNotFinite);
         continue;
       }
@@ -125,7 +125,7 @@ class Common {
   std::array<Compensation, N> compensation_;
 };
 
-/// Rᵀ given by rows, so that R·v is the transpose's product.
+/// Rᵀ is stored by rows, so R·v is a product with its transpose.
 template <std::size_t N>
 constexpr Vec<double, N> to_machine(const Mat<double, N>& rt, const Vec<double, N>& local) noexcept {
   Vec<double, N> v;

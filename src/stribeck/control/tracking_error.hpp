@@ -1,7 +1,7 @@
 #pragma once
 /// Tracking error e = x − r of one axis and its rate, from samples.
 ///
-///   difference of the error   ė_k = (e_k − e_{k−1})/T             the law's ė
+///   difference of the error   ė_k = (e_k − e_{k−1})/T             as the laws are written
 ///   late                      ė_k = (x_k − x_{k−1})/T − ṙ(k)      half a sample late
 ///   observed                  ė_k = v̂_k − ṙ(k)                    v̂ from the Kalman observer, which the caller sets
 ///

@@ -9,16 +9,15 @@
 ///     }
 ///   };
 ///
-/// Files, error texts, --help, the C interface and the reference pages are made from that list, all through walk_fields.hpp;
-/// there is no second one. A setting that only counts beside another says so:
+/// This one list gives files, error messages, --help, the C interface and the reference pages, all through walk_fields.hpp.
+/// A setting that has an effect only beside another one says so:
 ///
 ///   field("pole", &Observer::pole, …).when([](const Observer& o) { return o.on; }, "goes with on = true")
 ///
 /// Members may be: a number with a unit (double, or a Real scalar), int, bool, std::string, an enumeration
 /// with names (see enum_names), a struct with fields(), std::optional of these (absent is not zero),
 /// FixedVector, std::vector or std::array of these, and std::variant of structs each with a `static constexpr
-/// std::string_view kKind`. Everything inside is SI: the stored value has `unit`; `shown` is the unit that
-/// people read.
+/// std::string_view kKind`. Everything inside is SI: the stored value has `unit`; `shown` is the unit for people.
 /// Real time: safe (constants only).
 
 #include <array>
@@ -75,8 +74,8 @@ struct Field {
   Quantity quantity;
   std::string_view doc;
   bool required = true;
-  std::string_view condition{};                ///< when it has an effect, in words; "": always
-  bool (*has_effect)(const Owner&) = nullptr;  ///< the same as a question; null: always
+  std::string_view condition{};  ///< condition under which it has an effect, in words; "": always
+  bool (*has_effect)(const Owner&) = nullptr;  ///< the same condition as a function; null: always
 
   /// The key may be left out; the member then keeps its initial value.
   [[nodiscard]] constexpr Field or_default() const noexcept {
@@ -84,14 +83,14 @@ struct Field {
     f.required = false;
     return f;
   }
-  /// It has an effect only then. `words` reads "goes with …": files refuse it otherwise.
+  /// Names the condition under which the parameter has an effect. `words` reads "goes with …". Elsewhere files refuse the key.
   [[nodiscard]] constexpr Field when(bool (*effect)(const Owner&), std::string_view words) const noexcept {
     Field f = *this;
     f.condition = words;
     f.has_effect = effect;
     return f;
   }
-  /// The same parameter of a struct that inherits it, where it may have an effect at other times.
+  /// The same parameter of a derived struct, where the condition differs.
   template <class Derived>
   [[nodiscard]] constexpr Field<Derived, Member> of() const noexcept {
     return {name, member, quantity, doc, required};
@@ -109,7 +108,7 @@ constexpr Field<Owner, Member> field(std::string_view name, Member Owner::*membe
                                      std::string_view doc) noexcept {
   return {name, member, {}, doc};
 }
-/// For a struct whose parameters count as the owner's own: its name adds nothing to theirs.
+/// For a struct whose parameters count as the owner's own: its name is not part of their keys.
 template <class Owner, class Member>
 constexpr Field<Owner, Member> embedded(Member Owner::*member) noexcept {
   return {"", member, {}, ""};
@@ -144,7 +143,7 @@ constexpr std::string_view enum_name(E wanted) noexcept {
   return {};
 }
 
-/// Value of a name; nothing for a name that is none.
+/// Value with that name; nothing for an unknown name.
 template <NamedEnum E>
 constexpr std::optional<E> enum_value(std::string_view wanted) noexcept {
   for (const auto& [value, name] : EnumNames<E>::names) {
@@ -153,7 +152,7 @@ constexpr std::optional<E> enum_value(std::string_view wanted) noexcept {
   return std::nullopt;
 }
 
-/// All names, in the order of their declaration.
+/// All names, in the order of declaration.
 template <NamedEnum E>
 inline constexpr auto kEnumWords = [] {
   std::array<std::string_view, EnumNames<E>::names.size()> words;

@@ -24,14 +24,14 @@ class FixedVector {
   [[nodiscard]] constexpr bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] constexpr bool full() const noexcept { return size_ == N; }
 
-  /// Appends; false, and nothing done, when full.
+  /// Appends; returns false and changes nothing when full.
   constexpr bool push_back(const T& value) noexcept {
     if (full()) return false;
     items_[size_++] = value;
     return true;
   }
   constexpr void clear() noexcept { size_ = 0; }
-  /// New elements are T{}; no longer than N.
+  /// New elements are T{}; the new size is at most N.
   constexpr void resize(std::size_t n) noexcept {
     if (n > N) n = N;
     while (size_ < n) items_[size_++] = T{};

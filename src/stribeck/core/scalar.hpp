@@ -52,7 +52,7 @@ concept Real = std::copyable<T> && requires(T a, T b, double d) {
   cos(a);
 };
 
-/// sgn with sgn(0) = 0.
+/// Sign, with sgn(0) = 0.
 template <Real T>
 constexpr T sign(const T& x) noexcept {
   return select(x > T(0.0), T(1.0), select(x < T(0.0), T(-1.0), T(0.0)));
@@ -68,7 +68,7 @@ constexpr T max_of(const T& a, const T& b) noexcept {
   return select(a < b, b, a);
 }
 
-/// x held inside [lo, hi].
+/// x limited to [lo, hi].
 template <Real T>
 constexpr T clamp_to(const T& x, const T& lo, const T& hi) noexcept {
   return min_of(max_of(x, lo), hi);

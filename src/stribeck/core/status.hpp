@@ -12,8 +12,8 @@ enum class Status : std::uint8_t {
   kOk,
   kNotFinite,             ///< an input was NaN or infinite; the step held its last safe output
   kOutputLimited,         ///< the output reached the limit of the drive
-  kOutsideVelocityRange,  ///< a friction model was asked beyond the velocities it was identified on
-  kOscillation,           ///< the loop oscillated; what closes it beyond the law was backed off
+  kOutsideVelocityRange,  ///< a friction model was evaluated outside the velocities that it was identified on
+  kOscillation,           ///< the loop oscillated; trust in observer and adaptation was reduced
   kCount
 };
 

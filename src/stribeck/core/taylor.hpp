@@ -6,7 +6,7 @@
 ///   Taylor<4> phi = Taylor<4>::variable(0.3);
 ///   (sin(phi)).derivative(3)  →  −cos 0.3
 ///
-/// Comparisons look at the value.
+/// Comparisons use the value.
 /// Source: Griewank, Walther, Evaluating Derivatives, 2nd ed., chapter 13.
 /// Real time: safe.
 
@@ -119,7 +119,7 @@ struct Taylor {
     Taylor c(std::cos(a.c[0]));
     bool linear = true;
     for (int k = 2; k <= N; ++k) linear = linear && a.c[k] == 0.0;
-    if (linear) {  // as along most paths; a third of the time
+    if (linear) {  // most paths need only this branch, which takes a third of the time
       unrolled<N>([&](auto j) {
         constexpr double kShare = 1.0 / (j + 1);
         s.c[j + 1] = kShare * a.c[1] * c.c[j];

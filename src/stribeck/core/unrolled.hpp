@@ -1,5 +1,5 @@
 #pragma once
-/// Short loops with a constant number of turns, unrolled: at -O2 compilers keep such loops.
+/// Unrolls short loops with a constant number of iterations: at -O2 compilers do not.
 /// Real time: safe.
 
 #include <cstddef>

@@ -1,12 +1,12 @@
 #pragma once
 /// The one walk over declared parameters (fields.hpp), for files, the C interface, JSON, tables, tuning and reference pages.
 ///
-///   for_each_member(value_of(machine), [](const Member& m) {          // `machine` is looked at, not copied
+///   for_each_member(value_of(machine), [](const Member& m) {          // reads `machine`, does not copy it
 ///     switch (m.value.kind()) { case Kind::kNumber: … m.info.name, m.info.quantity, m.value.number() … }
 ///   });
 ///
-/// Every declared type has one constant table (field_types.hpp). A walk is then ordinary code over Value (to read) and Target
-/// (to write), compiled once, in place of a template for every struct.
+/// Every declared type has one constant table (field_types.hpp). A walk is therefore ordinary code over Value (read) and Target
+/// (write). It is compiled once, where a template would be compiled for every struct.
 /// Real time: configure only.
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace stribeck {
 
-/// An object of a declared type, to be looked at.
+/// An object of a declared type, for reading.
 class Value {
  public:
   constexpr Value(const Type& type, const void* object) noexcept : type_(&type), object_(object) {}
@@ -29,11 +29,11 @@ class Value {
   [[nodiscard]] bool has_fixed_size() const noexcept { return type_->least_items == type_->most_items; }
 
   [[nodiscard]] double number() const { return type_->number(object_); }
-  /// Of a choice or a variant.
+  /// The words of a choice or a variant.
   [[nodiscard]] std::size_t index() const { return static_cast<std::size_t>(number()); }
   [[nodiscard]] std::string_view word() const { return type_->words[index()]; }
   [[nodiscard]] std::string_view text() const { return type_->text(object_); }
-  /// Items of a list, 0 or 1 of an optional.
+  /// Number of items of a list; of an optional 0 or 1.
   [[nodiscard]] std::size_t size() const { return type_->size(object_); }
   [[nodiscard]] Value operator[](std::size_t i) const {
     return {*type_->inner, type_->at(const_cast<void*>(object_), i)};
@@ -49,17 +49,17 @@ class Value {
   const void* object_;
 };
 
-/// An object of a declared type, to be changed.
+/// An object of a declared type, for writing.
 class Target {
  public:
   constexpr Target(const Type& type, void* object) noexcept : type_(&type), object_(object) {}
-  operator Value() const noexcept { return {*type_, object_}; }  // NOLINT: every Target can be looked at
+  operator Value() const noexcept { return {*type_, object_}; }  // every Target can be read
 
   [[nodiscard]] const Type& type() const noexcept { return *type_; }
   [[nodiscard]] Kind kind() const noexcept { return type_->kind; }
   [[nodiscard]] void* object() const noexcept { return object_; }
   [[nodiscard]] std::size_t size() const { return type_->size(object_); }
-  /// For a choice the index of the word; for a variant the alternative, which begins anew.
+  /// For a choice the index of the word; for a variant the index of the alternative, which is constructed anew.
   void set(double x) const { type_->set_number(object_, x); }
   void set(std::string_view text) const { type_->set_text(object_, text); }
   void resize(std::size_t n) const { type_->resize(object_, n); }
@@ -82,7 +82,7 @@ template <class T>
 constexpr Target target_of(T& object) noexcept {
   return {type_of<T>, &object};
 }
-/// What T is before anybody changes it.
+/// An object of type T with all initial values.
 inline Value initial_of(const Type& type) { return {type, type.initial()}; }
 
 /// One parameter of an object.
@@ -93,7 +93,7 @@ struct MemberOf {
   const void* owner;
 
   [[nodiscard]] bool has_effect() const { return info.has_effect == nullptr || info.has_effect(owner); }
-  /// May be left out.
+  /// Whether it must be given.
   [[nodiscard]] bool required() const { return info.required && value.kind() != Kind::kOptional; }
 };
 using Member = MemberOf<Value>;
@@ -115,7 +115,7 @@ void for_each_member(const V& group, F&& f) {
   }
 }
 
-/// The parameter of this name, or nothing.
+/// The parameter of this name; empty where there is none.
 template <class V>
 std::optional<V> find_member(const V& group, std::string_view name) {
   std::optional<V> found;
@@ -136,7 +136,7 @@ inline void validate(const Value& group, const Report& report) {
   if (type.validate != nullptr) type.validate(group.object(), report);
 }
 
-/// Whether two objects of one type hold the same. NaN equals NaN.
+/// Whether two objects of one type have equal values. NaN equals NaN.
 inline bool same(const Value& a, const Value& b) {
   switch (a.kind()) {
     case Kind::kSwitch:
@@ -173,18 +173,18 @@ inline bool same(const Value& a, const Value& b) {
   return true;
 }
 
-/// Whether a parameter is as in an object of its group that nobody has changed.
+/// Whether a parameter has its initial value.
 inline bool is_initial(const Value& group, const Member& member) {
   const auto initial = find_member(Value(group.type(), group.type().initial()), member.info.name);
   return initial && same(member.value, *initial);
 }
 
-/// "on" or "off", by the switch that may stand for a whole group.
+/// "on" or "off": the value of the switch that may stand for a whole group (Type::short_form).
 inline std::string_view short_form(const Value& group) {
   return find_member(group, group.type().short_form)->number() != 0.0 ? "on" : "off";
 }
 
-/// Whether that switch says all of the group: it has one, and all else is as it began.
+/// Whether the word "on" or "off" describes the group completely: it has such a switch, and all other members are initial.
 inline bool is_short(const Value& group) {
   const std::string_view name = group.type().short_form;
   bool all = group.kind() == Kind::kGroup && !name.empty();

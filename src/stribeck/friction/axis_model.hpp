@@ -13,7 +13,7 @@ struct AxisModel {
   double mass = 0.0;  ///< equivalent mass, reflected inertia included [kg]
   double load = 0.0;  ///< [N]
   Model friction;
-  double delay = 0.0;  ///< from the command of a force to the begin of its hold [s]
+  double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]
 
   static constexpr auto fields() {
     return std::tuple{

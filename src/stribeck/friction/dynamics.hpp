@@ -19,8 +19,8 @@
 ///                 stiffened(factor)         stiffness × factor, damping × √factor
 ///   reversal      stops()                   where the law is a sum of elastic stops
 ///
-/// ρ scales the stiffness: the same bristle in a motion ρ times as fast, so that it is advanced with ρ·v.
-/// A new law is its own header and its name in model.hpp. Without pre-sliding: static.hpp.
+/// ρ scales the stiffness: it is the same bristle in a motion ρ times as fast, which is why callers advance it with ρ·v.
+/// A new law is one header and its name in model.hpp. A law without pre-sliding: static.hpp.
 /// Real time: safe.
 
 #include <array>
@@ -34,7 +34,7 @@
 
 namespace stribeck::friction {
 
-/// What feed-forward and variation need: every alternative of model.hpp's variant, static friction included.
+/// What feed-forward and variation need. Every alternative of model.hpp's variant has it, static friction too.
 template <class L, class T = double>
 concept DynamicLaw = Real<T> && std::copyable<L> && std::is_trivially_copyable_v<typename L::State> &&
     requires(const L& law, typename L::State& s, const typename L::State& at, const T& x, double dt) {
@@ -46,7 +46,7 @@ concept DynamicLaw = Real<T> && std::copyable<L> && std::is_trivially_copyable_v
   { law.stiffened(dt) } -> std::same_as<L>;
 };
 
-/// What integrators and fits need besides: a force that follows from states.
+/// What integrators and fits need in addition: a force that follows from states.
 template <class L, class T = double>
 concept PreSlidingLaw = DynamicLaw<L, T> &&
     requires(const L& law, typename L::State& s, const typename L::State& at, typename L::Numbers q,
@@ -61,14 +61,14 @@ concept PreSlidingLaw = DynamicLaw<L, T> &&
   { law.rate_bound(x, x) } -> std::convertible_to<T>;
 };
 
-/// Every alternative of a variant is one of the two; only static friction is without pre-sliding.
+/// Every alternative of a variant satisfies one of the two concepts; only static friction has no pre-sliding.
 template <class Laws>
 inline constexpr bool kAllDynamicLaws = false;
 template <class... Law>
 inline constexpr bool kAllDynamicLaws<std::variant<Law...>> =
     ((PreSlidingLaw<Law> || (DynamicLaw<Law> && std::is_empty_v<typename Law::State>)) && ...);
 
-/// A law whose states an integrator carries in its own vector, from q on; modes stay here.
+/// A law whose states are part of an integrator's vector, from index q on; the modes are kept here.
 template <PreSlidingLaw Law>
 class Integrated {
  public:
@@ -79,7 +79,7 @@ class Integrated {
 
   [[nodiscard]] const Law& law() const noexcept { return law_; }
 
-  /// Begins from a state.
+  /// Starts from a state.
   void place(const State& state, double* q) noexcept {
     state_ = state;
     const auto from = Law::continuous(state_);
@@ -118,13 +118,13 @@ struct Stop {
 };
 inline constexpr std::size_t kMostStops = 8;
 
-/// How friction builds up after a reversal: by stops, or, without any, to 1 − 1/e within distance × level.
+/// How friction builds up after a reversal: by elastic stops; without any, to 1 − 1/e within distance × level.
 struct BuildUp {
   double distance = 0.0;  ///< [m/N]
   FixedVector<Stop, kMostStops> stops;
 };
 
-/// That of the law that is held; none of a law without pre-sliding, whose force reverses at once.
+/// The build-up of the law in a variant; absent for a law without pre-sliding, whose force reverses at once.
 template <DynamicLaw... Law>
 constexpr std::optional<BuildUp> build_up_of(const std::variant<Law...>& laws) noexcept {
   return std::visit(
@@ -145,7 +145,7 @@ constexpr bool has_pre_sliding(const std::variant<Law...>& laws) noexcept {
   return std::visit([]<class L>(const L&) noexcept { return PreSlidingLaw<L>; }, laws);
 }
 
-/// States of whichever law a variant of laws holds.
+/// The states of all laws of a variant.
 template <class Laws>
 struct StateOf;
 template <DynamicLaw... Law>
@@ -153,7 +153,7 @@ struct StateOf<std::variant<Law...>> {
   using Type = std::variant<typename Law::State...>;
 };
 
-/// Calls act(law, state) with the law that is held and its state; a state of another law begins anew, relaxed at rest.
+/// Calls act(law, state) with the law in the variant and its state. A state of another law is replaced by one relaxed at rest.
 template <class Laws, class Act>
 decltype(auto) with_law(const Laws& laws, typename StateOf<Laws>::Type& state, Act&& act) noexcept {
   return std::visit(

@@ -8,8 +8,8 @@
 /// Branches are signed as printed in Table 2.3: for v < 0, η0, a_i and b_i are negative (η0 = −768.6 N) and
 /// nothing is multiplied by sgn v again.
 ///
-/// A model knows the velocities it was identified on. Outside, the Gaussian sum holds the value at the border
-/// and only η1·v goes on: a term that peaks beyond the range would otherwise invent thousands of newtons.
+/// A model knows the velocities that it was identified on. Outside them the Gaussian sum keeps its value at the border and only
+/// η1·v continues; otherwise a term that peaks outside would add thousands of newtons.
 ///
 /// Source: thesis (2.32), Table 2.3.
 /// Not modelled: pre-sliding; dependence on position and load.
@@ -85,7 +85,7 @@ struct Gaussian {
       report("velocity_range", "expected a lowest velocity below zero and a highest above zero");
       return;
     }
-    // The level of a hysteresis must be positive wherever the model may be asked.
+    // The level of a hysteresis must be positive at every velocity.
     for (int i = 0; i <= 200; ++i) {
       const double share = i / 200.0;
       for (const double v : {share * velocity_range[0], share * velocity_range[1]}) {

@@ -14,8 +14,8 @@
 /// integrators. What every law offers: dynamics.hpp.
 ///
 /// Source: Al-Bender, Lampaert, Swevers 2005, doi:10.1109/TAC.2005.858676.
-/// Not modelled: a damping of its own for every element (σ does not ask which of them stick, so that the
-/// force never jumps); lubricant memory beyond C.
+/// Not modelled: separate damping of every element (σ does not depend on which of them stick, so that the force never jumps);
+/// memory of the lubricant beyond C.
 /// Real time: safe; step costs one exp per slipping element
 /// and the map.
 
@@ -98,7 +98,7 @@ struct Gms {
     law.damping_coefficient = law.damping_coefficient * T(std::sqrt(factor));
     return law;
   }
-  /// From one limit of an element to the other: 2·α_i·g/k_i.
+  /// Distance from one limit of an element to the other: 2·α_i·g/k_i.
   [[nodiscard]] FixedVector<Stop, kMostStops> stops() const noexcept requires std::same_as<T, double> {
     FixedVector<Stop, kMostStops> all;
     if constexpr (std::same_as<T, double>) {  // Clang 14 compiles the body for jets as well
@@ -107,12 +107,11 @@ struct Gms {
     return all;
   }
 
-  /// Ḟ_i [N/s] with the present sticking and slipping.
+  /// Ḟ_i [N/s] with the present modes.
   [[nodiscard]] T rate(std::size_t i, const T& force_i, const T& slipping_i, const T& v,
                        const SteadyParts<T>& p) const noexcept {
     const T slip = attraction * (elements[i].share * sign(v) - force_i / p.level);
-    // Once the velocity has turned against its force, an element sticks: at once, not only when settle() next
-    // looks.
+    // Once the velocity has turned against its force, an element sticks. This holds at once, not only after the next settle().
     return select(slipping_i > T(0.5) && force_i * v > T(0.0), slip, elements[i].stiffness * v);
   }
 
@@ -133,20 +132,20 @@ struct Gms {
     return elastic(q) + damping(v) * v + p.viscous + p.additive;
   }
 
-  /// Changes between stick and slip after a small step that ended at velocity v, having begun at v_before.
+  /// Changes between stick and slip after a small step that ended at velocity v and began at v_before.
   void settle(State& s, const T& v_before, const T& v, const SteadyParts<T>& p) const noexcept {
     const auto reversed = v_before * v <= T(0.0);
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const T limit = elements[i].share * p.level;
       const T slipping = select(reversed, T(0.0), s.slipping[i]);
-      // An element that stuck cannot carry more than its share; one that pushes the other way holds on.
+      // A sticking element cannot carry more than its share; one that pushes the other way still sticks.
       const auto breaks = slipping < T(0.5) && s.force[i] * sign(v) >= limit;
       s.force[i] = select(breaks, limit * sign(v), s.force[i]);
       s.slipping[i] = select(breaks, T(1.0), slipping);
     }
   }
 
-  /// Moves the elements on by dt [s] with v and the level held.
+  /// Advances the elements by dt [s] with v and the level held.
   void advance(State& s, const T& v, const T& level, double dt) const noexcept {
     const T direction = sign(v);
     const auto moving = v > T(0.0) || v < T(0.0);
@@ -168,12 +167,12 @@ struct Gms {
       s.slipping[i] = select(ends_slipping, T(1.0), select(moving, T(0.0), s.slipping[i]));
     }
   }
-  /// Force of the elements and their damping [N] at velocity v. It does not ask for the scale of the stiffness: σ acts on v,
-  /// not on a deflection.
+  /// Force of the elements and their damping [N] at velocity v. The scale of the stiffness is not needed: σ acts on v, not on a
+  /// deflection.
   [[nodiscard]] T bristle(const State& s, const T& v, const T&, const T&) const noexcept {
     return elastic(s.force) + damping(v) * v;
   }
-  /// Mean of it [N] over a hold of dt [s] that led from one state to the other.
+  /// Mean of that force [N] over a hold of dt [s] that led from one state to the other.
   [[nodiscard]] T mean_bristle(const State& before, const State& after, const T& v, double) const noexcept {
     return T(0.5) * (elastic(before.force) + elastic(after.force)) + damping(v) * v;
   }

@@ -84,7 +84,7 @@ struct LuGre {
     return force(z[0], z_rate[0], v, p);
   }
 
-  /// Moves the bristle on by dt [s] with v and the level held.
+  /// Advances the bristle by dt [s] with v and the level held.
   void advance(State& s, const T& v, const T& level, double dt) const noexcept {
     const T y = sigma0 * abs(v) / level * T(dt);
     s.z = exp(-y) * s.z + v * T(dt) * hold_gain(y);
@@ -93,7 +93,7 @@ struct LuGre {
   [[nodiscard]] T bristle(const State& s, const T& v, const T& level, const T& scale) const noexcept {
     return sigma0 * s.z + damping(v) * (rate(s.z, scale * v, {level, T(0.0), T(0.0)}) / scale);
   }
-  /// Mean of it [N] over a hold of dt [s] that led from one state to the other.
+  /// Mean of that force [N] over a hold of dt [s] that led from one state to the other.
   [[nodiscard]] T mean_bristle(const State& before, const State& after, const T& v,
                                double dt) const noexcept {
     return T(0.5) * sigma0 * (before.z + after.z) + damping(v) * (after.z - before.z) / T(dt);

@@ -1,9 +1,9 @@
 #pragma once
-/// A whole friction model as files and compensators hold it: one steady map, any number of eccentric terms
-/// over it, and a dynamic behaviour (or none) that takes their sum as its steady state.
+/// A complete friction model, as files and compensators hold it: one steady map, any number of eccentric terms over it, and a
+/// dynamic law (or none) whose steady state is their sum.
 ///
-/// Which map and which law stand in variants, decided once when the model is read; loops run on Composed<Map> and on the law.
-/// A new one is its own header and its name in SteadyVariant (steady.hpp says what a map offers) or DynamicsVariant
+/// Variants hold the map and the law; which of them runs is decided once, when the model is read. Loops run on Composed<Map> and on
+/// the law. A new one is a header and a name in SteadyVariant (steady.hpp lists what a map offers) or in DynamicsVariant
 /// (dynamics.hpp).
 /// Real time: safe.
 
@@ -20,7 +20,7 @@ namespace stribeck::friction {
 
 inline constexpr std::size_t kMaxEccentricTerms = 4;
 
-/// A map's own approximation around v, or the map.
+/// A map's own approximation around v where it has one, otherwise the map itself.
 template <class Map, class T>
 decltype(auto) near_or_itself(const Map& map, const T& v) noexcept {
   if constexpr (requires { map.near(v); }) {
@@ -30,7 +30,7 @@ decltype(auto) near_or_itself(const Map& map, const T& v) noexcept {
   }
 }
 
-/// Eccentric terms over a base map: again a steady map.
+/// A base map with eccentric terms; the sum is again a steady map.
 template <class Map, Real T = double>
 struct Composed {
   Map base;
@@ -42,7 +42,7 @@ struct Composed {
     return p;
   }
 
-  /// The same around v, where the base knows a cheaper way (table.hpp).
+  /// The same around v, where the base has a cheaper form (table.hpp).
   struct Near {
     const Composed* whole;
     decltype(near_or_itself(std::declval<const Map&>(), std::declval<const T&>())) base;
@@ -59,10 +59,10 @@ struct Composed {
 using SteadyVariant = std::variant<Conventional<double>, Gaussian<double>>;
 using DynamicsVariant = std::variant<Static, LuGre<double>, Gms<double>>;
 
-// What a law does not offer does not compile; nobody takes it for another one.
+// A law that lacks one of these functions does not compile; no other law takes its place.
 static_assert(kAllSteadyLaws<SteadyVariant> && kAllDynamicLaws<DynamicsVariant>);
 
-/// Over any variant of dynamic laws, so that a test can try one that is not built in.
+/// A model over any variant of dynamic laws: a test can run a law that is not built in.
 template <class Dynamics>
 struct BasicModel {
   SteadyVariant steady;
@@ -99,11 +99,11 @@ struct BasicModel {
     return p;
   }
 
-  /// Velocities of the data behind the steady map [m/s]; none where it does not say.
+  /// Velocities of the data behind the steady map [m/s]; absent where the map does not know them.
   [[nodiscard]] std::optional<std::array<double, 2>> identified_range() const noexcept {
     return std::visit([](const auto& map) noexcept { return map.identified_range(); }, steady);
   }
-  /// Whether the model was identified at this velocity; a map without a range covers all.
+  /// Whether the model was identified at this velocity; a map without a range covers every velocity.
   [[nodiscard]] bool covers(double v) const noexcept {
     const auto range = identified_range();
     return !range || (v >= (*range)[0] && v <= (*range)[1]);

@@ -1,9 +1,9 @@
 #pragma once
-/// No dynamics: friction is its steady state at once.
+/// No dynamics: friction is always at its steady state.
 ///
 ///   F = g(v)·sgn v + viscous + additive
 ///
-/// Not modelled: pre-sliding. Standstill needs an integrator that looks for it (ident/replay).
+/// Not modelled: pre-sliding. Standstill needs an integrator that handles it (ident/replay).
 /// Real time: safe.
 
 #include <stribeck/core/fields.hpp>
@@ -28,7 +28,7 @@ struct Static {
   void slide(State&, const T&) const noexcept {}
   template <Real T>
   void carry(State&, const T&) const noexcept {}
-  /// Nothing bends, so that nothing can be shifted.
+  /// There is no deflection, so nothing can be shifted.
   template <Real T>
   [[nodiscard]] T shift(State&, const T&, const T&) const noexcept {
     return T(0.0);

@@ -7,14 +7,14 @@
 ///   viscous   [N]  follows the velocity; stays outside the bristle
 ///   additive  [N]  keeps its sign when the motion reverses (position, gravity); outside the bristle
 ///
-/// F opposes motion: positive for v > 0. sgn 0 = 0, so that a drive at rest is asked for no Coulomb force.
-/// A steady map is a parameter struct with `SteadyParts<T> parts(T v, T x) const noexcept`. A map that a model may hold
-/// (model.hpp) offers besides:
+/// F opposes motion: positive for v > 0. sgn 0 = 0, so that a drive at rest is not asked for Coulomb force.
+/// A steady map is a parameter struct with `SteadyParts<T> parts(T v, T x) const noexcept`. A map for a model (model.hpp)
+/// also offers:
 ///
 ///   scaled(factor)                level and viscous part × factor
-///   viscous_alone()               the same without level
-///   viscous_coefficient(side)     viscous part over v for side = ±1 [N·s/m]; so that part is proportional to v
-///   identified_range()            lowest and highest velocity of the data behind it [m/s], where there are any
+///   viscous_alone()               the map without level
+///   viscous_coefficient(side)     viscous part divided by v for side = ±1 [N·s/m]; so that part must be proportional to v
+///   identified_range()            lowest and highest velocity of its data [m/s]; absent where there are none
 ///
 /// Real time: safe.
 

@@ -3,17 +3,16 @@
 ///
 ///   level(v) = c0 + c1·d + c2·d² + c3·d³,   d = distance from the left edge of the cell that holds |v|/v_max
 ///
-/// The cells divide every octave of |v| into 64, over twelve octaves below v_max, and one more reaches down
-/// to rest, so that a Stribeck rise of a few micrometres per second is resolved as well as a Gaussian of a
-/// few millimetres per second; the cell is read off the bits of |v|, without a search or a logarithm. Each
-/// direction has its own cells. Beyond v_max the level holds the value at the border. Each cubic meets the
-/// map at four points of its cell: for Table 2.3 the largest deviation is below 1e-4 N (test), which moves an
-/// axis of 57 N·s²/mm by picometres.
+/// The cells divide every octave of |v| into 64, over twelve octaves below v_max; one more cell reaches down to rest. A
+/// Stribeck rise of a few micrometres per second is thus resolved as well as a Gaussian of a few millimetres per second. The cell
+/// follows from the bits of |v|, without a search or a logarithm. Each direction has its own cells. Beyond v_max the level keeps
+/// its value at the border. Each cubic equals the map at four points of its cell: for Table 2.3 the largest deviation is below
+/// 1e-4 N (test), which moves an axis of 57 N·s²/mm by picometres.
 ///
-/// near(v) hands out the cubic of one cell, for the stages of a small step that stay close to v: finding the
-/// cell costs as much as the cubic.
+/// near(v) returns the cubic of one cell, for the stages of a small step that stay close to v: finding the cell costs as much as
+/// evaluating the cubic.
 ///
-/// Written for double only: the cell is read off the bits of |v|.
+/// For double only, because the cell is computed from the bits of |v|.
 /// Not modelled: viscous parts that are not proportional to v; additive parts of the base map.
 /// Real time: safe; build() configure only.
 
@@ -29,8 +28,8 @@ class Table {
   static constexpr int kOctaves = 12;
   static constexpr int kCellsPerOctave = 64;
 
-  /// Tabulates a map up to |v| = v_max [m/s], > 0. A map that holds a value beyond the range it was
-  /// identified on is tabulated up to exactly there: a kink inside a cell would cost newtons.
+  /// Tabulates a map up to |v| = v_max [m/s], > 0. A map that keeps a constant value beyond its identified range is tabulated
+  /// exactly up to that border: a kink inside a cell would cause errors of newtons.
   template <SteadyMap<double> M>
   static Table build(const M& map, double v_max) noexcept {
     static_assert(
@@ -65,8 +64,7 @@ class Table {
     return t;
   }
 
-  /// The cubic of the cell that holds v. Good for |v'| within a cell's width of it, |v|/64: it goes on
-  /// smoothly.
+  /// The cubic of the cell that holds v. Valid for |v'| within a cell's width of it, |v|/64, because it continues smoothly.
   class Near {
    public:
     [[nodiscard]] SteadyParts<double> parts(double v, double) const noexcept {
@@ -87,7 +85,7 @@ class Table {
     const double u = abs(v) * scale_[side];
     Near n;
     n.viscous_ = viscous_[side];
-    if (!(u < kHighest)) {  // the border is held; NaN ends here too and stays NaN
+    if (!(u < kHighest)) {  // keeps the value at the border; NaN also ends here and stays NaN
       n.cell_ = &border_[side];
       n.scale_ = 0.0;
       return n;
@@ -109,7 +107,7 @@ class Table {
   static constexpr int kCells = kOctaves * kCellsPerOctave + 1;
   static constexpr int kShift = 52 - std::countr_zero(static_cast<unsigned>(kCellsPerOctave));
   static constexpr double kLowest = 1.0 / (1 << kOctaves);
-  static constexpr double kAtRest = 1e-12;  ///< close to rest, but on the right side of it
+  static constexpr double kAtRest = 1e-12;  ///< close to rest, but with the right sign
   static constexpr double kHighest = 1.0 - 0x1p-53;
   static constexpr std::uint64_t kFirst = std::bit_cast<std::uint64_t>(kLowest) >> kShift;
 

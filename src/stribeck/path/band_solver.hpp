@@ -3,8 +3,8 @@
 ///
 ///   A = L·D·Lᵀ;  A(i, j) = 0 for 3 < |i − j| (cyclic: < n − 3)
 ///
-/// A cyclic system keeps its last three unknowns apart as a border: eliminating the others fills only their columns.
-/// Positive definite: no pivoting is needed. O(n); memory of the caller.
+/// A cyclic system keeps its last three unknowns apart as a border: eliminating the others fills only their columns. The matrix is
+/// positive definite, so no pivoting is needed. O(n); the caller provides the memory.
 /// Source: Golub, Van Loan, Matrix Computations, 4th ed., 4.3.6 (band), 4.1.2 (LDLᵀ).
 /// Real time: configure only.
 
@@ -24,7 +24,7 @@ struct Equation {
   Vec<double, N> value{};                ///< right-hand side
 };
 
-/// `at(i)` gives the equation i of n.
+/// `at(i)` returns equation i of n.
 template <std::size_t N, class At>
 class BandSystem {
  public:

@@ -2,7 +2,7 @@
 /// Contour error: the distance of a position from the path.
 ///
 ///   exact       ε = |p − q(φ*)|,  φ* the nearest point of the path near the reference: (p − q)·q' = 0
-///   linearised  ε = √(e_n² + e_b² + …),  e_l = Rᵀe: the part of the tracking error across the path; a controller's view
+///   linearised  ε = √(e_n² + e_b² + …),  e_l = Rᵀe: the part of the tracking error across the path, as a controller sees it
 ///
 ///   In a plane the path has sides, and ε is positive to the left of the direction of travel; elsewhere it has no sign. The
 ///   two differ by O(|e|²·curvature). ε [m].
@@ -16,7 +16,7 @@
 
 namespace stribeck::path {
 
-/// Parameter of the point of the path nearest to p, searched from `phi`; converged is false when there is none close by.
+/// Parameter of the point of the path nearest to p, searched from `phi`; converged is false when there is none nearby.
 struct NearestPoint {
   double phi = 0.0;
   bool converged = false;
@@ -31,7 +31,7 @@ NearestPoint nearest_from(const C& curve, const Vec<double, C::kAxes>& p, double
     const auto q = derivatives<2>(curve, phi);
     const auto d = p - q[0];
     const double square = dot(q[1], q[1]);
-    // Beyond the centre of curvature the distance has no minimum here: walk downhill instead.
+    // Beyond the centre of curvature the distance has no minimum here: step downhill instead.
     const double curvature = max_of(square - dot(d, q[2]), 0.1 * square);
     const double before = phi;
     phi += clamp_to(dot(d, q[1]) / curvature, -longest_step, longest_step);
@@ -41,8 +41,8 @@ NearestPoint nearest_from(const C& curve, const Vec<double, C::kAxes>& p, double
   return {phi, false};
 }
 
-/// Exact contour error [m] of position p [m]; phi is the reference's parameter. Where the search from the reference does not
-/// end (a position far from the path), the whole path is searched.
+/// Exact contour error [m] of position p [m]; phi is the reference's parameter. If the search from the reference does not converge
+/// (a position far from the path), the whole path is searched.
 template <PathCurve C>
 double contour_error(const C& curve, const Vec<double, C::kAxes>& p, double phi) noexcept {
   if constexpr (C::kAxes == 1) return 0.0;

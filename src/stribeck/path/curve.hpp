@@ -1,5 +1,5 @@
 #pragma once
-/// Plane curves q(φ), written once each.
+/// Plane curves q(φ).
 ///
 ///   circle     R·(cos φ, sin φ)                                            one lap: 2π, counter-clockwise
 ///   eight      R·(sin φ, sin φ·cos φ)                                      one lap: 2π

@@ -6,7 +6,7 @@
 ///   double period() const noexcept                   range of φ: one lap, or from end to end
 ///   bool closed() const noexcept                     φ and φ + period() are the same place
 ///
-/// Derivatives come from Taylor arithmetic and are exact; no path writes its own.
+/// Derivatives come from Taylor arithmetic and are exact; paths need no code for them.
 /// Real time: safe.
 
 #include <array>
@@ -47,8 +47,8 @@ double stretch(const C& curve, double phi) noexcept {
   return norm(derivatives<1>(curve, phi)[1]);
 }
 
-/// Length of one lap [m]: trapezoidal rule, which converges exponentially for a closed analytic path; an open or a piecewise
-/// one is measured within (period/4096)².
+/// Length of one lap [m] by the trapezoidal rule, which converges exponentially for a closed analytic path; the error for an open or
+/// piecewise path is of order (period/4096)².
 template <PathCurve C>
 double lap_length(const C& curve) noexcept {
   constexpr int kPoints = 4096;

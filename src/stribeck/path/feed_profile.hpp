@@ -3,7 +3,7 @@
 ///
 ///   s = s_i + v_i·τ + a_i·τ²/2 + j_i·τ³/6,   τ = t − t_i,  t_i ≤ t < t_{i+1}
 ///
-/// sim::plan_part makes it; the caller owns the memory of the phases. Before its beginning and after its end it is at rest.
+/// sim::plan_part makes it; the caller owns the memory of the phases. Outside its duration the path is at rest.
 /// Real time: safe.
 
 #include <span>
@@ -15,7 +15,7 @@ namespace stribeck::path {
 class FeedProfile {
  public:
   FeedProfile() = default;
-  /// Phases in the order of their times, at least one; duration [s] and length [m] at the end of the last.
+  /// Phases in the order of their times, at least one; duration [s] and length [m] are those at the end of the last one.
   FeedProfile(std::span<const FeedPhase> phases, double duration, double length) noexcept
       : phases_(phases), duration_(duration), length_(length) {}
 
@@ -33,7 +33,7 @@ class FeedProfile {
     }
     const FeedPhase& p = phases_[low];
     const double x = t - p.time;
-    // Rounding may leave a stop at a speed of −1e-17 m/s.
+    // Rounding could give a speed of −1e-17 m/s at a stop.
     return {p.s + x * (p.speed + x * (0.5 * p.acceleration + x * p.jerk / 6.0)),
             max_of(p.speed + x * (p.acceleration + 0.5 * x * p.jerk), 0.0), p.acceleration + x * p.jerk};
   }

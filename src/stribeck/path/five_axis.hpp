@@ -2,7 +2,7 @@
 /// A five-axis machine of three linear axes and a tilting rotary table (A about x carries C about z), and a path for it.
 ///
 ///   tool tip and tool axis as the workpiece sees them     p = Rz(−c)·Rx(−a)·(x, y, z) − p₀,   o = Rz(−c)·Rx(−a)·e_z
-///   back                                                  a = atan2(√(o_x² + o_y²), o_z),   c = atan2(o_x, o_y),
+///   inverse                                               a = atan2(√(o_x² + o_y²), o_z),   c = atan2(o_x, o_y),
 ///                                                         (x, y, z) = Rx(a)·Rz(c)·(p + p₀)
 ///
 ///   q = (x, y, z, ρ·a, ρ·c) [m]: a rotary axis enters as a linear one at the reference radius ρ, so its mass is J/ρ², its
@@ -93,7 +93,7 @@ struct TipPath {
   }
 };
 
-/// A path of five axes that is given by tip and tool axis.
+/// A path of five axes, given by tip and tool axis.
 template <class C>
 concept ToolPath = PathCurve<C> && C::kAxes == 5 && requires(const C& c, double phi) {
   { c.table } -> std::convertible_to<TiltingTable>;
@@ -113,7 +113,7 @@ TipDeviation tip_deviation(const C& path, const Vec<double, 5>& q, double phi) n
   const Vec<double, 3> tip = path.table.tip(q);
   const TipPath<C> trace{path};
   const NearestPoint nearest = nearest_from(trace, tip, phi);
-  // A search that does not end belongs to a machine that is lost; then the reference stands for the nearest point.
+  // If the search does not converge, the tip is far from the path; the reference then replaces the nearest point.
   const double at = nearest.converged ? nearest.phi : phi;
   const Vec<double, 3> wanted = path.direction(at);
   const Vec<double, 3> is = path.table.direction(q);
@@ -145,7 +145,7 @@ struct ConeFrustum {
   double inclination = 0.5;  ///< β [rad]
   double half_angle = 0.25;  ///< θ [rad]
 
-  /// Whether the tool axis keeps away from the pole, and the path closes.
+  /// Whether the tool axis stays away from the pole, and the path closes.
   [[nodiscard]] bool possible() const noexcept {
     return radius > 0.0 && half_angle >= 0.0 && half_angle < inclination &&
            inclination + half_angle < 0.5 * kPi;

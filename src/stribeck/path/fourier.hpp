@@ -1,6 +1,6 @@
 #pragma once
-/// A path whose axes are sums of harmonics of one parameter; circles in space, figures of eight and the printed contours of
-/// chapter 4 are of this kind.
+/// A path whose axes are sums of harmonics of one parameter, such as circles in space, figures of eight and the printed contours
+/// of chapter 4.
 ///
 ///   q_i(φ) = c_i + Σ_j A_ij·cos(k_ij·φ + p_ij)           one lap: `lap` in φ
 ///
@@ -41,7 +41,7 @@ struct Fourier {
     for (std::size_t i = 0; i < N; ++i) {
       q[i] = T(axis[i].offset);
       for (const Harmonic& h : axis[i].terms) {
-        // Axes of one contour often share their harmonics; a cosine is most of the work.
+        // Axes of one contour often share harmonics, and the cosine takes most of the time.
         if (last == nullptr || h.order != last->order || h.phase != last->phase)
           wave = cos(h.order * phi + T(h.phase));
         last = &h;

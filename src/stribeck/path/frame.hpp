@@ -25,7 +25,7 @@ namespace stribeck::path {
 
 enum class FrameKind { kTransported, kFrenet, kPrinted };
 
-/// Rᵀ and its derivatives: row 0 belongs to the tangent.
+/// Rᵀ and its derivatives: row 0 is that of the tangent.
 template <std::size_t N>
 struct Frame {
   Mat<double, N> rt;
@@ -63,7 +63,7 @@ constexpr Taylor<M> shortened(const Taylor<L>& t) noexcept {
   return r;
 }
 
-/// The K-th derivative of a series as a series of order M.
+/// The K-th derivative of a series, as a series of order M.
 template <int M, int K, int L, std::size_t N>
 constexpr Vec<Taylor<M>, N> differentiated(const Vec<Taylor<L>, N>& q) noexcept {
   static_assert(M + K <= L);
@@ -99,8 +99,8 @@ Vec<double, N> without(const Vec<double, N>& v, const Vec<double, N>& unit) noex
 
 }  // namespace detail
 
-/// Normals to begin with at a place with tangent t: the first points to the inside of the curve where it is curved (on the
-/// left in a plane), the rest complete a right-handed frame from the coordinate axes.
+/// First normals at a place with tangent t: the first one points to the inside of the curve where it is curved (to the left in a
+/// plane); the others complete a right-handed frame from the coordinate axes.
 template <std::size_t N>
 Mat<double, N> first_frame(const Vec<double, N>& t, const Vec<double, N>& curvature) noexcept {
   Mat<double, N> m;
@@ -117,7 +117,7 @@ Mat<double, N> first_frame(const Vec<double, N>& t, const Vec<double, N>& curvat
     const auto consider = [&](Vec<double, N> v, std::size_t index) {
       for (std::size_t k = 0; k < row; ++k) v = detail::without(v, m[k]);
       const double length = norm(v);
-      // A little preference for earlier axes, so that rounding does not decide.
+      // A slight preference for earlier axes, so that rounding does not decide.
       if (length > most * (1.0 + 1e-9)) {
         most = length;
         best = (1.0 / length) * v;
@@ -165,8 +165,8 @@ Frame<N> transported_frame(const Vec<Taylor<L>, N>& q, const Mat<double, N>& rt)
   return transported_frame(q, Taylor<2>(1.0) / norm(differentiated<2, 1>(q)), rt);
 }
 
-/// The frame's normals carried from place x0 to place x1 with unit tangent t1, by double reflection: off by the fourth power
-/// of the step over a path. The rows of `rt` are orthonormal.
+/// Carries the frame's normals from place x0 to place x1 with unit tangent t1, by double reflection: the error over a path is of
+/// fourth order in the step. The rows of `rt` are orthonormal.
 template <std::size_t N>
 Mat<double, N> transport(const Mat<double, N>& rt, const Vec<double, N>& x0, const Vec<double, N>& x1,
                          const Vec<double, N>& t1) noexcept {
@@ -175,8 +175,8 @@ Mat<double, N> transport(const Mat<double, N>& rt, const Vec<double, N>& x0, con
   const double ahead = dot(chord, rt[0]);
   Mat<double, N> m = rt;
   m[0] = t1;
-  // A chord of rounding errors points anywhere, and two reflections in such planes turn the normals anywhere. Then, and when
-  // nothing moves, the projection below is all there is to do.
+  // A chord of rounding errors has a random direction, and reflections in such planes would turn the normals at random. In this case,
+  // and when nothing moves, only the projection below is needed.
   if (ahead * ahead > 0.25 * c1 && c1 > 1e-200) {
     const double k1 = 2.0 / c1;
     const Vec<double, N> second = t1 - (rt[0] - (k1 * ahead) * chord);
@@ -186,17 +186,17 @@ Mat<double, N> transport(const Mat<double, N>& rt, const Vec<double, N>& x0, con
       m[i] = a - (k2 * dot(second, a)) * second;
     }
   }
-  // Rounding must not gather over millions of steps.
+  // Rounding must not accumulate over millions of steps.
   for (std::size_t i = 1; i < N; ++i) {
     for (std::size_t k = 0; k < i; ++k) m[i] = detail::without(m[i], m[k]);
     const double square = dot(m[i], m[i]);
-    // 1/√(1 + ε) to the last digit for what reflections leave.
+    // 1/√(1 + ε) to the last digit for the ε that reflections leave.
     m[i] = (abs(square - 1.0) < 1e-8 ? 1.5 - 0.5 * square : 1.0 / sqrt(square)) * m[i];
   }
   return m;
 }
 
-/// Frenet's frame or the printed one. `held` are the normals to hold where Frenet has none.
+/// Frenet's frame or the printed one. `held` are the normals that are used where Frenet's are undefined.
 inline Frame<3> frenet_frame(const Vec<Taylor<4>, 3>& q, bool as_printed,
                              const Mat<double, 3>& held) noexcept {
   constexpr double kParallel = 1e-9;
@@ -206,7 +206,7 @@ inline Frame<3> frenet_frame(const Vec<Taylor<4>, 3>& q, bool as_printed,
   Frame<3> f;
   detail::set_row(f, 0, t);
   const double bend = norm(detail::derivative_of<0>(a));
-  // (4.3) for a straight stretch: e_x in place of q'', e_y where the path runs along x.
+  // (4.3) on a straight stretch: e_x replaces q'', e_y where the path runs along x.
   if (as_printed && bend == 0.0) a[abs(t[0].c[0]) == 1.0 ? 1 : 0] = Taylor<2>(1.0);
   const Vec<Taylor<2>, 3> normal_to_both = cross(t, a);
   if (!as_printed && !(norm(detail::derivative_of<0>(normal_to_both)) > kParallel * bend)) {

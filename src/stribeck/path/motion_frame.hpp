@@ -1,5 +1,5 @@
 #pragma once
-/// The moving frame of a motion that another planner makes: from position, velocity and acceleration, sample after sample.
+/// The moving frame of a motion from another planner: from position, velocity and acceleration, sample by sample.
 ///
 ///   t = ṙ/|ṙ|,  ṫ, ẗ by the series of the motion in time (jerk: difference of the accelerations);  normals transported (frame.hpp)
 ///
@@ -65,16 +65,16 @@ class MotionFrame {
     }
   }
 
-  /// The least rotation that takes the tangent to t; at 90° the old tangent becomes a normal.
+  /// The smallest rotation that takes the tangent to t; at 90° the old tangent becomes a normal.
   static Mat<double, N> rotated(const Mat<double, N>& rt, const Vec<double, N>& t) noexcept {
     Mat<double, N> m = rt;
     m[0] = t;
     const Vec<double, N> both = (1.0 / (1.0 + dot(t, rt[0]))) * (t + rt[0]);
     for (std::size_t i = 1; i < N; ++i) m[i] = rt[i] - dot(t, rt[i]) * both;
-    return nearest(m, t);  // what rounding left
+    return nearest(m, t);  // remove the effect of rounding
   }
 
-  /// The normals' parts across t, made orthonormal; where one vanishes, a new frame.
+  /// Parts of the normals across t, made orthonormal; where one vanishes, a new frame is started.
   static Mat<double, N> nearest(const Mat<double, N>& rt, const Vec<double, N>& t) noexcept {
     Mat<double, N> m = rt;
     m[0] = t;

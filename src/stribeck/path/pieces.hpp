@@ -1,5 +1,5 @@
 #pragma once
-/// What paths of several pieces share: finding the piece, and its polynomial with derivatives.
+/// Common parts of paths of several pieces: finding the piece, and its polynomial with derivatives.
 /// Real time: safe.
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace stribeck::path::detail {
 
-/// Σ c_k·u^k of N axes for any scalar.
+/// Σ c_k·u^k of N axes, for any scalar.
 template <Real T, std::size_t N, std::size_t Terms>
 constexpr Vec<T, N> polynomial(const std::array<Vec<double, N>, Terms>& c, const T& u) noexcept {
   Vec<T, N> q;
@@ -23,8 +23,8 @@ constexpr Vec<T, N> polynomial(const std::array<Vec<double, N>, Terms>& c, const
   return q;
 }
 
-/// The same for a series, several times faster than by products of series: the polynomial is moved to the value of u,
-/// then composed with the powers of what is left of u, which begin ever later.
+/// The same for a series, several times faster than by products of series: the polynomial is shifted to the value of u, then
+/// composed with the powers of the remaining part of u, whose leading coefficients are zero.
 template <int K, std::size_t N, std::size_t Terms>
 requires(K > 0) constexpr Vec<Taylor<K>, N> polynomial(const std::array<Vec<double, N>, Terms>& c,
                                                        const Taylor<K>& u) noexcept {
@@ -55,8 +55,8 @@ requires(K > 0) constexpr Vec<Taylor<K>, N> polynomial(const std::array<Vec<doub
   return q;
 }
 
-/// Index of the item whose begin is the last one at or before phi; items ascend in begin. The search starts where
-/// even spacing would put it, so that along a path of like segments it ends at once.
+/// Index of the item whose begin is the last one at or before phi; items ascend in begin. The search starts where even spacing
+/// would put it, so that it ends at once along a path of equal segments.
 template <class Item>
 std::size_t item_at(std::span<const Item> items, double phi, double length) noexcept {
   const std::size_t last = items.size() - 1;
@@ -82,7 +82,7 @@ std::size_t item_at(std::span<const Item> items, double phi, double length) noex
   return lo;
 }
 
-/// φ brought into [0, period) if the path is closed.
+/// φ wrapped into [0, period) if the path is closed.
 template <Real T>
 T in_lap(const T& phi, double period, bool closed) noexcept {
   const double laps = closed ? std::floor(value_of(phi) / period) : 0.0;

@@ -1,15 +1,15 @@
 #pragma once
-/// The motion a controller is to follow: a path travelled under a law of motion, sampled once per control period, with the
+/// The motion that a controller follows: a path travelled under a law of motion, sampled once per control period, with the
 /// frame that moves along.
 ///
 ///   speed   ṡ from the law:  φ̇ = ṡ/|q'|,  φ̈ = (s̈ − φ̇²·(q'·q'')/|q'|)/|q'|
 ///   rate    φ̇, φ̈ from the law itself, as the thesis's references are printed
 ///   ṙ = q'φ̇,   r̈ = q''φ̇² + q'φ̈,   Ṙ = R'φ̇,   R̈ = R''φ̇² + R'φ̈
 ///
-/// The frame comes from the geometry, so that it is defined at standstill too. Under a law of speed each step extends the series
-/// of |q'| at hand to find φ, then integrates |q'| between both ends (Hermite, exact to the seventh power of φ); what the step
-/// missed goes into the next one. φ stays within 0.1 nm of the law, 2e-10 rad over a lap (test). Where the series does not reach
-/// over a step, RK4. A path with one axis has Pace::kRate and no frame.
+/// The frame comes from the geometry, so that it is defined at standstill too. Under a law of speed each step extends the present series
+/// of |q'| to find φ, then integrates |q'| between both ends (Hermite, exact to the seventh power of φ); the next step corrects the
+/// error of this one. φ stays within 0.1 nm of the law, 2e-10 rad over a lap (test). Where the series does not converge over
+/// a step, RK4 is used. A path with one axis has Pace::kRate and no frame.
 /// Real time: safe. One evaluation of the path per step.
 
 #include <stribeck/path/frame.hpp>
@@ -71,7 +71,7 @@ class Reference {
     return r;
   }
 
-  /// Moves on by dt [s].
+  /// Advances by dt [s].
   void advance(double dt) noexcept {
     const SpeedLaw::Point before = now_;
     time_ += dt;
@@ -115,15 +115,15 @@ class Reference {
     }
   }
 
-  /// Whether a step is short enough for the series of |q'|: its last term then shows in the sixth digit at most.
+  /// Whether a step is short enough for the series of |q'|: its last term then affects the sixth digit at most.
   [[nodiscard]] bool reaches(double step) const noexcept {
     return abs(stretch_.c[3] * step * step * step) <= 1e-5 * stretch_.c[0];
   }
 
-  /// One step by the series; false, and nothing moved, where it does not reach.
+  /// One step by the series; returns false and changes nothing where it does not converge.
   bool extend(double distance) noexcept {
     const Taylor<kOrder - 1> f = stretch_;
-    // s(δ) = f₀δ + f₁δ²/2 + f₂δ³/3 + f₃δ⁴/4 = distance, reversed.
+    // Reverses s(δ) = f₀δ + f₁δ²/2 + f₂δ³/3 + f₃δ⁴/4 = distance.
     const double x = distance * inverse_.c[0];
     const double a = f.c[1] * inverse_.c[0] / 2.0;
     const double b = f.c[2] * inverse_.c[0] / 3.0;

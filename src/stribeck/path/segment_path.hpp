@@ -9,7 +9,7 @@
 ///   through, h travel along the axis of the helix. φ is distance along lines and circles; in a corner |q'| falls to cos(θ/2).
 ///
 /// Where two segments meet in a corner that is not rounded, motion has to stop: the path has no tangent there.
-/// The memory of the segments belongs to the caller.
+/// The caller owns the memory of the segments.
 /// Real time: safe; make_corner configure only.
 
 #include <array>
@@ -69,7 +69,7 @@ struct Segment {
     return d;
   }
 
-  /// |q'| is 1 everywhere.
+  /// Whether |q'| is 1 everywhere.
   [[nodiscard]] bool by_distance() const noexcept {
     return kind == SegmentKind::kLine || (kind == SegmentKind::kArc && growth == 0.0);
   }
@@ -111,7 +111,7 @@ struct Segment {
       const auto q = derivatives<2>(x);
       const auto d = p - q[0];
       const double square = dot(q[1], q[1]);
-      // Beyond the centre of curvature the distance has no minimum here: walk downhill instead.
+      // Beyond the centre of curvature the distance has no minimum here: step downhill instead.
       const double curvature = max_of(square - dot(d, q[2]), 0.1 * square);
       const double before = x;
       x = clamp_to(x + clamp_to(dot(d, q[1]) / curvature, -0.25 * length, 0.25 * length), 0.0, length);
@@ -148,7 +148,7 @@ class SegmentPath {
   }
 
   /// The place nearest to p in the neighbourhood of phi: within four times the distance of p from there, and at most 256
-  /// segments to both sides, so that a path that comes near itself is judged against the branch that is being travelled.
+  /// segments to both sides, so that a path that comes close to itself is judged against the branch that is being travelled.
   [[nodiscard]] PathPlace nearest(const Vec<double, N>& p, double phi) const noexcept {
     constexpr std::size_t kMost = 256;
     const std::size_t here = detail::item_at(segments_, phi, period());
@@ -187,7 +187,7 @@ class SegmentPath {
   std::span<const Segment<N>> segments_;
 };
 
-/// The corner from the place x0 of one segment to x1 of the next; `length` is its range of φ: what it takes off both.
+/// The corner from the place x0 of one segment to x1 of the next; its `length` is the range of φ that it removes from both.
 template <std::size_t N>
 Segment<N> make_corner(const Segment<N>& before, double x0, const Segment<N>& after, double x1) noexcept {
   constexpr std::size_t kHalf = 5;
@@ -198,7 +198,7 @@ Segment<N> make_corner(const Segment<N>& before, double x0, const Segment<N>& af
   const auto last = after.template derivatives<4>(x1);
   double factorial = 1.0;
   double scale = 1.0;
-  // Row k: the k-th derivative at the end, by the unknown c_5 … c_9, divided by k!.
+  // Row k: the k-th derivative at the end in terms of the unknown c_5 … c_9, divided by k!.
   std::array<std::array<double, kHalf>, kHalf> m{};
   std::array<Vec<double, N>, kHalf> rest;
   for (std::size_t k = 0; k < kHalf; ++k) {

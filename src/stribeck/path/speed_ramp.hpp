@@ -1,5 +1,5 @@
 #pragma once
-/// From one speed to another with limited acceleration and jerk, beginning and ending without acceleration: three phases.
+/// From one speed to another with limited acceleration and jerk, starting and ending without acceleration: three phases.
 ///
 ///   t_j = a/j, t_a = |Δv|/a − t_j     where |Δv| ≥ a²/j
 ///   t_j = √(|Δv|/j), t_a = 0          else: the acceleration stays below a
@@ -44,7 +44,7 @@ struct SpeedRamp {
   [[nodiscard]] double duration() const noexcept { return 2.0 * jerk_time + hold_time; }
   [[nodiscard]] double distance() const noexcept { return 0.5 * (from + to) * duration(); }
 
-  /// Its phases, begun at a time and a place.
+  /// Its phases, starting at a time and a place.
   [[nodiscard]] std::array<FeedPhase, 3> phases(double time, double s) const noexcept {
     const double a = jerk * jerk_time;
     const double t1 = jerk_time;
@@ -77,7 +77,7 @@ inline double speed_after(const SpeedRamp& ramp, double distance) noexcept {
   return f.speed + x * (f.acceleration + 0.5 * x * f.jerk);
 }
 
-/// The highest speed up to `most` that a ramp from v reaches within a distance [m]; it lies between v and most.
+/// The highest speed, between v and most, that a ramp from v reaches within a distance [m].
 inline double reachable(double v, double distance, double most, double a, double j) noexcept {
   if (!(most > v) || SpeedRamp(v, most, a, j).distance() <= distance) return max_of(v, most);
   double low = v;
@@ -89,7 +89,7 @@ inline double reachable(double v, double distance, double most, double a, double
   return low;
 }
 
-/// The highest speed up to `most` from which and to which ramps from v0 and to v1 fit into a distance [m].
+/// The highest speed up to `most` for which ramps from v0 and to v1 fit into a distance [m].
 inline double reachable_between(double v0, double v1, double distance, double most, double a,
                                 double j) noexcept {
   const auto fits = [&](double v) {

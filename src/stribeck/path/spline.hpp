@@ -4,10 +4,10 @@
 ///   q(φ) = Σ c_k·(φ − φ_i)^k,  k = 0 … 5,   φ_i ≤ φ < φ_{i+1}
 ///
 ///   φ     arc length [m] to the accuracy of the fit (spline_fit.hpp): |q'| is near 1
-///   c_k   coefficients of one segment [m^(1−k)], kept in memory of the caller, who keeps it alive and unchanged
+///   c_k   coefficients of one segment [m^(1−k)], in memory of the caller, who keeps it alive and unchanged
 ///
-/// A closed spline repeats with its period; an open one goes on beyond its ends as its end polynomials, so that
-/// derivatives stay continuous there: follow it no further than rounding.
+/// A closed spline repeats with its period. An open one continues beyond its ends with its end polynomials, so that derivatives
+/// are continuous there; use it no farther out than rounding errors need.
 /// Real time: safe.
 
 #include <array>

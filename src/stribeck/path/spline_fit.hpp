@@ -5,15 +5,15 @@
 ///   smoothed  Σ|z_i − p_i|² + λ·∫|q'''|² dφ → min,  λ the largest with max|z_i − p_i| ≤ tolerance; then exact through z
 ///             (R + λQᵀQ)·γ = Qᵀp,  z = p − λQγ,  q''' = Σγ_j M_j on quadratic B-splines, Q third divided differences
 ///   ends      q', q'' of the polynomial through the six points there (no order is lost); or q''' = q'''' = 0; or given
-///   φ         chord lengths, then twice the arc length of the spline before: chords alone make it fourth order where
-///             the spacing changes, this is sixth; or given knots
+///   φ         chord lengths, then twice the arc length of the previous spline: with chords alone the order is four where the spacing
+///             changes, with this it is six; or given knots
 ///
 /// Noise e on points at distance h gives derivatives of order e/h^k: q''' of an exact spline through measured or rounded
 /// points is mostly noise. A tolerance of four to five times its standard deviation lets the curve pass between.
 /// Fewer than eight points are never smoothed. A closed path does not repeat its first point.
 /// Source: Reinsch 1967, doi:10.1007/BF02162161, with m = 3; Floater, Surazhsky, Parameterization for curve interpolation, 2006.
-/// Not modelled: corners (segment_path.hpp); outliers, which a tolerance on the largest deviation obeys.
-/// Real time: configure only. Errors: SplineStatus with the index of the point; the spline is then left as it was.
+/// Not modelled: corners (segment_path.hpp); outliers, because the tolerance limits the largest deviation.
+/// Real time: configure only. Errors: SplineStatus with the index of the point; the spline then stays as it was.
 
 #include <cmath>
 #include <cstddef>
@@ -136,7 +136,7 @@ class SplineFitter {
  private:
   static constexpr std::size_t kFewestSmoothed = 8;
   static constexpr int kArcPasses = 2;
-  static constexpr double kMostUneven = 1e6;  // rounding shows from 1e7 on, at 1e8 nothing is right
+  static constexpr double kMostUneven = 1e6;  // from 1e7 on rounding shows, at 1e8 the result is wrong
 
   static bool finite(const Point& p) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
@@ -156,7 +156,7 @@ class SplineFitter {
       if (!finite(points_[i])) return {SplineStatus::kNotFinite, i, 0.0};
     }
     for (std::size_t i = closed ? 0 : 1; i < n_; ++i) {
-      // Not only equal: a distance that underflows or overflows has no direction either.
+      // Besides equal points: a distance that underflows or overflows has no direction either.
       const double chord = norm(points_[i] - points_[i == 0 ? n_ - 1 : i - 1]);
       if (!isfinite(chord)) return {SplineStatus::kNotFinite, i, 0.0};
       if (!(chord > 1e-100)) return {SplineStatus::kEqualNeighbours, i, 0.0};
@@ -352,7 +352,7 @@ class SplineFitter {
     system.clear();
     for (std::size_t j = 0; j < count; ++j) {
       const auto w = third_difference(j, unit);
-      // From the first of the four: the weights add up to zero only to rounding.
+      // Relative to the first of the four: the weights add up to zero only to rounding.
       for (std::size_t l = 1; l < 4; ++l) {
         at(j).value = at(j).value + w[l] * (points_[wrapped(j + l)] - points_[j]);
       }
@@ -383,8 +383,8 @@ class SplineFitter {
   /// The largest λ within the tolerance, by bisection of its logarithm.
   double smooth() noexcept {
     const double unit = static_cast<double>(segments_.size()) / rows_[segments_.size()].knot;
-    // λ in mean steps to the fifth: the curve follows what is longer than λ^(1/6) steps, a tenth to a hundred. Beyond,
-    // rounding takes over: at 1e15 points with noise of 1 µm were moved by 119 µm.
+    // λ in mean steps to the fifth power: the curve follows wavelengths above λ^(1/6) steps, a tenth to a hundred. Beyond a hundred,
+    // rounding dominates: with λ = 1e15, points with noise of 1 µm were moved by 119 µm.
     constexpr double kLeast = 1e-6;
     constexpr double kMost = 1e12;
     constexpr int kBisections = 16;  // λ to 0.1 %

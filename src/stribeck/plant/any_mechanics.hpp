@@ -1,10 +1,10 @@
 #pragma once
-/// Mechanics for whichever friction law, drive and axial mode the parameters hold, decided once.
+/// Mechanics for the friction law, drive and axial mode in the parameters; the choice is made once.
 ///
 /// A variant of laws gives four kinds of mechanics for each law with pre-sliding; a new law needs no line here.
 /// Real time: no (make_mechanics may throw; the mechanics themselves are safe).
-/// Errors: std::invalid_argument for a law without pre-sliding, whose step of friction at rest cannot be integrated.
-/// AxisParams::validate() refuses it before.
+/// Errors: std::invalid_argument for a law without pre-sliding, whose step of friction at rest cannot be integrated;
+/// AxisParams::validate() refuses such a law earlier.
 
 #include <stdexcept>
 #include <stribeck/plant/mechanics.hpp>
@@ -13,7 +13,7 @@
 
 namespace stribeck::plant {
 
-/// The four kinds over one law; none over a law without pre-sliding.
+/// The four kinds of mechanics for one law; none for a law without pre-sliding.
 template <class Map, class Law>
 struct MechanicsOver {
   using Type = std::tuple<>;
@@ -41,7 +41,7 @@ struct AnyMechanicsOver<Map, std::variant<Law...>> {
 template <class Map, class Laws = friction::DynamicsVariant>
 using AnyMechanics = typename AnyMechanicsOver<Map, Laws>::Type;
 
-/// p without its own friction: the map and the law stand beside it.
+/// p without its friction, which is passed separately as map and law.
 template <class Map, class Laws>
 AnyMechanics<Map, Laws> make_mechanics(const AxisParams& p, const Map& map, const Laws& laws) {
   using Any = AnyMechanics<Map, Laws>;

@@ -1,11 +1,11 @@
 #pragma once
-/// A virtual drive as a controller meets it: a voltage goes in once per control period, an encoder position
-/// comes out.
+/// A virtual drive as a controller sees it: the input is a voltage once per control period, the output an encoder
+/// position.
 ///
 ///   voltage → limited to the range, rounded to the D/A converter's step → delayed → Mechanics
 ///   → rounded to the encoder's step
 ///
-/// Which friction law, drive and mechanics it has is decided once, in the constructor.
+/// The constructor decides which friction law, drive and mechanics the axis has.
 /// Real time: no (set-up allocates; step() does not).
 
 #include <cstdint>
@@ -30,13 +30,13 @@ class Axis {
   Axis(Axis&&) noexcept;
   Axis& operator=(Axis&&) noexcept;
 
-  /// A new run: at rest at position x [m], bristles relaxed, noise from the beginning of its stream.
+  /// Starts a new run: at rest at position x [m], bristles relaxed, noise from the beginning of its stream.
   void start(double x, const Fidelity& fidelity, const Stream& stream);
 
   /// One control period under the voltage [V]; cutting force on the table against +x [N].
   void step(double voltage, double cutting = 0.0);
 
-  /// The same for two drives; faster than one after the other, with the same result.
+  /// The same for two drives; faster than two single calls, with the same result.
   static void step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, double cutting_a = 0.0,
                             double cutting_b = 0.0);
 
@@ -45,12 +45,13 @@ class Axis {
   [[nodiscard]] double velocity() const;        ///< true, of the drive side [m/s]
   [[nodiscard]] double friction_force() const;  ///< true [N]
   [[nodiscard]] double voltage() const;         ///< last, after the D/A converter [V]
-  [[nodiscard]] double current() const;  ///< motor current [A]; NaN when the machine file does not tell
+  [[nodiscard]] double current()
+      const;  ///< motor current [A]; NaN when the machine file does not have the data
 
-  /// Electrical power R·i² + K_e·θ̇·i [W]; NaN when the machine file does not tell the motor.
+  /// Electrical power R·i² + K_e·θ̇·i [W]; NaN when the machine file does not have the data of the motor.
   [[nodiscard]] double power() const;
 
-  /// Fastest rate of the equations but for the decay of friction [1/s].
+  /// Fastest rate of the equations, without the decay of friction [1/s].
   [[nodiscard]] double rate_bound() const;
 
  private:

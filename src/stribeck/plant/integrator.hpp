@@ -19,7 +19,7 @@ constexpr Vec<T, N> along(const Vec<T, N>& y, double h, const Vec<T, N>& k) noex
   return r;
 }
 
-/// k1 = rhs(y) comes from the caller, who may look at it before he chooses how to evaluate the rest.
+/// The caller computes k1 = rhs(y), so that it may inspect it before it chooses how to evaluate the other stages.
 template <class T, std::size_t N, class Rhs>
 Vec<T, N> rk3_step(const Vec<T, N>& y, const Vec<T, N>& k1, double h, const Rhs& rhs) noexcept {
   const Vec<T, N> k2 = rhs(along(y, 0.5 * h, k1));

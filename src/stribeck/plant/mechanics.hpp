@@ -54,17 +54,17 @@ class Mechanics {
     friction_.place({}, &y_[kFriction]);
   }
 
-  /// Level and viscous part of friction from now on, as a share of the map's; 1 after reset().
+  /// Level and viscous part of friction from now on, as a share of the values of the map; 1 after reset().
   void set_friction_share(double share) noexcept { friction_share_ = share; }
 
-  /// Advances by dt [s] in equal sub-steps: as many as asked for accuracy, more where friction decays too
+  /// Advances by dt [s] in equal sub-steps: as many as requested for accuracy, more where friction decays too
   /// fast for them.
   void advance(const Held& held, double dt, int substeps) noexcept {
     const int n = count(dt, substeps);
     for (int i = 0; i < n; ++i) substep(held, dt / n);
   }
 
-  /// The same for two drives at a time. Their chains of arithmetic do not wait for each other: 1.6 times
+  /// The same for two drives at a time. Their chains of arithmetic do not wait for each other, which makes it 1.6 times
   /// faster (bench/).
   friend void advance_together(Mechanics& a, const Held& held_a, Mechanics& b, const Held& held_b, double dt,
                                int substeps) noexcept {
@@ -88,7 +88,7 @@ class Mechanics {
       return y_[0];
     }
   }
-  /// Motor current [A] of a voltage drive, else NaN: a current drive does not say.
+  /// Motor current [A] of a voltage drive, else NaN: a current drive has no such value.
   [[nodiscard]] double current() const noexcept {
     if constexpr (kVoltage) {
       return y_[kCurrent];
@@ -102,7 +102,7 @@ class Mechanics {
     return friction_.evaluate(&y_[kFriction], y_[1], parts(map_, y_[1], y_[0]), rate.data());
   }
 
-  /// Fastest rate [1/s] of the equations other than the decay of friction, for which advance() itself allows.
+  /// Fastest rate [1/s] of the equations, without the decay of friction, which advance() itself handles.
   [[nodiscard]] double rate_bound() const noexcept {
     double fastest = std::sqrt(friction_.law().stiffness() / mass_) + friction_.law().damping() / mass_;
     if constexpr (kVoltage) fastest = std::max(fastest, resistance_ / inductance_);
@@ -117,10 +117,10 @@ class Mechanics {
   /// Kutta's third order is stable to a decay of 2.51 per step; the velocity may grow a little within the
   /// period.
   static constexpr double kStableStep = 2.3;
-  static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of it
+  static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of the velocity
   static constexpr double kMostSubsteps = 16384.0;
 
-  /// Of the map as warm as it is.
+  /// Parts of the map at the present warmth.
   template <class AnyMap>
   [[nodiscard]] friction::SteadyParts<double> parts(const AnyMap& map, double v, double x) const noexcept {
     friction::SteadyParts<double> p = map.parts(v, x);
@@ -133,8 +133,8 @@ class Mechanics {
   [[nodiscard]] int count(double dt, int substeps) const noexcept {
     const double decay = friction_.law().rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
     const double steps = decay * (1.0 / kStableStep);
-    // A run that has diverged (NaN) keeps the number it was given, so that whoever looks for a stable one
-    // learns of it.
+    // A run that has diverged (NaN) keeps the given number, so that a search for a stable number can see the
+    // divergence.
     if (!(steps >= substeps)) return substeps;
     return static_cast<int>(std::min(steps, kMostSubsteps)) + 1;
   }
@@ -143,7 +143,7 @@ class Mechanics {
     const double before = y_[1];
     const auto near = friction::near_or_itself(map_, before);
     const StateVector k1 = derivative(near, y_, held);
-    // While the velocity stays within half a cell of the table, the cell of the first stage serves them all.
+    // While the velocity stays within half a cell of the table, the cell of the first stage serves all stages.
     if (std::abs(k1[1]) * h < kNear * std::abs(before)) {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(near, y, held); });
     } else {

@@ -19,7 +19,7 @@
 
 namespace stribeck::plant {
 
-/// Names a random stream.
+/// Identifies a random stream.
 struct Stream {
   std::uint64_t seed = 1;
   std::uint32_t trial = 0;

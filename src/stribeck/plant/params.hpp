@@ -62,7 +62,7 @@ using Drive = std::variant<CurrentDrive, VoltageDrive>;
 /// First axial mode: the table is held to the drive side by a spring and a damper.
 struct AxialMode {
   double frequency = 0.0;      ///< of the table against a fixed drive side [Hz]
-  double damping_ratio = 0.0;  ///< of the same
+  double damping_ratio = 0.0;  ///< of the same vibration
   double table_share = 0.5;    ///< share of the equivalent mass that is the table
 
   static constexpr auto fields() {
@@ -106,7 +106,7 @@ struct ForceNoise {
 };
 
 /// Friction that changes as the axis warms up: level and viscous part, times 1 + change·(1 − exp(−t/τ)), t from the
-/// start of a run. What is periodic in position and keeps its sign with direction stays.
+/// start of a run. Additive friction that is periodic in position does not change.
 struct Warming {
   double change = -0.2;
   double time_constant = 0.0;
@@ -117,7 +117,7 @@ struct Warming {
               "share by which friction has changed in the end; negative: it falls"),
         field("time_constant", &Warming::time_constant, quantity("s", "s").positive(), "time constant τ")};
   }
-  /// Friction at time t [s], as a share of what it was at rest in the beginning.
+  /// Friction at time t [s], as a share of its initial value.
   [[nodiscard]] double share(double t) const noexcept {
     return 1.0 + change * (1.0 - std::exp(-t / time_constant));
   }
@@ -150,13 +150,13 @@ struct Converter {
 };
 
 struct AxisParams {
-  double mass = 0.0;                    ///< equivalent mass, all but rotor_inertia [kg]
+  double mass = 0.0;                    ///< equivalent mass without rotor_inertia [kg]
   std::optional<double> rotor_inertia;  ///< [kg·m²], adds J·r_g²; needs a drive with a lead
   double load = 0.0;                    ///< constant force against +x [N]
   Drive drive;
   Converter converter;
   Encoder encoder;
-  int delay_periods = 0;  ///< of the control word, beyond the hold [control periods]
+  int delay_periods = 0;  ///< of the control word, in addition to the hold [control periods]
   friction::Model friction;
   std::optional<AxialMode> axial_mode;
   std::optional<ForceNoise> noise;

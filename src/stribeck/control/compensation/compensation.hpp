@@ -32,10 +32,10 @@
 
 namespace stribeck::control {
 
-/// No delay is longer, in periods.
+/// Longest delay in periods.
 inline constexpr std::size_t kMostDelay = 8;
 
-/// Whether a delay [s] is one that a compensation can take into account.
+/// Whether a compensation can take a delay [s] into account.
 constexpr bool delay_fits(double delay, double period) noexcept {
   return delay <= static_cast<double>(kMostDelay) * period;
 }
@@ -43,10 +43,10 @@ constexpr bool delay_fits(double delay, double period) noexcept {
 struct CompensationParams : CompensationSettings<double> {
   friction::AxisModel model;         ///< identified model of the axis
   double encoder_resolution = 1e-7;  ///< Kalman: step of the encoder [m]
-  double delay = 0.0;                ///< from the sample to the begin of the hold [s], at most 8 periods
+  double delay = 0.0;                ///< from the sample to the beginning of the hold [s], at most 8 periods
   bool guarded = false;              ///< back off when the loop oscillates (oscillation_guard.hpp)
 
-  /// All but the delay, which the model brings.
+  /// All settings but the delay, which the model brings.
   static constexpr auto fields() {
     using P = CompensationParams;
     return std::tuple_cat(std::tuple{embedded(&P::model)}, CompensationSettings<double>::fields(),
@@ -74,11 +74,11 @@ class Compensation {
     double last_jerk = 0.0;          ///< of the reference [m/s³]
     double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
-    bool limited = false;  ///< the last force was cut
-    /// Forces commanded, and the feed-forward in them, newest first [N].
+    bool limited = false;  ///< the last force was limited
+    /// Commanded forces, and the feed-forward in each of them, newest first [N].
     std::array<double, kMostDelay + 3> force{};
     std::array<double, kMostDelay + 3> feedforward_history{};
-    /// The part of its change from period to period that comes from steps of θ [N].
+    /// Part of the change from period to period that comes from steps of θ [N].
     std::array<double, kMostDelay + 3> change_by_theta_history{};
   };
 
@@ -112,9 +112,9 @@ class Compensation {
     past_ = whole_ + (rest_ > 0.0 ? 1 : 0) + (params.adaptation.enabled ? 1 : 0);
   }
 
-  /// Takes the position of the encoder [m] and its differenced velocity [m/s]. To be called once per period, before step().
-  /// `bridged`: both are predictions; observers go on by their models, and estimates stay. `doubtful`: the sample may be wrong;
-  /// adaptation takes the motion of the reference in its place and learns nothing.
+  /// Takes the position of the encoder [m] and its differenced velocity [m/s]. Call it once per period, before step().
+  /// `bridged`: both are predictions; observers continue by their models, and estimates stay. `doubtful`: the sample may be wrong;
+  /// adaptation uses the motion of the reference instead and learns nothing.
   void observe(State& s, double position, double velocity, bool bridged = false,
                bool doubtful = false) const noexcept {
     const double net = force_acting(s.force) - force_acting(s.feedforward_history);
@@ -128,7 +128,7 @@ class Compensation {
       s.estimate = adaptive_.step(s.adaptive, net, velocity);
     }
     if (!adaptation_.enabled()) return;
-    // The reference in the middle of the period that has passed, at rest exactly at rest.
+    // The reference in the middle of the last period; exactly at rest where it rests.
     const double middle = 0.5 * period_;
     const double v = s.last_velocity + middle * (s.last_acceleration + 0.5 * middle * s.last_jerk);
     adaptation_.step(s.adaptation, force_acting(s.force) - params_.model.load,
@@ -175,7 +175,7 @@ class Compensation {
     return s.friction + inertia_change + s.guard.trust * s.estimate;
   }
 
-  /// Tells the observers the force [N] that was really commanded, after limits.
+  /// Tells the observers the force [N] that was commanded after limits.
   void applied(State& s, double force, bool limited, StatusCounter& status) const noexcept {
     if (params_.guarded && guard_.step(s.guard, force - s.friction - s.inertia_force, s.last_velocity)) {
       status.raise(Status::kOscillation);
@@ -193,14 +193,14 @@ class Compensation {
   }
 
   [[nodiscard]] double mass() const noexcept { return params_.model.mass; }
-  /// Whether velocity() may stand for the differenced one: not once the loop has oscillated.
+  /// Whether velocity() may replace the differenced velocity: not after the loop has oscillated.
   [[nodiscard]] bool observes_velocity(const State& s) const noexcept {
     return params_.observer == Observer::kKalman && s.guard.trust == 1.0;
   }
   /// Velocity of the Kalman observer [m/s].
   [[nodiscard]] double velocity(const State& s) const noexcept { return s.kalman.estimate[1]; }
   [[nodiscard]] bool adapts() const noexcept { return adaptation_.enabled(); }
-  /// How friction has changed since it was identified; of use with adaptation only.
+  /// Change of friction since identification; meaningful with adaptation only.
   [[nodiscard]] Drift drift(const State& s) const noexcept {
     return DriftMonitor::report(s.drift, s.adaptation, period_);
   }
@@ -210,7 +210,7 @@ class Compensation {
     return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
   }
 
-  /// A period without a sample: no estimate of the observers changes.
+  /// A period without a sample: the estimates of the observers do not change.
   void carry_on(State& s, double net, double velocity) const noexcept {
     if (params_.observer == Observer::kDisturbance) {
       observer_.predict(s.disturbance, net);
@@ -221,13 +221,13 @@ class Compensation {
     }
   }
 
-  /// At rest friction is whatever holds the axis, and creeps. What the observer has found out about it goes into the bristle, so
+  /// At rest, friction balances whatever acts on the axis, and creeps. What the observer has found of that goes into the bristle, so
   /// that the next start begins from there; the sum does not jump.
   void hand_over(State& s, double reference) const noexcept {
     double* d = params_.observer == Observer::kDisturbance ? &s.disturbance.disturbance
                 : params_.observer == Observer::kKalman    ? &s.kalman.estimate[2]
                                                            : nullptr;
-    // A loop that has oscillated gets nothing that it could go round by another way.
+    // After an oscillation the observer's estimate must not come back through the bristle.
     if (d == nullptr || !s.started || s.guard.trust < 1.0 || params_.feedforward != Feedforward::kDynamic)
       return;
     const double share = period_ / (period_ + kHandOver);
@@ -235,26 +235,26 @@ class Compensation {
                                             adaptation_.scales(s.adaptation));
     s.estimate -= moved;
     *d -= moved;
-    // Past commands count as if they had been fed forward like this.
+    // Past commands are corrected as if this had been part of their feed-forward.
     for (double& force : s.feedforward_history) force += moved;
   }
 
-  /// Jerk of the reference that will go on. A step of acceleration, as trapezoidal planners make it, is none: the velocity of the
-  /// period before it knows nothing of it.
+  /// The jerk of the reference, if it will continue. A step of acceleration, as trapezoidal planners make it, is no jerk: the
+  /// velocity of the period before does not show it.
   [[nodiscard]] double jerk_of(const State& s, double velocity, double acceleration) const noexcept {
     const double change = (acceleration - s.last_acceleration) / period_;
     const double felt = 2.0 * ((velocity - s.last_velocity) / period_ - s.last_acceleration) / period_;
     return clamp_to(felt, min_of(change, 0.0), max_of(change, 0.0));
   }
 
-  /// Time constant of the hand-over [s].
+  /// Time constant of that transfer [s].
   static constexpr double kHandOver = 0.1;
-  /// A swing of the force, as a share of the level of friction at rest.
+  /// Threshold of the guard as a share of the level of friction at rest.
   static constexpr double kSwing = 0.6;
-  /// And of what a step of the encoder would ask for with a gain of 1/T.
+  /// The same as a multiple of the answer to one encoder step with a gain of 1/T.
   static constexpr double kRattle = 0.3;
 
-  /// Mean over the last period of what was commanded, later by the delay.
+  /// Mean over the last period of the commanded values, later by the delay.
   [[nodiscard]] double force_acting(const std::array<double, kMostDelay + 3>& commanded,
                                     std::size_t periods_ago = 0) const noexcept {
     const std::size_t i = whole_ + periods_ago;
@@ -271,9 +271,9 @@ class Compensation {
   ReversalFeedforward reversal_;
   FrictionRls adaptation_;
   OscillationGuard guard_;
-  std::size_t whole_ = 0;  ///< of the delay, in periods
+  std::size_t whole_ = 0;  ///< delay in whole periods
   double rest_ = 0.0;
-  std::size_t past_ = 0;  ///< past commands that are still needed, beside the newest
+  std::size_t past_ = 0;  ///< past commands that are still needed besides the newest
 };
 
 }  // namespace stribeck::control

@@ -1,6 +1,6 @@
 #pragma once
-/// What somebody may choose of a compensation (compensation.hpp): the same settings, with the same ranges and rules, in
-/// controller files, in the C interface and in HAL. A new one is a member and a field here.
+/// The settings of a compensation (compensation.hpp), with the same ranges and rules in controller files, in the C interface and
+/// in HAL. A new one is a member and a field here.
 ///
 ///   Each   double: settings of one axis;  PerAxis: of a controller, one value per axis
 ///
@@ -44,10 +44,10 @@ struct stribeck::EnumNames<stribeck::control::Feedforward> {
 
 namespace stribeck::control {
 
-/// Poles of an observer. Above 1e5 1/s no control period sees them.
+/// Range of an observer's poles. Above 1e5 1/s no control period can resolve them.
 inline constexpr Quantity kObserverPole = quantity("1/s", "1/s").positive().at_most(1e5);
 
-/// The rate "observed" of a tracking error is the velocity of the Kalman observer.
+/// Whether the rate is available: "observed" is the velocity of the Kalman observer.
 constexpr bool rate_is_known(ErrorRate rate, Observer observer) noexcept {
   return rate != ErrorRate::kObserved || observer == Observer::kKalman;
 }
@@ -57,10 +57,10 @@ inline constexpr std::string_view kRateIsUnknown =
 template <class Each>
 struct CompensationSettings {
   Feedforward feedforward = Feedforward::kNone;
-  Observer observer = Observer::kNone;  ///< add the estimate of this observer
+  Observer observer = Observer::kNone;  ///< the observer whose estimate is added
   /// Both poles of the disturbance observer, or the bandwidth of the Kalman observer [1/s].
   double observer_pole = 20.0;
-  /// Kalman: random walk of the disturbance [N²/s]; left out: what gives it the bandwidth observer_pole.
+  /// Kalman: random walk of the disturbance [N²/s]; absent: computed from the bandwidth observer_pole.
   std::optional<double> disturbance_density{};
   Each adaptive_gain{20.0};  ///< K_c of adaptive friction [1/s]
   AdaptationParams adaptation{};
@@ -103,7 +103,7 @@ struct CompensationSettings {
                   "goes with feedforward = \"reversal\"")};
   }
 
-  /// Friction is fed forward over the hold to come, by a model with a level.
+  /// Whether friction is fed forward over the coming hold, which needs a model with a level.
   [[nodiscard]] constexpr bool looks_ahead() const noexcept {
     return feedforward == Feedforward::kDynamic || feedforward == Feedforward::kReversal;
   }

@@ -59,7 +59,7 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
   return "unknown";
 }
 
-/// One axis, as shares of the identified values.
+/// State of one axis, as shares of the identified values.
 struct Drift {
   double level = 0.0;
   double level_deviation = 0.0;  ///< standard deviation
@@ -91,7 +91,7 @@ class DriftMonitor {
     if (!moving) return;
     const double level = level_of(a);
     s.moved += dt;
-    // Until there is enough data, averages over all of it.
+    // Until there is enough data, the average over all of it.
     s.fast += dt / min_of(kFast, s.moved) * (level - s.fast);
     s.slow += dt / min_of(kSlow, s.moved) * (level - s.slow);
   }
@@ -142,12 +142,12 @@ class DriftMonitor {
   static constexpr double kSlow = 100.0;    ///< [s]
   static constexpr double kUnsure = 0.1;    ///< standard deviation of the level
   static constexpr double kWatch = 0.1;     ///< change of the level
-  static constexpr double kAct = 0.25;      ///< the same
+  static constexpr double kAct = 0.25;      ///< change of the level that asks for action
   static constexpr double kWarming = 0.02;  ///< fall of the level within kSlow
   static constexpr double kViscous = 0.25;  ///< change of viscous friction
   static constexpr double kMass = 0.15;     ///< share of the mass
-  static constexpr double kSure = 3.0;      ///< standard deviations
-  static constexpr double kLikely = 2.0;    ///< the same, of the level, which is seen best
+  static constexpr double kSure = 3.0;      ///< limit in standard deviations
+  static constexpr double kLikely = 2.0;    ///< the same for the level, which is determined best
 };
 
 }  // namespace stribeck::control

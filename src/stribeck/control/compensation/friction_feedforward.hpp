@@ -5,12 +5,12 @@
 ///   LuGre   bristle = σ0·z + σ1·ż,   ż = ṙ − σ0|ṙ|z/g        GMS   bristle = Σ F_i        static   bristle = g·sgn ṙ
 ///
 ///   Adaptation scales the identified model: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ. The
-///   break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher is the same bristle in a motion ρ times as fast.
+///   break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher acts like the same bristle in a motion ρ times as fast.
 ///
 /// The bristle follows the reference, not the encoder: the force cannot chatter and closes no loop. Its state continues through
-/// partial reversals, short moves and dwell. It begins relaxed at rest, and fully deflected in motion. A static model switches
-/// within a hold and gets the mean. The part of the motion that lies ahead is predicted anew in each period from a copy of the
-/// state, so that a wrong prediction leaves no trace.
+/// partial reversals, short moves and dwell. It starts relaxed at rest, and fully deflected in motion. A static model that switches
+/// within a hold gives the mean. The motion ahead is predicted anew in each period from a copy of the state, so that a wrong
+/// prediction leaves no trace.
 /// Sign: positive for ṙ > 0, as friction. Source: Canudas de Wit et al. 1995, doi:10.1109/9.376053; Al-Bender, Lampaert, Swevers
 /// 2005, doi:10.1109/TAC.2005.858676; the hold as in motion_ahead.hpp.
 /// Not modelled: effect of the tracking error on the bristle; relaxation during a long dwell.
@@ -22,7 +22,7 @@
 
 namespace stribeck::control {
 
-/// What adaptation says of an axis, as shares of the identified model.
+/// Corrections by adaptation, as shares of the identified model.
 struct FrictionScales {
   double positive = 1.0;   ///< ψ₊, of the level for ṙ > 0
   double negative = 1.0;   ///< ψ₋, of the level for ṙ < 0
@@ -32,20 +32,20 @@ struct FrictionScales {
   [[nodiscard]] constexpr double level(double v) const noexcept { return v < 0.0 ? negative : positive; }
 };
 
-/// Over any friction::BasicModel; FrictionFeedforward is that of the built-in laws.
+/// Works with any friction::BasicModel; FrictionFeedforward is the one for the built-in laws.
 template <class Model>
 class BasicFrictionFeedforward {
  public:
   using Bristle = typename friction::StateOf<decltype(Model::dynamics)>::Type;
 
   struct State {
-    Bristle bristle;        ///< where the reference is now
+    Bristle bristle;        ///< state at the reference of now
     double position = 0.0;  ///< of the reference [m]
     double velocity = 0.0;  ///< [m/s]
     bool started = false;
   };
 
-  /// Mean over the hold, in parts [N].
+  /// Mean over the hold, split into its parts [N].
   struct Force {
     double bristle = 0.0;
     double viscous = 0.0;
@@ -56,7 +56,7 @@ class BasicFrictionFeedforward {
   BasicFrictionFeedforward() = default;
   BasicFrictionFeedforward(const Model& model, double period) noexcept : model_(model), period_(period) {}
 
-  /// One period: the reference at the sample, and how much later the hold begins [s].
+  /// One period. `delay` [s]: from the sample to the beginning of the hold.
   Force step(State& s, const MotionAhead& r, double delay = 0.0,
              const FrictionScales& scales = {}) const noexcept {
     if (s.started) {
@@ -91,8 +91,8 @@ class BasicFrictionFeedforward {
     return mean;
   }
 
-  /// Mean force over the last hold, in which the axis moved by `travel` [m] to where it is now, for several sets of scales. Level
-  /// and viscous friction are taken at velocity v [m/s]: the reference's, which does not tremble.
+  /// Mean force over the last hold, in which the axis moved by `travel` [m] to its present place, for several sets of scales. Level
+  /// and viscous friction are evaluated at velocity v [m/s]: that of the reference, which has no noise.
   std::array<Force, 4> follow(Bristle* bristles, const FrictionScales* scales, std::size_t count,
                               bool& started, double travel, double v, double x) const noexcept {
     std::array<Force, 4> force{};
@@ -112,8 +112,8 @@ class BasicFrictionFeedforward {
     return force;
   }
 
-  /// Shifts the force of the bristle by up to `force` [N], within the level of friction; returns what it took. Used at rest, where
-  /// an observer sees what friction really holds.
+  /// Shifts the force of the bristle by up to `force` [N], within the level of friction; returns the shift. Used at rest, where an
+  /// observer sees the force that friction holds.
   double shift(Bristle& b, double force, double position, const FrictionScales& scales) const noexcept {
     const double level = model_.parts(0.0, position).level * min_of(scales.positive, scales.negative);
     return with_law(b, [&](const auto& law, auto& s) noexcept { return law.shift(s, force, level); });
@@ -137,8 +137,8 @@ class BasicFrictionFeedforward {
   };
   static Point at(const MotionAhead& r, double t) noexcept { return {r.position_at(t), r.velocity_at(t)}; }
 
-  /// Takes a bristle from one point of the reference to another, dt later; a turn between them lies where a velocity that changes
-  /// evenly puts it.
+  /// Advances a bristle from one point of the reference to another, dt later. If the velocity changes its sign, the turn lies where a
+  /// velocity that changes linearly is zero.
   void follow(Bristle& b, const Point& from, const Point& to, double dt,
               const FrictionScales& scales) const noexcept {
     Point begin = from;
@@ -168,12 +168,12 @@ class BasicFrictionFeedforward {
     return friction::with_law(model_.dynamics, b, act);
   }
 
-  /// Moves a bristle on by dt at velocity v.
+  /// Advances a bristle by dt at velocity v.
   void advance(Bristle& b, const friction::SteadyParts<double>& p, double v, double dt,
                double stiffness) const noexcept {
     with_law(b, [&](const auto& law, auto& s) noexcept { law.advance(s, stiffness * v, p.level, dt); });
   }
-  /// The same; returns its force at the end, with the damping of velocity v_end.
+  /// The same; returns the bristle's force at the end, with the damping of velocity v_end.
   double force_after(Bristle& b, const friction::SteadyParts<double>& p, double v, double v_end, double dt,
                      double stiffness) const noexcept {
     return with_law(b, [&](const auto& law, auto& s) noexcept {

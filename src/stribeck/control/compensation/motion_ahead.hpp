@@ -21,7 +21,7 @@ struct MotionAhead {
   [[nodiscard]] constexpr double velocity_at(double t) const noexcept {
     return velocity + t * (acceleration + t * (0.5 * jerk));
   }
-  /// The same motion seen from t later.
+  /// The same motion, expanded a time t later.
   [[nodiscard]] constexpr MotionAhead later(double t) const noexcept {
     return {position_at(t), velocity_at(t), acceleration + t * jerk, jerk};
   }

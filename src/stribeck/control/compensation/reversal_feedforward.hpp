@@ -25,7 +25,7 @@
 
 namespace stribeck::control {
 
-/// One knot of a build-up: share of the reversal that is done after a distance.
+/// One point of a build-up: share of the reversal that is completed after a distance.
 struct BuildUpPoint {
   double distance = 0.0;
   double share = 1.0;
@@ -41,7 +41,7 @@ struct BuildUpPoint {
 
 struct ReversalParams {
   static constexpr std::size_t kMostPoints = 8;
-  /// d = g/σ0 is 2.9 to 5 µm in machines/, in the middle 4 µm; manuals speak of a few µm.
+  /// d = g/σ0 is 2.9 to 5 µm in machines/, 4 µm in the middle; manuals give a few µm.
   static constexpr double kUsualDistance = 4e-6;
 
   std::optional<double> distance;
@@ -92,18 +92,18 @@ class ReversalFeedforward {
   static constexpr std::size_t kMostElements = friction::kMostStops;
   static_assert(kMostElements >= ReversalParams::kMostPoints);
 
-  /// Hysteresis at one place of the motion.
+  /// Hysteresis at one point of the motion.
   struct Memory {
     double direction = 0.0;  ///< ς of the last motion; 0: none yet
     double share = 0.0;      ///< h, exponential
     std::array<double, kMostElements> element{};
     double travel = 0.0;   ///< since the last turn [m]
-    double at_turn = 0.0;  ///< h at that turn, after what a short move leaves of it
+    double at_turn = 0.0;  ///< h at that turn, corrected for a short move
   };
 
   struct State {
     Memory memory;
-    double position = 0.0;  ///< of the reference to which the memory belongs [m]
+    double position = 0.0;  ///< of the reference for which this memory holds [m]
     double velocity = 0.0;  ///< [m/s]
     bool started = false;
     double share = 0.0;                ///< h at the end of the last hold
@@ -128,8 +128,8 @@ class ReversalFeedforward {
     }
   }
 
-  /// One period; mean over the hold [N]. `moving` [m/s] is the reference velocity at the sample, which tells at the first step
-  /// whether the axis moves.
+  /// One period; returns the mean over the hold [N]. `moving` [m/s] is the reference velocity at the sample; at the first step it
+  /// tells whether the axis moves.
   FrictionFeedforward::Force step(State& s, const MotionAhead& r, double moving,
                                   const FrictionScales& scales = {}) const noexcept {
     State next = s;
@@ -158,9 +158,9 @@ class ReversalFeedforward {
   [[nodiscard]] const friction::Model& model() const noexcept { return model_; }
 
  private:
-  /// In place of a velocity of 0, to take the level of a direction [m/s].
+  /// Replaces a velocity of 0 when the level of a direction is needed [m/s].
   static constexpr double kBarelyMoving = 1e-12;
-  /// Closer than this to its end, the exponential is there.
+  /// Remaining change at which the exponential counts as complete.
   static constexpr double kBuiltUp = 1e-9;
 
   void from_table() noexcept {
@@ -185,14 +185,14 @@ class ReversalFeedforward {
     return model_.parts(v, x).level * scales.level(v);
   }
 
-  /// h as it built up.
+  /// h without the correction for short moves.
   [[nodiscard]] double built(const Memory& m) const noexcept {
     if (elements_.empty()) return m.share;
     double sum = 0.0;
     for (std::size_t i = 0; i < elements_.size(); ++i) sum += elements_[i].weight * m.element[i];
     return sum;
   }
-  /// h as it is given: less of the change on a short move.
+  /// h with that correction: a short move changes it less.
   [[nodiscard]] double given(const Memory& m) const noexcept {
     const double h = built(m);
     if (!params_.short_move || m.travel >= *params_.short_move) return h;
@@ -226,7 +226,7 @@ class ReversalFeedforward {
     }
   }
   void turn(Memory& m, double direction, double x, const FrictionScales& scales) const noexcept {
-    // The force goes on: the same force is another share of another level.
+    // The force must not jump: the same force is a different share of a different level.
     const double to = level(direction, x, scales);
     const double ratio = m.direction == 0.0 || !(to > 0.0) ? 1.0 : level(m.direction, x, scales) / to;
     m.at_turn = given(m) * ratio;
@@ -236,7 +236,7 @@ class ReversalFeedforward {
     m.direction = direction;
   }
 
-  /// Brings the memory from the last begin of a hold to this one.
+  /// Advances the memory from the beginning of the last hold to that of this one.
   void follow(State& s, const MotionAhead& r, double moving, const FrictionScales& scales) const noexcept {
     if (!s.started) {
       s.started = true;
@@ -247,7 +247,7 @@ class ReversalFeedforward {
     } else {
       double begin = s.position;
       if (s.velocity * r.velocity < 0.0) {
-        // Where it turned, the velocity taken as linear in between.
+        // The turn lies where the velocity, taken as linear, is zero.
         const double reach = 0.5 * period_ * s.velocity * s.velocity / abs(s.velocity - r.velocity);
         const double farthest = s.position + sign(s.velocity) * reach;
         if ((r.position - farthest) * r.velocity >= 0.0) {
@@ -262,7 +262,7 @@ class ReversalFeedforward {
     s.velocity = r.velocity;
   }
 
-  /// True when nothing is left to build up and the axis does not turn within the hold.
+  /// True when the build-up is complete and the axis does not turn within the hold.
   [[nodiscard]] bool steady(const Memory& m, const MotionAhead& r) const noexcept {
     if (!turns_within(r, 0.0, period_).empty()) return false;
     const double direction = sign(r.velocity_at(0.5 * period_));
@@ -289,7 +289,7 @@ class ReversalFeedforward {
     return turns;
   }
 
-  /// Moves the memory along r between two instants, and adds the mean of the friction there where it is asked for.
+  /// Advances the memory along r between two instants, and adds the mean of the friction there if `sum` is given.
   void along(Memory& m, const MotionAhead& r, double from, double to, const FrictionScales& scales,
              FrictionFeedforward::Force* mean) const noexcept {
     // Gauss's rule with three points: exact for polynomials up to τ⁵ on each part without a turn.

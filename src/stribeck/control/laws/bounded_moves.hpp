@@ -1,12 +1,12 @@
 #pragma once
-/// Held accelerations of a mass over a horizon that bring an error to zero, each within its bounds.
+/// Accelerations, each held for a period and within bounds, that bring the error of a mass to zero over a horizon.
 ///
 ///   least of  Σ_{j<n} (q_e·e_j² + q_v·v_j² + u_j²) + value(e_n, v_n)      low_j ≤ u_j ≤ high_j
 ///
-///   Model, weights and value: mass_regulator.hpp. Without bounds that is the regulator, with a part of its own for the known
-///   drifts w_j (free()). With bounds: accelerated projected gradient, y = u + β·(u − u_before), u⁺ = clip(y − ∇J(y)/L), a
-///   fixed number of times at most. L is the largest eigenvalue of the Hessian, found at configuration; the smallest is ≥ 1, so
-///   β = (√L − 1)/(√L + 1), and the error falls by 1 − 1/√L per iteration. Gradients by one sweep forth and one back.
+///   Model, weights and value: mass_regulator.hpp. Without bounds the solution is the regulator plus a part for the known drifts w_j
+///   (free()). With bounds: accelerated projected gradient, y = u + β·(u − u_before), u⁺ = clip(y − ∇J(y)/L), with a limited number
+///   of iterations. L is the largest eigenvalue of the Hessian, found at configuration; the smallest is ≥ 1, so
+///   β = (√L − 1)/(√L + 1), and the error falls by a factor of 1 − 1/√L per iteration. Gradients take one sweep forwards and one back.
 ///
 /// Source: Nesterov, Introductory Lectures on Convex Optimization, 2004, 2.2.4; Richter, Jones, Morari 2012,
 /// doi:10.1109/TAC.2011.2176389.
@@ -26,12 +26,12 @@ class BoundedMoves {
  public:
   using Row = std::array<double, Most>;
 
-  /// Error at the begin.
+  /// Error at the beginning of the horizon.
   struct Begin {
     double e = 0.0;  ///< [m]
     double v = 0.0;  ///< [m/s]
   };
-  /// Room to work in.
+  /// Working memory.
   struct Work {
     std::array<double, Most + 1> e{};
     std::array<double, Most + 1> v{};
@@ -42,7 +42,7 @@ class BoundedMoves {
   BoundedMoves() = default;
   /// Number of moves, 1 to Most.
   BoundedMoves(const MassRegulator& regulator, std::size_t moves) noexcept : lqr_(regulator), n_(moves) {
-    // Power iteration from the smoothest moves; the share covers what it has not found.
+    // Power iteration, started from the smoothest moves; the margin covers its remaining error.
     Work w;
     w.y.fill(1.0);
     double largest = 1.0;
@@ -61,11 +61,11 @@ class BoundedMoves {
     momentum_ = (root - 1.0) / (root + 1.0);
   }
 
-  /// The best moves if nothing bounds them.
+  /// The best moves without bounds.
   void free(Begin x, const Row& drift, Row& moves) const noexcept {
     const double t = lqr_.period;
     const double h = 0.5 * t * t;
-    // (a, b) = P·w + what later drifts ask for; the part of each move that answers them.
+    // (a, b) = P·w + demand of later drifts; each move answers its own part.
     double later_e = 0.0;
     double later_v = 0.0;
     for (std::size_t j = n_; j-- > 0;) {
@@ -82,7 +82,7 @@ class BoundedMoves {
     }
   }
 
-  /// Improves moves that lie within the bounds; returns the iterations it took, at most so many.
+  /// Improves moves that lie within the bounds, in at most `most` iterations; returns how many it took.
   int bounded(Begin x, const Row& drift, const Row& low, const Row& high, Row& moves, int most,
               Work& w) const noexcept {
     for (std::size_t j = 0; j < n_; ++j) w.y[j] = moves[j];
@@ -103,7 +103,7 @@ class BoundedMoves {
     return most;
   }
 
-  /// What is made least [m²/s⁴].
+  /// The function that is minimised [m²/s⁴].
   [[nodiscard]] double cost(Begin x, const Row& drift, const Row& moves) const noexcept {
     double sum = 0.0;
     for (std::size_t j = 0; j < n_; ++j) {
@@ -124,7 +124,7 @@ class BoundedMoves {
 
  private:
   static constexpr int kPowerIterations = 60;
-  /// Of the moves, as a share of the largest one.
+  /// Change of the moves that ends the iteration, as a share of the largest move.
   static constexpr double kAccuracy = 1e-7;
 
   /// Half the gradient at w.y.

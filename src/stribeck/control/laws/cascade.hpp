@@ -7,12 +7,12 @@
 ///
 ///   K_v [1/s] position gain (the Kv factor: 16.7 1/s is 1 m/min per mm), K_p [1/s] velocity gain, T_n [s] integral time,
 ///   c_v, c_a [1] shares of feed-forward, v velocity from the encoder's difference [m/s], m mass of the model [kg].
-///   Closed loop, mass known: s³ + K_p s² + K_p(K_v + 1/T_n)s + K_p K_v/T_n. With c_v = 0 an axis at constant speed stays
-///   ṙ/K_v behind, as controls without feed-forward do; with c_v = c_a = 1 it is PID with k_v = K_p, k_p = K_p(K_v + 1/T_n),
+///   Closed loop, mass known: s³ + K_p s² + K_p(K_v + 1/T_n)s + K_p K_v/T_n. With c_v = 0 an axis at constant speed lags by
+///   ṙ/K_v, as in controls without feed-forward; with c_v = c_a = 1 it is PID with k_v = K_p, k_p = K_p(K_v + 1/T_n),
 ///   k_i = K_p K_v/T_n.
 ///   Stable (Routh): K_p > K_v/(1 + K_v T_n), all positive; sampled: stable(period), from sampled_loop.hpp.
 ///
-/// ṙ is seen as late as v is, as differences of set positions are (error_rate: difference-of-error), or exact (late). The
+/// ṙ has the same delay as v, as differences of set positions have (error_rate: difference-of-error), or is exact (late). The
 /// integral is kept from winding up as in pid.hpp.
 /// Source: Altintas, Verl, Brecher, Uriarte, Pritschow 2011, Machine tool feed drives, doi:10.1016/j.cirp.2011.05.010.
 /// Not modelled: cycles of velocity and current shorter than that of position; filters of the set values.
@@ -71,13 +71,13 @@ struct CascadeParams {
              "would be unstable");
   }
 
-  /// In continuous time.
+  /// Whether it is stable in continuous time.
   [[nodiscard]] constexpr bool stable() const noexcept {
     return each([](double position, double velocity, double time) {
       return position > 0.0 && time > 0.0 && velocity * (1.0 + position * time) > position;
     });
   }
-  /// Sampled with this period [s].
+  /// Whether it is stable when sampled with this period [s].
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
     return each([&](double position, double velocity, double time) {
       return sampled_loop_stable(velocity * (position + 1.0 / time), velocity, velocity * position / time,

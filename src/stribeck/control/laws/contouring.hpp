@@ -1,6 +1,6 @@
 #pragma once
 /// Contouring control: feedback in the frame that moves along the path, so that the error along the path and the errors across
-/// it have gains of their own.
+/// it have separate gains.
 ///
 ///   F = M·{ r̈ − R·(K_v ė_l + K_p e_l + R̈ᵀe_w + 2Ṙᵀė_w) } + F_friction + load + d̂
 ///   e_w = x − r,   e_l = Rᵀe_w,   ė_l = Ṙᵀe_w + Rᵀė_w,   R = [t n b …]
@@ -44,7 +44,7 @@ struct ContouringParams {
             .or_default()};
   }
 
-  /// Double poles along and across the path [rad/s].
+  /// Parameters for double poles along and across the path [rad/s].
   static constexpr ContouringParams critical(double along, double across) noexcept {
     ContouringParams p;
     p.kp = {along * along, across * across};

@@ -10,8 +10,8 @@
 ///   c in (0, 1]: stable(). (An eigenvector u obeys a cubic with uᵀK_p u, uᵀK_v u and c = Σ(n_jᵀu)²; Routh on it.) Not known for
 ///   a frame that turns as fast as the loop is.
 ///
-/// In Koren's form the coupling has gains of its own and the axes keep theirs; contouring.hpp changes the gains of the axes.
-/// The integrals stand still while any axis is limited. A single axis has nothing across: PD.
+/// In Koren's form the coupling has its own gains and the axes keep theirs; contouring.hpp changes the gains of the axes.
+/// The integrals stop while any axis is limited. A single axis has no direction across: PD.
 /// Source: Koren 1980, doi:10.1115/1.3149612; Koren, Lo 1991, doi:10.1016/S0007-8506(07)62009-5.
 /// Not modelled: curvature of the path in ε (Koren and Lo's variable gains); the error is eₜ²κ/2.
 /// Real time: safe; the constructor configure only.
@@ -67,18 +67,18 @@ struct CrossCoupledParams {
              "would be unstable");
   }
 
-  /// In continuous time, for any fixed direction of the path.
+  /// Whether it is stable in continuous time, for any fixed direction of the path.
   [[nodiscard]] bool stable() const noexcept {
     double p = kp.empty() ? 0.0 : kp[0];
     double v = kv.empty() ? 0.0 : kv[0];
     for (const double k : kp) p = min_of(p, k);
     for (const double k : kv) v = min_of(v, k);
     if (!(p > 0.0 && v > 0.0)) return false;
-    // (k_p/c + w_p)(k_v + c·w_d) is least at c = √(k_p k_v/(w_p w_d)), or at the border.
+    // (k_p/c + w_p)(k_v + c·w_d) is smallest at c = √(k_p k_v/(w_p w_d)), or at the border.
     const double c = sqrt(min_of(1.0, p * v / max_of(contour_kp * contour_kv, p * v)));
     return contour_ki < (p / c + contour_kp) * (v + c * contour_kv);
   }
-  /// Sampled with this period [s], on a straight stretch; exact where the axes have equal gains.
+  /// Whether it is stable when sampled with this period [s], on a straight stretch; exact where the axes have equal gains.
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
     const auto p = spread<kMostAxes>(kp, 0.0);
     const auto v = spread<kMostAxes>(kv, 0.0);

@@ -1,11 +1,11 @@
 #pragma once
-/// Memory of one lap of a controller: the path parameter φ is divided into cells of equal width, each with the mean of M numbers
+/// Memory of one lap of a controller. The path parameter φ is divided into cells of equal width; each holds the mean of M numbers
 /// over its width, so that laps may have any duration and speed.
 ///
 ///   place = φ·Cells/lap, counted on over the laps             the value of one lap ago is at place − Cells
 ///   read   Σ w(x)·cell,  w = 2·(Gaussian of σ) − (Gaussian of √2σ)  =  Q = 1 − (1 − G)²,  G = exp(−ω²σ²/2)
 ///
-///   σ [cells]. Q has no phase: it uses cells before and after the place, since the last lap is known; ½ where ωσ = kHalfOfQ.
+///   σ [cells]. Q has no phase: it uses cells before and after the place, because the last lap is known; ½ where ωσ = kHalfOfQ.
 ///   Between two entries values are interpolated linearly.
 ///
 /// Ring ≥ Cells + kReach·σ + a few cells are kept. φ may be counted on over the laps or begin anew in each.
@@ -20,7 +20,7 @@
 
 namespace stribeck::control {
 
-/// ω·σ at which Q is one half.
+/// ω·σ at which Q is ½.
 inline constexpr double kHalfOfQ = 1.5670;
 
 template <std::size_t M, std::int64_t Cells, std::int64_t Ring, class Real = double>
@@ -28,20 +28,20 @@ class LapMemory {
  public:
   using V = Vec<double, M>;
 
-  /// The wider of Q's two Gaussians has faded to exp(−8) there [σ].
+  /// At this distance [σ] the wider of Q's two Gaussians has decayed to exp(−8).
   static constexpr double kReach = 5.66;
-  /// Narrower, the cells would show [cells].
+  /// Smallest σ [cells]; below it the steps between cells would show.
   static constexpr double kLeastWidth = 0.8;
 
   struct State {
     std::array<Vec<Real, M>, static_cast<std::size_t>(Ring)> cell{};
     double place = 0.0;    ///< of this tick, counted on over the laps [cells]
     double phi = 0.0;      ///< of the last tick
-    double written = 0.0;  ///< place up to which is written
-    V value;               ///< there
+    double written = 0.0;  ///< values are written up to this place
+    V value;               ///< value at that place
     V sum;                 ///< over the cell that is being written
     double covered = 0.0;  ///< part of it
-    std::int64_t first = std::numeric_limits<std::int64_t>::min();  ///< cells before it are forgotten
+    std::int64_t first = std::numeric_limits<std::int64_t>::min();  ///< cells before this one are forgotten
     bool started = false;
     bool writing = false;
   };
@@ -57,11 +57,11 @@ class LapMemory {
     s.place += moved;
     return moved;
   }
-  /// Whether a move is a jump or runs back: what is written must not go on over it.
+  /// Whether a move jumps or runs backwards: writing must not continue across it.
   static constexpr bool breaks(double moved) noexcept {
     return moved < 0.0 || moved > static_cast<double>(Cells / 8);
   }
-  /// The next entry does not continue the last one.
+  /// Makes the next entry start anew instead of continuing the last one.
   static void interrupt(State& s) noexcept { s.writing = false; }
   /// Forgets all laps.
   static void forget(State& s) noexcept {
@@ -78,13 +78,13 @@ class LapMemory {
   static Vec<double, K> read(const State& s, double place, double width) noexcept {
     const auto reach = static_cast<std::int64_t>(kReach * width) + 1;
     const auto middle = static_cast<std::int64_t>(std::floor(place + 0.5));
-    // wide = exp(−x²/4σ²) and its neighbour's ratio go on by multiplication; the narrow one is its square.
+    // wide = exp(−x²/4σ²) and the ratio to its neighbour follow by multiplication; the narrow Gaussian is the square of the wide one.
     const double scale = 0.25 / (width * width);
     const double x = static_cast<double>(middle - reach) - place;
     double wide = exp(-scale * x * x);
     double ratio = exp(-scale * (2.0 * x + 1.0));
     const double bend = exp(-2.0 * scale);
-    // Both Gaussians with area 1, times that of the wide one.
+    // Both Gaussians have area 1; the weights are relative to the wide one.
     constexpr double kNarrow = 2.0 * 1.41421356237309515;
     double total = 0.0;
     Vec<double, K> sum;
@@ -102,7 +102,7 @@ class LapMemory {
     return (1.0 / total) * sum;
   }
 
-  /// The numbers at a place, straight between the middles of cells.
+  /// The numbers at a place, interpolated linearly between the middles of cells.
   static V between(const State& s, double place) noexcept {
     const double below = std::floor(place);
     const double share = place - below;
@@ -115,7 +115,7 @@ class LapMemory {
     return v;
   }
 
-  /// Enters values at a place: what lies between it and the last one is taken as straight, and each cell gets its mean.
+  /// Enters values at a place. They are interpolated linearly from the last place, and each cell gets its mean.
   static void write(State& s, double place, const V& value) noexcept {
     if (!s.writing) {
       s.writing = true;

@@ -1,6 +1,6 @@
 #pragma once
-/// Iterative learning: contouring control with feed-forward, and the force that was missing at each place of the path in the last
-/// pass, added in the next one.
+/// Iterative learning: contouring control with feed-forward. At each place of the path it learns the force that was missing in the
+/// last pass, and adds it in the next one.
 ///
 ///   F = m·(r̈ + a_fb) + F_friction + load + d̂ + F_j(φ)                a_fb = −R(K_v ė_l + K_p e_l + R̈ᵀe + 2Ṙᵀė)
 ///   F_{j+1}(φ) = Q{ F_j(φ) + γ_j·M_j(φ) },   M = m·(ā_fb − δ²e/T²),   F_1 = 0                  j: pass (lap)
@@ -67,14 +67,14 @@ struct LearningParams {
             .or_default()};
   }
 
-  /// How a machine may differ from its model.
+  /// Deviation of a machine from its model.
   struct Truth {
     double mass = 1.0;       ///< in masses of the model
     double stiffness = 0.0;  ///< of pre-sliding, by mass [1/s²]
-    int delay = 0;           ///< more than the controller knows of [periods]
+    int delay = 0;           ///< delay beyond the one that the controller knows [periods]
   };
 
-  /// The remaining share of an error of frequency ω [rad/s] after a pass, along (0) or across (1, …) the path, sampled with this
+  /// Remaining share of an error of frequency ω [rad/s] after a pass, along (0) or across (1, …) the path, sampled with this
   /// period [s]: Q·|1 − γ·cos²(ωT/2)·(C + m z²/h)/(C + m' z^d z²/h + κ)|, C the feedback, m z²/h the mass under a hold.
   [[nodiscard]] double factor(std::size_t direction, double omega, double period) const noexcept {
     return factor(direction, omega, period, Truth{});
@@ -95,13 +95,13 @@ struct LearningParams {
     return low_pass(omega, learning) *
            std::abs(1.0 - learning * half_hold * half_hold * (feedback + inertia) / there);
   }
-  /// Q at ω [rad/s] while the gain is this.
+  /// Q at ω [rad/s] with this gain.
   [[nodiscard]] double low_pass(double omega, double gain) const noexcept {
     const double y = omega * half(gain) / cutoff;
     const double missing = 1.0 - exp(-0.5 * y * y);
     return 1.0 - missing * missing;
   }
-  /// Whether every frequency is learned on such a machine, given that the loop is stable there. Configure only.
+  /// Whether every frequency is learned on such a machine, provided that the loop is stable there. Configure only.
   [[nodiscard]] bool converges(double period, const Truth& truth) const noexcept {
     constexpr int kFrequencies = 512;
     if (!(learning > 0.0)) return false;
@@ -112,7 +112,7 @@ struct LearningParams {
     }
     return true;
   }
-  /// Whether the loop is stable and every frequency is learned, on a machine as the model says. Configure only.
+  /// Whether the loop is stable and every frequency is learned on a machine that equals its model. Configure only.
   [[nodiscard]] bool stable(double period) const noexcept {
     const auto p = spread<kMostAxes>(kp, 0.0);
     const auto v = spread<kMostAxes>(kv, 0.0);
@@ -122,7 +122,7 @@ struct LearningParams {
     return learning == 0.0 || converges(period, {});
   }
 
-  /// ωσ at which what is learned in the end, Qγ/(1 − Q(1 − γ)), is one half.
+  /// ωσ at which the final learned share, Qγ/(1 − Q(1 − γ)), is ½.
   static double half(double gain) noexcept {
     const double g = 1.0 - sqrt(gain / (1.0 + gain));
     return sqrt(-2.0 * log(g));
@@ -140,36 +140,36 @@ class Learning {
   using Memory = LapMemory<2 * N, kCells, kCells + 768, float>;
 
   struct Command {
-    double place = 0.0;  ///< where its hold has its middle [cells]
+    double place = 0.0;  ///< middle of its hold [cells]
     V learned;           ///< [N]
     V velocity;          ///< of the reference there [m/s]
     V feedback;          ///< [m/s²]
   };
   struct State : Common<N>::State {
     typename Memory::State memory;
-    std::array<Command, kHistory> command{};  ///< the last one first
-    std::size_t known = 0;                    ///< how many of them there are
-    std::array<V, 3> e{};                     ///< tracking errors, the last one first [m]
-    V missing;                                ///< M of the last tick but one [N]
+    std::array<Command, kHistory> command{};  ///< newest first
+    std::size_t known = 0;                    ///< number of valid entries
+    std::array<V, 3> e{};                     ///< tracking errors, newest first [m]
+    V missing;                                ///< M of the tick before the last one [N]
     std::array<int, N> held{};                ///< ticks for which an axis does not learn
     double moved = 0.0;                       ///< of the last tick [cells]
     double trust = 0.0;                       ///< share of the learned force that is applied
     V learned;                                ///< F_j of the last step [N]
-    // How it goes.
-    std::uint32_t passes = 0;    ///< that were learned from
+    // Progress of the learning.
+    std::uint32_t passes = 0;    ///< passes that were learned from
     double gain = 0.0;           ///< γ_j
     double width = 0.0;          ///< σ of G [periods]
-    double share = 1.0;          ///< of γ; less after it had to give up
+    double share = 1.0;          ///< of γ; smaller after passes became worse
     std::uint32_t given_up = 0;  ///< how often passes became worse than without
     double update = 0.0;         ///< RMS of Q{M} over the last whole pass, all axes [N]
-    double best = 0.0;           ///< least of them [N]
+    double best = 0.0;           ///< smallest of these updates [N]
     double first = 0.0;          ///< of the first pass [N]
     double error = 0.0;          ///< RMS tracking error of the last whole pass [m]
     double begun = 0.0;          ///< place at which this pass began
     double squares_m = 0.0;
     double squares_e = 0.0;
     double ticks = 0.0;
-    double strange = 0.0;       ///< ticks in another motion than that of the last pass
+    double strange = 0.0;       ///< ticks whose motion differed from that of the last pass
     std::array<V, 2> smooth{};  ///< M under a low-pass [N]
   };
 
@@ -217,16 +217,16 @@ class Learning {
  private:
   enum class Motion { kSame, kNearly, kOther };
 
-  /// Wider, a lap is too short to be learned [cells].
+  /// Largest σ; with a wider one a lap is too short to be learned [cells].
   static constexpr double kMostWidth = 64.0;
-  /// Velocities within this share are the same motion.
+  /// Velocities within this share count as the same motion.
   static constexpr double kSame = 0.02;
-  /// Update against the least so far, below which passes get better; what the gain falls by when they do not.
+  /// Ratio of an update to the smallest so far below which passes improve; factor on the gain when they do not.
   static constexpr double kBetter = 0.85;
   static constexpr double kFall = 0.6;
-  /// Share of a pass in another motion than the one before, from which it counts as the first.
+  /// Share of a pass with a different motion, from which it counts as the first pass of a new motion.
   static constexpr double kOther = 0.25;
-  /// Update against that of the first pass, at which it gives up.
+  /// Ratio of an update to that of the first pass at which the learning gives up.
   static constexpr double kWorse = 2.0;
   static constexpr double kLeastShare = 0.125;
 
@@ -260,7 +260,7 @@ class Learning {
       set_gain(s, params_.learning * s.share);
       begin_pass(s);
     }
-    // The hold of the command whose middle lies between the last two M.
+    // The command whose hold has its middle between the last two M.
     const Command& then = s.command[behind_ + 1];
     Vec<double, 2 * N> entry;
     for (std::size_t i = 0; i < N; ++i) {
@@ -295,7 +295,7 @@ class Learning {
       return;
     }
     if (s.update > kWorse * s.first) {
-      // Worse than without: the machine is too far from the model for this gain.
+      // Worse than without learning: the machine differs too much from the model for this gain.
       s.share = max_of(0.5 * s.share, kLeastShare);
       ++s.given_up;
       start_over(s);
@@ -373,7 +373,7 @@ class Learning {
   double cells_per_phi_;
   V limit_;
   std::size_t whole_ = 0;  ///< delay: whole periods
-  double part_ = 0.0;      ///< and the rest
+  double part_ = 0.0;      ///< fractional part of the delay
   double ahead_ = 0.5;     ///< from the tick to the middle of its hold [periods]
   std::size_t behind_ = 0;
   double late_ = 0.5;

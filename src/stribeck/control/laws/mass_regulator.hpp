@@ -1,5 +1,5 @@
 #pragma once
-/// Linear-quadratic regulator of a mass under a held acceleration, with both poles where they are asked for.
+/// Linear-quadratic regulator of a mass under a held acceleration, whose two poles are given.
 ///
 ///   e⁺ = e + T·v + T²/2·u + w      v⁺ = v + T·u              u = −k_p·e − k_v·v
 ///   least of  Σ (q_e·e² + q_v·v² + u²),   value of what follows  p_ee·e² + 2p_ev·e·v + p_vv·v²

@@ -7,8 +7,8 @@
 ///   Closed loop, mass known: s³ + k_v s² + k_p s + k_i. Stable (Routh): k_i < k_p k_v, all positive; sampled: stable(period),
 ///   from sampled_loop.hpp.
 ///
-/// Against winding up: the integral part alone never asks for more than force_limit, and it stands still while the force is
-/// limited and the error would drive it further (conditional integration). The integral holds the sample of now.
+/// Against winding up: the integral part alone never commands more than force_limit, and it stops while the force is
+/// limited and the error would drive it further (conditional integration). The integral includes the present sample.
 /// Source: Åström, Hägglund 1995, PID Controllers, chapters 3.2 and 3.5.
 /// Not modelled: with friction an integral hunts around standstill; give it friction feed-forward, or k_i = 0.
 /// Real time: safe; the constructor configure only.
@@ -47,7 +47,7 @@ struct PidParams {
             .or_default()};
   }
 
-  /// A triple pole [rad/s].
+  /// Parameters for a triple pole [rad/s].
   static constexpr PidParams triple(double omega) noexcept {
     PidParams p;
     p.kp = {3.0 * omega * omega};
@@ -61,11 +61,11 @@ struct PidParams {
     if (!stable()) report("ki", "expected less than kp·kv on each axis: the loop would be unstable");
   }
 
-  /// In continuous time.
+  /// Whether it is stable in continuous time.
   [[nodiscard]] constexpr bool stable() const noexcept {
     return each([](double p, double i, double v) { return p > 0.0 && v > 0.0 && i >= 0.0 && i < p * v; });
   }
-  /// Sampled with this period [s].
+  /// Whether it is stable when sampled with this period [s].
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
     return each([&](double p, double i, double v) { return sampled_loop_stable(p, v, i, period); });
   }
@@ -112,7 +112,7 @@ class Pid {
     }
     const Vec<double, N> force = common_.finish(s, r, wanted);
     for (std::size_t i = 0; i < N; ++i) {
-      // An error ahead of the reference drives the force down.
+      // An error ahead of the reference reduces the force.
       if (abs(force[i]) < limit_[i] || force[i] * e[i] > 0.0) s.integral[i] = integral[i];
     }
     return force;

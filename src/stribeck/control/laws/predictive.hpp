@@ -1,5 +1,5 @@
 #pragma once
-/// Model predictive contouring control: forces within the limits of the drives that bring the predicted errors to zero best. Where
+/// Model predictive contouring control: forces within the limits of the drives that best bring the predicted errors to zero. Where
 /// the path needs more force than the drives have, the machine slows down and stays on the path.
 ///
 ///   F = m·(r̄̈ + u_0) + F_friction + load + d̂                     |F_j| ≤ limit over the whole horizon
@@ -83,7 +83,7 @@ struct PredictiveParams {
             .or_default()};
   }
 
-  /// Whether the loop away from limits is stable, sampled with this period [s].
+  /// Whether the loop is stable while no limit is active, sampled with this period [s].
   [[nodiscard]] bool stable(double period) const noexcept {
     if (!(omega * period < 1.0)) return false;
     if (rate_at_sample || error_rate == ErrorRate::kObserved) return true;
@@ -99,10 +99,10 @@ class Predictive {
   using V = Vec<double, N>;
   using Point = path::PathPoint<N>;
 
-  /// Most moves of a horizon; points wanted beyond the present one.
+  /// Largest number of moves of a horizon; number of points needed beyond the present one.
   static constexpr std::size_t kMost = Params::kMostMoves;
   static constexpr std::size_t kPreview = kMost + kMostDelay + 1;
-  /// Longest lag, in periods.
+  /// Longest lag in periods.
   static constexpr std::size_t kMostLag = 128;
 
   /// A point of the path as programmed.
@@ -118,7 +118,7 @@ class Predictive {
     double lag = 0.0;    ///< of the reference behind its programme [s]
     double rate = 1.0;   ///< θ̇
     double pull = 0.0;   ///< θ̈ [1/s]
-    int iterations = 0;  ///< of the last step, most of any axis
+    int iterations = 0;  ///< iterations of the last step, maximum over the axes
     std::array<Knot, kMostLag> past{};
     std::size_t newest = 0;
     std::size_t known = 0;
@@ -144,11 +144,11 @@ class Predictive {
     for (const double v : speed_limit_.c) limited_ = limited_ || isfinite(v);
   }
 
-  /// Forces for the coming period [N]: the present point alone, which is taken to keep its acceleration.
+  /// Forces for the coming period [N], from the present point alone, whose acceleration is assumed to stay constant.
   V step(State& s, const Point& r, const V& measured) const noexcept {
     return step_on(s, std::span<const Point>(&r, 1), measured, 1);
   }
-  /// The same with the points ahead, one per period, the present one first; beyond the last one its acceleration lasts.
+  /// The same with the points ahead, one per period, the present one first; after the last one its acceleration stays constant.
   template <std::convertible_to<std::span<const Point>> Points>
   V step(State& s, const Points& points, const V& measured) const noexcept {
     const std::span<const Point> ahead = points;
@@ -160,14 +160,14 @@ class Predictive {
   }
 
  private:
-  /// A lag is made up with this time constant at the end [1/s], and forgotten below [s].
+  /// A lag is finally reduced with this time constant [1/s], and set to zero below this time [s].
   static constexpr double kClosing = 20.0;
   static constexpr double kForgotten = 1e-8;
-  /// The longest lag is approached over so many periods.
+  /// Number of periods over which the longest lag is approached.
   static constexpr double kApproach = 20.0;
-  /// Share of the speed limit that progress leaves for feedback.
+  /// Share of the speed limit that is kept for feedback.
   static constexpr double kSpeedReserve = 0.02;
-  /// Bounds of the first move are wider by this, so that the limit of the force itself holds it, and tells.
+  /// Bounds of the first move are wider by this, so that the force limit itself acts, and raises its status.
   static constexpr double kWider = 1e-9;
 
   static std::size_t periods(double n) noexcept {
@@ -188,7 +188,7 @@ class Predictive {
     const bool first = !s.error[0].started;
     if (!common_.begin(s, r, measured)) return s.force;
 
-    // Error, and speed, where the force given now begins to act.
+    // Error and speed at the time at which the force of now begins to act.
     std::array<typename Moves::Begin, N> x;
     V speed;
     const double delay = setup_.compensation[0].delay;
@@ -196,7 +196,7 @@ class Predictive {
     read(s, ahead, place);
     for (std::size_t i = 0; i < N; ++i) {
       const Motion m = begin_of_hold(s, r, measured, i, first);
-      // An axis that is late by more than the first has its error predicted to a later place of the reference.
+      // An axis with a longer delay than the first has its error predicted to a later place of the reference.
       const double later = setup_.compensation[i].delay - delay;
       const double v = s.rate * s.velocity[0][i];
       const double a = later == 0.0 ? 0.0 : mean(s, i, 0);
@@ -259,7 +259,7 @@ class Predictive {
     return k;
   }
 
-  /// Between two of them, by the cubic through positions and velocities.
+  /// A point between two of them, by the cubic through positions and velocities.
   [[nodiscard]] Knot at_time(const State& s, std::span<const Point> ahead, double periods) const noexcept {
     const double below = std::floor(periods);
     const double f = periods - below;
@@ -298,15 +298,15 @@ class Predictive {
 
   struct Motion {
     double position;
-    double velocity;  ///< with the rate of the error that was chosen
-    double speed;     ///< carried on to the sample by the model
+    double velocity;  ///< with the selected rate of the error
+    double speed;     ///< predicted to the sample by the model
   };
-  /// An axis where the force given now begins to act.
+  /// State of an axis at the time at which the force of now begins to act.
   [[nodiscard]] Motion begin_of_hold(const State& s, const Point& r, const V& measured, std::size_t i,
                                      bool first) const noexcept {
     const double t = setup_.period;
     const auto& c = s.compensation[i];
-    // Accelerations asked for, newest first, reach the mass later by the delay.
+    // Commanded accelerations, newest first, reach the mass later by the delay.
     const auto acceleration = [&](std::size_t n) {
       return (c.force[n] - c.feedforward_history[n] - c.estimate) / common_.mass(i);
     };
@@ -331,13 +331,13 @@ class Predictive {
     return m;
   }
 
-  /// Whether the feed-forward takes the mean of the reference's acceleration over the hold itself.
+  /// Whether the feed-forward itself takes the mean of the reference's acceleration over the hold.
   [[nodiscard]] bool takes_mean(std::size_t i) const noexcept {
     const auto f = setup_.compensation[i].feedforward;
     return f != Feedforward::kNone && f != Feedforward::kSteady;
   }
 
-  /// The reference's acceleration that such a feed-forward is told: of a slowed reference, whose acceleration goes in steps, the mean.
+  /// Acceleration of the reference for such a feed-forward. That of a slowed reference changes in steps, so its mean is used.
   double foretold(const State& s, Point& r, std::size_t i, bool slowed) const noexcept {
     if (slowed) r.acceleration[i] = mean(s, i, 0);
     return r.acceleration[i];
@@ -380,7 +380,7 @@ class Predictive {
 
   // ---- progress
 
-  /// Whether the programme asks for more than progress may have.
+  /// Whether the programme needs more than the limits of progress.
   [[nodiscard]] bool exceeds(const State& s) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       const double most = (1.0 - params_.reserve) * setup_.force_limit[i];
@@ -393,7 +393,7 @@ class Predictive {
     return false;
   }
 
-  /// Plans progress, and puts the reference that follows from it in place of the programmed one.
+  /// Plans progress, and replaces the programmed reference by the one that follows from it.
   typename Progress<N, kMost>::Moved slow(State& s, std::span<const Point> ahead, double place,
                                           std::size_t n) const noexcept {
     const double t = setup_.period;
@@ -412,12 +412,12 @@ class Predictive {
       auto& stage = s.stages.stage[j];
       double rate = wanted;
       for (std::size_t i = 0; i < N; ++i)
-        rate =
-            min_of(rate, (1.0 - kSpeedReserve) * speed_limit_[i] / abs(stage.d[i]));  // ∞ where nothing moves
+        rate = min_of(rate, (1.0 - kSpeedReserve) * speed_limit_[i] /
+                                abs(stage.d[i]));  // ∞ where the axis does not move
       stage.most = rate * rate;
     }
     progress_.reach(s.stages, n, wanted * wanted);
-    // No slower than the memory of the path allows.
+    // Not slower than the memory of the path permits.
     const double longest = static_cast<double>(s.known < kMostLag - 2 ? s.known : kMostLag - 2) * t;
     const double least = 1.0 - clamp_to((longest - s.lag) / (kApproach * t), 0.0, 1.0);
     typename Progress<N, kMost>::Moved m{s.rate, 0.0, 0.0};
@@ -449,7 +449,7 @@ class Predictive {
 
   // ---- moves
 
-  /// Finds the moves of an axis within its limits where the free ones leave them; returns the first.
+  /// Finds the moves of an axis within its limits where the free ones violate them; returns the first.
   double bound(State& s, typename Moves::Begin x, std::size_t i) const noexcept {
     const std::size_t n = moves_.moves();
     bool outside = false;
@@ -461,7 +461,7 @@ class Predictive {
       outside = outside || s.move[j] > s.high[j] || s.move[j] < s.low[j];
     }
     if (outside) {
-      // To begin with the law, held at the bounds as it goes: nearly there, and the same whatever was before.
+      // Starts from the law, limited at each step: this is nearly optimal, and does not depend on earlier periods.
       typename Moves::Begin y = x;
       for (std::size_t j = 0; j < n; ++j) {
         s.move[j] = clamp_to(moves_.regulator().law(y.e, y.v), s.low[j], s.high[j]);

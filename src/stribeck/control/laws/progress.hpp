@@ -1,5 +1,5 @@
 #pragma once
-/// The fastest progress along a path that the limits of acceleration and speed of every axis allow over the coming stretch, never
+/// The fastest progress along a path that the limits of acceleration and speed of every axis permit over the coming stretch, never
 /// faster than programmed.
 ///
 ///   a = c·(z + T·w) + d·w         low ≤ a ≤ high          z⁺ = z + 2T·w,  0 ≤ z ≤ most          every axis, every stage
@@ -29,28 +29,28 @@ class Progress {
     Vec<double, N> high;
     double most = 1.0;  ///< greatest z at its begin
   };
-  /// Stages ahead; greatest[j]: z that may be had at the begin of stage j.
+  /// Stages ahead; greatest[j]: largest z permitted at the beginning of stage j.
   struct Work {
     std::array<Stage, Most> stage{};
     std::array<double, Most + 1> greatest{};
   };
-  /// Pace and place after a period.
+  /// Rate and place after a period.
   struct Moved {
     double rate = 1.0;   ///< θ̇
-    double place = 0.0;  ///< θ since the first stage's begin, in periods
+    double place = 0.0;  ///< θ since the beginning of the first stage, in periods
     double pull = 0.0;   ///< θ̈ [1/s]
   };
 
   Progress() = default;
   explicit Progress(double period) noexcept : t_(period) {}
 
-  /// Fills greatest[] for n stages; last: the greatest z at their end.
+  /// Fills greatest[] for n stages; last: largest z at their end.
   void reach(Work& w, std::size_t n, double last) const noexcept {
     w.greatest[n] = last;
     for (std::size_t j = n; j-- > 0;) {
       const Stage& s = w.stage[j];
       double z = standing(s, s.most);
-      // The gap of the range is concave in z: Newton's steps from above stay above, and end on its last piece.
+      // The gap of the range is concave in z: Newton's steps from above stay above and end on its last piece.
       for (int k = 0; k < kSteps; ++k) {
         const Range r = range(s, z, w.greatest[j + 1], 1.0);
         if (r.possible()) break;
@@ -63,12 +63,12 @@ class Progress {
     }
   }
 
-  /// One control period on, as fast as permitted and no slower than `least`; n stages.
+  /// Advances by one control period, as fast as permitted and not slower than `least`; n stages.
   [[nodiscard]] Moved advance(const Work& w, std::size_t n, Moved from, double least) const noexcept {
     auto j = static_cast<std::size_t>(from.place);
     if (j >= n) return {from.rate, from.place + from.rate, 0.0};
     double left = static_cast<double>(j + 1) - from.place;
-    // A stage that is nearly over leaves no time to act.
+    // A stage that is almost over leaves no time to act.
     if (left < 0.5 && j + 1 < n) {
       ++j;
       left += 1.0;
@@ -81,9 +81,9 @@ class Progress {
   }
 
  private:
-  /// Newton's steps; more pieces than pairs of bounds there are not, and few are met.
+  /// Limit of Newton's steps: there are no more pieces than pairs of bounds, and few are met.
   static constexpr int kSteps = 12;
-  /// Slower is standing [m/s].
+  /// Slower than this counts as standing [m/s].
   static constexpr double kStands = 1e-9;
 
   struct Range {
@@ -94,7 +94,7 @@ class Progress {
     [[nodiscard]] bool possible() const noexcept { return low - high <= 1e-9 * (1.0 + abs(low)); }
   };
 
-  /// The greatest z, at most so much, at which the axes that w does not move are within their bounds.
+  /// The largest z, up to `most`, at which the axes that w does not move are within their bounds.
   [[nodiscard]] double standing(const Stage& s, double z) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (!(abs(s.d[i] + t_ * s.c[i]) < kStands)) continue;
@@ -104,7 +104,7 @@ class Progress {
     return z;
   }
 
-  /// The w that are permitted at z, to have at most `next` after so many stages.
+  /// The range of w permitted at z, so that z is at most `next` after this many stages.
   [[nodiscard]] Range range(const Stage& s, double z, double next, double stages) const noexcept {
     const double slope = -0.5 / (t_ * stages);
     Range r{slope * z, slope * (z - next), slope, slope};

@@ -62,7 +62,7 @@ struct RepetitiveParams {
             .or_default()};
   }
 
-  /// The remaining share of an error of frequency ω [rad/s] after a lap, for an axis, sampled with this period [s].
+  /// Remaining share of an error of frequency ω [rad/s] after a lap, for one axis, sampled with this period [s].
   [[nodiscard]] double factor(std::size_t axis, double omega, double period) const noexcept {
     const double p = spread<kMostAxes>(kp, 0.0)[axis];
     const double v = spread<kMostAxes>(kv, 0.0)[axis] / period;
@@ -105,18 +105,18 @@ class Repetitive {
   using V = Vec<double, N>;
 
   static constexpr std::int64_t kBins = 1024;  ///< places per lap
-  /// Two laps of u + γ·a_fb [m/s²]: what lies a lap back is read while the present one is written.
+  /// Two laps of u + γ·a_fb [m/s²]: the last lap is read while the present one is written.
   using Memory = LapMemory<N, kBins, 2 * kBins>;
 
-  /// Force of a past tick, and its place.
+  /// Feedback of a past tick, and its place.
   struct Given {
     double place = 0.0;
     V learned;
   };
   struct State : Common<N>::State {
     typename Memory::State memory;
-    std::array<Given, Params::kMostLead + 1> given{};  ///< the last one first
-    int known = 0;                                     ///< how many of them there are
+    std::array<Given, Params::kMostLead + 1> given{};  ///< newest first
+    int known = 0;                                     ///< number of valid entries
     V learned;                                         ///< u of the last step [m/s²]
   };
 
@@ -160,7 +160,7 @@ class Repetitive {
   }
 
  private:
-  /// Wider, a lap is too short to be learned [bins].
+  /// Largest σ; with a wider one a lap is too short to be learned [bins].
   static constexpr double kMostWidth = 32.0;
 
   void remember(State& s) const noexcept {

@@ -195,7 +195,7 @@ class SlidingMode {
     return common_.finish(s, r, acceleration);
   }
 
-  /// The law itself: accelerations asked for [m/s²], before mass, friction and limits, for tracking errors [m] and rates [m/s].
+  /// The law itself: commanded accelerations [m/s²], before mass, friction and limits, from tracking errors [m] and rates [m/s].
   Vec<double, N> law(State& s, const path::PathPoint<N>& r, const Vec<double, N>& e,
                      const Vec<double, N>& rate) const noexcept {
     const Vec<double, N> local = r.frame * e;
@@ -285,7 +285,7 @@ class SlidingMode {
     return x;
   }
 
-  /// Whether the last force of an axis was cut: the surface is then out of reach whatever the gain.
+  /// Whether the last force of an axis was limited: the surface then cannot be reached with any gain.
   bool limited(const State& s) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (abs(s.force[i]) >= force_limit_[i]) return true;
@@ -293,7 +293,7 @@ class SlidingMode {
     return false;
   }
 
-  /// The gain of the next step.
+  /// The gain for the next step.
   void adapt(State& s) const noexcept {
     const double period = common_.period();
     for (std::size_t i = 0; i < N; ++i) {
@@ -321,7 +321,7 @@ class SlidingMode {
         case Switching::kSuperTwisting: {
           const double k = s.gain[i];
           u[i] = 1.5 * sqrt(disturbance_rate_ * k * abs(x)) * sign(x) + s.integral[i];
-          // The integral stands for the disturbance, which k bounds: beyond it is only winding up.
+          // The integral stands for the disturbance, which k bounds: a larger integral is only winding up.
           s.integral[i] =
               clamp_to(s.integral[i] + 1.1 * disturbance_rate_ * k * sign(x) * common_.period(), -k, k);
           break;

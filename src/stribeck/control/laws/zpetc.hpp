@@ -1,6 +1,6 @@
 #pragma once
-/// Zero-phase-error tracking: a PD loop whose feed-forward inverts the sampled loop but for the zero that cannot be inverted,
-/// and leaves no phase.
+/// Zero-phase-error tracking: a PD loop with a feed-forward that inverts the sampled loop. Only the zero that cannot be inverted
+/// remains, and it leaves no phase.
 ///
 ///   mass under a held force    x(z)/a(z) = (T²/2)(z+1)/(z−1)²        the zero at −1 has no stable inverse
 ///   PD on the differenced e    C(z) = k_p + k_v(z−1)/(Tz)            its zero is inside the circle and is cancelled
@@ -62,7 +62,7 @@ struct ZpetcParams {
                           .or_default()};
   }
 
-  /// Double poles [rad/s].
+  /// Parameters for double poles [rad/s].
   static constexpr ZpetcParams critical(double omega) noexcept {
     ZpetcParams p;
     p.kp = {omega * omega};
@@ -70,7 +70,7 @@ struct ZpetcParams {
     return p;
   }
 
-  /// Sampled with this period [s].
+  /// Whether it is stable when sampled with this period [s].
   [[nodiscard]] constexpr bool stable(double period) const noexcept {
     const auto p = spread<kMostAxes>(kp, 0.0);
     const auto v = spread<kMostAxes>(kv, 0.0);
@@ -85,14 +85,14 @@ template <std::size_t N>
 class Zpetc {
  public:
   using Params = ZpetcParams;
-  /// A sample of the reference that is past.
+  /// A past sample of the reference.
   struct Past {
     Vec<double, N> position;      ///< [m]
     Vec<double, N> velocity;      ///< [m/s]
     Vec<double, N> acceleration;  ///< [m/s²]
   };
   struct State : Common<N>::State {
-    std::array<Past, 3> past;  ///< the last one first
+    std::array<Past, 3> past;  ///< newest first
     bool has_past = false;
   };
 
@@ -104,7 +104,7 @@ class Zpetc {
 
   /// Forces for the coming period [N], for the reference point and the encoders' positions [m].
   Vec<double, N> step(State& s, const path::PathPoint<N>& r, const Vec<double, N>& measured) const noexcept {
-    double sum = 0.0;  // of what will be remembered
+    double sum = 0.0;  // sum of what will be stored
     for (std::size_t i = 0; i < N; ++i) sum += r.position[i] + r.velocity[i] + r.acceleration[i];
     if (!isfinite(sum)) {
       s.status.raise(Status::kNotFinite);
@@ -139,7 +139,7 @@ class Zpetc {
   }
 
  private:
-  /// What will have been before the first sample, at constant acceleration.
+  /// The samples before the first one, at constant acceleration.
   [[nodiscard]] std::array<Past, 3> before(const path::PathPoint<N>& r) const noexcept {
     std::array<Past, 3> past;
     for (std::size_t k = 0; k < past.size(); ++k) {

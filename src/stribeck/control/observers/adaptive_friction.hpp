@@ -1,5 +1,5 @@
 #pragma once
-/// Adaptive friction: a first-order filter of the force that the nominal model of an axis misses.
+/// Adaptive friction: a first-order filter of the force that the nominal model of an axis lacks.
 ///
 ///   β_e' = K_c·(f_u − f_nom − β_e + K_c·m·q̇),   β̂ = β_e − K_c·m·q̇      so that   dβ̂/dt = K_c·(β − β̂)
 ///   β = f_u − f_nom − m·q̈

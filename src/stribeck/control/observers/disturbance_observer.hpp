@@ -6,8 +6,8 @@
 ///   f force on the axis [N], f_ff feed-forward of friction in it [N], v measured velocity [m/s], d̂ estimate
 ///   [N], p both poles [1/s], m mass [kg]. d̂ > 0 brakes a motion in +x; a controller adds it to its force.
 ///
-/// Advanced exactly over one period with f and v held. f_ff is subtracted, because friction would be compensated
-/// twice otherwise. The error obeys s² + k_ev·s + k_ed/m.
+/// Advanced exactly over one period with f and v held. f_ff is subtracted; otherwise friction would be compensated
+/// twice. The error obeys s² + k_ev·s + k_ed/m.
 /// Source: thesis (2.22), with the corrections in docs/corrections-to-the-thesis.md.
 /// Not modelled: the half sample by which a differentiated encoder is late.
 /// Real time: safe; configure() configure only.
@@ -31,7 +31,7 @@ class DisturbanceObserver {
 
   /// One period: force f − f_ff [N] held since the last call, velocity [m/s] measured now. Returns d̂ [N].
   double step(State& s, double force, double velocity) const noexcept {
-    // Deviation from the equilibrium of held inputs, v̂ = v and d̂ = f: there both derivatives vanish.
+    // Deviation from the equilibrium of held inputs, v̂ = v and d̂ = f, where both derivatives vanish.
     const double a = s.velocity - velocity;
     const double b = (s.disturbance - force) / m_;
     // exp(A·T) with A = [−2p −1; p² 0]: a double pole, so exp(−pT)·(I + (A + pI)·T).

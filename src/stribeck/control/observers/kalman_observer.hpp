@@ -26,7 +26,7 @@ class KalmanObserver {
   /// Density of the disturbance's random walk [N²/s], encoder variance [m²], mass [kg], period [s]; all > 0.
   KalmanObserver(double disturbance_density, double encoder_variance, double mass, double period) noexcept
       : t_(period), m_(mass) {
-    // Work in units in which the numbers are near 1: d/m in place of d.
+    // Computed in units in which the numbers are near 1: d/m replaces d.
     const double q = disturbance_density / (mass * mass);
     const double t = period;
     using M3 = Mat<double, 3>;
@@ -69,7 +69,7 @@ class KalmanObserver {
     return s.estimate[2];
   }
 
-  /// The same without a measurement: the model goes on, the disturbance stays.
+  /// The same without a measurement: the state follows the model, the disturbance stays.
   void predict(State& s, double force) const noexcept {
     if (!s.started) return;
     const double acceleration = (force - s.estimate[2]) / m_;
@@ -77,24 +77,24 @@ class KalmanObserver {
     s.estimate[1] += t_ * acceleration;
   }
 
-  /// Density of the random walk [N²/s] with which the observer's poles lie at about `bandwidth` [1/s] for an encoder of this
+  /// Density of the random walk [N²/s] that puts the observer's poles at about `bandwidth` [1/s], for an encoder of this
   /// resolution [m]: (q_d/(m²r))^(1/6).
   static constexpr double density(double bandwidth, double resolution, double mass) noexcept {
     const double cube = bandwidth * bandwidth * bandwidth;
     return cube * cube * mass * mass * resolution * resolution / 12.0;
   }
 
-  /// What d̂ makes of a disturbance that acted over the last period [N]: the observer's own lag, for one signal. `error` is the
-  /// state of that answer, zero at the start.
+  /// Response of d̂ to a disturbance that acted over the last period [N], that is, the observer's own lag for one signal. `error` is
+  /// the state of that response, zero at the start.
   double answer(Vec<double, 3>& error, double disturbance) const noexcept {
-    // Errors of x̂ and v̂, and d̂ itself; the disturbance drives the axis, d̂ the estimate.
+    // Errors of x̂ and v̂, and d̂ itself: the disturbance drives the axis, d̂ the estimate.
     const double acceleration = (error[2] - disturbance) / m_;
     const double x = error[0] + t_ * error[1] + 0.5 * t_ * t_ * acceleration;
     const double v = error[1] + t_ * acceleration;
     error = {{x - gain_[0] * x, v - gain_[1] * x, error[2] + m_ * gain_[2] * x}};
     return error[2];
   }
-  /// The same over a period without a measurement: what predict() makes of it.
+  /// The same over a period without a measurement, consistent with predict().
   double predicted_answer(Vec<double, 3>& error, double disturbance) const noexcept {
     const double acceleration = (error[2] - disturbance) / m_;
     error[0] += t_ * error[1] + 0.5 * t_ * t_ * acceleration;

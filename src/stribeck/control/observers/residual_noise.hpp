@@ -25,7 +25,7 @@ class ResidualNoise {
     double sum = 0.0;       ///< of e in this block [N]
     int samples = 0;        ///< in this block
     double last = 0.0;      ///< mean of the block before [N]
-    double blocks = 0.0;    ///< seen, up to those of the memory
+    double blocks = 0.0;    ///< number seen, up to that of the memory [blocks]
     double estimate = 0.0;  ///< r̂ [N²]
   };
 
@@ -35,7 +35,7 @@ class ResidualNoise {
       : samples_(max_of(1, static_cast<int>(min_of(kBlock / period, 1e6) + 0.5))),
         most_(max_of(memory / kBlock, kFew + 1.0)) {}
 
-  /// One sample of ε [N] with h [N²], where at least `least` [N²] is assumed. Returns r.
+  /// One sample of ε [N] with h [N²]; `least` [N²] is the smallest noise. Returns r.
   double step(State& s, double residual, double predicted_variance, double least) const noexcept {
     const double r = max_of(s.estimate, least);
     s.sum += residual * sqrt(r / (r + predicted_variance));

@@ -1,20 +1,20 @@
 #pragma once
-/// Judges each sample of an encoder before a controller sees it, and puts a prediction in place of one that cannot be.
+/// Judges each sample of an encoder before a controller sees it, and replaces an impossible one by a prediction.
 ///
-///   p₁ = r + ê + T·ê'                 the tracking error goes on as it did: ê, ê' by an α-β filter
-///   p₂ = x + T·v                      the axis goes on as it did over the last period
+///   p₁ = r + ê + T·ê'                 the tracking error continues as before: ê, ê' by an α-β filter
+///   p₂ = x + T·v                      the axis continues as over the last period
 ///   good    x_k finite, within jump + j·A·T² of p₁ or p₂, and no farther from the last good one than the speed permits
-///   else    p₁ in place of it (p₂ where p₁ has been off twice), j ← j + 1, counted; more than n in a row are a fault
+///   else    p₁ replaces it (p₂ where p₁ has been off twice), j ← j + 1, counted; more than n in a row are a fault
 ///
 ///   j samples bridged so far, A T² see limits.hpp. Two predictions, because an axis that is accelerated fully leaves p₁, and p₂ is
 ///   off after a small wild sample that was let through. A sample equal to the one before is not good either where a quarter of the
 ///   gate was to be moved: no axis stops like that, and dropped samples are bridged.
 ///   doubt ← doubt + 1 for a bridged sample, doubt − 1/4 for a good one: above 20, more than a fifth are bad.
-/// A good sample is handed on as it is, bit for bit. It is doubtful when it is the first one that lies farther from p₁ than a quarter
-/// of the gate: a small wild sample looks like that. A second one says that the axis has left p₁.
+/// A good sample is passed on unchanged, bit for bit. It is doubtful when it is the first one that lies farther from p₁ than a quarter
+/// of the gate, because a small wild sample looks like that. A second one shows that the axis has left p₁.
 /// Source: validation gates of tracking filters, Bar-Shalom, Li, Kirubarajan 2001, Estimation with Applications to Tracking and
 /// Navigation, ch. 2; the two gates are Stribeck's own.
-/// Not modelled: the first two samples, which nothing can be compared with; wild samples within a quarter of the gate.
+/// Not modelled: the first two samples, which cannot be compared with anything; wild samples within a quarter of the gate.
 /// Real time: safe.
 
 #include <cstdint>
@@ -26,28 +26,28 @@ namespace stribeck::control {
 class EncoderCheck {
  public:
   struct State {
-    double used = 0.0;        ///< what was handed on last [m]
-    double good = 0.0;        ///< last sample that was believed [m]
+    double used = 0.0;        ///< value that was passed on last [m]
+    double good = 0.0;        ///< last sample that was accepted [m]
     double raw = 0.0;         ///< last sample [m]
     double velocity = 0.0;    ///< over the last period [m/s]
     double smooth = 0.0;      ///< the same under a low-pass of two periods [m/s]
     double error = 0.0;       ///< ê [m]
     double error_rate = 0.0;  ///< ê' [m/s]
-    double reference = 0.0;   ///< where the reference will be if it keeps its acceleration [m]
+    double reference = 0.0;   ///< prediction of the reference with constant acceleration [m]
     double doubt = 0.0;
-    int off = 0;         ///< good samples in a row that p₁ was off by more than a quarter of the gate
+    int off = 0;         ///< good samples in a row for which p₁ was off by more than a quarter of the gate
     int known = 0;       ///< good samples, up to 2
-    int in_a_row = 0;    ///< bridged
+    int in_a_row = 0;    ///< bridged samples in a row
     int same = 0;        ///< samples equal to the one before, in a row
-    bool finite = true;  ///< the last sample
+    bool finite = true;  ///< whether the last sample was finite
     std::uint32_t bridged = 0;
   };
 
-  /// One sample of the encoder [m]; reference [m], [m/s], [m/s²]; `periods` since the last sample. Returns the one to use.
+  /// One sample of the encoder [m]; reference [m], [m/s], [m/s²]; `periods` since the last sample. Returns the value to use.
   static double step(State& s, const SupervisionLimits& l, double sample, double r, double rate,
                      double acceleration, int periods = 1) noexcept {
     const double t = l.period * periods;
-    // A reference that jumps is no motion of the axis.
+    // A jump of the reference is no motion of the axis.
     if (s.known == 2 && periods == 1 && !(abs(r - s.reference) <= l.noise + kJumps * l.growth))
       s.error = s.used + l.period * s.velocity - l.period * s.error_rate - r;
     s.reference = r + l.period * (rate + 0.5 * l.period * acceleration);
@@ -77,7 +77,7 @@ class EncoderCheck {
   /// Whether the last sample was bridged.
   [[nodiscard]] static bool bridges(const State& s) noexcept { return s.in_a_row > 0; }
 
-  /// Whether the last sample is good, but is not to be learned from.
+  /// Whether the last sample is good but must not be learned from.
   [[nodiscard]] static bool doubts(const State& s) noexcept {
     return s.known == 2 && s.in_a_row == 0 && s.off == 1;
   }
@@ -94,20 +94,20 @@ class EncoderCheck {
   static constexpr double kAlpha = 0.6;
   static constexpr double kBeta = 0.25;
   static constexpr double kSmooth = 0.5;
-  static constexpr double kTrusted = 0.25;  ///< share of the gate by which a sample may pull p₁
-  static constexpr int kLeaves = 2;         ///< samples beyond that in a row: p₁ is not to be used
-  static constexpr double kJumps = 4.0;     ///< a reference that jumps, in A·T²
+  static constexpr double kTrusted = 0.25;  ///< share of the gate within which a sample corrects p₁
+  static constexpr int kLeaves = 2;         ///< samples beyond that in a row, after which p₁ is not used
+  static constexpr double kJumps = 4.0;     ///< size of a jump of the reference, in A·T²
   static constexpr double kRelief = 0.25;
   static constexpr double kDoubt = 20.0;
 
   static void believe(State& s, double sample, double r, double rate, double miss, double gate,
                       double t) noexcept {
     if (s.known > 0) {
-      // After a bridge the period that has just passed is not seen alone: the mean since the last good sample is.
+      // After a bridge the last period is not observed alone, but the mean since the last good sample is.
       s.velocity = (sample - s.good) / (t * (1.0 + s.in_a_row));
       s.smooth = s.known == 1 ? s.velocity : s.smooth + kSmooth * (s.velocity - s.smooth);
     }
-    // One that is only just let through says nothing of the motion; two do.
+    // A sample that was only just accepted tells nothing about the motion; two do.
     if (s.known < 2 || (!(abs(miss) <= gate) && s.off >= kLeaves) || !isfinite(miss)) {
       s.error = sample - r;
       s.error_rate = s.known > 0 ? s.velocity - rate : 0.0;

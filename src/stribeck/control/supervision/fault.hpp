@@ -34,7 +34,7 @@ inline constexpr std::size_t kFaults = static_cast<std::size_t>(Fault::kCount);
 enum class Reaction : std::uint8_t {
   kNone,
   kBrake,  ///< brakes against the last known motion, then holds the gravity load
-  kCut     ///< force 0 at once: the sign of the force is not to be trusted
+  kCut     ///< force 0 at once: the sign of the force cannot be trusted
 };
 
 constexpr Reaction reaction(Fault f) noexcept {

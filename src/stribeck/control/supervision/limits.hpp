@@ -1,14 +1,14 @@
 #pragma once
-/// Limits of supervision for one axis: what may be set, and the numbers that follow from the axis where nothing is set.
+/// Limits of supervision for one axis: the settings, and the values that follow from the axis where nothing is set.
 ///
 ///   A      greatest plausible acceleration = min((force limit + friction level + |load|)/m, 4·acceleration limit)
 ///   jump   10 encoder steps + A·T²           how far a sample may lie from its prediction
 ///   n      samples bridged in a row = 10 ms/T, at least 3 and at most 50; one more is a fault
 ///   push   max(2·friction level, force limit/4)    a force that friction cannot hold
-///   start  max(start share·force limit, 1.25·push)    force beside the load until the sign is proven (sign_proof.hpp)
+///   start  max(start share·force limit, 1.25·push)    force in addition to the load until the sign is proven (sign_proof.hpp)
 ///   speed  1.5·speed limit; following error 20 ms·speed limit + 100 ms·|ṙ|
 ///
-/// A number that needs a limit that nobody knows is infinite: that check is off.
+/// A value that depends on an unknown limit is infinite: that check is off.
 /// Source: Stribeck's own; docs/theory/supervision.md derives them.
 /// Real time: configure only. Errors: none.
 
@@ -23,10 +23,10 @@
 
 namespace stribeck::control {
 
-/// What is checked of an axis.
+/// The checks of an axis.
 enum class Checks : std::uint8_t {
   kNone,
-  kLost,  ///< samples and references that are no numbers for too long; the law answers each of them itself
+  kLost,  ///< only samples and references that are NaN or infinite for too long; the law handles each single one itself
   kAll
 };
 
@@ -53,7 +53,7 @@ struct SupervisionParams {
   double bridge_time = 10e-3;                  ///< [s]
   double stop_time = 50e-3;                    ///< [s]
   double saturation_time = 0.5;                ///< [s]
-  double start_share = 0.5;                    ///< of the force limit, until the sign is proven
+  double start_share = 0.5;                    ///< share of the force limit until the sign is proven
 
   static constexpr auto fields() {
     using P = SupervisionParams;
@@ -96,7 +96,7 @@ struct SupervisionParams {
   }
 };
 
-/// Numbers that the checks work with; infinite: check off.
+/// Values that the checks use; infinite: check off.
 struct SupervisionLimits {
   static constexpr double kOff = std::numeric_limits<double>::infinity();
 
@@ -106,7 +106,7 @@ struct SupervisionLimits {
   double mass = 1.0;            ///< [kg]
   double load = 0.0;            ///< [N]
   double force = 0.0;           ///< limit [N]
-  double noise = 0.0;           ///< part of the jump that does not grow [m]
+  double noise = 0.0;           ///< part of the jump that does not grow with bridged samples [m]
   double growth = kOff;         ///< A·T², for each period without a good sample [m]
   double speed = kOff;          ///< [m/s]
   double level = 0.0;           ///< of friction at rest [N]
@@ -115,7 +115,7 @@ struct SupervisionLimits {
   double following = kOff;      ///< [m]
   double following_time = 0.0;  ///< [s]
   int samples = 3;              ///< n
-  int late_periods = 0;         ///< by which a force acts late, rounded up
+  int late_periods = 0;         ///< delay of the force, rounded up
   int stop_periods = 0;
   int saturation_periods = 0;
 
@@ -141,14 +141,14 @@ struct SupervisionLimits {
         p.acceleration_limit ? min_of(physical, kAcceleration * *p.acceleration_limit) : physical;
     growth = most * t * t;
     if (p.jump) {
-      // The share that grows stays what physics says, or bridging would not find back.
+      // The part that grows follows from physics alone; otherwise bridging would not find back.
       growth = min_of(growth, *p.jump);
       noise = *p.jump - growth;
     }
     speed = p.speed_limit ? kSpeed * *p.speed_limit : kOff;
     const double known = isfinite(force_limit) ? max_of(2.0 * level, 0.25 * force_limit) : 2.0 * level;
     push = p.push ? *p.push : known > 0.0 ? known : kOff;
-    // Below push, nothing would be seen of a wrong sign.
+    // Below push, a wrong sign would not be seen.
     if (p.start_share < 1.0) start = max_of(p.start_share * force_limit, kStart * push);
     following = p.following_error ? *p.following_error : p.speed_limit ? kFollowing * *p.speed_limit : kOff;
   }

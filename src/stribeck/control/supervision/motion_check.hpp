@@ -1,5 +1,5 @@
 #pragma once
-/// Judges the motion of one axis against the force that it was given: encoder that stands still, wrong sign, speed, following
+/// Judges the motion of one axis against the force that it was given: encoder stuck, wrong sign, speed, following
 /// error, saturation, oscillation.
 ///
 ///   push run     periods for which f − load has kept its sign with |f − load| ≥ push, counted once the delay is over
@@ -10,7 +10,7 @@
 ///   overspeed    |v| > speed + 5 steps/T              following error   |e| > limit + time·|ṙ|
 ///   saturated    at the limit for longer than a time  oscillation       twice found (oscillation_guard.hpp) with swings of half the
 ///                                                                       force limit
-///   e is what the law itself acts on: a law that slows the reference down is judged against the slowed one.
+///   e is the error that the law itself uses: a law that slows the reference down is judged against the slowed reference.
 /// Source: Stribeck's own; docs/theory/supervision.md.
 /// Not modelled: an external force above push, which is taken for a wrong sign or a blocked axis; both are reasons to stop.
 /// Real time: safe.
@@ -25,25 +25,25 @@ class MotionCheck {
  public:
   struct State {
     int pushed = 0;          ///< length of the push run [periods]
-    double direction = 0.0;  ///< of it
-    bool against = false;    ///< moving against it
+    double direction = 0.0;  ///< of the push run
+    bool against = false;    ///< the axis moves against it
     double begin_speed = 0.0;
     double begin_position = 0.0;
     int against_periods = 0;
-    double anchor = 0.0;  ///< where the encoder has stood since
+    double anchor = 0.0;  ///< position at which the encoder has stood since
     int still_periods = 0;
     int limited_periods = 0;
     OscillationGuard::State guard;
   };
-  /// What an axis did in this period.
+  /// State of an axis in this period.
   struct Motion {
     double position = 0.0;        ///< [m]
     double velocity = 0.0;        ///< smoothed [m/s]
     double error = 0.0;           ///< e [m]
     double reference_rate = 0.0;  ///< ṙ [m/s]
     double force = 0.0;           ///< for the coming period [N]
-    double feedback = 0.0;        ///< part of it beyond what is fed forward [N]
-    bool limited = false;         ///< it was cut
+    double feedback = 0.0;        ///< part of the force beyond the feed-forward [N]
+    bool limited = false;         ///< the force was limited
     bool bridged = false;         ///< position is a prediction
   };
 
@@ -75,7 +75,7 @@ class MotionCheck {
   static constexpr double kSwing = 0.5;  ///< of the force limit
   static constexpr std::uint32_t kFound = 2;
   static constexpr double kLeastTravel = 5e-6;   ///< against the force [m]
-  static constexpr double kLeastSlip = 20e-6;    ///< that the encoder must have missed [m]
+  static constexpr double kLeastSlip = 20e-6;    ///< travel that the encoder must have missed [m]
   static constexpr double kReactionTime = 5e-3;  ///< [s]
 
   void take(State& s, double net) const noexcept {

@@ -1,10 +1,10 @@
 #pragma once
-/// The force of one axis after a fault: brakes against the last known motion, then holds what it must.
+/// The force of one axis after a fault: brakes against the last known motion, then holds the load.
 ///
 ///   brake   f = load − sgn(v₀)·B,   B = clamp(m|v₀|/t − F(v̂), 0, 0.8·limit),   v̂' = −(B + F(v̂))/m,   v̂(0) = |v₀|
-///           until v̂ < v₀/10, at most for t = what is left of the stop time
-///   ramp    at rest, from the last force to the end in 20 ms, at most for t
-///   end     load: gravity is held until a brake has closed. After a wrong sign 0, at once
+///           until v̂ < v₀/10, for at most t = the rest of the stop time
+///   ramp    at rest, from the last force to the final one in 20 ms, for at most t
+///   end     load: gravity is held until a brake has closed; 0 at once after a wrong sign
 ///
 ///   F(v̂) friction of the model. Nothing is measured any more: v̂ is the model's. With B above static friction an axis that stops
 ///   early is moved backwards, by (ΔF/m)·t²/2 at most.
@@ -33,7 +33,7 @@ class SafeStop {
   SafeStop(const SupervisionLimits& l, const friction::Model& friction) noexcept
       : l_(l), friction_(friction) {}
 
-  /// From the force [N] and velocity [m/s] of the last period; `used` periods of the stop time have gone.
+  /// Starts from the force [N] and velocity [m/s] of the last period; `used` periods of the stop time are over.
   void begin(State& s, Reaction how, double force, double velocity, int used) const noexcept {
     s = {};
     s.end = how == Reaction::kCut ? 0.0 : clamp_to(l_.load, -l_.force, l_.force);

@@ -1,5 +1,5 @@
 #pragma once
-/// Limits the force of one axis until the encoder has once shown that the axis moves as the force says.
+/// Limits the force of one axis until the encoder has once shown that the axis moves in the direction of the force.
 ///
 ///   unproven    f within load ± start
 ///   push run    periods for which f − load has kept its sign with |f − load| ≥ level/2, counted once the delay is over
@@ -25,7 +25,7 @@ class SignProof {
     double begin_speed = 0.0;
   };
 
-  /// The force that may go out [N].
+  /// The force after this limit [N].
   [[nodiscard]] static double limited(const State& s, const SupervisionLimits& l, double force) noexcept {
     return s.proven ? force : clamp_to(force, l.load - l.start, l.load + l.start);
   }

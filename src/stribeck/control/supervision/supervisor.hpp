@@ -1,17 +1,17 @@
 #pragma once
 /// Supervision of a controller for N axes, around the step of any law.
 ///
-///   admit   before the law: a wild or missing sample is bridged (encoder_check.hpp), a reference that is no number goes on with its
-///           last acceleration, the law is told which axes are bridged, so that their observers and adaptation rest, and which are
+///   admit   before the law: bridges a wild or missing sample (encoder_check.hpp); continues a reference that is NaN or infinite with its
+///           last acceleration; tells the law which axes are bridged, so that their observers and adaptation rest, and which are
 ///           doubtful, so that adaptation rests
-///   judge   after the law: motion of each axis (motion_check.hpp); the forces go out as the law gave them, but for a limit until
-///           the sign of an axis is proven (sign_proof.hpp), of which the law is told
+///   judge   after the law: checks the motion of each axis (motion_check.hpp). The forces stay as the law gave them, except for a limit
+///           until the sign of an axis is proven (sign_proof.hpp), of which the law is told
 ///   a fault is latched with its axis; from then on all axes stop together (safe_stop.hpp), a brake is asked for, the law rests
-///   checks = lost: the law sees every sample and reference as it is, and only those that are no numbers for too long are a fault
-///   reset   what adaptation had learned from 1 to 2 s before the fault is kept, the rest begins anew
+///   checks = lost: the law sees every sample and reference unchanged; only samples that are NaN or infinite for too long are a fault
+///   reset   keeps what adaptation had learned 1 to 2 s before the fault; everything else starts anew
 ///
-/// Without a fault, a bridged or doubtful sample and a force cut at the start, forces are those of the law alone, bit for bit.
-/// Supervised<Law, N> is a law with supervision, for callers that know the law; a caller that does not calls the three itself.
+/// Without a fault, a bridged or doubtful sample or a limit at the start, forces are those of the law alone, bit for bit.
+/// Supervised<Law, N> is a law with supervision, for callers that know the law; other callers call the three steps themselves.
 /// Source: Stribeck's own; docs/theory/supervision.md.
 /// Real time: safe; constructors configure only.
 
@@ -37,24 +37,24 @@ class Supervisor {
     EncoderCheck::State encoder;
     MotionCheck::State motion;
     SignProof::State proof;
-    bool cut = false;  ///< the last force, because the sign is not proven
+    bool cut = false;  ///< the last force was limited because the sign is not proven
     SafeStop::State stop;
-    /// What was learned, newest first, a second apart.
+    /// Estimates of the adaptation, newest first, a second apart.
     std::array<FrictionRls::Learned, 2> kept;
   };
   struct State {
     Fault fault = Fault::kNone;  ///< the first one
-    std::size_t axis = 0;        ///< where; of the lateness and the command: 0
+    std::size_t axis = 0;        ///< axis of that fault; 0 for lateness and command
     std::array<Axis, N> axes;
-    std::array<std::uint32_t, kFaults> counts{};  ///< of each fault, over resets
+    std::array<std::uint32_t, kFaults> counts{};  ///< number of each fault, counted over resets
     path::PathPoint<N> last;                      ///< of the reference
-    V force;                                      ///< that went out last [N]
+    V force;                                      ///< last force that was put out [N]
     bool started = false;                         ///< `last` holds a reference
     int command_lost = 0;                         ///< periods in a row
     int late_in_a_row = 0;
     std::uint32_t late = 0;           ///< steps that were late
-    std::uint32_t commands_lost = 0;  ///< references that were no numbers
-    int quiet = 0;                    ///< periods since something was kept
+    std::uint32_t commands_lost = 0;  ///< references that were NaN or infinite
+    int quiet = 0;                    ///< periods since estimates were stored
   };
 
   Supervisor() = default;
@@ -68,8 +68,8 @@ class Supervisor {
     second_ = static_cast<int>(min_of(1.0 / setup.period, 1e9)) + 1;
   }
 
-  /// Before the law: what it is to see. False after a fault: take stopped(), and leave the law alone. `elapsed`: time since the
-  /// last step as the host measured it [s]; NaN: one period.
+  /// Call before the law; sets what the law is to see. Returns false after a fault: take stopped(), and do not call the law. `elapsed`:
+  /// time since the last step as the host measured it [s]; NaN: one period.
   bool admit(State& s, Law& law, path::PathPoint<N>& r, V& measured,
              double elapsed = std::numeric_limits<double>::quiet_NaN()) const noexcept {
     if (s.fault != Fault::kNone) return false;
@@ -94,7 +94,7 @@ class Supervisor {
     return s.fault == Fault::kNone;
   }
 
-  /// After the law: its forces, or those of the stop when they may not go out.
+  /// Call after the law: returns its forces, or those of the stop when the law's must not be used.
   V judge(State& s, Law& law, const path::PathPoint<N>& r, const V& wanted) const noexcept {
     bool quiet = true;
     V force = wanted;
@@ -122,7 +122,7 @@ class Supervisor {
     return s.force;
   }
 
-  /// Begins anew with a law whose state has just been made anew. Counters stay.
+  /// Starts anew, with a law whose state has just been constructed. Counters stay.
   void reset(State& s, Law& law) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       Axis& a = s.axes[i];
@@ -140,9 +140,9 @@ class Supervisor {
   }
 
   [[nodiscard]] static Reaction reaction_to(const State& s) noexcept { return reaction(s.fault); }
-  /// A holding brake should close.
+  /// Whether a holding brake should close.
   [[nodiscard]] static bool brake_requested(const State& s) noexcept { return s.fault != Fault::kNone; }
-  /// The safe force has been reached on all axes.
+  /// Whether the safe force has been reached on all axes.
   [[nodiscard]] static bool safe(const State& s) noexcept {
     for (const Axis& a : s.axes) {
       if (s.fault == Fault::kNone || a.stop.left > 0 || a.stop.force != a.stop.end) return false;
@@ -155,7 +155,7 @@ class Supervisor {
   static constexpr double kLate = 1.5;  ///< in periods
   static constexpr double kMostPeriods = 1000.0;
 
-  /// The law goes on with the force that went out, as with one that it had limited itself.
+  /// Tells the law the force that was put out, as if the law itself had limited it.
   void cut_at_start(Axis& a, Law& law, double& force, std::size_t i) const noexcept {
     const double most = SignProof::limited(a.proof, limits_[i], force);
     a.cut = most != force;
@@ -194,7 +194,7 @@ class Supervisor {
     return static_cast<int>(min_of(periods, kMostPeriods) + 0.5);
   }
 
-  /// A reference that is no number goes on as it was.
+  /// Continues a reference that is NaN or infinite with its last acceleration.
   void take_command(State& s, path::PathPoint<N>& r) const noexcept {
     double sum = 0.0;
     for (std::size_t i = 0; i < N; ++i) {
@@ -209,7 +209,7 @@ class Supervisor {
     } else {
       if (s.commands_lost != UINT32_MAX) ++s.commands_lost;
       if (++s.command_lost > limits_[0].samples) raise(s, Fault::kCommandLost, 0);
-      if (limits_[0].checks == Checks::kLost || !s.started) return;  // the law answers it
+      if (limits_[0].checks == Checks::kLost || !s.started) return;  // the law handles it
       const double t = limits_[0].period;
       r = s.last;
       r.position = r.position + t * r.velocity + (0.5 * t * t) * r.acceleration;
@@ -236,7 +236,7 @@ class Supervisor {
   int second_ = 1000;
 };
 
-/// A law with supervision; in place of the law itself.
+/// A law with supervision, to be used in place of the law itself.
 template <class LawOf, std::size_t N>
 class Supervised {
  public:
