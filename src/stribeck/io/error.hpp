@@ -1,10 +1,10 @@
 #pragma once
-/// Problems with input of the user, one line each:
+/// Problems with the input of a user, one line each:
 ///
 ///   FILE:LINE: key: got VALUE, expected WHAT (WAY OUT)
 ///
-/// Unknown parts are left out. A reader collects all Problems before it throws them as one InputError; what() is the first
-/// line and the number of the others. Paths are shown as the user gave them.
+/// Unknown parts are left out. A reader collects all Problems before it throws them as one InputError; its what() is the first
+/// line and the number of further ones. Paths are shown as the user gave them.
 /// Real time: no.
 
 #include <cstddef>
@@ -21,14 +21,14 @@ struct Problem {
   std::string key;
   std::string message;
 
-  /// The one line, without control characters; long names and messages lose their middle.
+  /// The text in one line, without control characters; long names and messages lose their middle.
   [[nodiscard]] std::string text() const;
 };
 
 class InputError : public std::runtime_error {
  public:
   explicit InputError(Problem problem);
-  /// At least one problem.
+  /// Needs at least one problem.
   explicit InputError(std::vector<Problem> problems);
 
   [[nodiscard]] const std::vector<Problem>& problems() const noexcept { return problems_; }
@@ -37,7 +37,7 @@ class InputError : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// Collects what is wrong with one file.
+/// Collects the problems of one file.
 class Problems {
  public:
   explicit Problems(std::string file = {}) : file_(std::move(file)) {}
@@ -58,8 +58,8 @@ class Problems {
   std::vector<Problem> all_;
 };
 
-/// A text that a terminal only shows: control characters and those that turn the direction of writing are blanks, bytes that are no
-/// UTF-8 the replacement character.
+/// A text that is safe to show in a terminal: control characters and those that change the direction of writing become blanks, bytes
+/// that are not UTF-8 become the replacement character.
 std::string printable(std::string_view text);
 
 /// A value as messages show it: in quotes, without control characters, cut when long.

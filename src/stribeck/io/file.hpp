@@ -1,5 +1,5 @@
 #pragma once
-/// Files as a whole.
+/// Reads and writes whole files.
 /// Real time: no.
 /// Errors: InputError with the path as given and the system's reason.
 
@@ -8,7 +8,7 @@
 
 namespace stribeck::io {
 
-/// The bytes of a file or a pipe, as they were when it was opened: what happens to the file later changes nothing.
+/// The bytes of a file or a pipe at the time when it was opened; later changes of the file have no effect.
 class FileBytes {
  public:
   explicit FileBytes(const std::string& path);
@@ -25,10 +25,10 @@ class FileBytes {
 std::string read_text(const std::string& path);
 
 /// Replaces the file at once: readers see the old bytes or the new ones, and a failure leaves no file behind.
-/// What is not an ordinary file (a pipe, a terminal) is written to directly.
+/// A pipe, a terminal and other special files are written to directly.
 void write_atomically(const std::string& path, std::string_view bytes);
 
-/// Fails early when a result could not be written at the end: checks the folder of a path that is not empty.
+/// Fails early where a result could not be written at the end: checks the folder of a path that is not empty.
 void check_writable(const std::string& path);
 
 /// Makes the directory and those above it; one that exists is kept.

@@ -1,5 +1,5 @@
 #pragma once
-/// JSON for programs: keys keep their order, what is not known is null, the same value gives the same bytes.
+/// JSON for programs: keys keep their order, unknown values are null, the same value gives the same bytes.
 /// Real time: no.
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +11,7 @@ namespace stribeck::io {
 
 using Json = nlohmann::ordered_json;
 
-/// NaN and infinity become null: absent is not zero.
+/// NaN and infinity become null, because an absent value is not zero.
 Json number_or_null(double value);
 Json number_or_null(const std::optional<double>& value);
 

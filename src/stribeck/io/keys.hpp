@@ -10,24 +10,24 @@ namespace stribeck::io {
 
 /// One declared key.
 struct KeyInfo {
-  std::string key;    ///< dotted path; `[]` stands for the items of a list, `<name>` for a free name
-  std::string kind;   ///< alternative of a variant to which the key belongs, else ""
-  std::string unit;   ///< unit that people read, or the kind of value: text, true/false, count, number
-  std::string range;  ///< permitted values, "" when all are
+  std::string key;            ///< dotted path; `[]` stands for the items of a list, `<name>` for a free name
+  std::string kind;           ///< alternative of a variant to which the key belongs, else ""
+  std::string unit;           ///< unit for people, or the kind of value: text, true/false, count, number
+  std::string range;          ///< permitted values; "": all
   std::string default_value;  ///< "" when required
   bool required = true;
   std::string doc;
-  std::string condition;  ///< when it has an effect, in words; "": always
+  std::string condition;  ///< condition under which it has an effect, in words; "": always
 };
 
-/// Of a group, with the values of `initial` as defaults.
+/// Keys of a group, with the values of `initial` as defaults.
 std::vector<KeyInfo> keys_of(const Value& initial);
 template <HasFields T>
 std::vector<KeyInfo> keys_of() {
   return keys_of(initial_of(type_of<T>));
 }
 
-/// The keys as Markdown, a table for each table of the file, with headings of this level.
+/// The keys as Markdown: one table for each table of the file, with headings of this level.
 std::string markdown_by_table(const std::vector<KeyInfo>& keys, int level);
 
 /// The keys as one Markdown table.

@@ -1,5 +1,5 @@
 #pragma once
-/// A folder for results, which goes away with a command that fails.
+/// A folder for results, which is removed if the command fails.
 /// Real time: no.
 /// Errors: InputError with the path and the system's reason.
 
@@ -8,8 +8,8 @@
 
 namespace stribeck::io {
 
-/// A folder for results, made with those above it before the work begins. Those that it made and that nothing was written to go
-/// away with it, so that a command that fails leaves none behind.
+/// A folder for results; it and missing folders above it are made before the work begins. At the end, the new folders into which
+/// nothing was written are removed, so that a command that fails leaves none behind.
 class OutputFolder {
  public:
   OutputFolder() = default;
@@ -23,7 +23,7 @@ class OutputFolder {
  private:
   void remove_empty() noexcept;
 
-  std::vector<std::string> made_;  ///< the deepest first
+  std::vector<std::string> made_;  ///< the deepest one first
 };
 
 }  // namespace stribeck::io

@@ -7,9 +7,9 @@
 /// Quantities are text with a unit, pure numbers are bare (or text: "16 %"), structs are tables, a
 /// std::variant is a table whose key `kind` names the alternative, lists of structs are lists of inline
 /// tables, and std::vector<std::pair<std::string, T>> is a table of named tables in the order of the file. A
-/// key is required unless its field says or_default() or its member is a std::optional. Unknown keys are
-/// errors, and so is a setting that has no effect beside the others (Field::when) and is not as it begins. A struct with a
-/// kShortForm may stand as `key = "on"` or "off", for that switch alone. A struct may have
+/// key is required unless its field says or_default() or its member is a std::optional. Unknown keys are errors, and so is a setting
+/// that has no effect beside the others (Field::when) and does not have its initial value. A struct with a
+/// kShortForm may be written as `key = "on"` or "off", which sets that switch alone. A struct may have
 ///
 ///   template <class Report> void validate(Report&& report) const;    // report("key.below", "what is wrong")
 ///
@@ -28,7 +28,7 @@
 
 namespace stribeck::io {
 
-/// A parsed file as a light tree, so that the TOML library is compiled once.
+/// A parsed file as a simple tree, so that the TOML library is compiled only once.
 struct Node {
   enum class Kind { kTable, kList, kText, kInteger, kNumber, kBool, kOther };
 
@@ -48,7 +48,7 @@ struct Node {
 /// Parses TOML; `file` is for messages.
 Node parse_toml(std::string_view text, const std::string& file);
 
-/// Reads a group from a table. Where something is wrong the member keeps its initial value and `problems` grows.
+/// Reads a group from a table. On a problem the member keeps its initial value and `problems` grows.
 void read(const Node& node, Target out, Problems& problems);
 template <HasFields T>
 T read(const Node& node, Problems& problems) {
@@ -78,8 +78,8 @@ T read_toml(const std::string& path) {
 
 enum class Docs { kNo, kYes };
 
-/// TOML text with the keys in the order of their declaration; with Docs::kYes each line ends with its
-/// sentence. A number that is not finite cannot stand in a file: InputError names the key.
+/// TOML text with the keys in the order of declaration; with Docs::kYes each line ends with its
+/// sentence. A number that is not finite cannot be written to a file: InputError names the key.
 std::string write_toml(const Value& group, const std::string& header_comment, Docs docs);
 template <HasFields T>
 std::string write_toml(const T& value, const std::string& header_comment = {}, Docs docs = Docs::kNo) {
@@ -90,7 +90,7 @@ namespace detail {
 
 std::string joined(const std::string_view* words, std::size_t count, std::string_view between);
 std::string dotted(const std::string& path, std::string_view key);
-/// A value in one line, as files write it.
+/// A value in one line, as in files.
 std::string inline_value(const Value& value, const Quantity& q, const std::string& key);
 
 }  // namespace detail

@@ -1,17 +1,15 @@
 #pragma once
-/// Text with a unit ↔ SI number. The units library is udunits2; added are deg, Nm, rev, pct and the shop's
-/// U/min.
+/// Converts between text with a unit and SI numbers. The units library is udunits2; added are deg, Nm, rev, pct and the
+/// workshop unit U/min.
 ///
 ///   to_si("57.65 N s2/mm", quantity("kg", "N s2/mm"))  →  57650
 ///   from_si(57650, quantity("kg", "N s2/mm"))          →  "57.65 N s2/mm"
 ///
-/// Nothing is guessed. Only proportional conversions are accepted: no offsets (degC), no reciprocals (s for
-/// Hz). The radian counts as a dimension and Hz stands only for Hz, so that "5 Hz" is refused where rad/s or
-/// 1/s is expected instead of losing a factor 2π. A conversion by a power of ten moves the decimal point of
-/// the text, so its result is the double nearest to what was written, and every double has a text that reads
-/// back to it bit for bit. Threads: safe. Real time: no.
-/// Errors: InputError without a place; the reader that
-/// knows the place adds it.
+/// Nothing is guessed. Only proportional conversions are accepted: no offsets (degC), no reciprocals (s for Hz). The radian counts as
+/// a dimension and Hz is only Hz, so that "5 Hz" is refused where rad/s or 1/s is expected instead of losing a factor 2π. A
+/// conversion by a power of ten moves the decimal point of the text: its result is the double nearest to the written number, and
+/// every double has a text that reads back to it bit for bit. Threads: safe. Real time: no.
+/// Errors: InputError without a place; the reader that knows the place adds it.
 
 #include <stribeck/core/fields.hpp>
 #include <string>
@@ -33,18 +31,18 @@ struct Conversion {
 Conversion conversion(std::string_view unit_text, std::string_view si_unit);
 double unit_factor(std::string_view unit_text, std::string_view si_unit);
 
-/// Whether the text is a unit that the library knows; "" is not.
+/// Whether the library knows the text as a unit; "" is none.
 bool is_unit(std::string_view unit_text);
 
 /// Reads a number with its unit and checks the permitted range. A bare number is accepted for a pure number
 /// only.
 double to_si(std::string_view text, const Quantity& expected);
 
-/// Checks the range of a value that is SI already; the message shows it as `got`.
+/// Checks the range of an SI value; the message shows it as `got`.
 void check_range(double si, const Quantity& expected, std::string_view got);
 
-/// The shortest text with the shown unit that to_si reads back to the same double. Where no number in a shown
-/// unit that is not a power of ten away does so, the SI unit is used. Not finite: "nan", "inf".
+/// The shortest text with the shown unit that to_si reads back to the same double. The SI unit is used where no such text exists,
+/// which happens for units that are no power of ten away. Not finite: "nan", "inf".
 std::string from_si(double si, const Quantity& quantity);
 
 /// The permitted range, e.g. "above 0 mm", "0 % to 99 %"; "" when every number is permitted.

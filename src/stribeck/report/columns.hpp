@@ -10,10 +10,10 @@
 
 namespace stribeck::report {
 
-/// Letters of the longest id of a controller: others refer to it, so it is not cut.
+/// Length of the longest id of a controller: other text refers to it, so it is not cut.
 inline constexpr std::size_t kLongestId = 16;
 
-/// A column with its heads; wide enough for its longest entry.
+/// A column with its heads; it is wide enough for its longest entry.
 struct TextColumn {
   std::string head;
   std::string unit;
@@ -21,7 +21,7 @@ struct TextColumn {
   bool number = true;
   std::string group = {};  ///< above the head
   std::size_t most = kTableWidth;
-  std::size_t least = 7;  ///< width that a column of text keeps where the table is too wide
+  std::size_t least = 7;  ///< smallest width of a column of text where the table is too wide
 
   [[nodiscard]] std::size_t width() const {
     std::size_t w = std::max({text_width(group), text_width(head), text_width(unit)});

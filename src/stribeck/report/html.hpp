@@ -1,9 +1,9 @@
 #pragma once
-/// A page of text, tables and figures in one file: styles and drawings inside, no script, nothing fetched.
-/// Follows the reader's light or dark setting (drawings stay on white) and prints.
+/// A page of text, tables and figures in one file: styles and drawings are inside, and there are no scripts or downloads.
+/// Follows the reader's light or dark setting (drawings stay on white) and can be printed.
 ///
-/// Every text is escaped; there is no way to pass markup in. Figures are drawn when html() is called, all in
-/// one go. Real time: no.
+/// Every text is escaped; markup cannot be passed in. Figures are drawn together when html() is called.
+/// Real time: no.
 /// Errors: those of render().
 
 #include <functional>
@@ -26,8 +26,8 @@ struct Column {
 
 struct Cell {
   std::string text = {};
-  std::string spread = {};  ///< smaller, after the text: "± 0.2"
-  std::string note = {};    ///< smaller, on a line below: a printed value
+  std::string spread = {};  ///< in small type after the text: "± 0.2"
+  std::string note = {};    ///< in small type on a line below: a printed value
   bool best = false;        ///< bold
   std::string color = {};   ///< #rrggbb of a swatch before the text
 };
@@ -45,20 +45,20 @@ class Page {
   void section(std::string_view heading);
   void subsection(std::string_view heading);
   void paragraph(std::string_view text);
-  /// A paragraph that stands out: the result in words.
+  /// A highlighted paragraph: the result in words.
   void lead(std::string_view text);
   /// A small remark, e.g. the source of numbers.
   void remark(std::string_view text);
   void code(std::string_view text);
   void table(const Table& table);
   void figure(const Plot& plot, std::string_view caption);
-  /// Several drawings in a grid, at most `across` side by side, with one caption.
+  /// Several drawings in a grid, up to `across` side by side, with one caption.
   void figures(const std::vector<Plot>& plots, int across, std::string_view caption);
   /// A list with a line above it; nothing when the list is empty.
   void list(std::string_view heading, const std::vector<std::string>& items);
-  /// A box; nothing when the list is empty.
+  /// A box with items; nothing when the list is empty.
   void warnings(const std::vector<std::string>& list);
-  /// A part that is folded away until it is asked for; `fill` writes to this page.
+  /// A part that the reader can unfold; `fill` writes to this page.
   void details(std::string_view summary, const std::function<void()>& fill);
 
   [[nodiscard]] std::string html() const;

@@ -1,6 +1,6 @@
 #pragma once
-/// Results for programs. Keys carry their unit, keep their order and stay; changes raise the number in
-/// "schema". What does not apply or is not known is null, never 0. Lists are per axis. Numbers are not
+/// Results for programs. Keys carry their unit, keep their order and do not change; a change raises the number in
+/// "schema". A value that does not apply or is not known is null, never 0. Lists have one entry per axis. Numbers are not
 /// rounded.
 ///
 ///   compare    {"schema": "stribeck.compare/1", "machine", "experiment", "seed", "trials", "rows":
@@ -18,10 +18,9 @@
 ///              "friction": {"steady", "eccentric", "dynamics"} as in an axis file, each quantity {"value",
 ///              "unit"}, "break_away_um", "cannot_tell": [...], "warnings": [...]}
 ///
-/// Parameters stand in the unit that people read (N s/mm), the mass besides in kg. A log without a scale is
-/// identified in its own unit, "force_unit": "A" or "position_unit": "rad". A key whose unit would then be a
-/// lie holds null, and the number stands beside it under the same name without the unit, in force_unit,
-/// position_unit and s: "mass_kg": null, "mass": 0.5.
+/// Parameters have the unit for people (N s/mm); the mass also has kg. A log without a scale is identified in its own unit,
+/// "force_unit": "A" or "position_unit": "rad". A key whose unit would then be wrong is null, and the number has a key of the
+/// same name without the unit, in force_unit, position_unit and s: "mass_kg": null, "mass": 0.5.
 /// Real time: no.
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,7 +30,7 @@
 
 namespace stribeck::report {
 
-/// An empty experiment is null.
+/// Pass an empty text for no experiment.
 nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_view experiment = {});
 
 nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axis);

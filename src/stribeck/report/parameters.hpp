@@ -1,6 +1,5 @@
 #pragma once
-/// Identified parameters as people read them, and the sentences and tables about them that several reports
-/// share.
+/// Identified parameters as text for people, and the sentences and tables about them that several reports share.
 /// Real time: no.
 
 #include <functional>
@@ -24,15 +23,15 @@ struct ShownParameter {
 ShownParameter shown(const ident::Parameter& parameter, const ShownUnits& units = {});
 ShownUnits units_of(const ident::Result& result);
 
-/// With the decimals that the interval deserves: 57.65 for 57.18 … 58.14.
+/// With as many decimals as its interval justifies: 57.65 for 57.18 … 58.14.
 std::string shown_number(double value, double low, double high);
 
 Table parameter_table(const ident::Result& result);
-/// Decimals that tell the candidates' errors apart.
+/// Number of decimals that distinguishes the candidates' errors.
 int candidate_digits(const ident::Result& result);
 Table candidate_table(const ident::Result& result);
 
-/// What to plot of one axis; absent parts are left out.
+/// The parts of one axis to plot; absent parts are left out.
 struct FrictionMap {
   std::string axis = {};
   const ident::Result* fit = nullptr;                 ///< points, curve and band
@@ -44,7 +43,7 @@ struct FrictionMap {
   double speed = 0.0;  ///< largest velocity to draw where there is no fit [m/s]
 };
 
-/// The map, and everything in it as difference from the fit (or the model). Periodic terms are not in it.
+/// The map, and the difference of everything in it from the fit (or the model). Periodic terms are not included.
 std::vector<Plot> friction_plots(const FrictionMap& map);
 
 /// Residual of the model against velocity, position and time, with the mean of slices and twice its standard

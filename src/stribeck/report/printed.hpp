@@ -22,7 +22,7 @@ struct PrintedRow {
   double rms_um = 0.0;
   double sd_um = 0.0;
 
-  /// The printed value of a figure; none of most.
+  /// The printed value of a figure; absent for most figures.
   [[nodiscard]] constexpr std::optional<double> of(sim::Figure::OfRun figure) const noexcept {
     if (figure == &sim::Metrics::max_contour_error) return max_contour_error_um;
     if (figure == &sim::Metrics::quadrant_glitch) return quadrant_glitch_um;

@@ -1,7 +1,7 @@
 #pragma once
 /// The units in which a result is shown. Usually N and mm; a log whose force has no known scale keeps its own
-/// (A, %, V), and an axis without a lead keeps the angle. Then every N of a unit stands for that force and
-/// every m for that position, and a mass in kg is N·s²/m of these.
+/// (A, %, V), and an axis without a lead keeps the angle. Every N of a unit then stands for that force and every m for that
+/// position, and a mass in kg is in N·s²/m of these.
 /// Real time: no.
 
 #include <stribeck/core/fields.hpp>
@@ -15,13 +15,13 @@ class ShownUnits {
   ShownUnits() = default;
   ShownUnits(std::string force_unit, std::string position_unit);
 
-  /// Force in N and position in m: the names of units may stand for themselves.
+  /// Whether force is in N and position in m: names of units then hold literally.
   [[nodiscard]] bool physical() const noexcept { return force == "N" && linear_; }
   [[nodiscard]] bool linear() const noexcept { return linear_; }
 
   /// A unit with N, m and kg replaced: "N s/m" → "A s/rad".
   [[nodiscard]] std::string named(std::string_view unit) const;
-  /// Which of the two units people read: mm and the like, but not for an angle.
+  /// Whether the unit for people is used: mm and the like, but not for an angle.
   [[nodiscard]] std::string_view chosen(std::string_view si, std::string_view shown) const noexcept;
 
   std::string force = "N";
@@ -29,7 +29,7 @@ class ShownUnits {
   std::string fine = "µm";  ///< of small ways
   std::string velocity = "mm/s";
   std::string mass = "N s2/mm";
-  double per_position = 1e3;  ///< shown = SI times this
+  double per_position = 1e3;  ///< shown value = SI value times this
   double per_fine = 1e6;
   double per_velocity = 1e3;
   double per_mass = 1e-3;

@@ -15,13 +15,13 @@ namespace stribeck::report {
 
 inline constexpr std::size_t kTableWidth = 100;
 
-/// Facts about the paths, one sentence each, without its full stop.
+/// Facts about the paths, one sentence each, without full stop.
 std::vector<std::string> travel_warnings(const sim::CompareSpec& spec);
 
-/// The same, then what controllers reported while they ran (limits, models asked outside their range), one sentence for each row.
+/// The same, then what controllers reported during the runs (limits, models used outside their range), one sentence for each row.
 std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
-/// What on-line adaptation found changed since identification, one sentence for each row and axis.
+/// Changes since identification that on-line adaptation found, one sentence for each row and axis.
 std::vector<std::string> drift_words(const sim::CompareResult& result);
 
 /// "23 moves, 314.2 mm in 45.1 s, 3 stops on the way, 12 corners rounded by at most 9.8 um".

@@ -1,5 +1,5 @@
 #pragma once
-/// Text on its way into pages, drawings and terminals: valid UTF-8 without control characters, numbers
+/// Text for pages, drawings and terminals: valid UTF-8 without control characters, numbers
 /// rounded for reading.
 /// Real time: no.
 
@@ -9,23 +9,23 @@
 
 namespace stribeck::report {
 
-/// Control characters become blanks, bytes that are not UTF-8 become U+FFFD; `keep_newlines` lets '\n' pass.
+/// Control characters become blanks, bytes that are not UTF-8 become U+FFFD; `keep_newlines` keeps line breaks.
 std::string clean_text(std::string_view text, bool keep_newlines = false);
 
 /// Number of code points, which is the number of columns in a terminal for the letters used here.
 std::size_t text_width(std::string_view text) noexcept;
 
-/// Padded with blanks on the left or on the right; longer text is cut, with an ellipsis.
+/// Padded with blanks on the left or on the right; longer text is cut and ends in an ellipsis.
 std::string left_aligned(std::string_view text, std::size_t width);
 std::string right_aligned(std::string_view text, std::size_t width);
 
 /// With this many decimals; "–" where the value is not finite, never "-0.0".
 std::string decimals(double value, int digits);
 
-/// A number that a user chose: as few digits as it needs, at most six. 9.5, 3, 0.475.
+/// A number that a user chose, with the digits that it needs, at most six: 9.5, 3, 0.475.
 std::string short_number(double value);
 
-/// With about this many significant digits and without an exponent where that reads well: 57.65, 1255,
+/// With about this many significant digits, and without an exponent where that is readable: 57.65, 1255,
 /// 0.00042.
 std::string significant(double value, int digits);
 

@@ -2,8 +2,8 @@
 /// The main experiment: several controllers on one machine along one path, at several speeds, over several
 /// trials.
 ///
-/// Every trial has its own noise, the same for every controller, so that controllers are compared like with
-/// like. Runs are spread over threads; the result does not depend on how many.
+/// Every trial has its own noise, the same for every controller, so that controllers are compared under equal conditions.
+/// Runs are spread over threads; the result does not depend on their number.
 /// Real time: no.
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 
 namespace stribeck::sim {
 
-/// Which of the models of an axis a controller feeds forward.
+/// The model of an axis that a controller feeds forward.
 enum class FrictionUse {
   kNone,
   kViscous,  ///< the viscous part of the conventional model
   kConventional,
   kGaussian,
   kEccentric,
-  kWhole,    ///< all that was identified together: map, periodic terms, bristles
+  kWhole,    ///< everything that was identified together: map, periodic terms, bristles
   kNominal,  ///< the straight line through each side of the eccentric model's map: Γ, Λ of adaptive friction
 };
 
@@ -101,21 +101,21 @@ std::vector<ControllerSpec> biaxial_controllers(
     const control::LawParams& law = control::ContouringParams::critical(40.0, 40.0),
     control::Observer observer = control::Observer::kDisturbance, double observer_pole = 20.0);
 
-/// What identification (or the thesis) says of one axis.
+/// Models of one axis, from identification or from the thesis.
 struct AxisKnowledge {
   std::optional<friction::AxisModel> conventional{};
   std::optional<friction::AxisModel> gaussian{};
   std::optional<friction::AxisModel> eccentric{};
   std::optional<friction::AxisModel> whole{};
 
-  /// The model that a controller with this use gets; kNone gets the mass and load of the best model there is. Throws Refused
-  /// when there is none, naming the axis.
+  /// The model that a controller with this use gets; for kNone, mass and load of the best model. Throws Refused when there is no
+  /// such model, naming the axis.
   [[nodiscard]] friction::AxisModel model(FrictionUse use, const std::string& axis) const;
 };
 
 struct CompareSpec {
   std::vector<Travel> travels;    ///< the same path at several speeds, or one
-  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's; empty: the first ones
+  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's axes; empty: the first ones
   std::vector<ControllerSpec> controllers;
   std::uint32_t trials = 10;
   std::uint64_t seed = 1;
@@ -130,7 +130,7 @@ struct CompareRow {
   double speed = 0.0;           ///< along the path [m/s]; NaN where the law of motion is not one of speed
   Metrics mean;                 ///< over the trials
   Metrics spread;               ///< standard deviation over the trials; NaN for a single trial
-  std::vector<Metrics> trials;  ///< one by one
+  std::vector<Metrics> trials;  ///< results of the single trials
   std::vector<ContourSample> trace;   ///< of the first trial
   StatusCounter status;               ///< of all trials together
   std::vector<control::Drift> drift;  ///< per axis, at the end of the first trial; empty without adaptation
@@ -145,7 +145,7 @@ struct CompareResult {
   std::vector<CompareRow> rows;  ///< travel by travel, controller by controller
 };
 
-/// progress(done, all) may be called from any thread, one call at a time. Throws Refused when a run means nothing.
+/// progress(done, all) may be called from any thread, one call at a time. Throws Refused when a run would mean nothing.
 CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                       const CompareSpec& spec,
                       const std::function<void(std::size_t, std::size_t)>& progress = {});
@@ -154,7 +154,7 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
 CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                        const CompareSpec& spec, std::uint32_t trial);
 
-/// Data of the chosen axes that a controller of compare() may use.
+/// Data of the chosen axes that a controller in compare() may use.
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                              const std::vector<std::size_t>& axes, const ControllerSpec& which);

@@ -1,10 +1,10 @@
 #pragma once
 /// One closed-loop run of a machine along a path.
 ///
-/// Every tick: encoders are read, the controller gives forces for the coming period, they become voltages, the drives move. A
-/// run begins at rest on the path, reaches its law within the run-in, travels whole laps and runs out; it is scored on the
-/// laps. With a single axis the tracking error stands for the contour error; where the path gives a tool axis, the distance of
-/// the tool tip from its path in the workpiece.
+/// At every tick the encoders are read, the controller gives forces for the coming period, these become voltages, and the drives
+/// move. A run begins at rest on the path, reaches its law within the run-in, travels whole laps and runs out; the laps are scored.
+/// With a single axis the tracking error replaces the contour error; where the path has a tool axis, the distance of the tool tip
+/// from its path in the workpiece does.
 /// Real time: no.
 
 #include <cstdint>
@@ -27,8 +27,8 @@ struct ContourSample {
   AxisValues acceleration;  ///< of the reference
   AxisValues position;      ///< true, of the table
   AxisValues encoder;
-  AxisValues voltage;           ///< asked of the converters at this tick
-  AxisValues force;             ///< asked of the drives at this tick
+  AxisValues voltage;           ///< commanded to the converters at this tick
+  AxisValues force;             ///< commanded to the drives at this tick
   AxisValues friction;          ///< true friction
   AxisValues cutting;           ///< true cutting force, mean over the coming period
   AxisValues cutting_estimate;  ///< its estimate (cutting_estimate.hpp)
@@ -38,17 +38,17 @@ struct ContourSample {
   bool scored = false;
 };
 
-/// A loop that is farther from its path than this share of the path's extent has lost it.
+/// A loop that is farther from its path than this share of the path's extent has lost the path.
 inline constexpr double kLost = 0.1;
 
-/// The drives of some axes of a machine, ready for run after run.
+/// The drives of some axes of a machine; they can be used for many runs.
 class Drives {
  public:
   /// which: indices of the machine's axes; v_max [m/s] bounds the tables of the friction curves.
   Drives(const Machine& machine, const std::vector<std::size_t>& which, double v_max);
 
-  /// Runs a controller, from rest, along a route and returns the figures of the scored part; those are unknown when the path of
-  /// the route has another number of axes. What is null is not filled; `drift` gets one entry per axis that adapts.
+  /// Runs a controller, from rest, along a route and returns the figures of the scored part; they are unknown when the path of
+  /// the route has another number of axes. Null outputs are not filled; `drift` gets one entry per axis that adapts.
   template <std::size_t N>
   Metrics run(const AnyController<N>& controller, const Route<N>& route, const plant::Fidelity& fidelity,
               std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen = nullptr,
@@ -69,8 +69,8 @@ struct Refused : std::runtime_error {
 };
 
 /// Smallest number of sub-steps for which the trace of the contour error of this run, with quantisers and noise off, is within
-/// `accuracy` [m] of a converged one. Doubles the number until a run and one of twice as many agree. A law that switches is
-/// not reproducible sample by sample by anyone; give the contouring law on the same route for it.
+/// `accuracy` [m] of a converged one. Doubles the number until a run agrees with one of twice as many. A law that switches is
+/// not reproducible sample by sample with any number; pass the contouring law on the same route instead.
 template <std::size_t N>
 int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
                     double accuracy);

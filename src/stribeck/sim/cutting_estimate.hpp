@@ -1,9 +1,9 @@
 #pragma once
-/// What can be learnt of the cutting force from a run: one cutting-force observer per axis, fed with what a control knows (forces
-/// asked, reference, encoder, spindle speed, identified axis model), beside the controller and without effect on it.
+/// Estimates the cutting force from a run: one cutting-force observer per axis gets what a control knows (commanded forces,
+/// reference, encoder, spindle speed, identified axis model). It runs beside the controller and does not affect it.
 ///
-/// Waves once per turn and once per tooth are looked for, the second only where it can be told from the first and lies below
-/// half the sampling rate. Without either the mean is estimated alone.
+/// It looks for oscillations once per turn and once per tooth; the second only where it can be separated from the first and lies
+/// below half the sampling rate. Without either, only the mean is estimated.
 /// Not modelled: delay of the control word; rounding by the converter.
 /// Real time: no.
 
@@ -12,7 +12,7 @@
 
 namespace stribeck::sim {
 
-/// Fills cutting_estimate of every sample: at each tick the mean expected over the coming period, as `cutting` is.
+/// Fills cutting_estimate of every sample: the mean that is expected at a tick for the coming period, as in `cutting`.
 template <std::size_t N>
 void estimate_cutting(std::vector<ContourSample>& trace, const CuttingForce& cutting,
                       const control::Setup<N>& setup);
@@ -30,7 +30,7 @@ struct CuttingFigures {
   double rms_error = 0.0;
 };
 
-/// NaN where nothing was scored. The feed is the direction of the reference's velocity.
+/// NaN where no sample was scored. The feed is the direction of the reference's velocity.
 CuttingFigures cutting_figures(const std::vector<ContourSample>& trace, const CuttingForce& cutting);
 
 }  // namespace stribeck::sim

@@ -1,5 +1,5 @@
 #pragma once
-/// Experiments on what the thesis leaves to future work (§5.2): five axes, a cutting force, and the quadrant glitch that its best
+/// Experiments on future work of the thesis (§5.2): five axes, a cutting force, and the quadrant glitch that its best
 /// controllers leave.
 /// Real time: no.
 
@@ -10,7 +10,7 @@ namespace stribeck::sim {
 Experiment five_axis();
 Experiment milling();
 
-/// The thesis's experiment again with its own controllers and with (g)…, on identified parameters: id "beyond-…".
+/// The thesis's experiment, with its own controllers and with (g)…, on identified parameters: id "beyond-…".
 Experiment beyond(const Experiment& thesis);
 
 /// Controllers that learn from pass to pass, on the circle of the biaxial table.

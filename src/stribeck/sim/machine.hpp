@@ -1,7 +1,7 @@
 #pragma once
 /// A virtual machine as its file describes it: the true parameters of every axis, and the data that a commissioning engineer
-/// may know of it. Controllers and compensators are built from `limits`, `commissioning`, `published` and identified
-/// axis files, never from `plant`. The data on the name plates of drive and encoder are known to all (NamePlate).
+/// may have. Controllers and compensators are built from `limits`, `commissioning`, `published` and identified
+/// axis files, never from `plant`. Everybody knows the data on the name plates of drive and encoder (NamePlate).
 /// Real time: no.
 
 #include <optional>
@@ -20,8 +20,8 @@ struct AxisLimits {
   double travel_max = 0.0;
   double speed = 0.0;
   double acceleration = 0.0;
-  std::optional<double> jerk{};   ///< left out: the acceleration within kJerkTime
-  std::optional<double> force{};  ///< largest force of the drive; left out: see NamePlate
+  std::optional<double> jerk{};   ///< absent: the acceleration within kJerkTime
+  std::optional<double> force{};  ///< largest force of the drive; absent: see NamePlate
 
   /// [m/s³]
   [[nodiscard]] double jerk_or_default() const { return jerk ? *jerk : acceleration / kJerkTime; }
@@ -58,7 +58,7 @@ struct Commissioning {
   double sine_offset = 0.0;                    ///< [m]
   double sine_amplitude = 0.0;                 ///< [m]
   double sine_frequency = 0.0;                 ///< [rad/s]
-  std::optional<double> encoder_resolution{};  ///< [m]; left out: see NamePlate
+  std::optional<double> encoder_resolution{};  ///< [m]; absent: see NamePlate
 
   static constexpr auto fields() {
     return std::tuple{
@@ -99,13 +99,13 @@ struct Published {
   }
 };
 
-/// What the plates of drive and encoder say.
+/// Data on the name plates of drive and encoder.
 struct NamePlate {
   double force = 0.0;               ///< largest of the drive [N]
   double encoder_resolution = 0.0;  ///< [m]
 
-  /// From the true drive, for machine files that do not say it. This is the only place where anything but the simulation
-  /// looks at the truth.
+  /// From the true drive, for machine files that do not give them. Outside the simulation, only this function reads the true
+  /// parameters.
   static NamePlate of(const plant::AxisParams& truth) {
     return {truth.force_gain() * truth.converter.range, truth.encoder.resolution};
   }
@@ -131,7 +131,7 @@ struct MachineAxis {
       report("limits.force", "above what plant.drive makes at the end of plant.converter.range");
   }
 
-  /// As declared in limits and commissioning, or else from the drive's own data.
+  /// The values of limits and commissioning; where they are absent, the drive's own.
   [[nodiscard]] NamePlate name_plate() const {
     const NamePlate own = NamePlate::of(plant);
     return {limits.force.value_or(own.force),

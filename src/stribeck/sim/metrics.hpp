@@ -44,27 +44,27 @@ struct Metrics {
   double quadrant_ratio = kUnknown;          ///< NaN without a quadrant or a stretch between two
   double mechanical_power = kUnknown;        ///< sum over the axes [W]
 
-  /// Every figure NaN: not known.
+  /// A value with every figure NaN: unknown.
   static Metrics unknown() noexcept;
 };
 
-/// A figure of merit as files and tables have it.
+/// A figure of merit as files and tables show it.
 struct Figure {
   using OfRun = double Metrics::*;
   using OfAxis = AxisValues Metrics::*;
   static constexpr int kFurther = -1;
 
   std::variant<OfRun, OfAxis> member;
-  std::string_view key;      ///< in JSON, with its unit
-  double key_scale;          ///< from SI to that unit
-  std::string_view name;     ///< heads a column
-  std::string_view unit;     ///< shown; empty: a pure number
-  double scale;              ///< from SI to that unit
-  int column = 0;            ///< rank in the main table of a report, kFurther in its second one; 0: in none
+  std::string_view key;   ///< in JSON, with its unit
+  double key_scale;       ///< factor from SI to that unit
+  std::string_view name;  ///< heads a column
+  std::string_view unit;  ///< shown; empty: a pure number
+  double scale;           ///< factor from SI to that unit
+  int column = 0;         ///< rank in the main table of a report, kFurther in its second table; 0: in neither
   bool marks_best = true;    ///< the smallest of a table is marked
-  bool where_known = false;  ///< a column only where some run knows it
+  bool where_known = false;  ///< has a column only where some run knows it
   std::string_view tracking_name =
-      {};  ///< on a single axis, where the error is that of tracking; empty: name
+      {};  ///< for a single axis, where the error is the tracking error; empty: name
 
   [[nodiscard]] constexpr std::string_view head(bool single_axis) const noexcept {
     return single_axis && !tracking_name.empty() ? tracking_name : name;
@@ -89,7 +89,7 @@ inline constexpr std::array kFigures{
            1e6, 7, true, true},
     Figure{&Metrics::quadrant_ratio, "quadrant_ratio", 1.0, "quadrant ratio", "", 1.0, 5, false, true}};
 
-/// The line of a member; every one has its own.
+/// The entry of a member; every member has its own.
 constexpr const Figure& figure_of(std::variant<Figure::OfRun, Figure::OfAxis> member) noexcept {
   for (const Figure& f : kFigures) {
     if (f.member == member) return f;
@@ -97,7 +97,7 @@ constexpr const Figure& figure_of(std::variant<Figure::OfRun, Figure::OfAxis> me
   return kFigures.front();
 }
 
-/// Calls act(get) for every number of the figures, each axis one by one; get(m) is the number of one Metrics.
+/// Calls act(get) for every number of the figures, each axis separately; get(m) is the number in a Metrics m.
 template <class Act>
 void for_each_number(Act&& act) {
   for (const Figure& f : kFigures) {
@@ -111,7 +111,7 @@ void for_each_number(Act&& act) {
   }
 }
 
-/// A member without its line in kFigures would be missing in means and files.
+/// A member without an entry in kFigures would be missing in means and files.
 static_assert([] {
   std::size_t numbers = 0;
   for (const Figure& f : kFigures) {
@@ -127,7 +127,7 @@ inline Metrics Metrics::unknown() noexcept {
   return m;
 }
 
-/// Marks the samples that lie within the first travel after a reversal of an axis.
+/// Marks the samples within the first travel after a reversal of an axis.
 template <std::size_t N>
 class GlitchWindow {
  public:
@@ -137,7 +137,7 @@ class GlitchWindow {
       const double direction = sign(r.velocity[i]);
       if (direction != 0.0) {
         if (direction_[i] != 0.0 && direction != direction_[i]) {
-          // The turning point lies between two samples; this one is its best estimate, off by nanometres.
+          // The turning point lies between two samples; this sample is its best estimate, off by nanometres.
           start_[i] = r.position[i];
           open_[i] = true;
         }
@@ -207,7 +207,7 @@ class MetricsCollector {
     m.input_variation = variation_ / (static_cast<double>(N) * (n - 1.0));
     m.max_orientation_error = max_orientation_;
     m.mean_orientation_error = sum_orientation_ / n;
-    // The last quadrant may be cut short by the end of the run and is not counted.
+    // The end of the run may cut the last quadrant short, so it is not counted.
     m.quadrant_ratio = (quadrants_.sum / quadrants_.count) / (elsewhere_.sum / elsewhere_.count);
     return m;
   }
@@ -218,7 +218,7 @@ class MetricsCollector {
     double count = 0.0;
   };
 
-  /// A quadrant's window lasts as long as the axis needs for its first travel; what follows is cut into windows as long.
+  /// A quadrant's window lasts as long as the axis needs for its first travel; the time after it is cut into windows of that length.
   void window(double error, bool in_quadrant) noexcept {
     if (in_quadrant != in_quadrant_) {
       if (in_quadrant_ && whole_) {
@@ -226,7 +226,7 @@ class MetricsCollector {
         quadrants_.count += 1.0;
         length_ = ticks_;
       }
-      // The first window of a run has begun before it, unless it begins outside.
+      // The first window of a run began before the run, unless the run begins outside a quadrant.
       whole_ = in_quadrant && count_ > 0;
       in_quadrant_ = in_quadrant;
       ticks_ = 0;

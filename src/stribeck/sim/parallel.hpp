@@ -1,7 +1,7 @@
 #pragma once
-/// Runs independent jobs on all cores. Each worker makes its own context once, and jobs write to places of
-/// their own, so the result does not depend on the number of threads. An exception of a job is thrown again
-/// here, the first one by index.
+/// Runs independent jobs on all cores. Each worker makes its own context once, and each job writes to its own place, so the result
+/// does not depend on the number of threads. An exception of a job is thrown again here; of several, the one with the smallest
+/// index.
 /// Real time: no.
 
 #include <atomic>

@@ -1,20 +1,20 @@
 #pragma once
-/// A circle that was travelled, judged from positions alone: any log, any control.
+/// Judges a circle that was travelled from positions alone, for logs of any control.
 ///
 ///   e = |p − c| − R          radial error, positive outside
 ///   max |e|;  RMS = √mean e²
-///   quadrant glitch          max |e| within the first 0.15 mm that an axis travels after it turned round: R·(1 − cos Δ) = 0.15 mm
+///   quadrant glitch          max |e| within the first 0.15 mm that an axis travels after it reversed: R·(1 − cos Δ) = 0.15 mm
 ///   circular deviation G     largest minus smallest distance from the least-squares centre
 ///
-///   p positions [m], R radius that was meant [m], c centre of the least-squares circle of the command, or where there is no
-///   command of p itself, which then hides an error of position
+///   p positions [m], R intended radius [m], c centre of the least-squares circle of the command, or of p itself where there is no
+///   command; an error of position is then hidden
 ///
 /// Source: ISO 230-4 for G, which it lets be taken about the least-squares circle (its own are the two circles of least distance);
 /// ISO 12181-1, formerly ISO 6318, for the least-squares circle.
 /// Not modelled: the path between two samples; ISO 230-4's run-in and its filter.
 /// Real time: no.
-/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the way is shorter than a revolution or has
-/// a sector of 10 degrees without samples, or the circle's radius is not R within a fifth.
+/// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the travel is shorter than a revolution or
+/// has a sector of 10 degrees without samples, or the circle's radius differs from R by more than a fifth.
 
 #include <cstddef>
 #include <span>
@@ -39,7 +39,7 @@ struct CircleTest {
   std::vector<double> error;        ///< [m]
 };
 
-/// Positions, and where there is one the command; empty: none.
+/// Positions, and the command where there is one; empty: no command.
 struct CircleSamples {
   std::span<const double> x;
   std::span<const double> y;

@@ -1,15 +1,15 @@
 #pragma once
-/// One axis of a virtual machine moved for identification, and the log of it: what a control would record.
+/// Moves one axis of a virtual machine for identification, and returns the log that a control would record.
 ///
 ///   closed loop   PD with disturbance observer follows a position reference; it knows the nominal mass only
-///   open loop     a given force goes to the drive
+///   open loop     the drive gets a given force
 ///
-/// Sub-steps are as many as a converged position needs. In open loop a slip after break-away multiplies every error
-/// (on the y axis of V3 0.1 µm before it become millimetres after some ramps, at any number of sub-steps). Where that
-/// makes the position unreachable, one that is right up to break-away and within 2 % of the way after it will do: it is
-/// as good a run of this axis as another one, with another noise.
+/// The number of sub-steps is what a converged position needs. In open loop, a slip after break-away multiplies every error
+/// (on the y axis of V3, 0.1 µm before it become millimetres after some ramps, with any number of sub-steps). Where the position
+/// therefore does not converge, it must be right up to break-away and within 2 % of the travel after it: such a run is as good as
+/// another run of this axis with other noise.
 ///
-/// The log holds what a real control could log, nothing that only the simulation knows.
+/// The log holds what a real control could log, and nothing that only the simulation knows.
 /// Real time: no.
 /// Errors: Refused, where no number of sub-steps is enough.
 
@@ -26,8 +26,8 @@ struct Recording {
   std::vector<double> t;  ///< [s]
   std::vector<double> r;  ///< reference position [m]; empty in open loop
   std::vector<double> x;  ///< encoder [m]
-  std::vector<double> u;  ///< voltage asked of the converter [V]
-  std::vector<double> f;  ///< force asked of the drive [N]
+  std::vector<double> u;  ///< voltage commanded to the converter [V]
+  std::vector<double> f;  ///< force commanded to the drive [N]
 };
 
 /// Positions [m], one per control period, from rest.

@@ -6,7 +6,7 @@
 ///   rate of the equations [1/s], T control period [s]
 ///
 /// Explicit steps of order three are stable below a rate of 1.7 (oscillating) to 2.5 (decaying) per step. At a reversal the
-/// order falls to two, so that the run of n is off by 4/3 of the difference.
+/// order falls to two, so that the error of a run with n sub-steps is 4/3 of the difference.
 /// Real time: no.
 
 #include <algorithm>
@@ -19,10 +19,10 @@ namespace stribeck::sim {
 /// More sub-steps of a control period than this are not tried.
 inline constexpr int kMostSubsteps = 512;
 
-/// Least number of sub-steps for the rate, as a fraction too.
+/// Smallest number of sub-steps for the rate; it may be a fraction.
 inline double least_substeps(double rate, double period) { return rate * period / 1.7; }
 
-/// Error of a run from its largest difference against one with twice as many sub-steps; infinite where one is not finite.
+/// Error of a run, from its largest difference to a run with twice as many sub-steps; infinite where one is not finite.
 class RunError {
  public:
   void add(double difference) {
@@ -37,7 +37,7 @@ class RunError {
 
 enum class Substeps { kEnough, kMore, kGiveUp };
 
-/// run(n) simulates, judge(n, coarse, fine) says whether n is enough. Empty: it gave up, or kMostSubsteps are not enough.
+/// run(n) simulates; judge(n, coarse, fine) tells whether n is enough. Empty where it gave up, or kMostSubsteps are not enough.
 template <class Run, class Judge>
 std::optional<int> search_substeps(double least, Run&& run, Judge&& judge) {
   for (int n = std::max(2, static_cast<int>(std::ceil(std::min(least, 2.0 * kMostSubsteps))));

@@ -1,5 +1,5 @@
 #pragma once
-/// The files of machines/ and controllers/, compiled into the program, for verbs that bring their own.
+/// The files of machines/ and controllers/, which are compiled into the program.
 
 #include <stribeck/sim/compare.hpp>
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace stribeck::workflow {
 
-/// By the file's name without .toml; throws std::out_of_range when there is none, which is a fault of the program.
+/// The machine with this file name (without .toml). Throws std::out_of_range for an unknown name, which is an error of the caller.
 sim::Machine built_in_machine(std::string_view name);
 
-/// Whether a machine file is the one that is built in, to the letter.
+/// Whether a machine file has exactly the text of the built-in one.
 bool is_built_in(const std::string& file, std::string_view name);
 
 /// Names of the controllers that are built in.
 std::vector<std::string> built_in_controllers();
 
-/// One of those, or a file.
+/// A built-in controller, or one from a file.
 sim::ControllerSpec read_controller(const std::string& file_or_name);
 
 }  // namespace stribeck::workflow

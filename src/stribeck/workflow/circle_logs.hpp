@@ -1,5 +1,5 @@
 #pragma once
-/// Circles that were travelled, judged from the logs of any control.
+/// Judges circles that were travelled, from the logs of any control.
 /// Real time: no.
 /// Errors: InputError naming the log or the option.
 
@@ -13,12 +13,12 @@ struct CircleOptions {
   std::vector<std::string> logs;
   std::string size = "10 mm";       ///< radius that was meant
   std::vector<std::string> maps;    ///< QUANTITY=COLUMN [UNIT]
-  std::vector<std::string> where;   ///< COLUMN=VALUE, a circle each; empty: one of all rows
+  std::vector<std::string> where;   ///< COLUMN=VALUE, one circle each; empty: one circle of all rows
   std::vector<std::string> labels;  ///< one for each log; empty: the files' names
   std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…: a further column of the table
 };
 
-/// The page's input; command and version are left to the caller.
+/// The input of the page; the caller adds command and version.
 report::CircleReportInput judge_circles(const CircleOptions& options);
 
 }  // namespace stribeck::workflow

@@ -1,7 +1,6 @@
 #pragma once
-/// The whole way from an unknown axis of a virtual machine to the models its compensators use: excite,
-/// record, identify. Nothing but the commissioning data of the machine file and the logs goes into the
-/// models.
+/// Commissions an unknown axis of a virtual machine: excites it, records, and identifies the models for its compensators.
+/// The models use only the commissioning data of the machine file and the logs.
 
 #include <cstdint>
 #include <optional>
@@ -29,7 +28,7 @@ struct CommissionedAxis {
   [[nodiscard]] const ident::Result* find(std::string_view kind) const;
 };
 
-/// Which models a set of controllers needs.
+/// The models that a set of controllers needs.
 struct Needs {
   bool conventional = false;
   bool gaussian = false;
@@ -37,32 +36,32 @@ struct Needs {
   bool whole = false;
 
   static Needs of(const std::vector<sim::ControllerSpec>& controllers);
-  /// What either needs.
+  /// The models that either of two needs.
   friend Needs operator|(const Needs& a, const Needs& b) noexcept {
     return {a.conventional || b.conventional, a.gaussian || b.gaussian, a.eccentric || b.eccentric,
             a.whole || b.whole};
   }
 };
 
-/// Periods of the sine that the main job records.
+/// Number of periods of the sine in the main experiment.
 inline constexpr int kSinePeriods = 8;
-/// Periods of the sine about the middle, for the position map.
+/// Number of periods of the sine about the middle, for the position map.
 inline constexpr int kPositionPeriods = 4;
 
-/// method is pulses, jog or sine; `known` replaces the commissioning data's rough idea of the drive.
+/// method is pulses, jog or sine; `known` replaces the rough estimate in the commissioning data.
 ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
                                      int periods,
                                      const std::optional<ident::excitation::RoughDrive>& known = {});
-/// Plays an excitation on the virtual machine.
+/// Runs an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed);
-/// Excites, records and identifies: pulses, then a sine for the Gaussian model, a sine about the middle for the eccentric one;
-/// the whole model, bristles included, comes from the pulses and whichever sine the machine has;
-/// the conventional model comes from pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.
+/// Excites, records and identifies: pulses, then a sine for the Gaussian model and a sine about the middle for the eccentric one.
+/// The whole model, with bristles, comes from the pulses and the sine that the machine has. The conventional model comes from
+/// pulses on machines with one or two axes, from jogs on larger ones, as in the thesis.
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed);
 
-/// A recording as a log file has it.
+/// A recording as a log file contains it.
 io::Log as_log(const sim::Recording& recording);
 ident::log::Record as_record(const sim::Recording& recording, const std::string& source);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The excitation of an axis as a user asks for it: a method of ident/excitation within the limits of a machine.
+/// The excitation of an axis from the options of a user: a method of ident/excitation within the limits of a machine.
 /// Real time: no.
 /// Errors: InputError naming the option.
 
@@ -12,7 +12,7 @@
 
 namespace stribeck::workflow {
 
-/// Texts stand with their unit; empty: as the thesis does it, within the limits.
+/// Texts contain their unit; empty: as in the thesis, within the limits.
 struct ExcitationOptions {
   std::string method;               ///< pulses, ramp, jog, sine, position-sine or constant-acceleration
   std::optional<int> periods;       ///< of sine, position-sine
@@ -23,10 +23,10 @@ struct ExcitationOptions {
   std::string known;                ///< axis file of an earlier identification, for pulses and ramp
 };
 
-/// Options of one method are refused with another, not ignored.
+/// Refuses options of another method.
 void check_excitation(const ExcitationOptions& options);
 
-/// What the axis is to do.
+/// Designs the excitation.
 ident::excitation::Excitation make_excitation(const ExcitationOptions& options, const sim::Machine& machine,
                                               std::size_t axis);
 

@@ -1,15 +1,15 @@
 #pragma once
-/// Mass and friction of an axis from its logs: reads them, chooses the method, identifies.
+/// Mass and friction of an axis from its logs: reads them, chooses a method, identifies.
 ///
 ///   const auto axis = workflow::read_axis({"log.csv"}, {});
 ///   const auto found = workflow::identify(axis, {});
 ///   found.result.mass, found.result.mass_interval
 ///
-/// Method::kAuto takes the position map for an axis that is held at standstill or moves in one direction only,
-/// jog for runs of constant speed, and the fit of the whole drive otherwise.
+/// Method::kAuto uses the position map for an axis that is held at standstill or moves in one direction only, jog for runs of
+/// constant speed, and the fit of the whole drive otherwise.
 ///
 /// Real time: no.
-/// Errors: InputError for logs and options, ident::Refused where the logs do not tell the answer.
+/// Errors: InputError for logs and options, ident::Refused where the logs do not determine the answer.
 
 #include <array>
 #include <cstddef>
@@ -40,10 +40,10 @@ enum class Method {
   kConstantAcceleration
 };
 
-/// Which friction law is fitted. kAsymmetric: viscous and Coulomb friction of each direction.
+/// The friction law that is fitted. kAsymmetric: viscous and Coulomb friction for each direction.
 enum class ModelChoice { kAuto, kConventional, kGaussian, kAsymmetric };
 
-/// Texts stand with their unit, as a user says them; empty: identified, or chosen from the data.
+/// Texts contain their unit, as a user gives them; empty: identified, or chosen from the data.
 struct IdentifyOptions {
   Method method = Method::kAuto;
   ModelChoice model = ModelChoice::kAuto;
@@ -54,41 +54,41 @@ struct IdentifyOptions {
   std::string turn{};          ///< known travel of one turn, "10 mm"
 };
 
-/// Records of one axis from all its logs, and the findings of reading them.
+/// Records of one axis from all its logs, and the findings from reading them.
 struct AxisRecords {
   std::vector<ident::log::Record> records;
-  std::size_t runs = 0;            ///< logged apart from each other
+  std::size_t runs = 0;            ///< number of separate runs
   bool one_direction = false;      ///< all of them move in the same direction
-  std::vector<std::string> notes;  ///< each begins with its log
+  std::vector<std::string> notes;  ///< each begins with the name of its log
   std::string sources;             ///< names of the logs
   std::string axis;                ///< name of the axis; empty: none was given
 };
 
 struct Identification {
   ident::Result result;
-  Method method = Method::kAuto;        ///< that was used; kAuto: the fit of the whole drive
+  Method method = Method::kAuto;        ///< the method that was used; kAuto: the fit of the whole drive
   bool holding_only = false;            ///< the axis was held at standstill: neither mass nor friction
-  std::vector<ident::Result> beside{};  ///< results that stand beside it: other days
+  std::vector<ident::Result> beside{};  ///< results for other days, shown beside it
   std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquares
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
 };
 
-/// Refuses options that the method would ignore.
+/// Refuses options that the method would not use.
 void check_options(const IdentifyOptions& options);
 
 /// Reads and cleans logs of one axis.
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options);
 
-/// The result with all warnings. Refuses a mass that is not determined, except where the method does not tell any.
+/// The result with all warnings. Refuses a mass that is not determined, unless the method determines no mass.
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options);
 
-/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, numbers that are not finite.
+/// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, or numbers that are not finite.
 void require_determined(const ident::Result& result, const std::string& source);
 
-/// What goes into an axis file.
+/// The content of an axis file.
 friction::AxisModel as_model(const ident::Result& result);
 
-/// The same, refused with place --output where the result is none of both directions in newtons and metres.
+/// The same; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
 
 }  // namespace stribeck::workflow

@@ -8,10 +8,10 @@
 
 namespace stribeck::workflow {
 
-/// The result (report/json.hpp), and beside it the figures of one method alone: "published", "peaks", "beside", …
+/// The result (report/json.hpp), with the figures of single methods: "published", "peaks", "beside", …
 nlohmann::ordered_json to_json(const Identification& found, const std::string& axis);
 
-/// Tables of the result and of those beside it, then the figures of one method alone.
+/// Tables of the result and of those beside it, then the figures of single methods.
 std::string text_of(const Identification& found, const std::string& axis);
 
 }  // namespace stribeck::workflow

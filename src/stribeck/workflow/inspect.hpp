@@ -1,6 +1,6 @@
 #pragma once
-/// Content of a log and the parameters that can be identified from it, for `identify --inspect LOG`. Nothing is identified,
-/// nothing is refused: why a log cannot be used is part of the answer.
+/// Shows what a log contains and which parameters can be identified from it, for `identify --inspect LOG`. It identifies nothing and
+/// refuses nothing: the reason why a log cannot be used is part of the answer.
 ///
 ///   {"schema": "stribeck.inspect/1", "file", "format", "rows", "columns": [{"name", "unit", "rows", "min", "max"}],
 ///    "metadata", "notes", "axis": {"quantity": "column"}, "sampling", "motion", "findings": [{"kind", "text", "row",
@@ -13,9 +13,9 @@
 namespace stribeck::workflow {
 
 struct Inspection {
-  std::string text;  ///< for people
+  std::string text;  ///< as text for people
   nlohmann::ordered_json json;
-  bool usable = false;  ///< records came out of it
+  bool usable = false;  ///< it contains records that can be used
 };
 
 Inspection inspect(const io::Log& log, const LogOptions& options);

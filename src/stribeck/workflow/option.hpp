@@ -1,6 +1,6 @@
 #pragma once
-/// Texts that a user gave for a setting, be it an option of the command or an argument of a caller: read with
-/// their unit, or refused.
+/// Reads texts that a user gave for a setting, as an option of the command or an argument of a caller: with their unit,
+/// or refused.
 ///
 /// Real time: no.
 /// Errors: InputError whose place is the name of the option ("--gain").
@@ -14,19 +14,19 @@
 
 namespace stribeck::workflow {
 
-/// Something is wrong with an option.
+/// Throws InputError for an option.
 [[noreturn]] void refuse_option(const std::string& option, const std::string& message);
 
 /// An option's value with its unit, in SI.
 double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
 
-/// Left and right of the first "=" of an option's text, both there; else refused with what is `expected`.
+/// The texts left and right of the first "=" of an option; both must be there; otherwise refused with what is `expected`.
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
                                            const std::string& expected);
-/// The same of --axis-file: axis and file.
+/// The same for --axis-file: axis and file.
 std::pair<std::string, std::string> axis_and_file(const std::string& text);
 
-/// Index of the axis in the machine that was read from `file`; throws with the names there are.
+/// Index of the axis in the machine that was read from `file`; throws with the names that exist.
 std::size_t axis_index(const sim::Machine& machine, const std::string& file, const std::string& axis);
 
 }  // namespace stribeck::workflow

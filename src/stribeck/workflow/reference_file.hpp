@@ -1,5 +1,5 @@
 #pragma once
-/// A reference that excite wrote: positions for the closed loop, or forces for the open loop, row by row.
+/// Reads a reference that excite wrote: positions for the closed loop, or forces for the open loop, row by row.
 /// Real time: no.
 /// Errors: InputError naming the file and the column.
 
@@ -12,10 +12,10 @@ namespace stribeck::workflow {
 
 struct ReferenceFile {
   std::vector<double> r;      ///< [m]; empty: open loop
-  std::vector<double> force;  ///< [N]; of the open loop
+  std::vector<double> force;  ///< [N]; for the open loop
 };
 
-/// Refuses rows of another period than that of the machine's control, and places outside the travel of the axis.
+/// Refuses rows whose period differs from the machine's control period, and places outside the travel of the axis.
 ReferenceFile read_reference(const std::string& file, const sim::Machine& machine, std::size_t axis);
 
 }  // namespace stribeck::workflow

@@ -9,10 +9,10 @@
 
 namespace stribeck::workflow {
 
-/// All that was sampled: references, encoders, tables, inputs and forces of the axes, and the contour error.
+/// All samples: references, encoders, tables, inputs and forces of the axes, and the contour error.
 io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::ContourSample>& trace);
 
-/// The same for a page, errors first: on a drawing of positions they cannot be seen.
+/// The same for a page, with errors first, because errors cannot be seen in a drawing of positions.
 io::Log errors_first(const io::Log& log, const std::vector<std::string>& axes);
 
 }  // namespace stribeck::workflow

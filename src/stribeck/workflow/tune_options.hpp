@@ -1,5 +1,5 @@
 #pragma once
-/// What a search for gains is to do, as a user says it.
+/// Options of a search for gains, as a user gives them.
 /// Real time: no.
 /// Errors: InputError naming the option.
 
@@ -13,7 +13,7 @@
 namespace stribeck::workflow {
 
 struct TuneOptions {
-  std::string experiment;  ///< empty: the one for the machine
+  std::string experiment;  ///< empty: the default one for the machine
   PathOptions path;
   std::vector<std::string> speeds;
   std::vector<std::string> controllers;  ///< ids, built in, or files; empty: all of the experiment
@@ -32,10 +32,10 @@ struct TuneOptions {
 sim::TuneSpec tune_spec(const TuneOptions& options, const ParameterOptions& parameters,
                         const sim::Machine& machine, const std::string& machine_file);
 
-/// The tuned controller under a name of its own, so that it stands beside the one that it began as.
+/// The tuned controller under its own name, so that it can be listed beside the original one.
 sim::ControllerSpec renamed(sim::ControllerSpec controller);
 
-/// The option that would let some gains meet the limits; empty where some do.
+/// The option that would let some gains meet the limits; empty where some gains meet them.
 std::string way_out(const sim::TunedController& controller);
 
 }  // namespace stribeck::workflow

@@ -1,5 +1,5 @@
 #pragma once
-/// The canonical calls of LinuxCNC's stand-alone interpreter, one a line, as moves of the machine.
+/// Reads the canonical calls of LinuxCNC's stand-alone interpreter, one per line, as moves of the machine.
 ///
 ///      8 N..... STRAIGHT_FEED(10.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)
 ///
@@ -28,7 +28,7 @@
 
 namespace stribeck::io {
 
-/// What is kept to at the end of a move.
+/// How exactly the path is followed at the end of a move.
 enum class PathControl { kContinuous, kExactPath, kExactStop };
 
 /// One motion in machine coordinates; SI.
@@ -40,34 +40,34 @@ struct CanonicalMove {
   int turns = 0;
   double feed = std::numeric_limits<double>::infinity();  ///< along the path [m/s]; infinite: rapid
   PathControl control = PathControl::kContinuous;
-  std::optional<double> tolerance{};  ///< of G64 P [m]; none: not given
-  bool waits = false;                 ///< motion has to end before what comes next
-  double dwell = 0.0;                 ///< then [s]
+  std::optional<double> tolerance{};  ///< of G64 P [m]; absent: not given
+  bool waits = false;                 ///< the motion must end before the next call
+  double dwell = 0.0;                 ///< dwell after that [s]
 };
 
-/// A feed that was set in one unit of length and is used under the other.
+/// A feed that was set in one unit of length and is used under another.
 struct ForeignFeed {
   double feed = 0.0;       ///< [m/s]
   bool in_inches = false;  ///< the unit that it was set in
 };
 
-/// More moves are refused: planned, they take 1 GB (100 000 take 0.2).
+/// Largest number of moves: planned, they take 1 GB (100 000 take 0.2 GB).
 inline constexpr std::size_t kMostMoves = 500000;
 
 class CanonicalReader {
  public:
-  /// `program` is named in errors.
+  /// `program` is its name in error messages.
   explicit CanonicalReader(std::string program) : program_(std::move(program)) {}
 
-  /// One line, without its end.
+  /// Reads one line, without its line end.
   void line(std::string_view text);
 
   [[nodiscard]] const std::vector<CanonicalMove>& moves() const noexcept { return moves_; }
-  /// Part of the program was in inches.
+  /// Whether a part of the program was in inches.
   [[nodiscard]] bool inches() const noexcept { return inches_seen_; }
-  /// A tool was asked for.
+  /// Whether a tool was called.
   [[nodiscard]] bool tools() const noexcept { return tools_seen_; }
-  /// The first of them; none: every feed is used in the unit that it was set in.
+  /// The first such feed; absent: every feed is used in the unit in which it was set.
   [[nodiscard]] const std::optional<ForeignFeed>& foreign_feed() const noexcept { return foreign_feed_; }
 
  private:
@@ -93,7 +93,7 @@ class CanonicalReader {
   double rotation_ = 0.0;    ///< [rad]
   double unit_ = 1e-3;       ///< [m]
   double feed_ = 0.0;        ///< [m/s]
-  double feed_unit_ = 1e-3;  ///< that feed_ was set in [m]
+  double feed_unit_ = 1e-3;  ///< unit in which feed_ was set [m]
   std::optional<ForeignFeed> foreign_feed_;
   bool per_revolution_ = false;
   Plane plane_ = Plane::kXy;

@@ -2,10 +2,10 @@
 /// G-code through LinuxCNC's own stand-alone interpreter, run as a separate program: rs274 -g PROGRAM.
 ///
 /// The interpreter begins at x = y = z = 0 in millimetres without offsets and reads no variables. Its tools 1 to 999 have no
-/// length and no radius; G43.1 gives lengths of one's own. Subroutines in files are looked for in the working directory. What it
-/// prints is read line by line and not kept.
+/// length and no radius; G43.1 sets lengths. Subroutines in files are searched in the working directory. Its output is read line by
+/// line and not stored.
 /// Real time: no.
-/// Errors: InputError with the line of the program where the interpreter names one; where it is not installed, how to get it.
+/// Errors: InputError with the line of the program where the interpreter names one; how to install it where it is missing.
 
 #include <optional>
 #include <stribeck/io/gcode/canonical.hpp>
@@ -16,13 +16,13 @@ namespace stribeck::io {
 
 struct InterpreterOptions {
   std::string command = "rs274";  ///< looked for in PATH
-  double seconds = 120.0;         ///< it may take
+  double seconds = 120.0;         ///< time limit
 };
 
 struct PartProgram {
   std::vector<CanonicalMove> moves;
   bool inches = false;  ///< places are known to 2.54 µm only
-  bool tools = false;   ///< tools or their offsets were asked for, which have length and radius 0
+  bool tools = false;   ///< tools or their offsets were used; they have length and radius 0
   std::optional<ForeignFeed> foreign_feed;
 };
 

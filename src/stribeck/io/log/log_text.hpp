@@ -1,5 +1,5 @@
 #pragma once
-/// What the readers of log formats share: lines, cells, numbers, units, rows, channels of different rates.
+/// Common parts of the readers of log formats: lines, cells, numbers, units, rows, channels of different rates.
 /// Internal to io. Real time: no. Errors: InputError.
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace stribeck::io::detail {
 
-/// More columns than any log has; a hostile header shall not fill the memory.
+/// More columns than any log has: a hostile header must not fill the memory.
 inline constexpr std::size_t kMaxColumns = 10000;
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
@@ -19,49 +19,49 @@ constexpr bool is_comment(std::string_view line) {
   return !line.empty() && (line[0] == '#' || line[0] == '%');
 }
 std::string_view trimmed(std::string_view s);
-/// Position behind s if text begins with it, ignoring case; 0 otherwise.
+/// Position behind s if text begins with it, ignoring case; otherwise 0.
 bool begins_with(std::string_view text, std::string_view s);
 
-/// The line at the start of text, without its end; text moves behind it.
+/// Returns the line at the start of text, without its line end, and removes it from text.
 std::string_view take_line(std::string_view& text);
 
-/// Cells of a line. Quotes protect separators; with blanks as separator, units in brackets belong to the name
-/// before, and several count as one.
+/// Cells of a line. Quotes protect separators. With blanks as separator, units in brackets belong to the name
+/// before, and several blanks count as one.
 std::vector<std::string_view> split(std::string_view line, char separator);
 /// Every separator outside quotes ends a cell, also at the end of the line.
 std::vector<std::string_view> split_exactly(std::string_view line, char separator);
 std::string unquoted(std::string_view cell);
 
-/// Bytes that are no UTF-8 are taken as Latin-1, in which older Windows programs write µ and °.
+/// Bytes that are not UTF-8 are read as Latin-1, in which older Windows programs write µ and °.
 bool is_utf8(std::string_view in);
 std::string as_utf8(std::string_view in);
 
-/// A cell as a number; slow and complete: quotes, leading +.
+/// A cell as a number; the slow and complete form, which accepts quotes and a leading +.
 std::optional<double> cell_number(std::string_view cell, char decimal);
 bool looks_like_number(std::string_view cell);
 
-/// Name and unit of a CSV header.
+/// Splits a CSV header into name and unit.
 Column column_of(std::string header, std::vector<std::string>& notes);
-/// "x mm" → "x [mm]"; what has brackets already stays.
+/// "x mm" → "x [mm]"; a text with brackets is unchanged.
 std::string header_of(const std::string& name);
 
-/// Unit as machines spell it ("Ampere", "U/min", "Incr", "dV (Voltage)") in a spelling that units.hpp knows;
+/// A unit as controls spell it ("Ampere", "U/min", "Incr", "dV (Voltage)"), in a spelling that units.hpp knows;
 /// "" and a note when there is none.
 std::string plain_unit(std::string_view text, std::string_view column, std::vector<std::string>& notes);
 
-/// Refuses what is no text: empty, UTF-16, archives, NUL bytes.
+/// Refuses content that is no text: empty, UTF-16, archives, NUL bytes.
 void check_text(std::string_view bytes, const std::string& source);
 
-/// The same for control characters; too slow for a large table, where they are no numbers anyway.
+/// The same for control characters; too slow for a large table, where control characters fail as numbers anyway.
 void check_no_control_characters(std::string_view text, const std::string& source);
 
-/// Inflates gzip, several members one after the other too; bounded.
+/// Inflates gzip data, also of several members; limited in size.
 std::string inflated(std::string_view bytes, const std::string& source);
 
-/// Gives columns of the same name numbers, with a note.
+/// Numbers the columns of equal name, with a note.
 void make_names_unique(Log& log);
 
-/// A text line by line.
+/// Reads a text line by line.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -70,14 +70,14 @@ class Lines {
     if (rest_.empty()) return false;
     const std::size_t before = rest_.size();
     text_ = take_line(rest_);
-    // Only a line with an end is shorter than what it took.
+    // Only a line with a line end is shorter than the text it took.
     ended_ = before - rest_.size() > text_.size();
     ++number_;
     return true;
   }
   [[nodiscard]] std::string_view text() const { return text_; }
   [[nodiscard]] std::size_t number() const { return number_; }  ///< counted from 1
-  [[nodiscard]] bool ended() const { return ended_; }  ///< has a line end: not cut by the end of file
+  [[nodiscard]] bool ended() const { return ended_; }  ///< has a line end: was not cut by the end of the file
   [[nodiscard]] bool last() const { return trimmed(rest_).empty(); }
 
  private:
@@ -87,7 +87,7 @@ class Lines {
   bool ended_ = true;
 };
 
-/// What every reader needs: where it is, what it says.
+/// Common base of all readers: the place in the file, and messages.
 class Reader {
  protected:
   Reader(std::string_view text, const std::string& source, std::string format) : lines_(text) {
@@ -99,22 +99,22 @@ class Reader {
   [[noreturn]] void fail(std::size_t line, std::string message) const;
   void note(std::string text) { log_.notes.push_back(std::move(text)); }
   void add_metadata(std::string_view key, std::string_view value);
-  /// Non-negative integer behind a key, or nothing.
+  /// Non-negative integer behind a key; empty where there is none.
   static std::optional<std::size_t> count(std::string_view text);
 
   /// Cell of row `row` (from 1) as a finite number. The first decimal mark of a column is its mark; a column
-  /// that mixes point and comma is refused, for one of them would be read wrongly.
+  /// that mixes point and comma is refused, because one of them would be read wrongly.
   double number(std::string_view cell, std::size_t row, std::size_t column, std::string_view name);
   /// The same, but blank and "nan" are NaN: absent.
   double number_or_absent(std::string_view cell, std::size_t row, std::size_t column, std::string_view name);
 
-  /// The last row may be cut by the end of the file: note it and say so.
+  /// Whether the end of the file may have cut the last row; adds a note.
   bool cut(std::size_t row);
 
-  /// Rows of as many cells as the log has columns, to the end of the text.
+  /// Reads rows of as many cells as the log has columns, to the end of the text.
   void read_table(char separator);
 
-  /// The log is at least two rows long.
+  /// Refuses a log of fewer than two rows.
   void finish();
 
   Lines lines_;
@@ -130,14 +130,14 @@ struct Group {
   std::vector<Column> channels;
 };
 
-/// Columns of groups: the time of each, shared where equal, then its channels; absent samples left out, so
-/// that such a channel has times of its own.
+/// Columns of groups: the time of each (shared where equal), then its channels. Absent samples are left out; such a channel then
+/// has its own times.
 void add_groups(Log& log, std::vector<Group> groups, const std::string& time_unit);
 
-/// Time columns: what their gaps and jitter are; a time that does not increase.
+/// Notes on gaps and jitter of the time columns; throws on a time that does not increase.
 void note_times(Log& log);
 
-/// Column t in front, from the index of the row; note says how.
+/// Adds a column t in front, computed from the index of the row; `note` explains it.
 void add_time(Log& log, std::vector<double> values, const std::string& unit);
 
 }  // namespace stribeck::io::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// Circles that were travelled under several controls, side by side: table, numbers for programs, page.
+/// Circles that were travelled under several controls, side by side: table, JSON, page.
 ///
 ///   json   {"schema": "stribeck.evaluate/1", "radius_mm", "logs": [{"label", "file", "beside": {head: value}, "circles":
 ///           [{"rows": the --where that chose them or null, "direction": "counter-clockwise" or "clockwise", "revolutions",
@@ -17,8 +17,8 @@ namespace stribeck::report {
 struct CircleLog {
   std::string label;
   std::string file;
-  std::vector<sim::CircleTest> circles;  ///< as many for every log
-  std::vector<std::string> beside = {};  ///< further entries of its row
+  std::vector<sim::CircleTest> circles;  ///< the same number for every log
+  std::vector<std::string> beside = {};  ///< entries of further columns of its row
 };
 
 struct CircleReportInput {

@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of a comparison by travel, as the parts of its page take them. Internal to report.
+/// Rows of a comparison by travel, as the parts of its page need them. Internal to report.
 /// Real time: no.
 
 #include <stribeck/report/pages/compare_report.hpp>
@@ -13,7 +13,7 @@ namespace stribeck::report {
 inline constexpr double kMicro = 1e6;
 inline constexpr double kMilli = 1e3;
 
-/// What happened on one travel.
+/// The results of one travel.
 struct TravelBlock {
   std::size_t index = 0;  ///< of the travel
   const sim::Travel* travel = nullptr;
@@ -22,7 +22,7 @@ struct TravelBlock {
   const PrintedTable* printed = nullptr;
 };
 
-/// In the order of the result.
+/// Blocks in the order of the result.
 std::vector<TravelBlock> blocks_of(const CompareReportInput& input);
 
 inline std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }

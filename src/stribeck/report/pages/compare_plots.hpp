@@ -18,17 +18,17 @@ struct Magnified {
   std::string caption;
 };
 
-/// Controllers of one scale, on the path with their errors magnified.
+/// The path with magnified errors, for the controllers that share a scale.
 Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const path::Curve& curve);
 
-/// The controllers of each scale where an axis, or several together, reverse.
+/// Errors where an axis, or several together, reverse; for the controllers of each scale.
 ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& result);
 
-/// Whose forces are shown: the two that the summary compares, or the richest.
+/// The controllers whose forces are shown: the two that the summary compares, or the one with the largest model.
 Rows force_rows(const TravelBlock& block);
 std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput& input);
 
-/// Bars of these rows of a block, which are all or those of the finer scales.
+/// Bars of these rows of a block: of all rows or of those with the finer scales.
 Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& error, std::string_view head,
               sim::Figure::OfRun figure);
 

@@ -1,9 +1,8 @@
 #pragma once
-/// The page of a comparison: who won and by how much, figures beside what was printed, the contour with its
-/// error magnified, the quadrants, the friction that the compensators know, and the settings that reproduce
-/// it.
+/// The page of a comparison: which controller is best and by how much, figures beside printed ones, the contour with its
+/// error magnified, the quadrants, the friction that the compensators know, and the settings that reproduce it.
 ///
-/// True friction is drawn only where it is handed over, and called so. Contour errors are drawn of the first
+/// True friction is drawn only where it is passed in, and is labelled as true. Drawings show contour errors of the first
 /// trial; tables give means over all trials and the standard deviation between them.
 /// Real time: no. Errors:
 /// io::InputError of files and of gnuplot.
@@ -44,7 +43,7 @@ struct CompareReportInput {
   std::string command = {};                 ///< reproduces the page
   std::string version = {};                 ///< of the program
   std::span<const PrintedTable> printed{};  ///< kBiaxialTables for bi-table; empty: nothing to compare with
-  std::vector<std::string> warnings = {};   ///< of the caller, beside those found here
+  std::vector<std::string> warnings = {};   ///< from the caller, in addition to those found here
 };
 
 /// The page as text.

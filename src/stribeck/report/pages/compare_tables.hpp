@@ -1,5 +1,5 @@
 #pragma once
-/// Tables of a comparison, and its relation to printed figures in words. Internal to report.
+/// Tables of a comparison, and a comparison with printed figures in words. Internal to report.
 /// Real time: no.
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace stribeck::report {
 
-/// How the block stands against printed figures, in one sentence; empty where nothing was printed.
+/// The comparison of a block with printed figures, in one sentence; empty where nothing was printed.
 std::string against_print(const TravelBlock& block);
 
-/// A column of figures: of the runs, or of one axis.
+/// A column of figures of the runs, or of one axis.
 struct FigureColumn {
   const sim::Figure* figure;
   std::string head;
@@ -27,7 +27,7 @@ struct FigureColumn {
   }
 };
 
-/// The figures that decide.
+/// The main figures.
 std::vector<FigureColumn> main_figures(const sim::CompareResult& result);
 /// Standard deviations and figures of single axes.
 std::vector<FigureColumn> further_figures(const sim::CompareResult& result);
@@ -35,7 +35,7 @@ std::vector<FigureColumn> further_figures(const sim::CompareResult& result);
 /// One row for each controller.
 Table controllers_table(const TravelBlock& block, const std::vector<FigureColumn>& figures);
 
-/// What adaptation found changed, one row for each controller, travel and axis; no rows without adaptation.
+/// Changes that adaptation found, one row for each controller, travel and axis; no rows without adaptation.
 Table drift_table(const sim::CompareResult& result);
 
 }  // namespace stribeck::report

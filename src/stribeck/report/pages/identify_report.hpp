@@ -1,8 +1,8 @@
 #pragma once
-/// The page of an identification: the map with the fit and its 95 % band, parameters with their intervals and
-/// whether the data can tell them, what is left against velocity, position and time, its spectrum over
-/// position, the models that were tried, what the log cannot tell and warnings in words. Everything stands in
-/// the units of the log where it has no scale (shown_units.hpp).
+/// The page of an identification: the map with the fit and its 95 % band; parameters with their intervals and whether the data
+/// determine them; the residual against velocity, position and time, and its spectrum over position; the models that were
+/// tried; what the log cannot tell; warnings. Where the log has no scale, all values are in its own units
+/// (shown_units.hpp).
 /// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
@@ -15,7 +15,7 @@ namespace stribeck::report {
 struct IdentifyReportInput {
   std::string axis = {};
   std::vector<ident::Result> results = {};  ///< the chosen one first; others are shown beside it
-  std::string source = {};                  ///< log or recording it was made from, as the user named it
+  std::string source = {};                  ///< log or recording, as the user named it
   std::string command = {};
   std::string version = {};
 };

@@ -2,7 +2,7 @@
 /// The experiments of the thesis: printed values beside computed ones.
 ///
 /// A section is one table or figure of the thesis in one setting (machine, parameters, gains). It holds figures, each with the
-/// printed value, ours and the spread of ours, drawings after the thesis's, and remarks on what was assumed and why a figure is
+/// printed value, the computed one and its spread; drawings like the thesis's; and remarks on assumptions and on figures that are
 /// not reached. The page, the Markdown table and the JSON are made from the same sections.
 ///
 ///   JSON  {"schema": "stribeck.reproduce/1", "seed", "trials", "sections": [{"id", "title", "source", "setting", "machine",
@@ -20,7 +20,7 @@
 
 namespace stribeck::report {
 
-/// One printed number and ours.
+/// One printed number and the computed one.
 struct ReproducedFigure {
   std::string what;      ///< "mean contour error"
   std::string of;        ///< controller, axis or parameter: "(c)", "x"
@@ -28,7 +28,8 @@ struct ReproducedFigure {
   std::string unit;      ///< "µm", "N", "%"
   double printed = 0.0;  ///< NaN: not printed
   double ours = 0.0;
-  double low = 0.0;  ///< of ours: 95 % interval, or mean ± standard deviation over the trials; NaN: none
+  double low =
+      0.0;  ///< of the computed value: 95 % interval, or mean ± standard deviation over the trials; NaN: none
   double high = 0.0;
   std::string source;  ///< "Table 3.2"
   int digits = 2;
@@ -44,12 +45,12 @@ struct ReproducedSection {
   std::string machine;
   std::string parameters;  ///< where the compensators' parameters come from, in words; may be empty
   std::vector<ReproducedFigure> figures;
-  Table table;  ///< all that was measured; columns may be empty
+  Table table;  ///< all measured values; columns may be empty
   std::vector<std::pair<std::vector<Plot>, std::string>> plots;  ///< drawings side by side, and their caption
   std::vector<std::string> remarks;
 };
 
-/// Everything a setting of an experiment gave: claims with their ratios, the table of controllers, contour error over time and
+/// All sections of one setting of an experiment: claims with their ratios, the table of controllers, contour error over time and
 /// over the path, maxima and means of the trials as bars.
 ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setting& setting,
                              const sim::CompareResult& result, std::string parameters);

@@ -1,5 +1,5 @@
 #pragma once
-/// The page of a single recording or run: what it is in words, and its columns over time.
+/// The page of a single recording or run: a summary in words, and its columns over time.
 /// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
@@ -12,7 +12,7 @@ struct TraceColumn {
   std::string name;
   std::string unit;
   std::vector<double> values;
-  std::string quantity = {};  ///< "position"; empty: nothing is known of it
+  std::string quantity = {};  ///< "position"; empty: unknown
 };
 
 struct TraceReportInput {

@@ -1,5 +1,5 @@
 #pragma once
-/// Tuned controllers: table, numbers for programs, page.
+/// Tuned controllers: table, JSON, page.
 ///
 ///   json   {"schema": "stribeck.tune/1", "machine", "seed", "trials", "evaluations", "limits": {"phase_margin_deg",
 ///           "gain_margin_dB", "delay_margin_periods", "input_variation_V": [per travel], "reference"},
@@ -16,7 +16,7 @@
 
 namespace stribeck::report {
 
-/// Why there are no tuned gains, and how near the nearest came; empty where there are some.
+/// Why there are no tuned gains, and how near the nearest ones came; empty where there are some.
 std::string why_none(const sim::TunedController& controller, const sim::TuneSpec& spec);
 
 std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec);
@@ -26,7 +26,7 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
 struct TuneReportInput {
   sim::TuneResult result;
   sim::TuneSpec spec;
-  std::string parameters;  ///< where the compensators' come from
+  std::string parameters;  ///< origin of the compensators' parameters
   std::string command;
   std::string version;
 };

@@ -1,10 +1,10 @@
 #pragma once
-/// The result of a comparison in a few sentences, for one travel. Every number in them is a mean over the trials and stands in the
-/// JSON of compare.
+/// The result of a comparison in a few sentences, for one travel. Every number in them is a mean over the trials that the JSON of
+/// compare also has.
 ///
-/// Where there are controllers beyond the thesis (they feed forward friction with memory), the default one, or the one with the
-/// smallest maximum where none adapts, is compared with the last of the thesis's own, which stands before them. Elsewhere the
-/// best is compared with no compensation and with the conventional model.
+/// Where there are controllers beyond the thesis (they feed forward friction with memory), the default one is compared with the
+/// last of the thesis's own controllers before them; where none adapts, the one with the smallest maximum is. Elsewhere the best
+/// controller is compared with no compensation and with the conventional model.
 /// Real time: no.
 
 #include <optional>
@@ -20,7 +20,7 @@ struct Rivals {
   bool is_default = false;                   ///< ours adapts, as the default of the product does
 };
 
-/// Whom the summary compares; nothing where there is no controller beyond the thesis, or none before it.
+/// The two controllers that the summary compares; empty where no controller is beyond the thesis, or none is before it.
 std::optional<Rivals> rivals_of(const Rows& rows);
 
 /// Rows of one travel, none of them null; `pace` as "9.5 mm/s".

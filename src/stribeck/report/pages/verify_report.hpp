@@ -1,6 +1,6 @@
 #pragma once
-/// Identified models on motion that they have not seen (ident/replay.hpp): table, numbers for programs, and the
-/// page with measured beside predicted velocity of every model, reversals close up, and the closed loop.
+/// Identified models on motion that they have not seen (ident/replay.hpp): table, JSON, and the
+/// page with measured beside predicted velocity of every model, reversals in detail, and the closed loop.
 ///
 ///   json   {"schema": "stribeck.verify/1", "axis", "force_unit", "position_unit", "parts": [{"log", "rows",
 ///           "duration_s", "restarts", "models": [{"file", "open_loop": {"velocity_rms_mm_per_s",
@@ -8,8 +8,8 @@
 ///           "open_loop_free": {the same}, "closed_loop": {the same, "force_rms_N", "force_relative_percent"}
 ///           or null}]}], "warnings": [...]}
 ///
-/// "open_loop" starts anew at every reversal. Keys with a unit that does not hold are null and the number
-/// stands beside them, as in identify (json.hpp).
+/// "open_loop" starts anew at every reversal. Keys whose unit would be wrong are null, and the number has a key without the
+/// unit, as in identify (json.hpp).
 ///
 /// Source: thesis §2.6, figs 2.30 and 2.31.
 /// Real time: no.

@@ -1,11 +1,11 @@
 #pragma once
-/// Drawings of the contour error that the pages of compare and of reproduce share: over the path and over time.
+/// Drawings of the contour error for the pages of compare and reproduce: over the path and over time.
 ///
-/// Controllers whose largest errors are more than four times apart share no drawing: each group gets a scale on which its
-/// largest error fills the height, and the title of a finer one says by how much. Within a group drawings take three
-/// controllers each and have one scale.
+/// Controllers whose largest errors differ by more than a factor of four are drawn separately: each group has a scale on which its
+/// largest error fills the height, and the title of a finer one tells the factor. Within a group, each drawing shows three
+/// controllers, all on one scale.
 ///
-/// All of the first trial. On one axis the contour error is the tracking error, and is called so.
+/// All drawings show the first trial. On one axis the contour error is the tracking error, and is labelled so.
 /// Real time: no.
 
 #include <stribeck/report/plot/plot.hpp>
@@ -42,34 +42,33 @@ struct ScaleGroup {
 /// The coarsest first. A group ends where the next controller's largest error is below a quarter of the group's.
 std::vector<ScaleGroup> scale_groups(const Rows& rows);
 
-/// For figures without groups of their own: all but the first group, all but the first two, and so on.
+/// For figures without groups: all but the first group, all but the first two, and so on.
 std::vector<Rows> finer_rows(const Rows& rows);
 
-/// Drawings with what their caption says of the scales, a sentence or nothing.
+/// Drawings, and a sentence on their scales for the caption; it may be empty.
 struct ScaledPlots {
   std::vector<Plot> plots;
   std::string scales;
 };
 
-/// The scales of groups as a sentence; limits [µm] of the drawings, one for each group. Nothing for a single drawing.
+/// The scales of groups as a sentence; limits [µm] of the drawings, one for each group. Empty for a single drawing.
 std::string scales_in_words(const std::vector<ScaleGroup>& groups, const Rows& all,
                             const std::vector<double>& limits, bool signed_error, std::size_t drawings);
-/// ", scale 25 times finer", or nothing for the first group.
+/// ", scale 25 times finer", or empty for the first group.
 std::string finer(const std::vector<double>& limits, std::size_t group);
 
-/// The last scored lap by the parameter of the path, from a twelfth of a lap before zero, so that no reversal of a circle lies at
+/// The last scored lap over the parameter of the path, from a twelfth of a lap before zero, so that no reversal of a circle lies at
 /// the border.
 struct Lap {
-  std::vector<const sim::ContourSample*>
-      samples;                ///< null: nothing is known from the one before to the one after
-  std::vector<double> angle;  ///< [°], ascending; NaN with a null sample
+  std::vector<const sim::ContourSample*> samples;  ///< null: a gap in the samples
+  std::vector<double> angle;                       ///< [°], ascending; NaN with a null sample
 };
 Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& travel);
 
 /// Parameter of one lap, and where the drawings begin [rad].
 double lap_of(const sim::Travel& travel);
 double first_angle(const sim::Travel& travel);
-/// From the parameter to what the axis of a drawing shows: degrees, or millimetres along a part.
+/// Factor from the parameter to the axis of a drawing: degrees, or millimetres along a part.
 double shown_scale(const sim::Travel& travel);
 std::string angle_label(const sim::Travel& travel);
 
@@ -81,7 +80,7 @@ struct TraceLook {
   bool scored_only = true;  ///< over time: leaves out run-in and run-out
 };
 
-/// Contour error over the last scored lap, axes' reversals marked.
+/// Contour error over the last scored lap; reversals of the axes are marked.
 ScaledPlots path_plots(const sim::CompareResult& result, std::size_t travel, const TraceLook& look);
 ScaledPlots time_plots(const sim::CompareResult& result, std::size_t travel, const TraceLook& look);
 

@@ -1,12 +1,12 @@
 #pragma once
-/// Runs gnuplot as a process of its own.
-/// Real time: no. Errors: io::InputError when gnuplot is missing or refuses, with what to install.
+/// Runs gnuplot as a separate process.
+/// Real time: no. Errors: io::InputError when gnuplot is missing (with what to install) or fails.
 
 #include <string>
 
 namespace stribeck::report {
 
-/// What gnuplot writes for a script. No settings of the user are read, and no file is left behind.
+/// Returns the output of gnuplot for a script. Settings of the user are not read, and no file is left behind.
 std::string run_gnuplot(const std::string& script);
 
 }  // namespace stribeck::report

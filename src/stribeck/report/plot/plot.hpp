@@ -1,13 +1,13 @@
 #pragma once
-/// Plots as data, drawn by gnuplot into SVG that can stand inside an HTML page.
+/// Plots as data. gnuplot draws them as SVG that can be part of an HTML page.
 ///
 ///   Plot plot{.title = …, .x_label = "velocity [mm/s]", .series = {…}};
 ///   std::vector<std::string> svg = render({plot, …});      one process draws them all
 ///
 /// Series are thinned to the width of the drawing; the smallest and the largest value of every slice remain.
-/// A value that is not finite is a gap. Text is drawn as it is, whatever it holds. An SVG has ids of its own
-/// (plot-1-…, counted through a call), a title for screen readers, the width of its place, no script, no link
-/// and no font file. Same plots, same bytes.
+/// A value that is not finite is a gap. Text is drawn literally. An SVG has its own ids
+/// (plot-1-…, counted within a call), a title for screen readers, the width of its place, and no script, link or font file.
+/// The same plots give the same bytes.
 ///
 /// Members have empty initialisers so that a caller may name only those it needs.
 ///
@@ -32,7 +32,7 @@ enum class Style {
 };
 
 struct Series {
-  std::string label = {};  ///< in the legend; empty: not there
+  std::string label = {};  ///< in the legend; empty: no entry
   std::vector<double> x = {};
   std::vector<double> y = {};  ///< as long as x; unused by a band
   std::vector<double> y_low = {};
@@ -80,8 +80,8 @@ struct Plot {
   std::vector<Tic> x_tics = {};                              ///< not empty: only these
   bool log_x = false;
   bool log_y = false;
-  bool equal_aspect = false;  ///< one unit of x as long as one of y
-  bool axes = true;           ///< false: the curves alone
+  bool equal_aspect = false;  ///< one unit of x is drawn as long as one of y
+  bool axes = true;           ///< false: only the curves
   std::vector<Marker> markers = {};
   std::vector<Note> notes = {};
   Legend legend = Legend::kAbove;
@@ -94,14 +94,14 @@ struct Plot {
 /// One SVG element for each plot, in order.
 std::vector<std::string> render(const std::vector<Plot>& plots);
 
-/// What gnuplot is given; for tests and for the curious.
+/// The input of gnuplot; for tests.
 std::string gnuplot_script(const std::vector<Plot>& plots);
 
-/// Keeps the least and the greatest of each of `columns` slices of x, in order, and the ends of a stretch. A
-/// point that is not finite ends a stretch and stays. For ascending x; other data come back as they are.
+/// Keeps the smallest and the largest value of each of `columns` slices of x, in order, and the ends of a stretch. A
+/// point that is not finite ends a stretch and is kept. For ascending x; other data are returned unchanged.
 void thin(std::vector<double>& x, std::vector<double>& y, int columns);
 
-/// Fixed colour of a controller "a" … "p", told apart by readers who see few colours; others get one by their
+/// Fixed colour of a controller "a" … "p", distinguishable with colour blindness; other controllers get one by their
 /// position.
 /// Source: Okabe, Ito 2008, Color Universal Design.
 std::string controller_color(std::string_view id, std::size_t position = 0);

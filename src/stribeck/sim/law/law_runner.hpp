@@ -1,8 +1,8 @@
 #pragma once
 /// A control law together with its state, as one class for all laws of N axes.
 ///
-/// A loop that is written against this class is compiled once for each number of axes and not once more for each law. A call costs
-/// a few nanoseconds, a period of a simulated drive some hundred. law_runner_of.hpp holds the class of one law;
+/// A loop over this class is compiled once for each number of axes, not again for each law. A call costs a few nanoseconds; a
+/// period of a simulated drive takes some hundred. law_runner_of.hpp holds the class of one law;
 /// law_runner_plane.cpp and law_runner_space.cpp instantiate the laws.
 /// Real time: no.
 
@@ -24,7 +24,7 @@ class LawRunner {
   LawRunner& operator=(const LawRunner&) = delete;
   virtual ~LawRunner() = default;
 
-  /// The same law in the same state.
+  /// A copy of the law with its state.
   [[nodiscard]] virtual std::unique_ptr<LawRunner> copy() const = 0;
 
   /// Forces for the coming period [N], from the present point of the reference alone and the measured positions [m].
@@ -32,17 +32,17 @@ class LawRunner {
   /// The same with the points ahead, one per period, the present one first. A law that does not look ahead takes the first.
   virtual Vec<double, N> step_ahead(std::span<const Point> points, const Vec<double, N>& measured) = 0;
 
-  /// By how much the reference is behind its programme [s]; 0 with a law that does not slow down.
+  /// Lag of the reference behind its programme [s]; 0 for a law that does not slow down.
   [[nodiscard]] virtual double lag() const = 0;
   [[nodiscard]] virtual const StatusCounter& status() const = 0;
-  /// One entry per axis that adapts.
+  /// State of adaptation, one entry per axis that adapts.
   [[nodiscard]] virtual std::vector<control::Drift> drift(double period) const = 0;
 
  protected:
   LawRunner(const LawRunner&) = default;
 };
 
-/// Any of the control laws at rest, for N axes. A run begins with its copy().
+/// A control law at rest, for N axes. A run begins with its copy().
 template <std::size_t N>
 using AnyController = std::shared_ptr<const LawRunner<N>>;
 

@@ -1,7 +1,7 @@
 #pragma once
 /// The feed along the segments of a part program: as fast as every segment permits, from rest to rest, with limited jerk.
 ///
-/// Inside sim/part only; plan_part() of part_path.hpp is the entrance.
+/// Inside sim/part only; callers use plan_part() of part_path.hpp.
 /// Real time: no.
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace stribeck::sim {
 
-/// Least speed and limits over any range of segments: a tree of minima.
+/// Smallest speed and limits over any range of segments: a tree of minima.
 class Minima {
  public:
   explicit Minima(const std::vector<SegmentLimits>& of) : of_(of), size_(of.size()) {
@@ -27,7 +27,7 @@ class Minima {
     }
   }
   [[nodiscard]] double speed(std::size_t i) const { return of_[i].speed; }
-  /// The slowest of [first, last), the first of equals.
+  /// The slowest segment of [first, last), the first one of equals.
   [[nodiscard]] std::size_t slowest(std::size_t first, std::size_t last) const {
     std::size_t best = first;
     each(first, last, [&](std::size_t node) { best = slower(best, slowest_[node]); });
@@ -91,13 +91,13 @@ class FeedPlanner {
     std::size_t last;
     double from;  ///< speed at its ends [m/s]
     double to;
-    /// Of the ramps: at most these, where a ramp has been found to pass slower segments slowly enough.
+    /// Limits for the ramps, where a ramp with these limits has been found to pass slower segments slowly enough.
     double acceleration = std::numeric_limits<double>::infinity();
     double jerk = std::numeric_limits<double>::infinity();
   };
 
-  /// Invariants: a ramp between both end speeds fits into the stretch; going up at once to the highest of both and of the
-  /// slowest segment, and down as late as possible, passes every segment at its speed or slower.
+  /// Invariants: a ramp between both end speeds fits into the stretch. A profile that rises at once to the highest of both end speeds
+  /// and the slowest segment's, and falls as late as possible, passes every segment at its speed or slower.
   void plan(const Stretch& r) {
     SegmentLimits w = minima_.weakest(r.first, r.last);
     w.acceleration = std::min(w.acceleration, r.acceleration);
@@ -106,7 +106,7 @@ class FeedPlanner {
     w.speed = std::max({w.speed, r.from, r.to});
     double top = path::reachable_between(r.from, r.to, distance, w.speed, w.acceleration, w.jerk);
     if (top < w.speed || r.last - r.first == 1) return emit(r, top, w);
-    // Up to the slowest segment that is reached at that speed: those in the ramps may be slower.
+    // Rises to the slowest segment outside the ramps; segments within the ramps may be slower.
     for (;;) {
       const double risen = begin_[r.first] + path::SpeedRamp(r.from, top, w.acceleration, w.jerk).distance();
       const double falls = begin_[r.last] - path::SpeedRamp(top, r.to, w.acceleration, w.jerk).distance();
@@ -132,13 +132,13 @@ class FeedPlanner {
     return r.first + static_cast<std::size_t>(std::max<std::ptrdiff_t>(it - first, 1) - 1);
   }
 
-  /// A segment that a ramp would pass too fast; kNone: none.
+  /// A segment that a ramp would pass too fast; kNone: there is none.
   struct Slow {
     std::size_t segment = kNone;
     bool rising = false;
   };
 
-  /// Of the ramps up to a speed at the beginning of a stretch and down from it at the end: the segment nearest to that end.
+  /// For ramps up to a speed at the beginning of a stretch and down from it at the end: the too slow segment nearest to that end.
   [[nodiscard]] Slow too_slow(const Stretch& r, double top, const SegmentLimits& w) const {
     const path::SpeedRamp up(r.from, top, w.acceleration, w.jerk);
     const path::SpeedRamp down(r.to, top, w.acceleration, w.jerk);
@@ -155,7 +155,7 @@ class FeedPlanner {
     return {};
   }
 
-  /// Segment k at constant speed, as far as the ramps leave it, and what lies before and behind it on its own.
+  /// Crosses segment k at constant speed, as far as the ramps permit, and plans the parts before and behind it separately.
   void cross(const Stretch& r, std::size_t k, double c, double risen, double falls, const SegmentLimits& w) {
     const bool before = k > r.first && risen <= begin_[k];
     const bool behind = k + 1 < r.last && falls >= begin_[k + 1];
@@ -165,8 +165,8 @@ class FeedPlanner {
     if (before) push(r.first, k, r.from, c, w);
   }
 
-  /// A segment is in the way of a ramp to more than `top`: the ramp is interrupted at the far end of that segment, as seen from
-  /// the end of the stretch that it begins at. Where that does not fit: as a whole, at `top`.
+  /// A segment limits a ramp to more than `top`: the ramp is interrupted at the far end of that segment, as seen from the end of the
+  /// stretch where the ramp begins. Where that does not fit, the stretch is planned as a whole, up to `top`.
   void split(const Stretch& r, const Slow& slow, double top, SegmentLimits w) {
     const double s0 = begin_[r.first];
     const double s1 = begin_[r.last];
@@ -179,7 +179,7 @@ class FeedPlanner {
     const auto rest = [&](double speed) {
       return slow.rising ? Stretch{border, r.last, speed, r.to} : Stretch{r.first, border, r.from, speed};
     };
-    // Above `top` nothing has been looked at yet on the other side.
+    // Above `top` the other side has not been checked yet.
     if (v > top && too_slow(rest(v), v, w).segment != kNone) v = top;
     if (v > most || v < (slow.rising ? r.from : r.to)) return emit(r, top, w);
     const auto fits = [&](const Stretch& part) {
@@ -191,7 +191,7 @@ class FeedPlanner {
     push(r.first, border, r.from, v, w);
   }
 
-  /// To be planned next, with the limits of the ramps found so far where these pass slower segments.
+  /// Adds a stretch to be planned next. It keeps the limits of the ramps found so far where these pass slower segments.
   void push(std::size_t first, std::size_t last, double from, double to, const SegmentLimits& w) {
     Stretch part{first, last, from, to};
     if (minima_.weakest(first, last).speed < std::max(from, to)) {

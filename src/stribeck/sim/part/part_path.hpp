@@ -5,8 +5,8 @@
 ///   |q_i'·ṡ| ≤ v_i      |q_i''·ṡ² + q_i'·s̈| ≤ a_i      |q_i'''·ṡ³ + 3·q_i''·ṡ·s̈ + q_i'·s⃛| ≤ j_i       ' = d/ds
 ///
 ///   Every segment gets a highest speed c, and limits a_t, j_t of s̈ and s⃛ that hold at any speed up to c. Between two stops the
-///   slowest segment is crossed at its c without acceleration, then the parts before and behind it are planned in the same
-///   way; what lies between is one ramp up and one down. Position, speed and acceleration are continuous.
+///   slowest segment is crossed at its c without acceleration. The parts before and behind it are then planned in the same
+///   way; the rest is one ramp up and one down. Position, speed and acceleration are continuous.
 ///
 /// Source: seven-segment ramps as in speed_ramp.hpp; corners as in segment_path.hpp.
 /// Not modelled: feed override, the naive merging of short moves (G64 Q), a tool; least time under these limits.
@@ -31,7 +31,7 @@ enum class Junction : std::uint8_t {
 /// Resolution of the interpreter's output [m].
 inline constexpr double kExactTolerance = 1e-7;
 
-/// One programmed move, from where the last one ended; SI.
+/// One programmed move, from the end of the last one; SI.
 struct PartMove {
   Vec<double, 3> to;
   bool arc = false;
@@ -44,7 +44,7 @@ struct PartMove {
   double dwell = 0.0;  ///< at its end, with kStop [s]
 };
 
-/// Per axis.
+/// Limits of each axis.
 template <std::size_t N>
 struct PartLimits {
   Vec<double, N> speed;
@@ -57,7 +57,7 @@ struct PartSummary {
   std::size_t moves = 0;    ///< with travel
   std::size_t stops = 0;    ///< between the first move and the last
   std::size_t corners = 0;  ///< rounded
-  std::size_t limited = 0;  ///< moves whose feed is above the limits of the axes
+  std::size_t limited = 0;  ///< number of moves whose feed is above the limits of the axes
   double length = 0.0;      ///< travelled [m]
   double duration = 0.0;    ///< [s]
   double deviation = 0.0;   ///< largest between the programmed and the rounded path [m]
@@ -72,7 +72,7 @@ struct Part {
   PartSummary summary;
 };
 
-/// The path of a part with its memory, as an experiment travels it.
+/// The path of a part, which owns its memory; for an experiment.
 template <std::size_t N>
 struct PartPath {
   static constexpr std::size_t kAxes = N;
@@ -87,18 +87,19 @@ struct PartPath {
   }
 };
 
-/// With two axes, z of the moves is left out. Null where no move has travel. Limits are positive, the axis-wise ones of the machine.
+/// With two axes, z of the moves is ignored. Null where no move has travel. Limits are those of the axes and positive.
 template <std::size_t N>
 std::shared_ptr<const Part<N>> plan_part(const Vec<double, 3>& start, const std::vector<PartMove>& moves,
                                          const PartLimits<N>& limits);
 
-/// The part of a curve that is given as segments with continuous derivatives (a polynomial: SegmentKind::kCorner), at one feed from
-/// rest to rest. Null without segments.
+/// Plans a curve that is given as segments with continuous derivatives (polynomials: SegmentKind::kCorner), from rest to rest at one
+/// feed. Its narrow bends are cut into pieces (tame_pieces.hpp), and at a cusp the motion stops. Null where the curve has no
+/// length.
 template <std::size_t N>
 std::shared_ptr<const Part<N>> plan_smooth(std::vector<path::Segment<N>> segments, double feed,
                                            const PartLimits<N>& limits);
 
-/// The motion along a part at times that ascend, with the transported frame; at a stop in a corner the frame is begun anew.
+/// The motion along a part at ascending times, with the transported frame. After a stop in a corner a new frame is started.
 template <std::size_t N>
 class PartMotion {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-/// Margins of the loop that a control law closes, measured on the law as it is, whatever it is.
+/// Margins of the loop that a control law closes, measured on the law itself, for any law.
 ///
 ///   C(z)   answer of the law's force to a short small error of the measured position, less the answer without; reference straight
 ///          on at constant speed. Integrators are differenced out: C = Σ Δ^q h_n z⁻ⁿ / (1 − z⁻¹)^q
@@ -44,12 +44,12 @@ struct LoopMargins {
 template <std::size_t N>
 using DeclaredModes = std::array<std::optional<plant::AxialMode>, N>;
 
-/// For the masses, period and delays of the setup. Limits of force, adaptation and friction of the setup are left out.
+/// For the masses, period and delays of the setup. Its limits of force, adaptation and friction are not used.
 template <std::size_t N>
 LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>& setup,
                          const DeclaredModes<N>& modes = {});
 
-/// The law with its switching part in place of sgn as a line through the origin, at the amplitude above.
+/// The law with a straight line in place of sgn in its switching part, at the amplitude above.
 control::LawParams linear_part(const control::LawParams& law);
 
 }  // namespace stribeck::sim

@@ -2,8 +2,7 @@
 /// Runs controllers on machines that differ from the identified one, and collects their errors.
 ///
 /// Machine i of a seed (variation.hpp) runs every controller on every travel. Controllers are built once, from the nominal
-/// machine and what was identified of it; the machines alone differ. A machine has its own noise, the same for
-/// all controllers.
+/// machine and its identification; only the machines differ. Each machine has its own noise, the same for all controllers.
 ///
 ///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
 ///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
@@ -12,9 +11,9 @@
 /// Quantiles interpolate between order statistics, Q(p) = x_k + (h − k)(x_{k+1} − x_k) with h = p(n − 1); a lost run counts as
 /// infinite.
 ///
-/// Sub-steps are as many as the fastest rate of the machine asks for; choose_substeps() would cost more than the runs. Measured
+/// The number of sub-steps follows from the fastest rate of the machine; choose_substeps() would cost more than the runs. Measured
 /// on 40 machines: docs/theory/robustness.md.
-/// Real time: no. Errors: Refused when a spec means nothing.
+/// Real time: no. Errors: Refused for a specification that means nothing.
 
 #include <functional>
 #include <stribeck/sim/compare.hpp>
@@ -24,7 +23,7 @@ namespace stribeck::sim {
 
 struct RobustnessSpec {
   std::vector<Travel> travels;
-  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's; empty: the first ones
+  std::vector<std::size_t> axes;  ///< of the machine, in the order of the path's axes; empty: the first ones
   std::vector<ControllerSpec> controllers;
   Variation variation;
   std::uint32_t machines = 100;
@@ -43,7 +42,7 @@ struct RobustRun {
 struct RobustRow {
   ControllerSpec controller;
   std::size_t travel = 0;  ///< index into the spec's travels
-  RobustRun nominal;       ///< on the machine that was identified
+  RobustRun nominal;       ///< on the identified machine
   std::vector<RobustRun> runs;
 };
 
@@ -55,7 +54,7 @@ struct RobustnessResult {
   std::vector<RobustRow> rows;                     ///< travel by travel, controller by controller
 };
 
-/// knowledge is that of the nominal machine, by its axes. progress(done, all) may be called from any thread, one call at a time.
+/// knowledge is that of the nominal machine, for its axes. progress(done, all) may be called from any thread, one call at a time.
 RobustnessResult robustness(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
                             const RobustnessSpec& spec,
                             const std::function<void(std::size_t, std::size_t)>& progress = {});
@@ -73,14 +72,14 @@ Quantiles quantiles(std::vector<double> values);
 
 /// A figure of every machine, infinite where the loop was lost.
 std::vector<double> figures(const RobustRow& row, double Metrics::*figure);
-/// The same over that of another controller on the same machine; 0 where only the other was lost.
+/// The same divided by that of another controller on the same machine; 0 where only the other was lost.
 std::vector<double> ratios(const RobustRow& row, const RobustRow& reference, double Metrics::*figure);
 std::size_t lost(const RobustRow& row);
 
 /// V2 on a circle of 10 mm at 3 and 9.5 mm/s, scored on the third revolution.
 RobustnessSpec robust_biaxial();
 
-/// Controllers of the robustness experiment; the first is the one that the others are measured against.
+/// Controllers of the robustness experiment; the others are compared with the first one.
 std::vector<ControllerSpec> robust_controllers();
 
 }  // namespace stribeck::sim

@@ -1,5 +1,5 @@
 #pragma once
-/// Every controller at its best gains: one search, the same for every law, under the same limits.
+/// Every controller at its best gains: one search method for every law, under the same limits.
 ///
 ///   gains      every positive number of the law and of its controller that counts in powers of time (1/s, 1/s², 1/s³, rad/s, s,
 ///              m/s, m/s², N²/s) and has an effect; entries of a list one by one. Shares, bounds and choices are not gains.
@@ -16,7 +16,7 @@
 /// A point whose loop is unstable is not simulated. Search and confirmation have noise of their own (trials from kSearchTrial on);
 /// before and after are compare() with the spec's seed and trials. Same spec, same bytes, on any number of threads.
 /// Source: Powell 1994, doi:10.1007/978-94-015-8330-5_4 (COBYLA); NLopt.
-/// Not modelled: what margins do not see (see there); several minima: the search is local.
+/// Not modelled: what margins do not show (see there); several minima: the search is local.
 /// Real time: no. Errors: Refused as of compare(). No gains within the limits is an answer, not an error: TunedController::miss.
 
 #include <stribeck/sim/compare.hpp>
@@ -24,11 +24,11 @@
 
 namespace stribeck::sim {
 
-/// First trial number of the search's noise: no experiment has as many trials.
+/// First trial number of the search's noise: no experiment has that many trials.
 inline constexpr std::uint32_t kSearchTrial = 1000000;
 
-/// The report has other noise than the search; what that may add to the variation is kept back of its limit. Over ten trials on V2
-/// the mean of a controller moves by 0.2 %, and that of the reference with it.
+/// The report has other noise than the search. This share of the limit of variation is kept in reserve for the difference. Over ten
+/// trials on V2 the mean of a controller moves by 0.2 %, and that of the reference with it.
 inline constexpr double kKeptBack = 0.005;
 
 struct TuneLimits {
@@ -63,28 +63,29 @@ struct TravelScore {
 
 enum class Limit { kStability, kPhaseMargin, kGainMargin, kDelayMargin, kInputVariation, kPath };
 
-/// How far the gains that came nearest to the limits are from them: their worst limit.
+/// The worst violated limit of the gains that came nearest to the limits.
 struct Miss {
   Limit limit = Limit::kStability;  ///< kStability: no loop was stable; kPath: the path was lost
-  double nearest = 0.0;             ///< in the unit of TuneLimits; NaN for the two without a number
+  double nearest = 0.0;  ///< its value, in the unit of TuneLimits; NaN for the two without a number
   double asked = 0.0;
-  std::size_t travel = 0;    ///< for the variation
-  bool other_noise = false;  ///< the search's noise met the limits, that of the confirmation did not
+  std::size_t travel = 0;  ///< for the variation
+  bool other_noise =
+      false;  ///< the gains met the limits under the search's noise, but not under that of the confirmation
 };
 
 struct TunedController {
   ControllerSpec start;
-  ControllerSpec tuned;          ///< start, where no gains meet the limits
+  ControllerSpec tuned;          ///< equals the start where no gains meet the limits
   std::vector<TunedGain> gains;  ///< those with an effect
   std::optional<Miss> miss;      ///< no gains meet the limits
-  std::string refused;           ///< why there is no answer; empty: there is one
+  std::string refused;           ///< why there is no result; empty: there is one
   LoopMargins start_margins;
   LoopMargins tuned_margins;        ///< where found()
   std::vector<TravelScore> before;  ///< per travel; empty where the start cannot be run
   std::vector<TravelScore> after;   ///< per travel; empty where no gains meet the limits
   std::string before_refused;       ///< why the start cannot be run
   int evaluations = 0;              ///< of J
-  int tries = 0;                    ///< gains looked at, by their margins or by a run
+  int tries = 0;                    ///< gains that were tried, by their margins or by a run
 
   [[nodiscard]] bool found() const noexcept { return !miss && refused.empty(); }
 };
@@ -93,7 +94,7 @@ struct TuneResult {
   std::string machine;
   double period = 0.0;                  ///< [s]
   std::vector<double> variation_limit;  ///< per travel [V]
-  std::string reference;                ///< id of the controller that it is of; empty: it was given
+  std::string reference;  ///< id of the controller whose variation is the limit; empty: a number was given
   std::vector<TunedController> controllers;
 };
 
@@ -109,10 +110,10 @@ struct Gain {
   double* value = nullptr;
 };
 
-/// The gains of a controller with this many axes, in the order in which they are declared; they point into it.
+/// The gains of a controller with this many axes, in the order of declaration; they point into it.
 std::vector<Gain> gains_of(ControllerSpec& controller, std::size_t axes);
 
-/// Makes a controller slower as a whole (share < 1): times share to the power that each unit has of 1/time.
+/// Makes a controller slower as a whole (share < 1): multiplies each gain by share to the power of 1/time in its unit.
 ControllerSpec slowed(const ControllerSpec& controller, std::size_t axes, double share);
 
 }  // namespace stribeck::sim

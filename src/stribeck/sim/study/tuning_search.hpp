@@ -40,11 +40,11 @@ class Search {
   }
 
  private:
-  /// COBYLA ends within its region of a limit, on either side: it is told of a limit a little closer.
+  /// COBYLA ends within its region of a limit, on either side; it therefore gets slightly tighter limits.
   static constexpr double kInside = 0.003;
-  static constexpr double kShare = 0.35;                 ///< of the evaluations, for the shapes
-  static constexpr double kSpread = 0.6931471805599453;  ///< of the shapes: half to double
-  static constexpr double kSlack = 0.6;  ///< or up to this share of that speed, for the other limits
+  static constexpr double kShare = 0.35;                 ///< share of the evaluations for the shapes
+  static constexpr double kSpread = 0.6931471805599453;  ///< spread of the shapes: half to double
+  static constexpr double kSlack = 0.6;  ///< speeds down to this share are also tried, for the other limits
   static constexpr double kFaster =
       1.3862943611198906;  ///< a shape is made up to four times faster or slower
   static constexpr double kSlower = 0.94;
@@ -52,8 +52,9 @@ class Search {
   static constexpr double kSlowShape = 1.4978661367769954;  ///< ln √20: proportional gains by 20
   static constexpr unsigned kShapes = 128;                  ///< looked at for their margins alone
   static constexpr std::size_t kFewShapes = 6;              ///< of them simulated
-  static constexpr double kWide = 1.3862943611198906;       ///< of these shapes: a quarter to four times
-  static constexpr double kNear = 0.4054651081081644;  ///< of those about the nearest miss: 2/3 to 1.5 times
+  static constexpr double kWide = 1.3862943611198906;  ///< spread of these shapes: a quarter to four times
+  static constexpr double kNear =
+      0.4054651081081644;  ///< spread of those about the nearest miss: 2/3 to 1.5 times
 
   void search(TunedController& out) {
     best_spec_ = start_;
@@ -65,7 +66,7 @@ class Search {
     const Point begin = best_;
     const ControllerSpec begin_spec = best_spec_;
     explore();
-    // A part begins at the given gains, the rest at the best ones found so far.
+    // A part of the runs begins at the given gains, the others at the best ones found so far.
     minimise(begin_spec, begin, 0.3, left_ - left_ / 3);
     for (double region = 0.3; region > 0.02;) {
       const double before = best_.objective;
@@ -94,7 +95,7 @@ class Search {
     out.tuned_margins = best_.margins;
   }
 
-  /// The start, slowed until it keeps the limits; failing that, as slow as the margins ask; failing that, another shape.
+  /// The start, slowed until it keeps the limits. If that fails, as slow as the margins need; if that fails, another shape.
   bool find_begin() {
     for (int k = 0; k <= kSlowest; ++k) {
       const ControllerSpec c = slowed(start_, N, std::pow(kSlower, k));
@@ -103,7 +104,7 @@ class Search {
       if (begin_at(c)) break;
     }
     if (!found_) {
-      // No speed has the margins: the gains need another ratio to each other.
+      // No speed has the margins: the ratio of the gains must change.
       for (const ControllerSpec& c : shapes_with_margins()) {
         begin_at(c);
         --left_;
@@ -113,8 +114,7 @@ class Search {
     return found_ && std::isfinite(best_.objective);
   }
 
-  /// Simulates a point whose margins have been looked at, which made it a try, and keeps the one nearest to the limits, of several that keep them the best. Whether
-  /// this one keeps them.
+  /// Simulates a point whose margins are known and were counted as a try. Of several points the nearest to the limits is kept, of those that keep the limits the best. Returns whether this point keeps them.
   bool begin_at(const ControllerSpec& c) {
     if (!found_) task_.choose_substeps(c);
     const Point p = task_.evaluate(c, search_);
@@ -130,7 +130,7 @@ class Search {
     return keeps;
   }
 
-  /// Margins alone; the nearest miss is kept. A law that has none with these gains is as good as unstable.
+  /// Computes margins only and keeps the nearest miss. A law that has no margins with these gains counts as unstable.
   Point look_at_margins(const ControllerSpec& c) {
     ++tries_;
     Point p;
@@ -146,8 +146,8 @@ class Search {
     return p;
   }
 
-  /// Shapes that have the margins at some speed, at their fastest: spread evenly and wide about the start, a quarter of them about
-  /// the nearest miss.
+  /// Shapes that have the margins at some speed, each at its fastest: three quarters are spread widely about the start, a quarter
+  /// about the nearest miss.
   std::vector<ControllerSpec> shapes_with_margins() {
     std::vector<ControllerSpec> all;
     const std::vector<std::size_t> gains = gains_of_margins();
@@ -173,7 +173,7 @@ class Search {
     return all;
   }
 
-  /// No gain further from the start than the search goes; a loop without gain has every margin.
+  /// Clips gains to the range of the search; a loop without gain would have every margin.
   [[nodiscard]] ControllerSpec ranged(const ControllerSpec& controller) const {
     ControllerSpec c = controller;
     ControllerSpec origin = start_;
@@ -186,7 +186,7 @@ class Search {
     return c;
   }
 
-  /// Gains whose change by a tenth moves the margins.
+  /// Gains that change the margins when they change by a tenth.
   std::vector<std::size_t> gains_of_margins() {
     std::vector<std::size_t> all;
     const LoopMargins own = task_.margins(start_);
@@ -208,7 +208,7 @@ class Search {
     return all;
   }
 
-  /// Shape k of those spread evenly about `origin`, each of these gains within a factor of exp(width).
+  /// Shape k of a sequence spread evenly about `origin`, with each of these gains within a factor of exp(width).
   static ControllerSpec spread(const ControllerSpec& origin, const std::vector<std::size_t>& which,
                                unsigned k, double width) {
     ControllerSpec shape = origin;
@@ -221,7 +221,7 @@ class Search {
     return shape;
   }
 
-  /// The best of the first few points that keep the limits under other noise as well.
+  /// The best of the first few points that also keep the limits under other noise.
   void confirm() {
     constexpr int kFew = 6;
     std::stable_sort(kept_.begin(), kept_.end(),
@@ -241,7 +241,7 @@ class Search {
     }
   }
 
-  /// Gains whose change by a tenth moves anything.
+  /// Gains that change any result when they change by a tenth.
   void find_live() {
     auto gains = gains_of(best_spec_, N);
     for (std::size_t i = 0; i < gains.size(); ++i) {
@@ -257,7 +257,7 @@ class Search {
     }
   }
 
-  /// Shapes of gains spread evenly, each as fast as the margins let it be or somewhat slower; the first is that of the start.
+  /// Shapes of gains, spread evenly, each as fast as its margins permit or somewhat slower; the first is the shape of the start.
   void explore() {
     const ControllerSpec origin = best_spec_;
     const int end = left_ - static_cast<int>(kShare * left_);
@@ -266,7 +266,7 @@ class Search {
       double low = -kFaster;
       double high = kFaster;
       if (!task_.keeps_margins(look_at_margins(slowed(shape, N, std::exp(low))))) {
-        // Hopeless at any speed: costs an evaluation all the same, so that the number of shapes is bounded.
+        // No speed of this shape has the margins. It still costs an evaluation, so that the number of shapes is bounded.
         --left_;
         counted_();
         continue;
@@ -275,7 +275,7 @@ class Search {
         const double middle = 0.5 * (low + high);
         (task_.keeps_margins(look_at_margins(slowed(shape, N, std::exp(middle)))) ? low : high) = middle;
       }
-      // That of the start has been looked at.
+      // The shape of the start has been tried already.
       if (k > 0)
         low += std::log(kSlack) * halton(k, live_.size());
       else
@@ -297,7 +297,7 @@ class Search {
     return value;
   }
 
-  /// Simulates a point, which counts, and keeps it if it is the best.
+  /// Simulates a point, counts it, and keeps it if it is the best.
   Point judge(const ControllerSpec& c) {
     const Point p = task_.evaluate(c, search_);
     ++tries_;
@@ -340,7 +340,7 @@ class Search {
   static double objective(unsigned n, const double* x, double*, void* data) {
     auto& s = *static_cast<Search*>(data);
     const double j = s.look(n, x).objective;
-    // A point that was not simulated, or lost the path, counts as much worse than the start; limits say by how much.
+    // A point that was not simulated, or lost the path, counts as much worse than the start; the limits give its distance.
     return std::min(j / s.scale_, 5.0);
   }
   static void excess(unsigned m, double* result, unsigned n, const double* x, double*, void* data) {
@@ -348,7 +348,7 @@ class Search {
     for (unsigned i = 0; i < m; ++i) result[i] = p.excess[i] + kInside;
   }
 
-  /// COBYLA from a point until so many evaluations are left; false where there are too few for it.
+  /// Runs COBYLA from a point until this number of evaluations is left; false where there are too few for it.
   bool minimise(const ControllerSpec& centre, const Point& there, double region, int stop) {
     const auto count = static_cast<unsigned>(live_.size());
     stop_ = stop;
@@ -384,11 +384,12 @@ class Search {
   ControllerSpec centre_;
   ControllerSpec best_spec_;
   Point best_;
-  Point nearest_;                ///< to the limits: of those with the margins, else of all
-  ControllerSpec nearest_spec_;  ///< to the margins
-  int tries_ = 0;                ///< gains looked at
-  bool found_ = false;           ///< gains with the margins
-  std::vector<std::pair<double, ControllerSpec>> kept_;  ///< J of the points that keep all limits
+  Point nearest_;  ///< nearest to the limits: of the points with the margins, else of all points
+  ControllerSpec nearest_spec_;  ///< nearest to the margins
+  int tries_ = 0;                ///< number of gains tried
+  bool found_ = false;           ///< some gains have the margins
+  std::vector<std::pair<double, ControllerSpec>>
+      kept_;  ///< J of the points that keep all limits, with their gains
   std::vector<double> last_x_;
   Point last_;
   double scale_ = 1.0;

@@ -12,7 +12,7 @@
 
 namespace stribeck::sim::tuning {
 
-/// Numbers that say how far a point is from breaking the limits: each must be ≤ 0.
+/// Distance of a point from each limit; a value above 0 violates the limit.
 struct Point {
   bool stable = false;
   double objective =
@@ -20,8 +20,8 @@ struct Point {
   LoopMargins margins;
   std::vector<double> variation;  ///< per travel [V]; empty: not simulated
   std::vector<double> excess;
-  double far = 0.0;          ///< the largest excess, not cut off
-  std::size_t farthest = 0;  ///< of which limit
+  double far = 0.0;          ///< the largest excess, without the cut-off
+  std::size_t farthest = 0;  ///< index of its limit
 
   [[nodiscard]] double worst() const {
     double w = -std::numeric_limits<double>::infinity();
@@ -30,13 +30,13 @@ struct Point {
   }
 };
 
-/// Excesses are cut off here, so that points far from the limit do not dominate a linear model of them.
+/// Excesses are cut off here, so that points far from a limit do not dominate a linear model of them.
 inline constexpr double kMostExcess = 2.0;
 /// Noise of the confirmation.
 inline constexpr std::uint32_t kCheckTrial = 2 * kSearchTrial;
 inline constexpr std::uint32_t kCheckTrials = 10;
 
-/// Noise that a point is looked at with, and the variation of the reference under it.
+/// Noise under which points are simulated, and the variation of the reference under it.
 struct Trials {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
@@ -81,13 +81,13 @@ class Task {
     p.objective = sum / static_cast<double>(routes_.size() * trials.count);
   }
 
-  /// Margins, then a run unless the loop is unstable.
+  /// Computes margins, then runs the point unless its loop is unstable.
   Point evaluate(const ControllerSpec& c, const Trials& trials) {
     Point p;
     try {
       p = only_margins(margins(c));
     } catch (const Refused&) {
-      // A law that has no margins is as good as unstable; this also keeps exceptions out of the frames of the optimiser.
+      // A law that has no margins counts as unstable; this also keeps exceptions out of the optimiser's stack frames.
       for (int i = 0; i < 3; ++i) add(p, kMostExcess);
     }
     if (p.stable) run(c, trials, p);
@@ -108,12 +108,12 @@ class Task {
     add(p, l.delay_margin - m.delay / machine_.sample_time);
     return p;
   }
-  /// Of a point that may have been run as well.
+  /// Excesses of a point that may have been simulated.
   [[nodiscard]] static bool keeps_margins(const Point& p) {
     return p.stable && std::all_of(p.excess.begin(), p.excess.begin() + 3, [](double e) { return e <= 0.0; });
   }
 
-  /// The limit that is broken most.
+  /// The limit that is violated most.
   [[nodiscard]] Miss broken(const Point& p, const Trials& trials) const {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const TuneLimits& l = spec_.limits;
@@ -127,7 +127,7 @@ class Task {
   }
 
  private:
-  /// One more limit of a point.
+  /// Adds one more limit of a point.
   static void add(Point& p, double e) {
     if (std::isnan(e)) e = std::numeric_limits<double>::infinity();
     if (p.excess.empty() || e > p.far) {

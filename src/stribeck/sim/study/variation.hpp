@@ -10,13 +10,13 @@
 ///   periodic    one more additive term, 0 … 5 % of the level at rest, period 2 … 10 mm, any phase
 ///   warming     level and viscous part fall by 0 … 20 % during the run, with a time constant of 5 … 20 s
 ///
-/// Uniform where nothing else is said, all together, ranges as given in Variation. Proportional eccentric terms scale with the
-/// level, additive ones and the load stay. A drawn mode takes the place of the machine's own. What is published or known
-/// of the machine, its drive, converter and limits stay.
+/// Distributions are uniform unless stated, independent, with the ranges in Variation. Proportional eccentric terms scale with the
+/// level; additive ones and the load do not change. A drawn mode replaces the machine's own. Published and known data of the
+/// machine, its drive, converter and limits do not change.
 ///
-/// A stream depends on (seed, machine, axis) and nothing else, and every factor takes its numbers from it whether it is used or
-/// not: another range of one factor leaves the others as they were.
-/// Not modelled: delays of a part of a control period, which the plant does not know; factors that belong together
+/// A stream depends on (seed, machine, axis) alone. Every factor takes its numbers from it even where it is not used, so that another
+/// range of one factor does not change the others.
+/// Not modelled: delays of a part of a control period, which the plant does not support; correlated factors
 /// (stiff and heavy); a change of the shape of the friction curve.
 /// Real time: no. Errors: Refused, with the factor.
 
@@ -59,7 +59,7 @@ struct AxialModeVariation {
   }
 };
 
-/// How far machines may be from the one that was identified.
+/// Ranges in which machines may differ from the identified one.
 struct Variation {
   double friction = 0.3;
   double stiffness = 0.5;
@@ -116,7 +116,7 @@ struct Variation {
   }
 };
 
-/// A periodic term as it was drawn.
+/// A periodic term that was drawn.
 struct PeriodicDeviation {
   double share = 0.0;   ///< of the level at rest
   double period = 0.0;  ///< [m]
@@ -128,7 +128,7 @@ struct Deviation {
   double friction = 1.0;   ///< factor
   double stiffness = 1.0;  ///< factor
   double mass = 1.0;       ///< factor
-  int delay = 0;           ///< more control periods
+  int delay = 0;           ///< additional control periods
   double encoder = 1.0;    ///< factor of the resolution
   std::optional<plant::AxialMode> axial_mode;
   std::optional<PeriodicDeviation> periodic;
@@ -138,7 +138,7 @@ struct Deviation {
 /// Draws for an axis of machine number `machine`. The variation must be valid.
 Deviation draw(const Variation& variation, std::uint64_t seed, std::uint32_t machine, std::uint32_t axis);
 
-/// The axis with this deviation.
+/// The parameters of the axis with this deviation.
 plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& deviation);
 
 /// Machine number `machine` of a seed.
@@ -147,10 +147,10 @@ Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t s
 /// Factors, by name: friction, stiffness, mass, delay, encoder, axial_mode, periodic, warming.
 std::vector<std::string> variation_factors();
 
-/// One factor as it is by default, the others nominal. Throws Refused for a name that is none.
+/// Default range of one factor, the others nominal. Throws Refused for an unknown name.
 Variation vary_only(std::string_view factor);
 
-/// Throws Refused when a range is not one.
+/// Throws Refused when a range is invalid.
 void check(const Variation& variation);
 
 }  // namespace stribeck::sim

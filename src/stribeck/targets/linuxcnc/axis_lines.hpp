@@ -9,16 +9,16 @@
 
 namespace stribeck::targets::linuxcnc {
 
-/// Double pole of the position loops where nobody says another.
+/// Default double pole of the position loops.
 inline constexpr const char* kOmega = "40 rad/s";
 
-/// --omega, else kOmega [rad/s].
+/// The value of --omega, else kOmega [rad/s].
 double omega_of(const ExportRequest& request);
 
 /// One stribeck_axis for each axis file.
 std::string controllers(const ExportRequest& request);
 
-/// One lincurve for each axis file; points and errors go to `json` and, in words, to `words`.
+/// One lincurve for each axis file; points and errors are added to `json` and, in words, to `words`.
 std::string tables(const ExportRequest& request, nlohmann::ordered_json& json, std::string& words);
 
 /// One stribeck_plant for each axis of a machine.

@@ -1,5 +1,5 @@
 #pragma once
-/// A whole configuration of LinuxCNC for a machine: INI, HAL, and what makes it run at once.
+/// A complete configuration of LinuxCNC for a machine: INI, HAL, and programs so that it runs at once.
 /// Real time: no.
 /// Errors: InputError naming the machine file and its axes.
 
@@ -21,13 +21,13 @@ struct Configuration {
   std::vector<HalAxis> axes;
 };
 
-/// Letters of LinuxCNC for the axes of a machine; refuses names that it does not know and any that occur twice.
+/// LinuxCNC's letters for the axes of a machine; refuses names that LinuxCNC does not have, and names that occur twice.
 std::vector<std::string> linuxcnc_letters(const sim::Machine& machine, const std::string& file);
 
 /// Whether one stribeck_contour can control all axes.
 bool has_contour(const Configuration& c);
 
-// Files of it: machine.ini with the screen, headless.ini without (ini.cpp); HAL (hal_files.cpp); G-code (gcode_programs.cpp).
+// Its files: machine.ini with the screen, headless.ini without (ini.cpp); HAL (hal_files.cpp); G-code (gcode_programs.cpp).
 std::string ini(const Configuration& c, bool screen);
 std::string motion(const Configuration& c);
 std::string axis_control(const Configuration& c);
@@ -42,7 +42,7 @@ std::string identify(const Configuration& c);
 /// hal/play.py
 extern const std::string_view kPlay;
 
-/// Files of the configuration by name, and their texts.
+/// Names and texts of the files of the configuration.
 NamedTexts configuration_files(const Configuration& c);
 
 }  // namespace stribeck::targets::linuxcnc

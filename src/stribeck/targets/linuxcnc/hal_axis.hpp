@@ -1,5 +1,5 @@
 #pragma once
-/// An axis of a configuration in the units and words of LinuxCNC.
+/// An axis of a configuration, in the units and words of LinuxCNC.
 /// Real time: no.
 
 #include <functional>
@@ -17,7 +17,7 @@ struct HalAxis {
   std::string letter;  ///< of LinuxCNC
   const sim::MachineAxis* machine = nullptr;
   DrivableLimits can;
-  friction::AxisModel model;  ///< what its controllers know
+  friction::AxisModel model;  ///< the model that its controllers know
 };
 
 using Axes = std::vector<HalAxis>;
@@ -29,11 +29,11 @@ double unit_of(const HalAxis& a);
 std::string_view unit_name(const HalAxis& a);
 double in_units(const HalAxis& a, double metres);
 std::string number(double x);
-/// Where the axis is homed and the drive stands at the start [m]: zero, or the middle of a travel without it.
+/// Home position of the axis, where the drive stands at the start [m]: zero, or the middle of a travel that does not contain zero.
 double home_of(const HalAxis& a);
-/// Letter as G-code and INI write it.
+/// Letter as in G-code and INI.
 std::string capital(const HalAxis& a);
-/// A text for every axis.
+/// Joins a text for every axis.
 std::string each(const Axes& axes, const std::function<std::string(const HalAxis&, std::size_t)>& text);
 /// "ax.x,ax.y"
 std::string names(const Axes& axes, std::string_view prefix);

@@ -1,5 +1,5 @@
 #pragma once
-/// Lines of HAL that set the parameters of this project's components, one instance each.
+/// HAL lines that set the parameters of this project's components, for one instance each.
 /// Real time: no.
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace stribeck::targets::linuxcnc {
 
-/// setp lines of one instance of each component.
+/// setp lines for one instance of each component.
 std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
                              const std::string& feedforward);
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis);
 std::string setp(const std::string& component, std::string_view parameter, double value,
                  std::string_view word = {});
 
-/// By index, as the components take it.
+/// Index of the choice, as the components take it.
 inline constexpr std::array<std::string_view, 4> kFeedforward{"none", "steady", "dynamic", "reversal"};
 
 }  // namespace stribeck::targets::linuxcnc

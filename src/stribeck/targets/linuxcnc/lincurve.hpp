@@ -1,5 +1,5 @@
 #pragma once
-/// Friction as LinuxCNC's own component lincurve holds it: a table of at most 16 points over the velocity.
+/// Friction in the form of LinuxCNC's own component lincurve: a table of at most 16 points over the velocity.
 /// Real time: no.
 
 #include <stribeck/friction/axis_model.hpp>
@@ -9,11 +9,11 @@
 
 namespace stribeck::targets::linuxcnc {
 
-/// The friction of an axis as the component lincurve can hold it: at most 16 points, straight lines between them.
+/// The friction of an axis as lincurve can hold it: at most 16 points, joined by straight lines.
 struct Lincurve {
   Polyline table;          ///< velocity [machine units/s], force [N]
   double max_error = 0.0;  ///< largest over the range [N]
-  double rms_error = 0.0;  ///< over the range, every velocity counting alike [N]
+  double rms_error = 0.0;  ///< over the range, every velocity weighted equally [N]
 };
 
 /// The table nearest to the steady-state curve from −`fastest` to `fastest`, in the sense of the largest error (to some per cent, as
@@ -24,7 +24,7 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
 /// The error of the table, as a comment and as text; `unit` is that of its velocities.
 std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model, std::string_view unit);
 
-/// setp lines of one instance.
+/// setp lines for one instance.
 std::string lincurve_lines(const std::string& name, const Lincurve& table);
 
 }  // namespace stribeck::targets::linuxcnc

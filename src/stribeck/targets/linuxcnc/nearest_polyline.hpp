@@ -1,14 +1,14 @@
 #pragma once
-/// The continuous polyline with few corners that is nearest to a curve, in the sense of the largest error: what a control with a
-/// table of a few points can do at best.
+/// The continuous polyline with few corners that is nearest to a curve, by the largest error. It is the best that a control with a
+/// table of a few points can do.
 ///
 ///   polyline_within    the fewest pieces with |p(x_i) − y_i| ≤ tolerance
-///   nearest_polyline   the smallest largest error of so many pieces, by bisection over the tolerance, to a millionth of the height
+///   nearest_polyline   the smallest largest error with this number of pieces, by bisection over the tolerance, to a millionth of the height
 ///
 /// Corners are free in x and y. The band y ± tolerance is a tunnel; each piece goes as far through it as a straight line can. The
-/// line that goes furthest separates what one piece more can reach from what it cannot, so that the next begins on it, from the place on
-/// where it last touches the wall that it leaves through. Nothing shorter exists. Samples stand for the curve; between
-/// two of them a corner may be further off.
+/// line that goes farthest separates what one more piece can reach from what it cannot. The next piece therefore begins on it, from
+/// the place where it last touches the wall through which it leaves. No polyline has fewer pieces. The curve is given by samples;
+/// between two of them a corner may be farther off.
 ///
 /// Source: Suri 1986, Computer Vision, Graphics, and Image Processing 35 (paths with fewest links in a polygon).
 /// Not modelled: jumps (a curve on each side), noise.
@@ -31,11 +31,11 @@ struct Polyline {
   std::vector<Corner> corners;  ///< both ends included
   double largest_error = 0.0;   ///< at the samples
 
-  /// Value at x; beyond the ends that of the end.
+  /// Value at x; beyond the ends, the value at the end.
   [[nodiscard]] double at(double x) const noexcept;
 };
 
-/// Nothing when it takes more than `pieces`.
+/// Empty where more than `pieces` would be needed.
 std::optional<Polyline> polyline_within(std::span<const double> x, std::span<const double> y,
                                         double tolerance, std::size_t pieces);
 

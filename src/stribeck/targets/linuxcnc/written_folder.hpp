@@ -18,9 +18,9 @@ struct WrittenFolder {
       kept;  ///< files that a user has edited, and whose text would be the same as before
 };
 
-/// Writes files to a folder that exists, and a record of them, written.txt, beginning with the comment. What was edited since the
-/// record was made, or is in no record, is never overwritten: kept where the text to write is the recorded one, else refused
-/// (InputError), and then nothing is written.
+/// Writes files to an existing folder, and a record of them, written.txt, which begins with the comment. A file that was edited since
+/// the record was made, or that is in no record, is never overwritten: it is kept where the text to write equals the recorded one;
+/// otherwise the call is refused (InputError) and nothing is written.
 WrittenFolder write_folder(const std::string& folder, const std::string& comment, const NamedTexts& files);
 
 }  // namespace stribeck::targets::linuxcnc

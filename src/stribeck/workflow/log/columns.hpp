@@ -1,9 +1,9 @@
 #pragma once
-/// Which column of a log is what: chosen by --map, else by its name in the notations of the controls that
-/// io::read_log knows, with the axis in it (x_y, X1_ActualPosition, ENC_POS|2, s ist/Y, q1).
+/// Finds the column of a log for each quantity: by --map, else by its name in the notations of the controls that
+/// io::read_log knows, with the axis in the name (x_y, X1_ActualPosition, ENC_POS|2, s ist/Y, q1).
 ///
-/// The names are in known_columns.cpp: a new notation is a line there. Two columns that could both be one
-/// quantity are refused.
+/// The names are in known_columns.cpp, one line for each notation. Two columns that could both be the same quantity are
+/// refused.
 ///
 /// Real time: no.
 /// Errors: InputError naming file, column or option.
@@ -20,7 +20,7 @@
 
 namespace stribeck::workflow {
 
-/// Quantities of a log's columns, by the words of --map.
+/// Quantities of columns, named as in --map.
 enum class LogQuantity {
   kTime,
   kReference,
@@ -35,7 +35,7 @@ enum class LogQuantity {
   kPercent
 };
 
-/// Names of one signal, lower case. A family is one notation in order of preference; columns of two families
+/// Names of one signal in lower case. A family is one notation, in order of preference; columns of two families
 /// are two candidates.
 using NameFamily = std::vector<std::string_view>;
 
@@ -46,29 +46,29 @@ struct KnownColumn {
 };
 const KnownColumn& known_column(LogQuantity what);
 
-/// A column with the unit that its values have; "" where nobody says one.
+/// A column with the unit of its values; "" where no unit is known.
 struct NamedColumn {
   const io::Column* column = nullptr;
   std::string unit;
 };
 
-/// As the file calls it.
+/// Its name in the file.
 const std::string& header_of(const io::Column& column);
 /// The same with its unit.
 std::string header_with_unit(const NamedColumn& named);
-/// Those of a log, for messages.
+/// Names of all columns of a log, for messages.
 std::string column_names(const io::Log& log);
 
 /// The columns of one axis.
 class AxisColumns {
  public:
-  /// Reads all of --map.
+  /// Reads all texts of --map.
   AxisColumns(const io::Log& log, const LogOptions& options);
 
   [[nodiscard]] const io::Log& log() const noexcept { return log_; }
-  /// Chosen by --map.
+  /// The column chosen by --map.
   [[nodiscard]] std::optional<NamedColumn> mapped(LogQuantity what) const;
-  /// The same, else by its name.
+  /// The same, else found by its name.
   [[nodiscard]] std::optional<NamedColumn> find(LogQuantity what) const;
 
  private:
@@ -77,19 +77,19 @@ class AxisColumns {
   std::vector<std::pair<LogQuantity, NamedColumn>> maps_;
 };
 
-/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind as that of the file, which it replaces.
+/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file.
 NamedColumn named_column(const io::Log& log, const std::string& text);
 
-/// The column of an axis's position by its name; refused where there is none, or more than one could be it.
+/// The position column of an axis, found by its name; refused where there is none, or more than one candidate.
 NamedColumn position_column(const io::Log& log, const std::string& axis);
 
-/// All values of a position [m]; refused where the column is none.
+/// All values of a position [m]; refused where the column is no position.
 std::vector<double> positions(const io::Log& log, const NamedColumn& named);
 
 /// Refuses a column whose unit contradicts its quantity.
 [[noreturn]] void refuse_column(const io::Log& log, const NamedColumn& named, const std::string& message);
 
-/// Throws, naming the file, where the column in this unit is not the quantity.
+/// Throws, naming the file, where a column with this unit cannot be the quantity.
 void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q);
 
 }  // namespace stribeck::workflow

@@ -1,5 +1,5 @@
 #pragma once
-/// Values of a column in another unit, straight from the file's numbers to those of a signal.
+/// Converts the values of a column to another unit in one step.
 /// Real time: no.
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace stribeck::workflow {
 
-/// The conversion between two units; nothing where there is none.
+/// The conversion between two units; empty where there is none.
 std::optional<io::Conversion> conversion_between(const std::string& unit, std::string_view si);
 
 /// All values of a column, converted and then multiplied by a factor.
 std::vector<double> converted(const io::Column& column, const io::Conversion& conversion, double factor);
 
-/// The same of some rows, counted from 0.
+/// The same for some rows, counted from 0.
 std::vector<double> converted(const io::Column& column, const io::Conversion& conversion, double factor,
                               const std::vector<std::size_t>& rows);
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The column of a log that stands for the force: force, torque, current, voltage or percent, and how its
-/// values become newtons. Without a gain they stay in the log's own unit ("A", "%", "V", "N m") and a note says so.
+/// The column of a log that gives the force (force, torque, current, voltage or percent) and its conversion to newtons.
+/// Without a gain the values stay in the log's own unit ("A", "%", "V", "N m") and a note says so.
 ///
 /// Real time: no.
 /// Errors: InputError naming file, column or option.
@@ -17,12 +17,12 @@ struct Effort {
   NamedColumn from;
   LogQuantity what = LogQuantity::kForce;
   io::Conversion conversion{};
-  double factor = 1.0;     ///< after the conversion
+  double factor = 1.0;     ///< applied after the conversion of the unit
   std::string unit = "N";  ///< of the result
-  bool by_lead = false;    ///< a torque that --lead made a force
+  bool by_lead = false;    ///< a torque that --lead converts to a force
 };
 
-/// The mapped one; else that of the gain's unit; else the first there is, of force, current, torque, percent, voltage.
+/// The mapped column; else the one with the gain's unit; else the first of force, current, torque, percent, voltage.
 Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const std::string& gain,
                    std::vector<std::string>& notes);
 

@@ -1,11 +1,11 @@
 #pragma once
-/// From the columns of a log to signals of one axis, and to clean records of it.
+/// Turns the columns of a log into signals of one axis, and these into clean records.
 ///
-///   columns.hpp          which column is what
+///   columns.hpp          the column for each quantity
 ///   motion_columns.hpp   position and velocity, in metres or radians
 ///   effort.hpp           force, torque, current, voltage or percent → force
 ///   log_times.hpp        the time base of each column
-///   runs.hpp             rows that count, and runs apart from each other
+///   runs.hpp             rows that count, and separate runs
 ///
 ///   position   m, or rad where the log has angles and no --lead is given
 ///   force      N; torque with --lead; anything with --gain; without one the log's own unit ("A", "%", "V",
@@ -33,10 +33,10 @@ struct LoggedAxis {
 };
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options);
 
-/// The same, cleaned. Findings of mixed runs are among the findings.
+/// The same, cleaned. The findings include mixed runs.
 ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& source, const LogOptions& options);
 
-/// Both: records of one axis of a log. The notes of LoggedAxis go to `notes`.
+/// Both steps: records of one axis of a log. The notes of LoggedAxis are added to `notes`.
 ident::log::Conditioned condition_log(const io::Log& log, const LogOptions& options,
                                       std::vector<std::string>* notes = nullptr);
 

@@ -15,15 +15,15 @@ class LogTimes {
  public:
   explicit LogTimes(const AxisColumns& columns);
 
-  /// Index of the column with the times of another; −1: there is none.
+  /// Index of the time column of another column; −1: there is none.
   [[nodiscard]] int index_of(const io::Column& column) const;
-  /// Its values [s], converted once.
+  /// Values of that time column [s], converted once.
   const std::vector<double>& seconds(int index);
 
  private:
   const io::Log& log_;
   int mapped_ = -1;
-  std::string unit_;  ///< of --map; empty: the file's own
+  std::string unit_;  ///< from --map; empty: the file's own
   std::map<int, std::vector<double>> converted_;
 };
 

@@ -12,27 +12,27 @@
 
 namespace stribeck::workflow {
 
-/// One column and how its values become SI.
+/// One column and the conversion of its values to SI.
 struct MotionColumn {
   LogQuantity what;
   NamedColumn from;
   io::Conversion conversion{};
-  bool angle = false;   ///< the column turns
-  double factor = 1.0;  ///< after the conversion: metres of one radian where --lead makes a length of it
+  bool angle = false;   ///< the column is an angle
+  double factor = 1.0;  ///< applied after the conversion: metres per radian where --lead converts an angle
 };
 
 struct MotionColumns {
   std::vector<MotionColumn> columns;
-  bool angle = false;       ///< the axis is one of angles
+  bool angle = false;       ///< the axis is described by angles
   double per_radian = 0.0;  ///< travel of one radian [m/rad]; 0: no --lead
 
-  /// The position, else the velocity.
+  /// The position column, else the velocity column.
   [[nodiscard]] const MotionColumn& base() const;
-  /// Whether any column turns.
+  /// Whether any column is an angle.
   [[nodiscard]] bool turns() const;
 };
 
-/// Columns without a unit that are not needed are left out with a note.
+/// Leaves out columns without a unit that are not needed, with a note.
 MotionColumns find_motion(const AxisColumns& columns, const std::string& lead,
                           std::vector<std::string>& notes);
 

@@ -7,13 +7,13 @@
 
 namespace stribeck::workflow {
 
-/// Sets travel and axes of a spec from the program that --path names. Refuses what the machine cannot travel: axes that it does
-/// not have, places outside its travel.
+/// Sets travel and axes of a spec from the program that --path names. Refuses what the machine cannot travel: unknown axes, places
+/// outside its travel.
 void use_part(sim::CompareSpec& spec, const PathOptions& options, const sim::Machine& machine,
               const std::string& machine_file);
 
-/// What was made of the program, in sentences that end in a line; empty where the path is none. What cannot be known of it is among
-/// the warnings.
+/// Summary of the planned path in sentences that end in a line break; empty where the path is no part. What is not known of the
+/// program is a warning.
 std::string part_words(const sim::CompareSpec& spec);
 
 }  // namespace stribeck::workflow

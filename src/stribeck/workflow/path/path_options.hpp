@@ -12,7 +12,7 @@
 
 namespace stribeck::workflow {
 
-/// What --path names.
+/// Kind of path that --path names.
 enum class PathSource { kShape, kProgram, kPoints };
 
 /// How the points of a CSV file become a path (point_path.hpp).
@@ -34,7 +34,7 @@ struct PathOptions {
   std::string jerk;          ///< empty: of the machine file
   std::string corner_tolerance = "10 um";
 
-  bool given = false;  ///< any of them was given, even with its default value
+  bool given = false;  ///< true where any option was given, even with its default value
 
   friend bool operator==(const PathOptions&, const PathOptions&) = default;
 };
@@ -45,7 +45,7 @@ PathSource source_of(const PathOptions& options);
 /// Whether --path names a file.
 inline bool is_file(const PathOptions& options) { return source_of(options) != PathSource::kShape; }
 
-/// The path at a speed [m/s].
+/// The path, travelled at a speed [m/s].
 sim::Travel make_travel(const PathOptions& options, double speed);
 
 /// Controllers (a) to (f) with the options' gains and observer.
@@ -54,31 +54,31 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
 /// The experiment whose circle the options of a path vary.
 inline constexpr const char* kVaried = "bi-table";
 
-/// The experiment that a machine is for when none is asked for.
+/// The default experiment for a machine.
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path);
 
 /// Names of all experiments.
 std::vector<std::string> experiment_ids();
 
-/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds go with kVaried only.
+/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds are allowed with kVaried only.
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
                                  const std::vector<std::string>& speeds, const sim::Machine& machine,
                                  const std::string& machine_file);
 
-/// The travels of a spec from the options of a path, at speeds [m/s].
+/// Sets the travels of a spec from the options of a path, at speeds [m/s].
 void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector<double>& speeds,
               const sim::Machine& machine, const std::string& machine_file);
 
-/// Appends a controller that was given as `name`; refuses an id that there is already.
+/// Adds a controller that was given as `name`; refuses an id that exists already.
 void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::ControllerSpec more,
                     const std::string& name);
 
-/// Appends controllers that go beyond the thesis to those of an experiment that has some; empty: the circle of the biaxial table.
-/// Not with printed parameters, which know no bristles.
+/// Adds controllers beyond the thesis to those of an experiment; an empty name means the circle of the biaxial table.
+/// Not with printed parameters, which have no bristles.
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
                 const ParameterOptions& parameters);
 
-/// The one that a user gets who does not choose: the adapting one where there is one, else the last of the first `printed`.
+/// The controller that is used by default: the adapting one where there is one, else the last of the first `printed`.
 const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
                                               std::size_t printed);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts that every path is planned with whose feed obeys the limits of the axes: part programs and points.
+/// Common parts of planned paths whose feed obeys the limits of the axes: part programs and points.
 /// Real time: no.
 /// Errors: InputError naming the option or the file.
 
@@ -20,7 +20,7 @@
 
 namespace stribeck::workflow {
 
-/// Limits of the axes, those of the options where they are lower.
+/// Limits of the axes, or those of the options where they are lower.
 template <std::size_t N>
 sim::PartLimits<N> part_limits(const PathOptions& o, const sim::Machine& machine,
                                const std::vector<std::size_t>& axes) {
@@ -41,7 +41,7 @@ sim::PartLimits<N> part_limits(const PathOptions& o, const sim::Machine& machine
   return limits;
 }
 
-/// Places outside the travel of an axis.
+/// Refuses places outside the travel of an axis.
 template <std::size_t N>
 void check_places(const sim::Part<N>& part, const sim::Machine& machine, const std::vector<std::size_t>& axes,
                   const std::string& file, const char* way_out) {
@@ -69,7 +69,7 @@ void check_places(const sim::Part<N>& part, const sim::Machine& machine, const s
   }
 }
 
-/// The whole part, once.
+/// The whole part, travelled once.
 template <std::size_t N>
 sim::Travel planned_travel(std::shared_ptr<const sim::Part<N>> part, std::string name) {
   sim::Travel travel;

@@ -4,7 +4,8 @@
 ///   corners   straight lines, their corners rounded within the tolerance
 ///   spline    one smooth curve that passes the points within the tolerance
 ///
-/// From rest at the first point to rest at the last one, at the speed asked for where the axes can follow it.
+/// The motion begins at rest at the first point and ends at rest at the last one. Its speed is the one asked for, or less where an
+/// axis cannot follow.
 ///
 /// Real time: no.
 /// Errors: InputError naming the file, the row or the option.

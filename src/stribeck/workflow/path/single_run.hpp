@@ -1,5 +1,5 @@
 #pragma once
-/// One run along a path: of an experiment, or of a path of the user's, under one controller.
+/// One run along a path under one controller: the path of an experiment or of the user.
 /// Real time: no.
 /// Errors: InputError naming the option or the file.
 
@@ -14,10 +14,10 @@ struct SingleRunOptions {
   std::string experiment;  ///< its path, gains and controllers; empty: those of `path`
   PathOptions path;
   std::string speed;       ///< empty: 9.5 mm/s
-  std::string controller;  ///< id of one of them, or a file; empty: the product's default
+  std::string controller;  ///< id of one of them, or a file; empty: the default
 };
 
-/// Travel and controller of the run; seed and trials are left to the caller.
+/// Travel and controller of the run; the caller adds seed and trials.
 sim::CompareSpec single_run(const SingleRunOptions& options, const ParameterOptions& parameters,
                             const sim::Machine& machine, const std::string& machine_file);
 

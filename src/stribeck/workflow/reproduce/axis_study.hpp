@@ -1,6 +1,6 @@
 #pragma once
-/// Logs of one axis of a virtual machine and the models that the thesis identifies from them: A from pulses
-/// and jogs, B from jogs, C over velocity, D over position; and all of them driven along an unseen run.
+/// Logs of one axis of a virtual machine and the models that the thesis identifies from them: A from pulses and jogs, B from
+/// jogs, C over velocity, D over position; and a replay of all of them on an unseen run.
 /// Real time: no. Errors: ident::Refused.
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace stribeck::workflow::reproduction {
 
-/// Which parts of a study somebody asked for.
+/// Requested parts of a study.
 struct Wanted {
   bool a = false, b = false, c = false, d = false, verify = false;
 };
@@ -27,14 +27,14 @@ struct Scale {
   ident::methods::LeastSquaresA found;
 };
 
-/// A model that was driven along the unseen run.
+/// A model that was replayed on the unseen run.
 struct Replayed {
   std::string name;
-  bool of_thesis = false;  ///< drawn, and among the figures
+  bool of_thesis = false;  ///< one of the thesis's models: it is drawn, and among the figures
   ident::replay::OpenLoop open;
 };
 
-/// One axis: the request, then the result.
+/// One axis: the request, and the result.
 struct Study {
   const sim::Machine* machine = nullptr;
   std::size_t axis = 0;
@@ -49,7 +49,7 @@ struct Study {
   std::optional<ident::Result> c;
   std::optional<ident::Result> d;
   std::optional<ident::Result>
-      whole;  ///< what commission_axis would take: mass, friction, periodic terms and bristles in one fit
+      whole;  ///< the model of commission_axis: mass, friction, periodic terms and bristles in one fit
   ident::log::Record unseen;
   std::vector<Replayed> replayed;
 

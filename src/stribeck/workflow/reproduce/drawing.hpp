@@ -1,5 +1,5 @@
 #pragma once
-/// Parts that every section of the reproduction is made of: figures, plots and curves in its colours.
+/// Common parts of the sections of the reproduction: figures, plots and curves in their colours.
 /// Real time: no.
 
 #include <stribeck/report/pages/reproduction.hpp>
@@ -24,7 +24,7 @@ inline constexpr const char* kPrintColor = "#000000";
 ReproducedSection section(std::string id, std::string title, std::string source, std::string setting,
                           const sim::Machine& machine);
 
-/// Adds a figure: printed beside ours.
+/// Adds a figure: the printed value beside the computed one.
 void add(ReproducedSection& s, std::string what, std::string of, std::string unit, double print,
          const Estimate& ours, std::string source, int digits);
 

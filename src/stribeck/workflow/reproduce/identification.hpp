@@ -8,7 +8,7 @@
 ///   ident-D   position–friction map, eccentric term                     Tables 2.4, 4.3, figs 2.28, 2.29
 ///   verify    driven with the measured force of an unseen run           figs 2.30, 2.31
 ///
-/// Truth of the machine stands beside the results and goes into none of them.
+/// The true parameters of the machine are shown beside the results; they enter none of them.
 ///
 /// Real time: no.
 /// Errors: ident::Refused.
@@ -21,8 +21,8 @@
 
 namespace stribeck::workflow {
 
-/// Sections in the order of `ids`; v2 is the biaxial table, v3 the triaxial machine tool. The same for any
-/// number of threads (0: as many as there are).
+/// Sections in the order of `ids`; v2 is the biaxial table, v3 the triaxial machine tool. The result does not depend on the
+/// number of threads (0: as many as the computer has).
 std::vector<report::ReproducedSection> reproduce_identification(const std::vector<std::string>& ids,
                                                                 const sim::Machine& v2,
                                                                 const sim::Machine& v3, std::uint64_t seed,

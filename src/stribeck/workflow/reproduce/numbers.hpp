@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers that the thesis's tables show, out of results of identifications.
+/// Numbers of the thesis's tables, computed from results of identifications.
 /// Real time: no.
 
 #include <array>
@@ -21,7 +21,7 @@ inline constexpr double kKilo = 1e3;    ///< N s/mm, N s2/mm
 double force_of(const friction::SteadyVariant& map, double v);
 
 /// f = α0±·sgn v + α2·v with one slope for both directions, the printed form of Tables 2.1 and 2.2.
-/// Intervals of the scatter about it.
+/// Intervals are those of the scatter about it.
 struct Line {
   std::array<double, 2> level{kNaN, kNaN};  ///< v > 0, v < 0, both positive [N]
   double slope = kNaN;                      ///< [N·s/m]
@@ -37,7 +37,7 @@ struct SpeedAndForce {
 Line line_through(const std::vector<SpeedAndForce>& points);
 std::vector<SpeedAndForce> means_of(const ident::methods::Jog& jog);
 
-/// The same line through Table 2.3 at the same speeds: what Tables 2.1 and 2.2 would be if they described the
+/// The same line through Table 2.3 at the same speeds: the values that Tables 2.1 and 2.2 would have if they described the
 /// same friction.
 Line line_through_print(std::vector<SpeedAndForce> points, const std::string& axis);
 
@@ -46,19 +46,18 @@ struct Estimate {
   ident::Interval interval{};
 };
 
-/// A parameter of a result by its name; NaN where it has none.
+/// A parameter of a result by its name; NaN where there is none.
 Estimate estimate(const ident::Result& r, std::string_view name, double scale = 1.0);
 Estimate plus_minus(double value, double half);
 
-/// Conventional parameters of a jog fit: of (2.9), or the means of both directions where it was fitted by
-/// direction.
+/// Conventional parameters of a jog fit: those of (2.9), or the means of both directions where it was fitted by direction.
 struct Conventional {
   Estimate alpha0, alpha1, alpha2, v0;
 };
 
 Conventional conventional_of(const ident::Result& r);
 
-/// The curve and its interval at a velocity, straight between its points.
+/// The curve and its interval at a velocity, interpolated linearly between its points.
 Estimate curve_at(const ident::Result& r, double v);
 
 struct Deviation {
@@ -66,7 +65,7 @@ struct Deviation {
   double percent = 0.0;  ///< of the printed curve
 };
 
-/// Largest from the printed curve over 0.5–9.5 mm/s of one direction.
+/// Largest difference from the printed curve over 0.5–9.5 mm/s of one direction.
 Deviation deviation(const ident::Result& r, const std::string& axis, double direction);
 
 }  // namespace stribeck::workflow::reproduction

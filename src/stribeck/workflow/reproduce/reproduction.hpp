@@ -1,5 +1,5 @@
 #pragma once
-/// The thesis's tables and figures, made again: identification, experiments, and robustness, which has to be asked for.
+/// Reproduces the thesis's tables and figures: identification, experiments and, if asked for, robustness.
 /// Real time: no. Errors: InputError, ident::Refused, sim::Refused.
 
 #include <cstddef>
@@ -25,10 +25,10 @@ struct ReproduceOptions {
   std::vector<std::string> controllers;  ///< built in, or files; empty: those of the study
 };
 
-/// What ReproduceOptions::ids may hold: "all", then every experiment.
+/// Values of ReproduceOptions::ids: "all", then every experiment.
 std::vector<std::string> reproducible_ids();
 
-/// What will be made, checked before anything is computed.
+/// The sections that will be made; everything is checked before anything is computed.
 struct ReproductionPlan {
   ReproduceOptions options;
   std::vector<std::string> identification;  ///< ids
@@ -38,10 +38,10 @@ struct ReproductionPlan {
 };
 ReproductionPlan plan_reproduction(const ReproduceOptions& options);
 
-/// Told of a stage of the work, how much of it is done, of how much.
+/// Receives progress: stage of the work, how much of it is done, and its total.
 using StageProgress = std::function<void(const char* stage, std::size_t done, std::size_t all)>;
 
-/// All sections; command and version are left to the caller.
+/// All sections; the caller adds command and version.
 report::ReproductionInput reproduce(const ReproductionPlan& plan, const StageProgress& progress = {});
 
 }  // namespace stribeck::workflow

@@ -1,6 +1,6 @@
 #pragma once
-/// `stribeck reproduce robustness`: controllers that know the biaxial table as it was identified, on machines that have drifted
-/// from it (sim/robustness.hpp). Nothing of it was printed.
+/// `stribeck reproduce robustness`: controllers that know the identified biaxial table, on machines that have drifted from it
+/// (sim/robustness.hpp). The thesis prints nothing on this.
 /// Real time: no. Errors: sim::Refused.
 
 #include <cstdint>
@@ -13,10 +13,10 @@ namespace stribeck::workflow {
 inline constexpr std::string_view kRobustness = "robustness";
 inline constexpr std::uint32_t kRobustMachines = 100;
 
-/// Models to identify for these controllers: machine, axes, controllers.
+/// Machine, axes and controllers whose models must be identified.
 sim::Experiment robustness_experiment(const sim::RobustnessSpec& spec);
 
-/// Tables, percentiles against the first controller, and the share of machines below an error, drawn.
+/// Tables, percentiles relative to the first controller, and drawings of the share of machines below an error.
 report::ReproducedSection robustness_section(const sim::RobustnessResult& result);
 
 }  // namespace stribeck::workflow

@@ -1,5 +1,5 @@
 #pragma once
-/// The sections of the identification half, each from the studies of the axes of one machine.
+/// The sections on identification, each from the studies of the axes of one machine.
 /// Real time: no.
 
 #include <stribeck/workflow/reproduce/axis_study.hpp>
@@ -9,7 +9,7 @@
 namespace stribeck::workflow::reproduction {
 
 ReproducedSection section_a(const std::vector<Study>& all);
-/// Of the biaxial table, and of the triaxial machine tool.
+/// Sections of the biaxial table, and of the triaxial machine tool.
 ReproducedSection section_b_table(const std::vector<Study>& all);
 ReproducedSection section_b_tool(const std::vector<Study>& all);
 ReproducedSection section_c(const std::vector<Study>& all);
