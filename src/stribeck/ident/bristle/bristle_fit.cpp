@@ -9,7 +9,7 @@
 namespace stribeck::ident::bristle {
 namespace {
 
-/// [m/s] The steady map at rest is its limit from either side.
+/// Velocity that only gives a direction [m/s]: the steady map at rest is its limit from either side.
 constexpr double kAtRest = 1e-9;
 constexpr double kRootTwelve = 3.4641016151377544;
 
@@ -80,7 +80,7 @@ double rows_per_reversal(const BristleData& data, double break_away) {
   return stats::median(std::move(per_turn));
 }
 
-/// Predicts stretches that were left out, and enters the law among the candidates.
+/// Predicts stretches that were left out, and adds the law to the candidates.
 void score(const std::string& name, const Model& model, const Fitted& f, const Rows& rows,
            std::vector<HeldOut>& scores, BristleFit& out) {
   scores.push_back(hold_out(model, f.solution.p, f.free, f.prior, rows.noise, rows.path));

@@ -12,7 +12,7 @@ constexpr int kIterations = 40;
 constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
 constexpr std::size_t kFewRows = 20;
-/// ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance: what is believed before.
+/// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
 constexpr double kFadingSpread = 1.5;
 
@@ -26,8 +26,8 @@ Prior common_prior(const Given& given, const Rows& rows, int own) {
   return prior;
 }
 
-/// In closed loop the mass stands as given: least squares would take the noise of the acceleration for less
-/// mass. Its tolerance widens the intervals all the same.
+/// In closed loop the given mass is kept: least squares would take noise of the acceleration for a smaller
+/// mass. Its tolerance still widens the intervals.
 std::vector<Index> free_of(const Given& given, const Prior& prior, int own) {
   std::vector<Index> all;
   for (Index i = 0; i < prior.mean.size(); ++i) {
@@ -55,12 +55,12 @@ void cut(const Given& given, double break_away, Rows& rows) {
   rows.every_row.assign(rows.path.rows.size(), 1);
 }
 
-/// Whitening, and the noise of a row that would be independent of its neighbours, so that what is believed
-/// before has its weight.
+/// Whitening, and the noise that a row would have if it were independent of its neighbours, so that the prior
+/// has the right weight.
 void weigh(const Given& given, const Model& model, const VectorXd& p, Rows& rows) {
   VectorXd e;
   model.evaluate(p, e, nullptr);
-  // Programmed forces leave the axis ringing within a few encoder steps; whitening would weigh those highest
+  // After programmed forces the axis rings within a few encoder steps; whitening would give that ringing the highest weight
   // (σ0 +0.7 % instead of +0.1 % on pulses of the biaxial table).
   if (!given.open) rows.path.whitening = whitening_of(rows.path, e.data());
   model.evaluate(p, e, nullptr);
@@ -69,7 +69,7 @@ void weigh(const Given& given, const Model& model, const VectorXd& p, Rows& rows
   rows.noise = std::max(1e-9 * rows.setting.scales.level, std::sqrt(square));
 }
 
-/// Damping (number `damping`, its velocity behind it) that comes out negative is none; then mass and spread.
+/// Sets negative damping (number `damping`, followed by its velocity) to zero; then computes mass and spread.
 void finish(const Given& given, const Rows& rows, const Model& model, Index damping, Fitted& f) {
   VectorXd& p = f.solution.p;
   std::vector<Index> spread_over = f.free;
@@ -98,7 +98,7 @@ Prior lugre_prior(const Given& given, const Rows& rows, int own) {
   return prior;
 }
 
-/// First the stiffness alone, so that noise gets a scale; then everything, from several fading velocities.
+/// First fits the stiffness alone, which gives the scale of the noise; then everything, from several fading velocities.
 Solution solve_lugre(const Given& given, const Fitted& f, Rows& rows) {
   const auto model = lugre_model(rows.setting);
   std::vector<Index> first = f.free;

@@ -9,7 +9,7 @@
 namespace stribeck::ident::bristle {
 namespace {
 
-/// In break-away distances. LuGre has forgotten all but e^-12 of a reversal after the first.
+/// In break-away distances. After this distance e^-12 of a reversal is left in LuGre.
 constexpr double kForgotten = 12.0;
 constexpr double kNear = 8.0;
 constexpr double kTurning = 5.0;
@@ -19,9 +19,9 @@ constexpr std::size_t kMostSteps = 8;
 constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 20;
 constexpr double kLoading = 0.3;
-/// Relative change of the level within a break-away distance that a bristle follows at once.
+/// Relative change of the level within a break-away distance that a bristle follows without lag.
 constexpr double kSteady = 1e-3;
-constexpr double kSlowest = 1e-9;  ///< [m/s] at rest, but on one side of it
+constexpr double kSlowest = 1e-9;  ///< at rest, but with a direction [m/s]
 
 std::vector<double> smooth(const std::vector<double>& x, const std::vector<double>& weights) {
   const std::size_t half = weights.size() / 2;
@@ -50,7 +50,7 @@ std::vector<double> spline(const std::vector<double>& x) {
   return m;
 }
 
-/// Position less that of the tick before, a share s of a sample after it.
+/// Position relative to the tick before, at a share s of a sample after that tick.
 double along(const std::vector<double>& x, const std::vector<double>& m, std::size_t k, double s) {
   const double r = 1.0 - s;
   return s * (x[k + 1] - x[k]) + (r * r * r - r) * m[k] + (s * s * s - s) * m[k + 1];
@@ -61,12 +61,12 @@ struct Span {
   std::size_t end;  ///< last tick
 };
 
-/// One record and where its reversals lie.
+/// One record and the places of its reversals.
 struct Course {
   const log::Record& record;
   const log::Motion& motion;
   const CutOptions& options;
-  std::size_t half = 0;       ///< rows that the window and the whitening reach to either side
+  std::size_t half = 0;       ///< reach of window and whitening to either side [rows]
   std::vector<double> x;      ///< position without its fastest noise [m]
   std::vector<double> bends;  ///< of x, see spline()
   std::vector<double> ahead;  ///< travel to the end of the stretch that a row lies in [m]
@@ -75,7 +75,7 @@ struct Course {
   [[nodiscard]] bool last_stretch(std::size_t k) const {
     return motion.stretch[k] + 1 == static_cast<int>(motion.reversals.size());
   }
-  /// Far enough from reversals on both sides that no bristle remembers one.
+  /// Whether a row is so far from reversals on both sides that no bristle is affected by one.
   [[nodiscard]] bool free_of_turns(std::size_t k) const {
     const double far = kForgotten * options.break_away;
     return motion.distance[k] >= far && (last_stretch(k) || ahead[k] >= far);
@@ -88,7 +88,7 @@ struct Course {
   }
 };
 
-/// Window that leaves little of the noise of the acceleration; in rows to either side.
+/// Window that removes most of the noise of the acceleration; in rows to either side.
 int window_of(const log::Record& first, const BristleData& data, double mass) {
   const double T = first.sample_time;
   const double allowed = kNoiseShare * (data.level[0] + data.level[1]);
@@ -99,7 +99,7 @@ int window_of(const log::Record& first, const BristleData& data, double mass) {
   return kWidestBox;
 }
 
-/// Smoothed twice, so that curved motion keeps its height.
+/// Smooths twice, so that curved motion keeps its height.
 std::vector<double> without_noise(const std::vector<double>& x, const std::vector<double>& calm) {
   if (calm.size() <= 1) return x;
   const std::vector<double> once = smooth(x, calm);
@@ -120,7 +120,7 @@ std::vector<double> travel_ahead(const log::Record& record, const log::Motion& m
   return ahead;
 }
 
-/// Rows near a reversal, or all of them.
+/// Rows near a reversal, or all rows.
 std::vector<char> wanted_rows(const Course& c) {
   std::vector<char> wanted(c.rows(), 0);
   for (std::size_t k = c.half + 1; k + c.half + 1 < c.rows(); ++k) {
@@ -130,7 +130,7 @@ std::vector<char> wanted_rows(const Course& c) {
   return wanted;
 }
 
-/// Wanted rows with what leads up to them, from where the bristles are known; spans that touch are one.
+/// The wanted rows with the rows before them from which the state of the bristles is known; spans that touch are joined.
 std::vector<Span> spans_of(const Course& c, const std::vector<char>& wanted) {
   const std::size_t n = c.rows();
   std::vector<Span> spans;
@@ -155,7 +155,7 @@ std::vector<Span> spans_of(const Course& c, const std::vector<char>& wanted) {
   return spans;
 }
 
-/// Row k is so far from reversals, and its level so even, that bristles follow it at once.
+/// Whether row k is so far from reversals, and its level so constant, that bristles follow without lag.
 bool settled_at(const Course& c, const friction::AxisModel& known, std::size_t k) {
   if (!c.free_of_turns(k) || !c.free_of_turns(k + 1)) return false;
   if (!c.options.whole || k + 2 >= c.rows()) return true;
@@ -208,7 +208,7 @@ void add_sample(const Course& c, const friction::AxisModel& known, std::size_t i
   piece.samples.push_back(sample);
 }
 
-/// Acceleration and force of the ticks inside a piece, and those of them that are compared.
+/// Acceleration and force of the ticks in a piece, and the ticks that are compared.
 void add_rows(const Course& c, const std::vector<double>& force, const std::vector<char>& wanted,
               PathPiece& piece, BristlePath& path) {
   const double T = c.record.sample_time;
@@ -248,7 +248,7 @@ void filter_like(const BristlePath& path, bool white, std::size_t n, const doubl
   for (int pass = 0; j > 0 && pass < 3; ++pass) {
     const double scale = 1.0 / static_cast<double>(2 * j + 1);
     double sum = 0.0;
-    // Row k of the last pass stands j rows later, so that nothing has to be moved.
+    // Row k of the last pass is stored j rows later, so that nothing has to be moved.
     for (std::size_t k = 0; k < n; ++k) {
       sum += work[k];
       if (k > 2 * j) sum -= out[k - 2 * j - 1];
@@ -280,7 +280,7 @@ std::vector<double> whitening_of(const BristlePath& path, const double* e) {
   std::vector<double> c;
   if (!(gamma[0] > 0.0)) return c;
   for (std::size_t l = 0; l <= kMostWhitening; ++l) gamma[l] /= std::max(pairs[l], 1.0);
-  // Levinson's recursion; the load keeps what the window has taken out from being blown up again.
+  // Levinson's recursion; the small load on the diagonal prevents that what the window removed is amplified again.
   double error = gamma[0] * (1.0 + kLoading);
   for (std::size_t p = 1; p <= kMostWhitening; ++p) {
     double sum = gamma[p];
@@ -357,7 +357,7 @@ double guess_break_away(const std::vector<log::Record>& records, const BristleDa
         const double from = to * share[k - 1];
         const double part = from < 0.0 ? from / (from - to * share[k]) : 1.0;
         const double low = k - 1 >= turn ? m.distance[k - 1] : 0.0;
-        // LuGre is at F = g·(1 − 2·exp(−x/δ)).
+        // LuGre starts from F = g·(1 − 2·exp(−x/δ)).
         crossings.push_back((low + part * (m.distance[k] - low)) / std::log(2.0));
         break;
       }

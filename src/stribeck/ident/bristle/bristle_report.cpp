@@ -10,12 +10,12 @@
 namespace stribeck::ident::bristle {
 namespace {
 
-/// Not determinable beyond these.
+/// Pre-sliding is not determined beyond these limits.
 constexpr double kWidestInterval = 0.35;  ///< of ln σ0
 constexpr double kFades = 1.2;            ///< of ln v_d
 constexpr double kMostLevel = 1.6;        ///< factor on the level of the steady map
 constexpr double kLeastQuanta = 4.0;      ///< encoder steps within the break-away distance
-constexpr double kLeastRows = 2.5;        ///< rows within three of them
+constexpr double kLeastRows = 2.5;        ///< rows within three break-away distances
 
 VectorXd unit_vector(Index n, Index at, double value = 1.0) {
   VectorXd g = VectorXd::Zero(n);
@@ -25,7 +25,7 @@ VectorXd unit_vector(Index n, Index at, double value = 1.0) {
 
 Interval log_interval(double value, double half) { return {value * std::exp(-half), value * std::exp(half)}; }
 
-/// g/σ0 or g/Σk; `slope` are the derivatives of ln of the stiffness.
+/// g/σ0 or g/Σk; `slope` holds the derivatives of the logarithm of the stiffness.
 void set_break_away(const Given& given, double stiffness, const VectorXd& slope, Fitted& f) {
   const VectorXd& p = f.solution.p;
   const double forward = 0.5 * given.data.level[0] * (1.0 + p(f.own + kForward));
@@ -42,7 +42,7 @@ void add(std::vector<Parameter>& to, std::string name, double value, std::string
   to.push_back({std::move(name), value, std::move(si), std::move(people), i.low, i.high, identifiable});
 }
 
-/// σ and v_d of either law; true when the damping is more than nothing.
+/// σ and v_d of either law; returns true when the damping is above zero.
 bool add_damping(const Given& given, const Rows& rows, const Fitted& f, Index at, const std::string& name,
                  double damping, double fading, std::vector<Parameter>& to) {
   const Index n = f.solution.p.size();

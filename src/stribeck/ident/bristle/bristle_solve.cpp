@@ -11,7 +11,7 @@ namespace stribeck::ident::bristle {
 namespace {
 
 constexpr int kFolds = 4;
-/// Fewer stretches say nothing about their scatter.
+/// Fewer stretches do not show their scatter.
 constexpr int kLeastClusters = 8;
 
 /// Least squares over some rows and some parameters.
@@ -67,15 +67,15 @@ class Fit : public stats::Residuals {
   mutable MatrixXd j_;
 };
 
-/// Row k − l of the list lies l rows before row k in one record.
+/// Row k − l of the list must lie l rows before row k in the same record.
 bool apart(const BristlePath& path, std::size_t k, std::size_t l) {
   const PathRow& a = path.rows[k];
   const PathRow& b = path.rows[k - l];
   return a.record == b.record && a.at - b.at == l;
 }
 
-/// Jacobian of the free parameters and what the residuals are made orthogonal to: the same, but for the mass
-/// (number `mass`, negative: none) the programmed force.
+/// Jacobian of the free parameters, and the matrix to which the residuals are made orthogonal. Both are equal, except for the mass
+/// (number `mass`, negative: none), where the second is the programmed force.
 void sensitivities(const Model& model, const VectorXd& p, const std::vector<Index>& free, Index mass,
                    VectorXd& e, MatrixXd& J, MatrixXd& Z) {
   MatrixXd all;
@@ -143,7 +143,7 @@ void correct_mass(const Model& model, VectorXd& p, const std::vector<Index>& fre
       pull(c) = q(at) - prior.mean(at);
     }
     const VectorXd step = stats::solve_full_lu(Z.transpose() * J + P, -(Z.transpose() * e) - P * pull);
-    // A step that leaves the neighbourhood is no correction.
+    // A step that leaves the neighbourhood is not a valid correction.
     if (!step.allFinite() || step.cwiseAbs().maxCoeff() > 1.0) return;
     for (Index c = 0; c < P.cols(); ++c) q(free[static_cast<std::size_t>(c)]) += step(c);
   }
@@ -167,7 +167,7 @@ Spread spread_of(const Model& model, const VectorXd& p, const std::vector<Index>
   sensitivities(model, p, free, mass, e, J, Z);
   const stats::Memory memory = memory_of_rows(path, e);
   const auto n = static_cast<Index>(free.size());
-  // Autocovariance, with a flat top up to six memories and a straight fall to zero at twelve.
+  // Autocovariance with weight one up to six correlation lengths, falling linearly to zero at twelve.
   const auto lags = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(12.0 * memory.rows)), 2, 400);
   const auto rows = static_cast<std::size_t>(e.size());
   std::vector<double> gamma(lags + 1, 0.0);
@@ -194,7 +194,7 @@ Spread spread_of(const Model& model, const VectorXd& p, const std::vector<Index>
   }
   const MatrixXd P = weight_of(prior, free, noise);
   const MatrixXd inverse = stats::inverse_full_lu(Z.transpose() * J + P);
-  // What is believed before is noise of its own.
+  // The prior adds noise of its own.
   const MatrixXd prior_part = noise * noise * P;
   Spread out;
   out.free = free;
@@ -232,7 +232,7 @@ HeldOut hold_out(const Model& model, const VectorXd& start, const std::vector<In
   HeldOut out;
   out.square.assign(static_cast<std::size_t>(path.stretches), 0.0);
   out.count = out.square;
-  // Two neighbours go together, so that every part has both directions.
+  // Two neighbours stay together, so that every part has both directions.
   const int group = path.stretches >= 2 * kFolds ? 2 : 1;
   const int folds = std::min(kFolds, path.stretches);
   for (int fold = 0; fold < folds && folds > 1; ++fold) {

@@ -10,7 +10,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
 
-constexpr double kSlowestLoop = 0.6;  // [s] that a position follows its reference by
+constexpr double kSlowestLoop = 0.6;  // [s] longest time by which a position lags behind its reference
 
 /// Delays [rows] at which the velocity of the reference may act.
 std::vector<std::ptrdiff_t> delays(double sample_time, std::ptrdiff_t rows) {
@@ -21,7 +21,7 @@ std::vector<std::ptrdiff_t> delays(double sample_time, std::ptrdiff_t rows) {
   return out;
 }
 
-/// Weight of each delay, by least squares on the measured velocity.
+/// Weight of each delay, from least squares on the measured velocity.
 VectorXd weights_of(const std::vector<double>& rate, const log::Motion& m,
                     const std::vector<std::ptrdiff_t>& lags) {
   const auto n = static_cast<std::ptrdiff_t>(rate.size());
@@ -37,17 +37,17 @@ VectorXd weights_of(const std::vector<double>& rate, const log::Motion& m,
     normal.selfadjointView<Eigen::Lower>().rankUpdate(c);
     right += c * m.v[static_cast<std::size_t>(k)];
   }
-  // Neighbouring delays see nearly the same: a weak pull keeps their weights small.
+  // Neighbouring delays have nearly the same effect: a weak pull keeps their weights small.
   normal.diagonal().array() += 1e-6 * normal.trace() / static_cast<double>(count);
   return normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
 }
 
-/// Σ h_j·rate(k − l_j), the ends continued.
+/// Σ h_j·rate(k − l_j); the first and last values continue beyond the ends.
 std::vector<double> weighted(const std::vector<double>& rate, const std::vector<std::ptrdiff_t>& lags,
                              const VectorXd& h) {
   const auto n = static_cast<std::ptrdiff_t>(rate.size());
   std::vector<double> v(rate.size(), 0.0);
-  // Delay by delay over pieces that stay in the cache.
+  // One delay after the other, over pieces that stay in the cache.
   constexpr std::ptrdiff_t kPiece = 2048;
   for (std::ptrdiff_t from = 0; from < n; from += kPiece) {
     const std::ptrdiff_t to = std::min(n, from + kPiece);

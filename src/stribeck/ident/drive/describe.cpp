@@ -10,9 +10,9 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
-constexpr double kApart = 0.1;  ///< of friction: difference of the directions that is worth a word
+constexpr double kApart = 0.1;  ///< share of friction: a larger difference of the directions is reported
 constexpr double kMostUnseen =
-    0.1;  ///< share of a parameter in directions without data, to call it identifiable
+    0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
 
 class Description {
  public:
@@ -31,7 +31,7 @@ class Description {
 
  private:
   [[nodiscard]] const map::StaticFit& map() const { return found_.choice.map.fit; }
-  /// "N" and the metre are written for whatever the log holds.
+  /// The texts "N" and "m" stand for the units of the log.
   [[nodiscard]] std::string in_units(std::string unit) const {
     if (result_.force_unit != "N" && unit.starts_with("N")) unit = result_.force_unit + unit.substr(1);
     return unit;
@@ -101,8 +101,8 @@ void Description::write_shift() {
   if (!found_.terms.shift) return;
   const double shift = found_.log.shift;
   const double T = found_.log.records.front().sample_time;
-  // A held force belongs to the motion half a row later without any delay (motion.hpp). One that was measured stands late, if
-  // at all, and acts at once.
+  // A held force belongs to the motion half a row later, without any delay (motion.hpp). A measured force acts at once, and is at
+  // most logged late.
   result_.delay = std::max(0.0, (-shift - 0.5) * T);
   add("force_shift", shift * T, "s", "ms", found_.intervals.error_at(terms_ - 1) * T, true);
   notes_.warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
@@ -235,10 +235,10 @@ void Description::write_curve(int s) {
     fit.gradient(s, speed, g.data());
     VectorXd h = found_.intervals.zero();
     for (std::size_t j = 0; j < count; ++j) h(at(first + j)) = g[j];
-    // The load is a parameter of its own in the symmetric families; friction is what is shown.
+    // In the symmetric families the load is a separate parameter; friction is shown without it.
     const double own = fit.force(s, speed) - map::kDirection[side] * fit.load;
     if (fit.family != map::StaticFit::Family::kByDirection) h(at(0)) = 0.0;
-    // What the models differ in that the data cannot tell apart is part of the uncertainty (Buckland et al.
+    // Differences between models that the data cannot tell apart are part of the uncertainty (Buckland et al.
     // 1997).
     double spread = 0.0;
     for (const map::StaticFit& r : rivals) spread += std::pow(r.force(s, speed) - fit.force(s, speed), 2.0);

@@ -11,7 +11,7 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kFewestForDrift = 500;  // rows
-constexpr double kWorthSaying = 0.02;         // of the friction
+constexpr double kWorthSaying = 0.02;         // share of the friction
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void add_bristle(Result& result, const AlignedLog& log, Notes& notes) {
   result.friction.dynamics = fit.best;
   result.model += gms ? " + gms" : " + lugre";
   for (Parameter p : gms ? fit.gms_parameters : fit.lugre_parameters) {
-    // The ringing after pulses tells stiffness, its damping hardly (bristle_fit.hpp).
+    // The ringing after pulses determines the stiffness, but hardly the damping (bristle_fit.hpp).
     if (open && p.name != "sigma0" && p.name != "stiffness") p.identifiable = false;
     result.parameters.push_back(std::move(p));
   }
@@ -78,7 +78,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
     at[j] = rows.at[used[j]];
   }
   const MatrixXd normal = X.transpose() * X;
-  // One direction only, or next to it: offset and friction cannot be told apart.
+  // With almost only one direction, offset and friction cannot be told apart.
   if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return;
   const MatrixXd inverse = normal.inverse();
   const VectorXd x = inverse * (X.transpose() * y);
@@ -88,7 +88,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
   const char* what[2] = {"the offset of the force", "friction"};
   for (Index j = 0; j < 2; ++j) {
     const double half = uncertainty.half_width(VectorXd::Unit(2, j));
-    // Slow noise looks like a drift now and then: twice the interval.
+    // Slow noise sometimes looks like a drift: the limit is twice the interval.
     if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(level)) continue;
     notes.warn(text(
         "%s %s by %.3g %s (%.2g %% of the friction) from begin to end of %s: warming up or running in; the "

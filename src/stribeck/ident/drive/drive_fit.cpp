@@ -15,8 +15,9 @@ namespace {
 
 /// exp(−6) = 0.25 % of the swing at a reversal is left beyond six relaxation lengths.
 constexpr double kRelaxations = 6.0;
-constexpr double kSmallSpeed = 0.04;  // of the largest: below it only the lag and the bristle are seen
-/// Of the held-out force: what another explanation must leave less to be taken.
+constexpr double kSmallSpeed =
+    0.04;  // share of the largest speed; below it only the lag and the bristle show
+/// Ratio of held-out errors below which another explanation is accepted.
 constexpr double kBetter = 0.9;
 
 Level level_of(const LinearFit& fit) {
@@ -37,23 +38,23 @@ bool one_sample_time(std::span<const log::Record> records) {
   return true;
 }
 
-/// What one step hands to the next; the steps are functions of it.
+/// The values that each step hands to the next; the steps are functions of them.
 struct Stage {
   AlignedLog log;
   Extent extent;
   Rows rows;
   Terms terms;
   LinearFit fit;
-  double break_away = std::numeric_limits<double>::quiet_NaN();  ///< way in which friction settles [m]
+  double break_away = std::numeric_limits<double>::quiet_NaN();  ///< distance in which friction settles [m]
 };
 
-/// Says once that the instrument is of no use.
+/// Warns once that the instrument could not be used.
 void note_weak_instrument(const LinearFit& before, const LinearFit& now, Notes& notes) {
   if (now.mass_by_acceleration && !before.mass_by_acceleration)
     notes.warn("the reference hardly moves with the measured acceleration; the mass rests on the latter");
 }
 
-/// Friction near reversals is not known yet: a generous part of the way is left out.
+/// Friction near reversals is not known yet, so a generous distance is left out.
 void fit_first(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   stage.rows = sampled(gather(stage.log, stage.extent, {stage.extent.near, kSmallSpeed, 0.0}, options.bins));
   const LinearFit first = solve(stage.log, stage.rows, stage.terms);
@@ -76,7 +77,7 @@ void take_out_shift(Stage& stage, Notes& notes) {
   stage.fit = std::move(fit);
 }
 
-/// Rows in which friction has settled, the lag that remains taken off, and the judgement of the shift.
+/// Selects rows in which friction has settled, subtracts the remaining lag and judges the shift.
 void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   AlignedLog& log = stage.log;
   const LinearFit before = stage.fit;
@@ -117,7 +118,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   note_weak_instrument(before, stage.fit, notes);
 }
 
-/// A result and the shift that was taken out [s]; 0: none.
+/// A result, and the shift that was removed [s]; 0: none.
 struct Fitted {
   Result result;
   double shift = 0.0;
@@ -164,7 +165,7 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
   Fitted found = fit_drive(records, options);
   Result& result = found.result;
   if (found.shift == 0.0 || !result.friction.eccentric.empty() || !options.periodic) return std::move(result);
-  // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the term.
+  // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the periodic term.
   DriveFitOptions without = options;
   without.shift = kHeldForce;
   Result other = fit_drive(records, without).result;

@@ -12,7 +12,7 @@ struct MapMoments {
   std::array<MatrixXd, map::kSides> slope;  ///< bin, parameter of the side
   MatrixXd normal;                          ///< map with map
   MatrixXd with_columns;                    ///< map with linear columns
-  MatrixXd with_multipliers;                ///< map with what multiplies the residual
+  MatrixXd with_multipliers;                ///< map with the multipliers of the residual
 };
 
 MapMoments moments_of(const map::StaticFit& map, const Rows& rows, const LinearFit& fit) {
@@ -45,10 +45,10 @@ MapMoments moments_of(const map::StaticFit& map, const Rows& rows, const LinearF
   return out;
 }
 
-/// What linear terms and map leave of the force at every row.
+/// Residual of the force at every row, without linear terms and map.
 std::vector<double> residuals(const AlignedLog& log, const Rows& rows, const Terms& terms,
                               const LinearFit& fit, const map::StaticFit& map) {
-  // Curves over speed as tables: exponentials for every row would take longer than all the rest.
+  // Curves over speed are tabulated: exponentials for every row would take longer than everything else.
   constexpr int kTable = 2048;
   std::array<std::vector<double>, map::kSides> table;
   for (int s = 0; s < map::kSides; ++s) {
@@ -87,7 +87,7 @@ MatrixXd long_run_of(const AlignedLog& log, const Rows& rows, const Terms& terms
     double* row = moments.row(rows.record[i], rows.at[i]);
     terms.fill(log, rows, i, c.data());
     const BinSums t = fit.sums.of(s, static_cast<std::size_t>(rows.bin[i]));
-    // Fitted together with the map, the linear terms are not centred.
+    // When fitted together with the map, the linear terms are not centred.
     const double centre = choice.joint ? 0.0 : 1.0 / t.rows();
     for (std::size_t j = 0; j < q; ++j) {
       const std::size_t by = fit.multiplier[j];
@@ -106,7 +106,7 @@ MatrixXd long_run_of(const AlignedLog& log, const Rows& rows, const Terms& terms
   return Eigen::Map<const MatrixXd>(raw.data(), size, size);
 }
 
-/// Inverse of the map's moments without the directions that the data do not see; their shares go to `unseen`.
+/// Inverse of the map's moments without the directions that the data do not determine; their shares are written to `unseen`.
 MatrixXd inverse_seen(const MatrixXd& normal, std::vector<double>& unseen) {
   const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * normal * scale.asDiagonal());
@@ -125,12 +125,12 @@ MatrixXd inverse_seen(const MatrixXd& normal, std::vector<double>& unseen) {
          scale.asDiagonal();
 }
 
-/// How θ moves with the moments of the residual, and these moments under white noise of one unit.
+/// Derivative of θ with respect to the moments of the residual, and the moments' covariance under white noise of variance 1.
 struct Bread {
   MatrixXd inverse, white;
 };
 
-/// Map and linear terms fitted together.
+/// The case of map and linear terms fitted together.
 Bread joint_bread(const LinearFit& fit, const MapMoments& map) {
   const auto Q = static_cast<Index>(fit.sums.layout.terms), P = map.normal.rows();
   const auto W = static_cast<Index>(fit.sums.layout.columns());
@@ -157,7 +157,7 @@ Bread joint_bread(const LinearFit& fit, const MapMoments& map) {
           white};
 }
 
-/// The linear terms move by their own moments, the map by its own less what the linear terms take along.
+/// The linear terms depend on their own moments; the map on its own moments less the part that the linear terms take.
 Bread bread_in_turn(const LinearFit& fit, const MapMoments& map, const MatrixXd& map_inverse) {
   const auto Q = static_cast<Index>(fit.sums.layout.terms), P = map.normal.rows();
   Bread out{MatrixXd::Zero(Q + P, Q + P), MatrixXd::Zero(Q + P, Q + P)};

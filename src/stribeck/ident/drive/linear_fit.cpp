@@ -6,7 +6,7 @@
 namespace stribeck::ident::drive {
 namespace {
 
-/// Squared correlation of instrument and acceleration below which the instrument is of no use.
+/// Squared correlation of instrument and acceleration below which the instrument is not used.
 constexpr double kWeakInstrument = 0.1;
 
 Sums sum_up(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit* before,
@@ -54,7 +54,7 @@ Sums sum_up(const AlignedLog& log, const Rows& rows, const Terms& terms, const L
   return out;
 }
 
-/// Products of deviations from the mean of each bin over all blocks, by block.
+/// Products of deviations from the mean of each bin over all blocks, for each block.
 std::vector<MatrixXd> about_the_means(const Sums& sums) {
   const std::size_t width = sums.layout.columns();
   std::vector<MatrixXd> out;
@@ -75,7 +75,7 @@ std::vector<MatrixXd> about_the_means(const Sums& sums) {
   return out;
 }
 
-/// θ of products about the means, with each column multiplied by its multiplier.
+/// θ from products about the means; each column is multiplied by its multiplier.
 VectorXd solved(const MatrixXd& c, const SumsLayout& at, const std::vector<std::size_t>& multiplier) {
   const auto q = static_cast<Index>(at.terms);
   if (q == 0) return {};
@@ -86,7 +86,7 @@ VectorXd solved(const MatrixXd& c, const SumsLayout& at, const std::vector<std::
     a.row(i) = c.row(by).head(q);
     b(i) = c(by, static_cast<Index>(at.force_beside_curve()));
   }
-  // Columns of very different size.
+  // The columns differ much in size.
   const VectorXd scale = c.diagonal().head(q).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   MatrixXd scaled = a * scale.asDiagonal();
   for (Index i = 0; i < q; ++i) {
@@ -104,7 +104,7 @@ std::vector<std::size_t> multipliers(const Terms& terms, const SumsLayout& at, b
   return by;
 }
 
-/// Friction over the bins when the linear terms are taken off.
+/// Friction over the bins after the linear terms are subtracted.
 std::array<map::BinCurve, map::kSides> curves(const Sums& sums, const Rows& rows, const VectorXd& value) {
   std::array<map::BinCurve, map::kSides> out;
   for (std::size_t s = 0; s < map::kSides; ++s) {
@@ -122,7 +122,7 @@ std::array<map::BinCurve, map::kSides> curves(const Sums& sums, const Rows& rows
   return out;
 }
 
-/// A load beside which friction is small would make one direction drive the motion.
+/// A load that is large beside friction: without it one direction would drive the motion.
 double load_of(const std::array<map::BinCurve, map::kSides>& curve) {
   const double forward = curve[0].line().level, back = curve[1].line().level;
   const double mean_level = 0.5 * (forward + back);

@@ -6,7 +6,7 @@
 namespace stribeck::ident::drive {
 namespace {
 
-/// Sums by block and bin of what the linear terms leave: to fit, and to judge by terms fitted without the block.
+/// Sums by block and bin of the residual of the linear terms: for the fit, and for judging with terms fitted without the block.
 std::array<map::SideSums, map::kSides> sums_left(const AlignedLog& log, const Rows& rows, const Terms& terms,
                                                  const LinearFit& fit) {
   std::array<map::SideSums, map::kSides> sums;
@@ -48,7 +48,7 @@ struct Normal {
   MatrixXd A;
   VectorXd b;
 
-  /// Adds one bin; `sum` in the layout of the bins.
+  /// Adds one bin; `sum` has the layout of the bins.
   void add_bin(const map::StaticFit& map, int side, const VectorXd& sum, const SumsLayout& at,
                const std::vector<std::size_t>& multiplier) {
     const double rows = sum(static_cast<Index>(at.rows()));

@@ -6,8 +6,9 @@
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr int kPasses = 5;         ///< searches for periodic terms beside what has been found, at most
-constexpr double kSettled = 0.05;  ///< of the width of a period's interval: it does not move any more
+constexpr int kPasses = 5;  ///< largest number of searches beside the terms found
+constexpr double kSettled =
+    0.05;  ///< share of the width of a period's interval; a smaller change counts as none
 
 void take_terms(Terms& terms, const AlignedLog& log, const std::vector<map::PeriodicTerm>& found) {
   terms.periodic.clear();
@@ -111,7 +112,8 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
     out.map = std::move(with);
   } else {
     out.terms = terms;
-    out.fit.curve = fit.curve;  // the one without the terms; the mass goes on from where it is
+    out.fit.curve =
+        fit.curve;  // the curve of the fit without periodic terms; the mass starts from its present value
     out.fit = solve(log, rows, terms, &out.fit);
   }
   out.map.map.candidates.push_back(std::move(plain));

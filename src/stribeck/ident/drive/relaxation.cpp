@@ -7,9 +7,9 @@ namespace stribeck::ident::drive {
 
 namespace {
 
-constexpr std::size_t kMostRows = 40000;  // around reversals: enough for one number
+constexpr std::size_t kMostRows = 40000;  // around reversals: enough for a single number
 constexpr std::size_t kFewestRows = 20;
-constexpr double kFinest = 0.01;  // of ln σ0
+constexpr double kFinest = 0.01;  // resolution of ln σ0
 
 /// A row around a reversal.
 struct RowNear {
@@ -21,7 +21,7 @@ struct RowNear {
   bool judged;
 };
 
-/// Rows from a window before each reversal to `near` behind it, and a window more, which is not judged.
+/// Rows from a window before each reversal to `near` after it, and one more window that is not judged.
 std::vector<RowNear> rows_near_reversals(const std::vector<log::Motion>& motions, const Level& level,
                                          double near) {
   std::vector<RowNear> rows;
@@ -54,7 +54,7 @@ std::vector<RowNear> rows_near_reversals(const std::vector<log::Motion>& motions
   return rows;
 }
 
-/// The window of each record: what one row gives to its neighbours.
+/// The window of each record: the weight of a row in its neighbours.
 std::vector<std::vector<double>> windows_of(const std::vector<log::Motion>& motions) {
   std::vector<std::vector<double>> out;
   for (const log::Motion& m : motions) {
@@ -134,7 +134,7 @@ Relaxation find_relaxation(const std::vector<log::Motion>& motions, const Level&
   RelaxationCost cost_of(motions, level, mass, load, std::move(rows));
   const auto cost = [&](double log_sigma0) { return cost_of(std::exp(log_sigma0)); };
   const double g = std::max(level(0, 0.0), level(1, 0.0));
-  // Relaxation lengths from a thousandth of the pilot distance to a third of it.
+  // Tries relaxation lengths from a thousandth of the first guess to a third of it.
   const double lowest = std::log(g / (near / 3.0));
   const double highest = std::log(g / (near / 1000.0));
   constexpr int kCoarse = 12;
@@ -171,7 +171,7 @@ void find_lag(const std::vector<log::Motion>& motions, const Level& level, const
       const int side = m.direction[k] > 0 ? 0 : 1;
       const double target = level(side, std::abs(m.v[k]));
       if (m.stretch[k] != m.stretch[k - 1]) {
-        // Deflected the other way by the end of the stretch before.
+        // At its beginning the bristle is deflected to the other side by the stretch before.
         force = fresh ? target : -force;
       }
       if (fresh) force = target, fresh = false;

@@ -8,12 +8,12 @@
 namespace stribeck::ident::drive {
 namespace {
 
-/// Largest relative change of speed within one relaxation length: the lag, first order in it, is then small
+/// Largest relative change of speed within one relaxation length; the lag, of first order in it, is then small
 /// and known.
 constexpr double kLagShare = 0.2;
 constexpr std::size_t kFewestRows = 30;
-constexpr std::size_t kSampleRows = 60000;  // enough for what is only looked at
-constexpr std::size_t kSampleChunk = 2000;  // rows in sequence: their correlation is seen
+constexpr std::size_t kSampleRows = 60000;  // enough for a quick look at the data
+constexpr std::size_t kSampleChunk = 2000;  // rows in sequence, so that their correlation can be seen
 
 void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window) {
   int stretches_before = 0;
@@ -58,7 +58,7 @@ void sort_into_bins(Rows& rows, const AlignedLog& log, int most_bins) {
     rows.bin[i] = rows.grid[rows.side[i]].bin(std::abs(velocity_of(log, rows, i)));
 }
 
-/// An open loop's instrument is its force.
+/// In open loop the instrument is the force.
 void renew_instruments(AlignedLog& log) {
   for (log::Motion& m : log.motions) {
     if (m.loop == log::Loop::kOpen) m.instrument = m.f;
@@ -102,7 +102,7 @@ void number_blocks(Rows& rows) {
     ++count[s];
     if (rows.stretch[i] != last[s]) last[s] = rows.stretch[i], ++stretches[s];
   }
-  // Primes: programmes repeat their speeds in other rhythms.
+  // Prime numbers, because programmes do not repeat their speeds in these rhythms.
   rows.blocks = std::min(stretches[0], stretches[1]) >= 7 ? 7 : 5;
   rows.block.resize(rows.size());
   std::array<std::size_t, map::kSides> ordinal{}, seen{};

@@ -20,7 +20,7 @@ double dot(const std::vector<double>& x, const std::vector<double>& y) {
 
 double longest_rows(double sample_time) { return std::max(3.0, std::ceil(kLongestShift / sample_time)); }
 
-/// Takes the mean of each bin of speed off columns over a sample of the rows.
+/// Subtracts the mean of each bin of speed from columns over a sample of the rows.
 class Centring {
  public:
   Centring(const Rows& rows, const std::vector<std::size_t>& used) : rows_(rows), used_(used) {
@@ -48,8 +48,8 @@ class Centring {
   std::array<std::vector<double>, map::kSides> count_;
 };
 
-/// Residual over the shift. The force at a fraction of a row is a straight line between two whole ones: products
-/// of whole rows do.
+/// Residual as a function of the shift. The force between two rows is interpolated linearly, so that products of whole rows
+/// suffice.
 class ShiftCost {
  public:
   ShiftCost(const AlignedLog& log, const Rows& rows, double reach)
@@ -63,7 +63,7 @@ class ShiftCost {
       v[j] = velocity_of(log, rows, i);
     }
     a = centred(std::move(a));
-    v = centred(std::move(v));  // slope within a bin
+    v = centred(std::move(v));  // remove the slope within a bin
     vv_ = dot(v, v);
     const double va = dot(v, a) / vv_;
     for (std::size_t j = 0; j < used.size(); ++j) a[j] -= va * v[j];
@@ -144,7 +144,7 @@ std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
 
 void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit) {
   rows.asked_change.assign(rows.size(), 0.0);
-  // Neighbouring rows share what they difference.
+  // Neighbouring rows contain the same values in their differences.
   std::size_t behind = 0;
   std::array<double, 3> f{};
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -199,8 +199,8 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, 
         "the shift between force and motion: the force changes too little or too seldom; taken as a "
         "commanded force under its zero-order hold");
   }
-  // A shift that leaves as much of the force as none has no reason to be believed; one that leaves much less needs
-  // no further witness: its half width is taken from the residual, which remembers longer than what moves it.
+  // A shift that does not reduce the residual of the force is not believed. One that reduces it much needs no further evidence: its
+  // half width follows from the residual, whose correlation is longer than that of the motion.
   const double away = std::abs(found - kHeldForce);
   const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
   const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);

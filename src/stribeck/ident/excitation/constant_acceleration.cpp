@@ -18,7 +18,7 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   double v = kReserve * limits.speed;
   double flank = design.flank;
   if (limits.acceleration > 0.0) flank = std::max(flank, v / (0.5 * limits.acceleration));
-  v = std::min(v, 0.95 * room / flank);  // both flanks together go v·flank
+  v = std::min(v, 0.95 * room / flank);  // both flanks together travel v·flank
   check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + 0.2) / sample_time, sample_time,
              fmt::format("constant acceleration: {} triangles in each direction", design.repeats),
              "fewer repeats");

@@ -1,4 +1,4 @@
-// What all designs share: checks against the limits, the rough drive.
+// Common parts of all designs: checks against the limits, the rough drive.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ void check_positions(const Excitation& e, const Limits& l) {
     }
     if (k > 0 && k + 1 < e.r.size() && l.acceleration > 0.0) {
       const double a = std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (T * T);
-      // Rounding of positions shows in a second difference.
+      // Rounding of positions affects their second difference.
       if (a > l.acceleration * 1.001 + 1e-14 / (T * T)) {
         throw Refused(
             fmt::format("{}: needs {:.4g} mm/s2 at {:.3f} s, the limit of acceleration is {:g} mm/s2",

@@ -13,7 +13,7 @@ namespace {
 constexpr double kGcodeStep = 0.02;  // [s]
 constexpr double kFinest = 1e-7;     // shortest move of G-code [m]
 
-/// Rounded as printed, without a sign before zero.
+/// Rounded as it is printed, without a sign before zero.
 double millimetres(double metres) { return std::round(metres * 1e9) * 1e-6 + 0.0; }
 
 }  // namespace
@@ -56,7 +56,7 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
     }
     double fastest = std::abs(step);
     if (flats) {
-      // One stroke: the ramps are the control's, the feed is that of the flat part.
+      // One stroke: the control makes the ramps; the feed is that of the constant part.
       while (last + 1 < e.r.size() && (e.r[last + 1] - e.r[last]) * step > 0.0) {
         ++last;
         fastest = std::max(fastest, std::abs(e.r[last] - e.r[last - 1]));
@@ -66,7 +66,7 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
              (last - k < dense || std::abs(e.r[last] - e.r[k]) < kFinest)) {
         ++last;
       }
-      if (std::abs(e.r[last] - e.r[k]) < kFinest) {  // a feed of nearly zero is an error to the control
+      if (std::abs(e.r[last] - e.r[k]) < kFinest) {  // the control refuses a feed of nearly zero
         out += fmt::format("G4 P{:.3f}\n", static_cast<double>(last - k) * T);
         k = last;
         continue;

@@ -8,11 +8,11 @@
 namespace stribeck::ident::excitation {
 namespace {
 
-constexpr double kShortestJog = 1.0;  // of constant speed: settling is left out [s]
-constexpr double kLongestJog = 60.0;  // for the sake of whole periods [s]
+constexpr double kShortestJog = 1.0;  // of constant speed, without the settling time [s]
+constexpr double kLongestJog = 60.0;  // limit for rounding up to whole periods [s]
 constexpr double kSettle = 0.5;       // left out by the identification [s]
 
-/// Flanks of a jog and the longest time of constant speed that the room allows.
+/// Flanks of a jog, and the longest time of constant speed that the travel allows.
 struct Profile {
   double ramp = 0.0;
   double longest = 0.0;
@@ -28,7 +28,7 @@ double room_of(const Limits& limits, const JogDesign& design) {
   return design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
 }
 
-/// Two rows of the fastest speed fit into the period, and the period into the room.
+/// Whether two rows of the fastest speed fit into the period, and the period into the travel.
 void check_period(const JogDesign& design, double room, double sample_time) {
   if (!(design.period > 0.0)) return;
   const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
@@ -48,7 +48,7 @@ void append_pair(const JogDesign& design, double v, double ramp, double flat, Ex
   const auto flank = static_cast<std::size_t>(std::ceil(ramp / e.sample_time));
   const auto rows = static_cast<std::size_t>(std::ceil(flat / e.sample_time));
   for (const double direction : {design.direction, -design.direction}) {
-    // Speed in the middle of each sample: the flanks sum up exactly and the stroke back ends at the start.
+    // Speed in the middle of each sample: the flanks then sum up exactly, and the stroke back ends at the start.
     for (std::size_t k = 0; k < rows + 2 * flank; ++k) {
       const double up = (static_cast<double>(k) + 0.5) / static_cast<double>(flank);
       const double down = (static_cast<double>(rows + 2 * flank - k) - 0.5) / static_cast<double>(flank);
@@ -66,11 +66,11 @@ std::vector<double> jog_speeds(double fastest) {
                           5.5,  6.0,  6.5,  7.0,  7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0}) {
     if (mm * 1e-3 <= fastest * (1.0 + 1e-9)) speeds.push_back(mm * 1e-3);
   }
-  // Faster axes go on in equal shares.
+  // For faster axes the speeds continue in equal ratios.
   constexpr double kFaster = 1.25, kClose = 1.1;
   for (double v = 15e-3 * kFaster; std::isfinite(fastest) && v * kClose < fastest; v *= kFaster)
     speeds.push_back(v);
-  // A curve is worth most where it ends: the last gap would leave it open there.
+  // The end of the curve matters most, so the last gap must not leave it open there.
   constexpr double kGap = 1.02;
   if (!speeds.empty() && fastest > kGap * speeds.back() && std::isfinite(fastest)) speeds.push_back(fastest);
   return speeds;
@@ -105,11 +105,11 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
           fmt::format("jog: speed of {:g} mm/s, expected above 0 and at most the limit of {:g} mm/s", v * 1e3,
                       limits.speed * 1e3));
     }
-    // Long enough to leave the bristle behind (some tens of micrometres) and to average noise.
+    // Long enough for the bristle to settle (some tens of micrometres) and to average noise.
     const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
     double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
     if (design.period > 0.0) {
-      // What is left out until the axis has settled comes on top of the whole periods.
+      // The settling time is added to the whole periods.
       const double settled = flat - std::min(kSettle, 0.3 * flat);
       const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
       if (whole <= std::min(longest, kLongestJog)) {

@@ -9,12 +9,12 @@ namespace stribeck::ident::excitation {
 namespace {
 
 constexpr double kBaseScale =
-    4.0;  // the scale that just moves the axis (thesis: results are taken from K_u = 4)
-constexpr double kJustMoves = 1.25;    // its height over the Coulomb force
-constexpr double kFineness = 0.1;      // of the friction: what is known roughly is not known better
-constexpr double kSlower = 0.8;        // speeds that are tried where the travel is short
-constexpr double kSlowest = 0.02;      // of the first of them
-constexpr double kHardlyMoves = 1e-3;  // of the speed limit
+    4.0;  // the scale that just moves the axis (the thesis uses results from K_u = 4 on)
+constexpr double kJustMoves = 1.25;    // its height relative to the Coulomb force
+constexpr double kFineness = 0.1;      // share of the friction: resolution of rough data
+constexpr double kSlower = 0.8;        // factor between the speeds that are tried where the travel is short
+constexpr double kSlowest = 0.02;      // smallest of these, as a share of the first one
+constexpr double kHardlyMoves = 1e-3;  // share of the speed limit
 
 struct Outcome {
   double top = 0.0;     // [m/s]
@@ -28,7 +28,7 @@ double trapezoid(double t, double ramp, double hold) {
   return std::max(0.0, (2.0 * ramp + hold - t) / ramp);
 }
 
-/// One pulse on the rough drive.
+/// Simulates one pulse on the rough drive.
 Outcome predict(const RoughDrive& d, double height, double ramp, double hold) {
   Outcome o;
   double v = 0.0;
@@ -49,12 +49,12 @@ Outcome predict(const RoughDrive& d, double height, double ramp, double hold) {
   return o;
 }
 
-/// Heights of the pulses. Forces beyond what drive and acceleration may have are brought down, those just above
-/// friction least.
+/// Heights of the pulses. Forces above the limits of drive and acceleration are reduced; those just above friction are reduced
+/// least.
 struct Heights {
-  double base = 0.0;     ///< of the scale 1 [N]
+  double base = 0.0;     ///< height for K_u = 1 [N]
   double cap = 0.0;      ///< largest force that is allowed [N]
-  double squeeze = 1.0;  ///< of what is above the Coulomb force
+  double squeeze = 1.0;  ///< factor on the part above the Coulomb force
   double coulomb = 0.0;  ///< [N]
 
   [[nodiscard]] double of(double scale) const {
@@ -82,20 +82,20 @@ Heights heights_of(const Limits& limits, const RoughDrive& drive, const PulseDes
   return h;
 }
 
-/// One pulse, and what it does to the rough drive.
+/// One pulse, and the motion of the rough drive under it.
 struct Pulse {
   double height = 0.0;  ///< [N]
   double ramp = 0.0;    ///< [s]
   double hold = 0.0;    ///< [s]
-  bool slower = false;  ///< than the limit asks for: the travel is short
-  Outcome outcome;      ///< also the longest travel and the latest stop
+  bool slower = false;  ///< slower than the limit permits, because the travel is short
+  Outcome outcome;      ///< maximum over the assumed drives
 };
 
 bool fits(const Outcome& o, const Limits& limits, double start) {
   return start + 1.2 * o.travel <= limits.travel_max || start - 1.2 * o.travel >= limits.travel_min;
 }
 
-/// The longest flat top that keeps the speed `goal`; the flanks become shorter when they alone are too much.
+/// The longest flat top that keeps the speed below `goal`; the flanks become shorter where they alone are too much.
 Pulse longest_pulse(const RoughDrive& easy, double coulomb, double height, double goal, double sample_time,
                     const PulseDesign& design) {
   Pulse p;
@@ -117,7 +117,7 @@ Pulse longest_pulse(const RoughDrive& easy, double coulomb, double height, doubl
   return p;
 }
 
-/// The speed becomes lower where the travel is too short to come to rest.
+/// Reduces the speed where the travel is too short to come to rest.
 Pulse design_pulse(const Limits& limits, const RoughDrive& drive, double height, double sample_time,
                    const PulseDesign& design) {
   const RoughDrive easy{drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous};
@@ -129,10 +129,10 @@ Pulse design_pulse(const Limits& limits, const RoughDrive& drive, double height,
   }
 }
 
-/// Towards the side with more room, then back.
+/// First towards the side with more room, then back.
 void append_pair(const Pulse& p, const Limits& limits, double start, Excitation& e) {
   const double first = limits.travel_max - start >= start - limits.travel_min ? 1.0 : -1.0;
-  // A braking axis may need longer than predicted: half as much again.
+  // A braking axis may need longer than predicted: the time is increased by half.
   const double pause = 1.5 * (p.outcome.stop - 2.0 * p.ramp - p.hold) + kRest;
   for (const double direction : {first, -first}) {
     const double needed = std::ceil((2.0 * p.ramp + p.hold + pause) / e.sample_time);

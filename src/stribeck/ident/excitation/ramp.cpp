@@ -8,10 +8,10 @@
 namespace stribeck::ident::excitation {
 namespace {
 
-constexpr double kBeyond = 1.3;            // peak of a ramp over the rough Coulomb force
-constexpr double kBack = 0.2;              // from there to zero [s]
+constexpr double kBeyond = 1.3;            // peak of a ramp relative to the rough Coulomb force
+constexpr double kBack = 0.2;              // time from the peak to zero [s]
 constexpr double kHardlySlips = 10e-6;     // some bristle lengths [m]
-constexpr double kFewestRampRows = 100.0;  // of a rise; a quicker one is no ramp from rest
+constexpr double kFewestRampRows = 100.0;  // of a rise; with fewer rows it is no ramp from rest
 
 struct Slipped {
   double top = 0.0;     // [m/s]
@@ -23,7 +23,7 @@ double ramp_force(double t, double up, double peak) {
   return t < up ? peak * t / up : std::max(0.0, peak * (1.0 - (t - up) / kBack));
 }
 
-/// What an axis with less friction than thought does once it slips.
+/// Motion of an axis with less friction than assumed, once it slips.
 Slipped predict_slip(const RoughDrive& easy, double up, double peak, double enough) {
   Slipped s;
   double v = 0.0, t = 0.0;

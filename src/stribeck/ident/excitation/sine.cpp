@@ -16,8 +16,8 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   Excitation e;
   e.method = design.from_middle ? "position-sine" : "sine";
   e.sample_time = sample_time;
-  // φ' rises as 3s² − 2s³ over the first second and stays: position, speed and acceleration begin at rest.
-  // A cosine ends at rest by itself; a sine, which passes its middle at full speed, slows down as it began.
+  // φ' rises as 3s² − 2s³ over the first second and then stays constant: position, speed and acceleration begin at rest. A cosine
+  // ends at rest by itself; a sine, which passes its middle at full speed, slows down in the way it began.
   const double whole = 2.0 * kPi * design.periods / design.frequency;
   const double end = design.from_middle ? std::max(whole + 1.0, 2.0) : whole + 0.5;
   check_rows(

@@ -1,4 +1,4 @@
-// The steps from logged signals to records. Each step has a file of its own, see condition_parts.hpp.
+// The steps from logged signals to records. Each step has its own file, see condition_parts.hpp.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,12 +15,12 @@ using namespace parts;
 
 namespace {
 
-/// Squares and sums of what comes after this are still numbers.
+/// Beyond this, squares and sums would overflow.
 void refuse_absurd(const RawLog& log) {
   constexpr double kAbsurd = 1e30;
   const auto look = [&](const std::vector<double>& y, const char* name) {
     for (std::size_t k = 0; k < y.size(); ++k) {
-      if (!(std::abs(y[k]) >= kAbsurd)) continue;  // NaN is found with its column
+      if (!(std::abs(y[k]) >= kAbsurd)) continue;  // NaN is reported with its column
       throw Refused(
           log.source +
           fmt::format(": row {}: the {} is {:g}, which no machine logs; repair or cut the log, or check "
@@ -38,7 +38,7 @@ void refuse_absurd(const RawLog& log) {
   }
 }
 
-/// A column in another unit than its header says may be off by powers of ten, but hardly so far.
+/// Limits for a column whose unit differs from its header: an error of some powers of ten stays within them.
 void refuse_implausible(const std::vector<Table>& tables, const std::string& source, bool position,
                         const std::string& force_unit, const std::string& position_unit) {
   constexpr double kLeastStep = 1e-9, kMostStep = 1e5;       // [s]
@@ -68,7 +68,7 @@ void refuse_implausible(const std::vector<Table>& tables, const std::string& sou
   check(range_of(&Table::f), kLeastForce, kMostForce, "the force ranges over", force_unit);
 }
 
-/// One axis is logged with the same quantities in the same units.
+/// Refuses logs of one axis whose quantities or units differ.
 void refuse_differing_runs(const std::vector<RawLog>& runs) {
   const RawLog& first = runs.front();
   for (const RawLog& log : runs) {
@@ -90,7 +90,7 @@ std::vector<Table> tables_of(std::vector<RawLog>& runs, Sampling& sampling, Note
   return tables;
 }
 
-/// Columns that not every table has are of no use; a velocity stays where it stands for the position.
+/// Leaves out columns that not every table has; a velocity stays where it replaces the position.
 void drop_partial_columns(std::vector<Table>& tables, bool position) {
   for (const auto column : {&Table::r, &Table::v}) {
     const bool everywhere =
@@ -101,7 +101,7 @@ void drop_partial_columns(std::vector<Table>& tables, bool position) {
   }
 }
 
-/// A channel without any change says nothing; where it is needed there is no result.
+/// Leaves out a channel that never changes; refuses the log where the channel is needed.
 void refuse_constant(const std::vector<Table>& tables, const std::string& source, bool position) {
   if (constant(tables, &Table::f))
     throw Refused(source +
@@ -116,7 +116,7 @@ void refuse_constant(const std::vector<Table>& tables, const std::string& source
                     position ? "position" : "velocity", tables.front().motion().front()));
 }
 
-/// On the grid of the slowest channel, without what a frozen logger wrote.
+/// Brings the tables to the grid of the slowest channel and cuts out the rows that a frozen logger wrote.
 std::vector<Table> without_repeats(std::vector<Table> tables, const std::string& source, bool position,
                                    Sampling& s, Notes& notes) {
   s.x_hold = position ? hold_of(tables, &Table::x) : 1.0;
@@ -135,7 +135,7 @@ std::vector<Table> without_repeats(std::vector<Table> tables, const std::string&
   return tables;
 }
 
-/// Leaves out pieces that are too short; the first of them is noted, `noted` tells whether that was done.
+/// Leaves out pieces that are too short. Only the first of them is noted; `noted` tells whether that has happened.
 std::vector<Table> long_enough(std::vector<Table> tables, const std::string& source, bool& noted,
                                Notes& notes) {
   std::vector<Table> out;
@@ -159,8 +159,8 @@ std::vector<Table> long_enough(std::vector<Table> tables, const std::string& sou
   return out;
 }
 
-/// Single samples and channels that are wrong, one after the other: a spike looks like a jump, and a jump makes a
-/// velocity look wrong.
+/// Repairs single samples, then channels, because a spike looks like a jump, and a jump makes a velocity look
+/// wrong.
 std::vector<Table> without_faults(std::vector<Table> tables, bool position, const Sampling& s, Notes& notes) {
   mend_spikes(tables, std::max(s.x_quantum_large, 3.0 * s.x_noise), &Table::x, "position", notes);
   if (position) mend_spikes(tables, s.v_quantum, &Table::v, "velocity", notes);
@@ -177,7 +177,7 @@ std::vector<Table> without_faults(std::vector<Table> tables, bool position, cons
 
 bool starts_with(const std::string& sentence, const char* word) { return sentence.rfind(word, 0) == 0; }
 
-/// What is not true of a log without position or without regular time is taken back.
+/// Removes statements that do not hold for a log without position or without regular time.
 void restrict_verdict(Conditioned& out, bool position, bool irregular) {
   const auto of_position = [](const std::string& t) {
     return starts_with(t, "terms") || starts_with(t, "pre-sliding");

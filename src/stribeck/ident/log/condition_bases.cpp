@@ -1,4 +1,4 @@
-// Signals with time bases of their own are brought to one.
+// Brings signals with different time bases to one.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void check_finite(const RawLog& log, const Signal& s, const char* name) {
   }
 }
 
-/// The columns of a log that may have time bases of their own.
+/// The columns of a log that may have their own time bases.
 struct NamedSignal {
   const Signal* signal;
   const char* name;
@@ -45,7 +45,7 @@ bool differing_bases(const RawLog& log, const Signals& all, const Signal& base) 
   return own;
 }
 
-/// The time column `t`; made from the sample time of the log where there is none.
+/// The time column `t`; computed from the sample time of the log where there is none.
 std::vector<double> time_of_rows(const RawLog& log, std::vector<double> t, std::size_t rows) {
   if (t.empty()) {
     if (!(log.sample_time > 0.0) || !std::isfinite(log.sample_time)) {
@@ -61,7 +61,7 @@ std::vector<double> time_of_rows(const RawLog& log, std::vector<double> t, std::
   return t;
 }
 
-/// All columns share the time t; they are taken out of the log.
+/// The case of columns that share the time t; takes them out of the log.
 Table with_shared_time(RawLog& log, std::size_t run, std::vector<double> t) {
   Table m;
   m.source = log.source;
@@ -82,7 +82,7 @@ const std::vector<double>& time_of(const Signal& s, const std::vector<double>& t
   return s.t.empty() ? t : s.t;
 }
 
-/// First and last instant that all signals have. Refuses time that does not increase.
+/// First and last instant that all signals cover. Refuses time that does not increase.
 std::pair<double, double> common_time(const RawLog& log, const Signals& all, const std::vector<double>& t) {
   double from = t.front();
   double to = t.back();
@@ -102,7 +102,7 @@ std::pair<double, double> common_time(const RawLog& log, const Signals& all, con
   return {from, to};
 }
 
-/// The slower of motion and force makes the grid: nothing is invented between its samples.
+/// The slower of motion and force gives the grid, so that nothing is invented between its samples.
 Table on_common_grid(const RawLog& log, std::size_t run, const Signals& all, const std::vector<double>& t,
                      Notes& notes) {
   const auto [from, to] = common_time(log, all, t);

@@ -1,4 +1,4 @@
-// Velocity and reference against the position: unit, direction, stuck channels.
+// Compares velocity and reference with the position: unit, direction, stuck channels.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-/// Slope of y over dx/dt and how well it holds, over stretches long enough that resolution does not matter.
+/// Slope of y over dx/dt and its scatter, over stretches so long that resolution does not matter.
 struct Ratio {
   double slope = 0.0;
   double correlation = 0.0;
@@ -31,7 +31,7 @@ Ratio ratio_of(const std::vector<Table>& tables, double x_resolution, double v_r
       const double travel = m.x[k] - m.x[first];
       const auto n = static_cast<double>(k - first);
       if (n < 8.0 || (k - first) % 4 != 0) continue;
-      // Not before both have gone far beyond what their resolution makes of rest.
+      // Only once both have moved far beyond their resolution.
       const double least = 20.0 * x_resolution + 10.0 * v_resolution * m.sample_time * std::sqrt(n);
       if (std::abs(travel) < least && std::abs(sum) < least) {
         if (n > 2000.0) {
@@ -55,7 +55,7 @@ Ratio ratio_of(const std::vector<Table>& tables, double x_resolution, double v_r
   return out;
 }
 
-/// Units that are often mistaken for each other, by the factor between them.
+/// Units that are often confused, with the factor between them.
 struct Factor {
   double value;
   const char* reason;
@@ -70,7 +70,7 @@ constexpr std::array<Factor, 9> kFactors{{{1000.0, "mm for m, or ms for s"},
                                           {9.549296585513721, "turns per minute for rad/s"},
                                           {360.0, "degrees for turns"}}};
 
-/// " (as … would do)" where the factor is that between two such units.
+/// " (as … would do)" where the factor belongs to two such units.
 std::string reason_of(double by) {
   std::string reason;
   for (const Factor& f : kFactors) {

@@ -1,4 +1,4 @@
-// What was moved: range, speeds, accelerations, strokes, rows after a reversal.
+// The motion in the log: range, speeds, accelerations, strokes, rows after a reversal.
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/log/condition_parts.hpp>
@@ -8,7 +8,7 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-/// Strokes longer than the hysteresis, and the rows soon after each turn.
+/// Counts strokes longer than the hysteresis, and the rows soon after each reversal.
 void count_strokes(const std::vector<double>& x, double hysteresis, double near, Coverage& c,
                    std::vector<double>& rows_near) {
   std::size_t low = 0;
@@ -47,7 +47,7 @@ void mark_rest(Table& m, double resolution) {
   while (last > 0 && std::abs(m.x[last - 1] - m.x.back()) <= play) --last;
   std::size_t first = 0;
   while (first < m.rows() && std::abs(m.x[first] - m.x.front()) <= play) ++first;
-  if (first >= m.rows()) return;  // it never moves: not for this mark to say
+  if (first >= m.rows()) return;  // the axis never moved: no mark
   for (std::size_t k = 0; k < first; ++k) m.mark[k] |= kAtRest;
   for (std::size_t k = last; k < m.rows(); ++k) m.mark[k] |= kAtRest;
 }

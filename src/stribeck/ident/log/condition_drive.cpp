@@ -16,7 +16,7 @@ double mean_of(const std::vector<double>& y, std::size_t first, std::size_t last
   return sum / static_cast<double>(last - first);
 }
 
-/// Rows at the end that stand without drive; 0: none.
+/// Number of rows at the end with the drive switched off; 0: none.
 std::size_t rows_without_drive(const std::vector<double>& x, const std::vector<double>& f, double& level,
                                double& rest) {
   const std::size_t n = x.size();
@@ -43,7 +43,7 @@ std::size_t rows_without_drive(const std::vector<double>& x, const std::vector<d
   if (std::abs(rest) > 0.1 * std::abs(level) || spread > 0.3 * std::abs(level)) return 0;
   std::size_t down = last;
   while (down < n && std::abs(f[down] - rest) > 0.2 * std::abs(level - rest)) ++down;
-  if ((down - last) * 3 > n - last) return 0;  // it creeps down: a controller at work
+  if ((down - last) * 3 > n - last) return 0;  // the force decreases slowly: a controller is active
   while (last > first && std::abs(f[last - 1] - level) > spread * 0.7) --last;
   return n - last;
 }
@@ -77,7 +77,7 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes) {
       m = slice(m, 0, k);
       m.gap_before = gap;
     }
-    // The start is the end of the log read backwards.
+    // The start is handled as the end of the log read backwards.
     if (m.rows() < kFewestRows ||
         std::abs(m.f.front()) > 0.3 * stats::thinned_quantile(stats::magnitudes(sample_of(m.f, 2000)), 0.9))
       continue;
@@ -133,7 +133,7 @@ void find_saturation(std::vector<Table>& tables, Notes& notes) {
     }
   }
   for (const std::size_t side : {0, 1}) {
-    // Tops of a programmed force are no longer than its other steps.
+    // The constant stretches of a programmed force are no longer at its maximum than elsewhere.
     if (longest[side] < 6 || longest[side] < 3 * longest_elsewhere) continue;
     const double value = side == 1 ? high : low;
     notes.add(

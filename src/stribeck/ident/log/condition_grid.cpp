@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::size_t kMostMoves = 50000;
 
-/// Rows in which a held column is new. They are followed by their spacing, as the axis may stand for a while.
+/// Rows in which a held column changes. Rows are predicted from their spacing, because the axis may rest for a while.
 struct NewRows {
   std::vector<std::size_t> starts;
-  std::vector<std::size_t> breaks;  ///< in starts: where the spacing slipped; the last interval may be cut
+  std::vector<std::size_t> breaks;  ///< in starts: where the spacing changed; the last interval may be cut
 };
 
-/// The row near `about` in which y changes, behind row `last`; `about` itself where there is none.
+/// The row near `about`, after row `last`, in which y changes; `about` itself where there is none.
 std::ptrdiff_t change_near(const std::vector<double>& y, std::ptrdiff_t about, std::ptrdiff_t last,
                            std::ptrdiff_t slack) {
   const auto changed = [&](std::ptrdiff_t k) {
@@ -32,7 +32,7 @@ std::ptrdiff_t change_near(const std::vector<double>& y, std::ptrdiff_t about, s
   return about;
 }
 
-/// Of a column that is new every `hold` rows, from row `first` on.
+/// The same for a column with a new value every `hold` rows, from row `first` on.
 NewRows new_rows(const std::vector<double>& y, double hold, std::size_t first) {
   NewRows out;
   const auto slack = static_cast<std::ptrdiff_t>(std::max(1.0, 0.25 * hold));
@@ -57,7 +57,7 @@ NewRows new_rows(const std::vector<double>& y, double hold, std::size_t first) {
   return out;
 }
 
-/// New rows from `from` to `until` (not included) as a table with the time T between rows.
+/// New rows from `from` to `until` (not included), as a table with the time T between rows.
 Table on_grid(const Table& m, const std::vector<std::size_t>& starts, std::size_t from, std::size_t until,
               double T) {
   Table s;
@@ -148,19 +148,19 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
       if (m.f[k] != m.f[k - 1]) continue;
       std::size_t end = k;
       while (end < m.rows() && same_row(m, end, k - 1)) ++end;
-      const std::size_t first = k - 1;  // last fresh row
+      const std::size_t first = k - 1;  // last row with new values
       const std::size_t rows = end - k;
       const bool at_end = end == m.rows();
       k = std::max(k, end);
       if (rows < shortest || first < look) continue;
       bool frozen = false;
-      // The channels come back each in its own time slot.
+      // Each channel changes again in its own time slot.
       std::size_t fresh = end;
       while (fresh < m.rows() && fresh < end + hold && y[fresh] == y[first]) ++fresh;
       if (fresh == m.rows()) fresh = end;
       const double jump = at_end ? 0.0 : y[fresh] - y[first];
       if (velocity_only) {
-        // Constant velocity, force and reference to the last bit: only a coarse standstill does that.
+        // Velocity, force and reference are constant to the last bit: this happens only at a coarse standstill.
         frozen = std::abs(y[first]) > 5.0 * step && step > 0.0;
       } else {
         const double speed = (y[first] - y[first - look]) / static_cast<double>(look);  // per row

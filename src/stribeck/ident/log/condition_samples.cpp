@@ -1,4 +1,4 @@
-// Single wild samples, jumps of the position, stuck force.
+// Repairs single wild samples, and cuts out jumps of the position and stuck force.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ double middle_of(std::array<double, 4> a) {
   return 0.5 * (a[1] + a[2]);
 }
 
-/// How far a sample stands off its neighbours, and how far these differ among themselves.
+/// Distance of a sample from its neighbours, and difference of the neighbours among themselves.
 struct Off {
   double here = 0.0;
   double around = 0.0;
@@ -35,7 +35,7 @@ Off off_neighbours(const std::vector<double>& y, std::size_t k) {
 
 constexpr double kWild = 10.0;
 
-/// How far a sample of this column must stand off its neighbours to be a spike; 0 where too few show it.
+/// Smallest distance from the neighbours at which a sample of this column is a spike; 0 where too few samples show it.
 double spike_limit(const std::vector<Table>& tables, double resolution, std::vector<double> Table::*column) {
   std::vector<double> offs;
   for (const Table& m : tables) {
@@ -49,7 +49,7 @@ double spike_limit(const std::vector<Table>& tables, double resolution, std::vec
   if (offs.size() < 50) return 0.0;
   const double limit = std::max(kWild * stats::thinned_quantile(offs, 0.995), 5.0 * resolution);
   if (column == &Table::x) return limit;
-  // A controller may well answer with a short push; what is far outside all other values is none.
+  // The neighbours of a spike must agree. A short push of a controller can look like a spike; a value far outside all others cannot be one.
   std::vector<double> all;
   for (const Table& m : tables) {
     const std::vector<double> some = sample_of(m.*column, std::max<std::size_t>(200, 20000 / tables.size()));
@@ -69,7 +69,7 @@ std::vector<Spike> find_spikes(std::vector<Table>& tables, double limit, std::ve
     const std::vector<double>& y = m.*column;
     if (y.size() < 10) continue;
     for (std::size_t k = 0; k < y.size(); ++k) {
-      // Cheap first: a spike leaves and comes back.
+      // The cheap test first: a spike leaves and comes back.
       if (k > 0 && k + 1 < y.size() && std::abs(y[k] - y[k - 1]) < 0.5 * limit) continue;
       const Off o = off_neighbours(y, k);
       if (std::abs(o.here) <= limit || o.around > 0.3 * std::abs(o.here)) continue;
@@ -89,7 +89,7 @@ void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<doub
   const std::vector<Spike> found = find_spikes(tables, limit, column);
   std::size_t rows = 0;
   for (const Table& m : tables) rows += m.rows();
-  // What comes often belongs to the axis.
+  // An event that occurs often belongs to the axis.
   if (found.empty() || found.size() * 1000 > rows + 3000) return;
   const Spike& first = found.front();
   const double first_value = (first.table->*column)[first.row];
@@ -108,7 +108,7 @@ void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<doub
       {first_value, first_mended, static_cast<double>(found.size())});
 }
 
-/// Positions that jump between two rows while the speed before and after is the same.
+/// Positions that jump between two rows although the speed before and after is the same.
 std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes) {
   if (!notes.wanted("jump")) return tables;
   const auto off_step = [](const std::vector<double>& x, std::size_t k, double& change) {
@@ -137,7 +137,7 @@ std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampl
       double change = 0.0;
       const double jump = off_step(m.x, k, change);
       if (std::abs(jump) <= limit || std::abs(change) > 0.3 * std::abs(jump)) continue;
-      // A reference that jumps too was programmed so.
+      // If the reference jumps too, the jump was programmed.
       if (!m.r.empty() && std::abs(m.r[k] - m.r[k - 1]) > 0.5 * std::abs(jump)) continue;
       if (found++ == 0) {
         notes.add("jump", m, k, true,
@@ -157,7 +157,7 @@ std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampl
   return out;
 }
 
-/// Force that keeps its value to the last bit while the axis is accelerated.
+/// Force that keeps its value to the last bit while the axis accelerates.
 std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes& notes) {
   if (!notes.wanted("stuck")) return tables;
   std::size_t same = 0;
@@ -166,7 +166,7 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
     for (std::size_t k = 1; k < m.rows(); ++k) same += m.f[k] == m.f[k - 1] ? 1 : 0;
     rows += m.rows();
   }
-  if (same * 5 > rows) return tables;  // coarse or programmed: constant stretches belong to it
+  if (same * 5 > rows) return tables;  // coarse or programmed: constant stretches are normal
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const Table& m : tables) {
@@ -175,8 +175,8 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
     high = std::max(high, *b);
   }
   const auto shortest = static_cast<std::size_t>(50.0 * hold);
-  // A programmed force rests between its ramps, where the axis springs back; it gets there and away in small steps.
-  constexpr double kSmallStep = 0.1;  // of the whole range
+  // A programmed force rests between its ramps while the axis springs back; it changes in small steps before and after.
+  constexpr double kSmallStep = 0.1;  // share of the whole range
   const auto programmed = [&](const Table& m, std::size_t first, std::size_t last) {
     const double step = kSmallStep * (high - low);
     const bool in = first == 0 || std::abs(m.f[first] - m.f[first - 1]) < step;

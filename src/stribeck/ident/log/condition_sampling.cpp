@@ -1,4 +1,4 @@
-// How the log was written: resolution, rows that a value is held, noise.
+// How the log was written: resolution, number of rows that repeat a value, noise.
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/log/condition_parts.hpp>
@@ -11,7 +11,7 @@ double quantum(const std::vector<double>& values) {
   constexpr std::size_t kMost = 20000;
   std::vector<double> sorted = parts::sample_of(values, kMost);
   if (sorted.size() < 2) return 0.0;
-  // At an even speed all values are multiples of one step that is no resolution.
+  // At a constant speed all values are multiples of one step, which is no resolution.
   std::vector<double> moves;
   std::size_t same = 0;
   for (std::size_t k = 1; k < sorted.size(); ++k) {
@@ -33,7 +33,7 @@ double quantum(const std::vector<double>& values) {
   }
   if (steps.empty()) return 0.0;
   std::sort(steps.begin(), steps.end());
-  // The very smallest may come from one edited value.
+  // A single edited value may cause the very smallest step.
   for (const double share : {0.0, 0.02, 0.1}) {
     const double q = steps[static_cast<std::size_t>(share * static_cast<double>(steps.size() - 1))];
     double sum = 0.0;
@@ -49,7 +49,7 @@ double quantum(const std::vector<double>& values) {
       sum += s;
       count += n;
     }
-    // Continuous values meet the band in one case of five.
+    // Continuous values lie in the band in one case of five.
     if (fits * 10 < near * 9 || near * 20 < steps.size() || (near < 20 && near < steps.size())) continue;
     const double step = sum / count;
     if (!repeats && usual_move < 1.5 * step) return 0.0;
@@ -87,7 +87,7 @@ double hold_of(const std::vector<Table>& tables, std::vector<double> Table::*col
   if (gaps.size() < kFewestChanges) return 1.0;
   const double typical = stats::thinned_quantile(gaps, 0.5);
   if (typical < 2.0 || typical > kLongest) return 1.0;
-  // A slow coarse position also stands for several rows, but then it changes by single steps.
+  // A slow coarse position also repeats its value, but then it changes by single steps.
   if (stats::thinned_quantile(changes, 0.5) < 2.5 * quantum(all)) return 1.0;
   double sum = 0.0;
   std::size_t single = 0;
@@ -134,7 +134,7 @@ void measure(const std::vector<Table>& tables, Sampling& s) {
   }
   s.x_quantum = quantum(x);
   s.x_quantum_large = s.x_quantum;
-  // Numbers printed with few digits are coarser where they are large.
+  // Numbers printed with few digits have larger steps where they are large.
   std::vector<double> decade;
   double largest = 0.0;
   for (const double value : x) largest = std::max(largest, std::abs(value));

@@ -1,4 +1,4 @@
-// The sign of the force: recovered where a magnitude was logged, turned where it acts against the position.
+// The sign of the force: recovered where a magnitude was logged, reversed where it disagrees with the position.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Unfolded {
 
 double sign_of(double v) { return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0; }
 
-/// The side of zero on which the whole force lies: +1 or −1; none where it lies on both or never changes.
+/// The side of zero on which the whole force lies, +1 or −1; absent where it lies on both sides or never changes.
 std::optional<double> side_of_zero(const std::vector<Table>& tables) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -83,7 +83,7 @@ Unfolded unfold(std::vector<Block>& blocks, Signs signs, double side, double slo
       for (std::size_t k = 0; k < f.size(); ++k) f[k] *= signs[i][k];
       smooth_force(blocks[i], f);
     }
-    // From a wrong start a wrong delay fits best: the first rounds allow hardly any.
+    // A wrong start fits best with a wrong delay, so the first rounds allow hardly any delay.
     fit = best_fit(blocks, slowest, round < kRoundsAtFirst && !from_fit ? 2 : 100);
     Signs next = signs_of_fit(blocks, side, fit);
     const bool same = next == signs;
@@ -93,8 +93,8 @@ Unfolded unfold(std::vector<Block>& blocks, Signs signs, double side, double slo
   return {std::move(fit), std::move(signs)};
 }
 
-/// The best of several starts: inertia against friction decides where the sign changes, and their ratio is not
-/// known yet.
+/// The best of several starts: the ratio of inertia to friction decides where the sign changes, and it is not known
+/// yet.
 Unfolded best_unfolded(std::vector<Block>& blocks, const Fit& as_logged, double side, double slowest) {
   const double usual = usual_acceleration(blocks);
   Unfolded best = unfold(blocks, signs_of_fit(blocks, side, as_logged), side, slowest, true);
@@ -105,7 +105,7 @@ Unfolded best_unfolded(std::vector<Block>& blocks, const Fit& as_logged, double 
   return best;
 }
 
-/// Rows that are turned over, and those of them beyond twice the rest.
+/// Number of rows whose sign changed, and of those among them beyond twice the residual.
 struct Flipped {
   std::size_t all = 0;
   std::size_t sure = 0;
@@ -124,14 +124,14 @@ Flipped count_flipped(const std::vector<Block>& blocks, const Unfolded& best) {
   return out;
 }
 
-/// What was done to the tables.
+/// Changes that were made to the tables.
 struct Applied {
   std::size_t unsure = 0;
-  const Table* first_table = nullptr;  ///< place of the first row that was turned over
+  const Table* first_table = nullptr;  ///< place of the first row whose sign changed
   std::size_t first_row = 0;
 };
 
-/// Gives the rows their signs, all of them times `turn`, and marks those that are not sure.
+/// Sets the signs of the rows, all multiplied by `turn`, and marks those that are not sure.
 Applied apply_signs(std::vector<Table>& tables, const std::vector<Block>& blocks, const Unfolded& best,
                     double turn, double slowest) {
   Applied out;
@@ -146,7 +146,7 @@ Applied apply_signs(std::vector<Table>& tables, const std::vector<Block>& blocks
         out.first_table = &table;
         out.first_row = at;
       }
-      // At rest friction may hold in either direction; only a load beyond it is sure.
+      // At rest friction may hold in either direction; the sign is sure only for a load larger than friction.
       const auto at_motion = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
           static_cast<std::ptrdiff_t>(k) - best.fit.delay, 0, static_cast<std::ptrdiff_t>(p.size()) - 1));
       const bool rests = std::abs(blocks[i].motion.v[at_motion]) < slowest;
@@ -177,7 +177,7 @@ void recover_signs(std::vector<Table>& tables, Notes& notes) {
 
   const Unfolded best = best_unfolded(blocks, as_logged, *side, slowest);
   Flipped flipped = count_flipped(blocks, best);
-  // A loaded axis may never need a force of the other sign; then the model with recovered signs fits no better.
+  // The force of a loaded axis may never change its sign; then the model with recovered signs fits no better.
   constexpr std::size_t kFewest = 8;
   if (flipped.sure < kFewest || best.fit.rss > 0.8 * as_logged.rss) return;
   const RoughFit recovered = as_rough(best.fit);
@@ -190,7 +190,7 @@ void recover_signs(std::vector<Table>& tables, Notes& notes) {
             "the best model found): log the signed channel (--keep unsigned uses it as it is)",
             recovered.r_squared));
   }
-  // The magnitude fits with either sign; friction and inertia decide.
+  // The magnitude fits equally well with the opposite sign; friction and inertia decide.
   const double turn = best.fit.c[2] < 0.0 && best.fit.c[0] < 0.0 ? -1.0 : 1.0;
   std::size_t rows = 0;
   for (const Table& m : tables) rows += m.rows();
@@ -213,7 +213,7 @@ void mend_sign(std::vector<Table>& tables, Notes& notes) {
   if (!notes.wanted("inverted")) return;
   const RoughFit r = rough_fit(tables);
   if (!r.good) return;
-  // The viscous part may honestly be negative: a low-speed rise looks like that.
+  // The viscous part may rightly be negative, because a rise at low speed looks like that.
   const bool negative = r.coulomb < 0.0;
   if (r.friction_shows && negative && r.mass_shows && r.mass > 0.0) {
     notes.add_all(

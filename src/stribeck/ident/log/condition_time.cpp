@@ -1,4 +1,4 @@
-// Pieces with regular time: repeated rows, stamps that stand still or go back, gaps, jitter.
+// Cuts a table into pieces with regular time: repeated rows, stamps that stay or go back, gaps, jitter.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ double largest_off_line(const std::vector<double>& t) {
   return worst;
 }
 
-/// On a regular grid from the first stamp on: positions and velocities on straight lines, the force as a mean.
+/// Resamples to a regular grid that starts at the first stamp: positions and velocities are interpolated, the force is averaged.
 Table resampled(const Table& m, double T) {
   Table out;
   out.source = m.source;
@@ -90,7 +90,7 @@ Table resampled(const Table& m, double T) {
   return out;
 }
 
-/// Rows that stand in the log twice, as loggers pad their last block.
+/// Removes rows that occur twice, because loggers pad their last block.
 void drop_repeated_rows(Table& m, Notes& notes) {
   std::vector<std::uint8_t> gone(m.rows(), 0);
   std::size_t found = 0;
@@ -107,7 +107,7 @@ void drop_repeated_rows(Table& m, Notes& notes) {
   erase_rows(m, gone);
 }
 
-/// Stamps that stand still. Returns the table with times that only increase or go back.
+/// Repairs stamps that do not change. Returns the table with times that only increase or go back.
 void mend_double_stamps(Table& m, Notes& notes) {
   std::size_t twice = 0;
   std::size_t back = 0;
@@ -160,10 +160,10 @@ void mend_double_stamps(Table& m, Notes& notes) {
   erase_rows(m, gone);
 }
 
-/// Where a piece is cut: the first rows of its parts, then the number of all rows.
+/// Where a piece is cut: the first rows of its parts, followed by the number of all rows.
 struct Gaps {
   std::vector<std::size_t> starts{0};
-  double step = 0.0;     ///< usual one [s]
+  double step = 0.0;     ///< median step [s]
   double widest = 0.0;   ///< [s]
   std::size_t kept = 0;  ///< rows in parts that are long enough
 
@@ -189,7 +189,7 @@ Gaps find_gaps(const Table& piece, Sampling& sampling) {
   return gaps;
 }
 
-/// Rows without any regular time: equal steps are assumed.
+/// The case of rows without any regular time: equal steps are assumed.
 Table with_assumed_steps(Table piece, Sampling& sampling, Notes& notes) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < piece.rows(); ++k) steps.push_back(piece.t[k] - piece.t[k - 1]);
@@ -207,7 +207,7 @@ Table with_assumed_steps(Table piece, Sampling& sampling, Notes& notes) {
   return piece;
 }
 
-/// A logger that is stopped writes one row more, early.
+/// When a logger is stopped it writes one more row, too early.
 Table without_early_last_row(Table part, double T, Notes& notes) {
   if (part.rows() <= kFewestRows || part.t.back() - part.t[part.rows() - 2] >= 0.9 * T ||
       !notes.wanted("jitter"))
@@ -220,7 +220,7 @@ Table without_early_last_row(Table part, double T, Notes& notes) {
   return out;
 }
 
-/// Equal steps: rounded stamps are put on a line, rows at uneven times are resampled.
+/// Makes the steps equal: rounded stamps are put on a line, rows at uneven times are resampled.
 Table with_equal_steps(Table part, double T, Notes& notes) {
   double worst = 0.0;
   std::size_t where = 0;
@@ -263,7 +263,7 @@ void note_gaps(const Table& piece, const Gaps& gaps, Notes& notes) {
   notes.add("gap", piece, k, true, sentence + "; cut there", {piece.t[k] - piece.t[k - 1]});
 }
 
-/// One piece without steps back: cut at gaps, time made regular.
+/// The case of a piece whose time does not go back: cuts it at gaps and makes its time regular.
 void cut_at_gaps(Table piece, Sampling& sampling, Notes& notes, std::vector<Table>& out) {
   const Gaps gaps = find_gaps(piece, sampling);
   const bool many = gaps.count() > 0;
@@ -320,7 +320,7 @@ std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
     const std::size_t k = starts[1];
     const double T = median_step(m.t);
     for (std::size_t i = 1; i < starts.size(); ++i) {
-      // A new record begins far back; two stamps that are exchanged do not.
+      // A new record begins far back in time; two exchanged stamps do not.
       const bool far = i + 1 == starts.size() || m.t[starts[i] - 1] - m.t[starts[i]] > 50.0 * T;
       if (far && starts[i] - starts[i - 1] >= kFewestRows) continue;
       throw Refused(m.source +

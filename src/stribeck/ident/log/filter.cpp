@@ -30,7 +30,7 @@ std::vector<double> polynomial(const std::vector<Complex>& roots) {
   return real;
 }
 
-/// Low-pass of unit cut-off, given by its poles and its gain at frequency zero, moved to the edge and made
+/// Low-pass of cut-off 1, given by its poles and its gain at frequency zero, moved to the edge and made
 /// discrete.
 Filter discrete(std::vector<Complex> poles, double gain_at_zero, double edge) {
   const double warped = 2.0 * std::tan(kPi * edge / 2.0);
@@ -41,7 +41,7 @@ Filter discrete(std::vector<Complex> poles, double gain_at_zero, double edge) {
   Filter f;
   f.a = polynomial(poles);
   f.b = polynomial(std::vector<Complex>(poles.size(), Complex(-1.0)));
-  // Gain at z = 1 from the poles themselves: the sum of the coefficients cancels for low edges.
+  // Gain at z = 1 from the poles themselves, because the sum of the coefficients cancels for low edges.
   Complex denominator = 1.0;
   for (const Complex& p : poles) denominator *= 1.0 - p;
   const double scale = gain_at_zero * denominator.real() / std::pow(2.0, static_cast<double>(poles.size()));
@@ -97,7 +97,7 @@ Filter chebyshev_1(int order, double ripple_db, double edge) {
     const double theta = kPi * (2.0 * k + 1.0) / (2.0 * order);
     poles.emplace_back(-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta));
   }
-  // An even order starts at the bottom of the ripple.
+  // With an even order, the gain at frequency zero is the lower limit of the ripple.
   const double gain = order % 2 == 0 ? 1.0 / std::sqrt(1.0 + epsilon * epsilon) : 1.0;
   return discrete(std::move(poles), gain, edge);
 }

@@ -10,14 +10,14 @@ namespace stribeck::ident::log {
 
 namespace {
 
-/// One run at (nearly) one speed.
+/// One run at a nearly constant speed.
 struct Run {
   const Record* record = nullptr;
   double speed = 0.0;     ///< [m/s], magnitude
   double duration = 0.0;  ///< [s]
 };
 
-/// Mean force of a run between two positions, counted along its motion from its start; NaN when it has none.
+/// Mean force of a run between two positions, counted from its start in its direction; NaN where it has no rows there.
 double mean_between(const Record& r, double from, double to, int direction) {
   double sum = 0.0;
   std::size_t n = 0;
@@ -30,7 +30,7 @@ double mean_between(const Record& r, double from, double to, int direction) {
   return n < 8 ? kNaN : sum / static_cast<double>(n);
 }
 
-/// Steady runs of one direction, by speed.
+/// Steady runs of one direction, ordered by speed.
 std::vector<Run> steady(const std::vector<Record>& records, int direction) {
   std::vector<Run> runs;
   for (const Record& r : records) {
@@ -54,7 +54,7 @@ std::vector<Run> steady(const std::vector<Record>& records, int direction) {
   return runs;
 }
 
-/// Force of run b less that of run a over the positions that both have; in the direction of the motion.
+/// Force of run b less that of run a over their common positions, in the direction of the motion.
 double step_between(const Run& a, const Run& b, int direction) {
   const auto range = [&](const Record& r) {
     const auto [low, high] = std::minmax_element(r.x.begin(), r.x.end());
@@ -67,7 +67,7 @@ double step_between(const Run& a, const Run& b, int direction) {
   const double from = std::max(af, bf);
   const double to = std::min(at, bt);
   if (!(to > from)) return kNaN;
-  // Without the start, where the axis still accelerates.
+  // Without the beginning, where the axis still accelerates.
   const double skip = 0.15 * (to - from);
   return direction * (mean_between(*b.record, from + skip, to, direction) -
                       mean_between(*a.record, from + skip, to, direction));
@@ -81,7 +81,7 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
   for (const int direction : {1, -1}) {
     const std::vector<Run> runs = steady(records, direction);
     if (runs.size() < kFewestRuns) continue;
-    std::vector<double> steps(runs.size(), kNaN);  // before run i
+    std::vector<double> steps(runs.size(), kNaN);  // step before run i
     std::vector<double> sizes;
     for (std::size_t i = 1; i < runs.size(); ++i) {
       steps[i] = step_between(runs[i - 1], runs[i], direction);
@@ -90,7 +90,7 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
     if (sizes.size() < kFewestRuns - 1) continue;
     for (std::size_t i = 2; i + 2 < runs.size(); ++i) {
       if (!std::isfinite(steps[i])) continue;
-      // The runs below and above must differ in how they were taken, all of them.
+      // All runs below must differ from all runs above in how they were recorded.
       double low[2] = {1e300, 1e300};
       double high[2] = {0.0, 0.0};
       double t_low[2] = {1e300, 1e300};

@@ -15,8 +15,8 @@ constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 40;
 constexpr double kHysteresis = 10.0;
 
-/// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums are
-/// taken of differences from the first value: a position far from zero costs no digits.
+/// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums use differences from the
+/// first value, so that a position far from zero costs no digits.
 std::vector<double> smooth(const std::vector<double>& x, int j) {
   const std::size_t n = x.size();
   const auto half = static_cast<std::size_t>(3 * j);
@@ -51,12 +51,12 @@ std::vector<double> second_difference(const std::vector<double>& x, double T) {
   return a;
 }
 
-/// The value below which a share of the magnitudes lies; 0 for none.
+/// The value below which this share of the magnitudes lies; 0 for an empty list.
 double quantile_of_magnitude(std::vector<double> values, double share) {
   return values.empty() ? 0.0 : stats::quantile(stats::magnitudes(std::move(values)), share);
 }
 
-/// A programmed force is piecewise smooth: its second differences are nearly all at the resolution of the
+/// A programmed force is piecewise smooth: almost all of its second differences are at the resolution of the
 /// converter.
 bool programmed(const std::vector<double>& f) {
   std::vector<double> second;
@@ -75,7 +75,7 @@ void find_reversals(const std::vector<double>& x, double hysteresis, Motion& m) 
   int direction = 0;
   std::vector<std::pair<std::size_t, int>> starts;  // row of the extreme, direction after it
   for (std::size_t k = 0; k < n; ++k) {
-    // >= : of equal extremes the last, when the axis leaves.
+    // >= : of equal extremes the last one, where the axis leaves
     if (x[k] >= x[high]) high = k;
     if (x[k] <= x[low]) low = k;
     if (direction <= 0 && x[k] - x[low] > hysteresis) {
@@ -109,7 +109,7 @@ double position_noise(const std::vector<double>& x) {
     if (x[k + 2] == x[k - 2]) continue;  // at rest a coarse encoder shows no noise
     fourth.push_back(x[k - 2] - 4.0 * x[k - 1] + 6.0 * x[k] - 4.0 * x[k + 1] + x[k + 2]);
   }
-  // Without the jolts of reversals. Counts of an encoder are few values: a quantile alone would be one of
+  // Quantile without the peaks of reversals. Counts of an encoder have few values, so that a quantile alone would be one of
   // them.
   const double limit = 4.0 * quantile_of_magnitude(fourth, 0.6827);
   double square = 0.0;
@@ -178,7 +178,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
 
   m.window = options.window;
   if (m.window < 0) {
-    // The spread is taken from a long window, so that it is motion and not noise.
+    // The spread is measured through a long window, so that it contains motion and no noise.
     const int longest = std::min(kWidestBox, static_cast<int>(record.x.size() / 60));
     const std::vector<double> calm = second_difference(smooth(record.x, std::min(longest, 10)), T);
     double square = 0.0;
@@ -196,7 +196,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
     }
     m.window = 0;
     m.cut_off = options.cut_off;
-    // A step has settled to a hundredth after 0.75 periods of the edge.
+    // A step response has settled to a hundredth after 0.75 periods of the edge.
     m.reach = static_cast<int>(std::ceil(0.75 / (options.cut_off * T))) + 1;
   } else {
     m.reach = 3 * m.window + 1;

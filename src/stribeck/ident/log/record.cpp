@@ -6,10 +6,10 @@
 namespace stribeck::ident::log {
 namespace {
 
-/// Rows that a second difference, a smoothing window and one stretch of sliding need at the least.
+/// Smallest number of rows for a second difference, a smoothing window and one stretch of sliding.
 constexpr std::size_t kFewestRows = 100;
 constexpr double kJitter = 0.01;
-constexpr double kAbsurd = 1e30;  // squares of it and their sums are still numbers
+constexpr double kAbsurd = 1e30;  // its squares and their sums do not overflow
 
 void check_column(const Record& record, const char* name, const std::vector<double>& column,
                   std::vector<std::string>& found) {

@@ -8,31 +8,33 @@
 namespace stribeck::ident::map {
 namespace {
 
-constexpr double kEqual = 0.04;      // speeds that are one
-constexpr double kDoubtful = 3.5;    // standard errors below which a difference is noise
-constexpr double kDrift = 0.03;      // of the speed over a stretch
-constexpr double kBend = 0.015;      // middle against both ends
-constexpr double kExact = 0.2;       // of these for a reference: the top of a sine is no constant speed
+constexpr double kEqual = 0.04;    // share by which speeds may differ and still count as equal
+constexpr double kDoubtful = 3.5;  // standard errors below which a difference is noise
+constexpr double kDrift = 0.03;    // share of the speed over a stretch
+constexpr double kBend = 0.015;    // difference of the middle from both ends, as a share
+constexpr double kExact =
+    0.2;  // factor on these limits for a reference: the top of a sine is no constant speed
 constexpr double kBlockTime = 0.05;  // [s]
 constexpr std::size_t kMostBlocks = 4000;
 constexpr std::size_t kFewestBlocks = 4;
 constexpr std::size_t kRoomy = 8;
-constexpr std::size_t kScales = 8;  // blocks that are left at the longest scale
-constexpr double kCrooked = 0.15;   // of the way, that the position may be off the straight line
-constexpr double kMuchMore = 1.1;   // that a longer scale must show
+constexpr std::size_t kScales = 8;  // number of blocks at the longest scale
+constexpr double kCrooked =
+    0.15;  // share of the distance by which the position may differ from a straight line
+constexpr double kMuchMore = 1.1;  // how much more a longer scale must find
 
 double median(std::vector<double> v) { return v.empty() ? 0.0 : stats::median(std::move(v)); }
 
 struct Piece {
-  std::size_t first, last;  // blocks, last included
+  std::size_t first, last;  // first and last block
   double mean;
-  int before, after;  // neighbours, -1: none
+  int before, after;  // neighbours; −1: none
   int version = 0;
   bool alive = true;
   [[nodiscard]] double count() const { return static_cast<double>(last - first + 1); }
 };
 
-/// How far two neighbours are from being one; up to 1 they are.
+/// Difference of two neighbours; up to 1 they count as equal.
 double distance(const Piece& a, const Piece& b, double noise) {
   const double difference = std::abs(a.mean - b.mean);
   if (difference == 0.0) return 0.0;
@@ -40,7 +42,7 @@ double distance(const Piece& a, const Piece& b, double noise) {
                                kDoubtful * noise * std::sqrt(1.0 / a.count() + 1.0 / b.count()));
 }
 
-/// Pieces of equal speed, from the speeds of blocks.
+/// Pieces of equal speed, computed from the speeds of blocks.
 std::vector<Piece> segment(const std::vector<double>& u, double noise) {
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < u.size(); ++i) {
@@ -84,9 +86,9 @@ std::vector<Piece> segment(const std::vector<double>& u, double noise) {
   return out;
 }
 
-/// The speed neither drifts nor bends beyond its noise.
+/// Whether the speed neither drifts nor bends beyond its noise.
 bool is_constant(const std::vector<double>& u, const Piece& p, double noise, double strictness) {
-  // The first and last block may hold a little of the ramps.
+  // The first and the last block may contain a part of the ramps.
   const std::size_t inside = p.last - p.first + 1 >= kRoomy ? 1 : 0;
   const std::size_t from = p.first + inside;
   const std::size_t to = p.last + 1 - inside;
@@ -100,7 +102,7 @@ bool is_constant(const std::vector<double>& u, const Piece& p, double noise, dou
          std::abs(middle - 0.5 * (begin + end)) <= strictness * kBend * std::abs(p.mean) + 1.3 * error;
 }
 
-/// No way to and fro hides in long blocks.
+/// Whether the position moves evenly: long blocks must not hide motion to and fro.
 bool is_straight(const std::vector<double>& x, const SteadyRun& run) {
   const double step = (x[run.last] - x[run.first]) / static_cast<double>(run.last - run.first);
   const double allowed = kCrooked * std::abs(x[run.last] - x[run.first]);
@@ -110,7 +112,7 @@ bool is_straight(const std::vector<double>& x, const SteadyRun& run) {
   return true;
 }
 
-/// Runs that blocks of so many rows show.
+/// Runs that blocks of this many rows show.
 std::vector<ConstantSpeed> pieces_at(const log::Record& rec, std::size_t number, std::size_t block) {
   const std::size_t n = rec.t.size();
   const std::vector<double>& p = rec.r.empty() ? rec.x : rec.r;
@@ -122,14 +124,14 @@ std::vector<ConstantSpeed> pieces_at(const log::Record& rec, std::size_t number,
   for (std::size_t i = 1; i < u.size(); ++i) {
     if (u[i] != u[i - 1]) differences.push_back(std::abs(u[i] - u[i - 1]));
   }
-  // A reference has none; a measured speed at rest neither.
+  // A reference at rest has no noise, and neither has a measured speed at rest.
   const double noise =
       !rec.r.empty() || static_cast<double>(differences.size()) < 0.3 * static_cast<double>(u.size())
           ? 0.0
           : median(std::move(differences)) / (0.6745 * std::sqrt(2.0));
 
   std::vector<ConstantSpeed> found;
-  std::size_t moving_from = 0;  // first row of the motion since the last run that was found
+  std::size_t moving_from = 0;  // first row of motion since the last run found
   for (const Piece& piece : segment(u, noise)) {
     if (piece.last - piece.first + 1 < kFewestBlocks) continue;
     if (piece.mean == 0.0 || std::abs(piece.mean) < 4.0 * noise / std::sqrt(piece.count())) continue;
@@ -137,7 +139,7 @@ std::vector<ConstantSpeed> pieces_at(const log::Record& rec, std::size_t number,
     ConstantSpeed f;
     f.run.record = number;
     f.run.first = piece.first * block;
-    f.run.last = piece.last * block;  // the last block may hold the first row of braking
+    f.run.last = piece.last * block;  // the last block may contain the first row of braking
     if (!is_straight(p, f.run)) continue;
     f.run.speed = piece.mean;
     f.from_change = piece.first > 0;
@@ -146,7 +148,7 @@ std::vector<ConstantSpeed> pieces_at(const log::Record& rec, std::size_t number,
     for (std::size_t k = moving_from; k <= f.run.first; ++k) {
       if (sign_of * rec.x[k] <= sign_of * rec.x[lowest]) lowest = k;
     }
-    // A record that begins in motion shows no reversal.
+    // A record that begins in motion shows no reversal before it.
     const bool in_motion = lowest < block && u.front() / piece.mean > 0.5;
     if (f.from_change && !in_motion) f.reversal = lowest;
     moving_from = f.run.last;
@@ -172,14 +174,14 @@ std::vector<ConstantSpeed> find_constant_speeds(const log::Record& rec, std::siz
   double best_score = 0.0;
   for (; n / block >= kScales; block *= 2) {
     std::vector<ConstantSpeed> found = pieces_at(rec, number, block);
-    double score = 0.0;  // squares: one long run rather than its pieces
+    double score = 0.0;  // sum of squares, so that one long run scores higher than its pieces
     for (const ConstantSpeed& f : found)
       score += std::pow(static_cast<double>(f.run.last - f.run.first), 2.0);
     if (score > kMuchMore * best_score) {
       best_score = score;
       best = std::move(found);
     }
-    if (!rec.r.empty()) break;  // a reference does not ripple
+    if (!rec.r.empty()) break;  // a reference has no ripple
   }
   return best;
 }

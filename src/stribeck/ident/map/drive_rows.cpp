@@ -61,7 +61,7 @@ int peaks_of(const BinCurve& p) {
     }
     rest[i] = sum / weight;
   }
-  // Of two neighbouring peaks the lower one counts if it stands out of the valley between them.
+  // Of two neighbouring peaks the lower one counts only if it is clearly above the valley between them.
   const double stands_out = 0.01 * highest;
   int peaks = 0;
   double top = rest[0], valley = rest[0];

@@ -16,7 +16,7 @@ constexpr double kLeastLevel = 0.05;
 constexpr double kFirmer = 0.2;
 constexpr int kPulls = 6;
 
-/// As the solver wants it. Were the number of parameters known to the compiler, it would be 4 % faster, and 40 s of compiling.
+/// Form that the solver needs. With a number of parameters known at compile time it would be 4 % faster and take 40 s more to compile.
 struct Problem {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
@@ -37,7 +37,7 @@ VectorXd nonlinear(const std::vector<FitTerm>& terms, double narrowest) {
   return p;
 }
 
-/// F − η1·u keeps the sign of the motion, with something to spare, from rest to the end of the range.
+/// Whether F − η1·u keeps the sign of the motion with a margin, from rest to the end of the range.
 bool opposes(const BranchFit& fit) {
   for (int i = 0; i <= 50; ++i) {
     const double u = i / 50.0;
@@ -47,7 +47,7 @@ bool opposes(const BranchFit& fit) {
 }
 
 constexpr int kIterations = 40;
-/// Residuals are in units of the noise: such a change of the cost says nothing about the parameters.
+/// Residuals are in units of the noise: a change of the cost by less than this says nothing about the parameters.
 constexpr double kTolerance = 1e-4;
 
 struct Outcome {
@@ -70,7 +70,7 @@ Outcome descend(const Projected& problem, VectorXd p, int iterations, double tol
 struct Polished {
   BranchFit fit;
   VectorXd p;
-  int firmed = 0;  // how often the pull was made firmer
+  int firmed = 0;  // number of times the pull was strengthened
 };
 
 FitSettings firmed(FitSettings settings, int times) {
@@ -78,7 +78,7 @@ FitSettings firmed(FitSettings settings, int times) {
   return settings;
 }
 
-/// From a start to a fit that opposes the motion; η1 is pulled to the straight line as firmly as it must be.
+/// From a start to a fit that opposes the motion; the pull of η1 to the straight line is strengthened as far as necessary.
 Polished polish(const Bins& bins, VectorXd p, const FitSettings& settings, double tolerance, int times = 0) {
   const auto terms = static_cast<int>(p.size() / 2);
   for (;; ++times) {
@@ -89,7 +89,7 @@ Polished polish(const Bins& bins, VectorXd p, const FitSettings& settings, doubl
   }
 }
 
-/// Van der Corput sequence: evenly spread, the same in every run.
+/// Van der Corput sequence: evenly spread and the same in every run.
 double spread(unsigned i, unsigned base) {
   double x = 0.0;
   for (double share = 1.0 / base; i > 0; i /= base, share /= base) x += share * (i % base);
@@ -101,15 +101,15 @@ constexpr int kFirstIterations = 3, kSecondIterations = 6;
 constexpr std::size_t kSecond = 32, kFinalists = 12;
 constexpr std::size_t kSearchBins = 40;
 constexpr double kSearchTolerance = 1e-2;
-constexpr double kSame = 1e-3;  // of the cost: starts that have reached one minimum
+constexpr double kSame = 1e-3;  // share of the cost: starts within it have reached the same minimum
 constexpr std::size_t kExchanged = 4;
-constexpr double kExchangeGain = 0.01;  // of the cost: less is no other minimum
+constexpr double kExchangeGain = 0.01;  // share of the cost: with a smaller gain it is the same minimum
 
 struct Place {
   double gain, b, c;
 };
 
-/// Where a further term explains most of what the others leave, the best few that differ.
+/// Places where a further term explains most of the residual; the best few that differ.
 std::vector<Place> best_places(const Projected& others, const VectorXd& p, int wanted) {
   const VectorXd residual = others.residual(p.data());
   std::vector<Place> all;
@@ -129,7 +129,7 @@ std::vector<Place> best_places(const Projected& others, const VectorXd& p, int w
   return chosen;
 }
 
-/// The terms and one more, at each of the places where it explains most.
+/// The terms with one more at each of the places where it explains most.
 std::vector<std::vector<FitTerm>> with_one_more(const Bins& bins, const std::vector<FitTerm>& terms,
                                                 const FitSettings& settings, int places) {
   const Projected rest(bins, static_cast<int>(terms.size()), settings);
@@ -146,13 +146,13 @@ std::vector<FitTerm> without(std::vector<FitTerm> terms, std::size_t i) {
   return terms;
 }
 
-/// Two terms of which little more than the difference is left.
+/// Two terms that nearly cancel each other.
 bool cancel(const FitTerm& x, const FitTerm& y) {
   return x.a * y.a < 0.0 && std::abs(x.a + y.a) < 0.5 * std::max(std::abs(x.a), std::abs(y.a));
 }
 
-/// A high level with dips is nearly the same curve as a low one with bells between them: another minimum, and no
-/// term is where it was. Empty where there is no dip.
+/// A high level with dips is nearly the same curve as a low level with bells between them. It is another minimum, in which every
+/// term has another place. Empty where there is no dip.
 std::vector<FitTerm> bells_for_dips(const Bins& bins, const std::vector<FitTerm>& terms,
                                     const FitSettings& settings) {
   std::vector<double> edges{0.0};
@@ -161,7 +161,7 @@ std::vector<FitTerm> bells_for_dips(const Bins& bins, const std::vector<FitTerm>
   }
   if (edges.size() == 1) return {};
   std::sort(edges.begin(), edges.end());
-  // The last bell is as wide as the one before it.
+  // The last bell has the width of the one before it.
   edges.push_back(2.0 * edges.back() - edges[edges.size() - 2]);
   std::vector<FitTerm> out;
   for (std::size_t i = 0; i + 1 < edges.size() && out.size() < terms.size(); ++i) {
@@ -172,8 +172,8 @@ std::vector<FitTerm> bells_for_dips(const Bins& bins, const std::vector<FitTerm>
   return out;
 }
 
-/// Starts from which another minimum may be reached: a term is set anew, or both of a pair that nearly cancels (it is
-/// the slope of one bell, and neither can leave it alone), or dips become bells.
+/// Starts from which another minimum may be reached: a term is placed anew; or both terms of a pair that nearly cancels (together
+/// they are the slope of one bell, and neither can leave it alone); or dips become bells.
 std::vector<std::vector<FitTerm>> neighbours(const Bins& bins, const std::vector<FitTerm>& terms,
                                              const FitSettings& settings) {
   std::vector<std::vector<FitTerm>> out;
@@ -193,7 +193,7 @@ std::vector<std::vector<FitTerm>> neighbours(const Bins& bins, const std::vector
   return out;
 }
 
-/// Least cost first, each minimum once: the rest of the search is for others.
+/// In the order of cost, each minimum once, because the rest of the search is for other minima.
 void sort(std::vector<Outcome>& tries) {
   std::stable_sort(tries.begin(), tries.end(),
                    [](const Outcome& x, const Outcome& y) { return x.cost < y.cost; });
@@ -203,7 +203,7 @@ void sort(std::vector<Outcome>& tries) {
       tries.end());
 }
 
-/// From minimum to lower minimum over the neighbours.
+/// Goes from minimum to lower minimum over the neighbours.
 Polished exchanged(const Bins& bins, Polished best, const FitSettings& settings) {
   const double unit = settings.noise * settings.noise;
   for (bool better = true; better;) {
@@ -284,7 +284,7 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
     f.cost = (y - design * x).squaredNorm();
     return f;
   };
-  // A width below the second bin, or one that covers the range, is a level or a straight line again.
+  // A width below the second bin, or one that covers the range, is a level or a straight line.
   const double lowest = std::log(std::max(settings.narrowest, 2.0 * bins.u.front()));
   const double highest = std::log(0.7);
   if (!(lowest < highest)) return std::nullopt;
@@ -324,16 +324,16 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
     tries.push_back(
         descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations, kSearchTolerance));
   };
-  // One more term where it explains most.
+  // One more term at the place where it explains most.
   for (const std::vector<FitTerm>& terms : with_one_more(search, before.terms, settings, settings.polished))
     start(terms);
-  // And anywhere: the best fit need not hold the one with a term less.
+  // And anywhere else: the best fit need not contain the one with a term less.
   for (int i = 0; n > 1 && i < settings.scattered; ++i) {
     std::vector<FitTerm> terms;
     for (int k = 0; k < n; ++k) {
       const double x = spread(static_cast<unsigned>(i) + settings.first_start, kPrimes[2 * k]);
       const double y = spread(static_cast<unsigned>(i) + settings.first_start, kPrimes[2 * k + 1]);
-      // One centre in each part of the range and a little beyond, so that no two starts are the same up to
+      // One centre in each part of the range and a little beyond, so that no two starts are equal up to their
       // order.
       terms.push_back({0.0, -0.05 + 1.35 * (k + x) / n, 0.08 * std::pow(8.0, y)});
     }
@@ -352,7 +352,7 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
   const double unit = settings.noise * settings.noise;
   Polished best;
   for (std::size_t i = 0; i < tries.size(); ++i) {
-    // The constraint can only cost.
+    // The constraint can only increase the cost.
     if (i > 0 && 2.0 * tries[i].cost * unit > 0.999 * best.fit.cost) break;
     Polished trial = polish(search, tries[i].p, settings, kSearchTolerance);
     if (i == 0 || trial.fit.cost < best.fit.cost) best = std::move(trial);

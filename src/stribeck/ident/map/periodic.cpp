@@ -8,11 +8,11 @@ namespace {
 using namespace periodic;
 
 constexpr int kTries = 40;
-/// Steps of Gauss–Newton end below these shares of the resolution.
+/// Gauss–Newton ends when its steps are below these shares of the resolution.
 constexpr double kRough = 1e-4;
 constexpr double kFine = 1e-9;
 
-/// Terms one after the other, each refined together with those before it; `left` is what they leave.
+/// Adds one term after the other, each refined together with those before it; `left` is their residual.
 std::vector<Line> search(const Data& data, const Grid& grid, const PeriodicOptions& options, Residual& left) {
   std::vector<Line> found;
   std::vector<double> rejected;

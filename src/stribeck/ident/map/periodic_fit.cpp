@@ -33,7 +33,7 @@ bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& l
   constexpr int kIterations = 12;
   MatrixXd X(n, 3 * count);
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
-    // Amplitudes at these periods, then one step of the periods.
+    // First the amplitudes at these periods, then one step of the periods.
     const auto linear = [&] {
       MatrixXd B(n, 2 * count);
       for (Index j = 0; j < count; ++j) B.middleCols(2 * j, 2) = X.middleCols(3 * j, 2);

@@ -11,14 +11,14 @@
 namespace stribeck::ident::map::periodic {
 namespace {
 
-/// Share of the residual that a periodic term too long to tell has: worth a word.
+/// Share of the residual of a term with a period too long to determine, from which it is reported.
 constexpr double kSlow = 0.25;
 /// Likelihood ratio e^5 between the two forms.
 constexpr double kFormEvidence = 5.0;
 
-/// Share of the residual that one slow periodic term explains.
+/// Share of the residual that a single slow periodic term explains.
 double explained(const Data& data, double f, Form form, std::size_t stride) {
-  // e, sin, cos about their means in each pass.
+  // Columns e, sin, cos less their means in each pass.
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   for (const Pass& p : data.passes) {
     double weight = 0.0;
@@ -39,10 +39,10 @@ double explained(const Data& data, double f, Form form, std::size_t stride) {
   return gram(0, 0) > 0.0 ? taken / gram(0, 0) : 0.0;
 }
 
-/// A periodic term longer than the longest period that explains much of the residual: it may be one, or a drift.
+/// A periodic term longer than the longest period that explains much of the residual: a real one, or a drift.
 void note_slow_term(const Data& data, PeriodicResult& result) {
   constexpr int kPeriods = 24;
-  constexpr std::size_t kEnough = 5000;  // groups: the periods are long
+  constexpr std::size_t kEnough = 5000;  // number of groups; enough because the periods are long
   const std::size_t stride = data.groups.size() / kEnough + 1;
   double best = 0.0;
   for (int k = 0; k < kPeriods; ++k) {
@@ -64,7 +64,7 @@ void note_one_direction(PeriodicResult& result) {
       "periodic terms: whether they reverse with the direction cannot be told: one direction only");
 }
 
-/// Power that a term takes out of a residual in one of the forms.
+/// Power that a term removes from a residual in one of the forms.
 double power_of(const Data& data, const Line& line, Form form, const VectorXd& e) {
   Line other = line;
   other.form = form;
@@ -75,7 +75,7 @@ double power_of(const Data& data, const Line& line, Form form, const VectorXd& e
   return moment.dot(gram.ldlt().solve(moment));
 }
 
-/// Term number j with its intervals; C is the unscaled covariance of a, b and f, X the columns of all terms.
+/// Term number j with its intervals; C is the unscaled covariance of a, b and f, X has the columns of all terms.
 PeriodicTerm term_of(const Data& data, const Grid& grid, const Residual& left, const Line& line,
                      const Eigen::Matrix3d& C, const MatrixXd& X, Index j, PeriodicResult& result) {
   PeriodicTerm t;
@@ -99,7 +99,7 @@ PeriodicTerm term_of(const Data& data, const Grid& grid, const Residual& left, c
   t.period = {t.term.period * (1.0 - frequency / line.f), t.term.period * (1.0 + frequency / line.f)};
   t.phase = {t.term.phase - phase, t.term.phase + phase};
 
-  // Both forms against the residual with this term put back.
+  // Both forms are compared on the residual to which this term is added back.
   const VectorXd own = X.col(3 * j) * line.a + X.col(3 * j + 1) * line.b;
   const VectorXd e = left.e + own;
   const Form opposite = line.form == kSame ? kReversing : kSame;
@@ -116,13 +116,13 @@ PeriodicTerm term_of(const Data& data, const Grid& grid, const Residual& left, c
           t.term.period));
     }
   } else {
-    // Held at standstill there is no direction to reverse with.
+    // At standstill there is no direction with which it could reverse.
     t.form_told = data.standstill;
   }
   return t;
 }
 
-/// Each term belongs to the longest period that it divides.
+/// Assigns each term to the longest period of which it is a harmonic.
 void number_harmonics(const Data& data, double turn, PeriodicResult& result) {
   for (PeriodicTerm& t : result.terms) {
     double longest = t.term.period;
@@ -170,7 +170,7 @@ void report(const Data& data, const Grid& grid, const Residual& left, const Peri
   MatrixXd gram = stats::gram(X);
   const bool exact = options.turn > 0.0;
   if (exact) {
-    // Periods are given: their columns stand apart.
+    // The periods are given, so their columns are not free.
     for (Index j = 0; j < count; ++j) {
       gram.row(3 * j + 2).setZero();
       gram.col(3 * j + 2).setZero();

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t kFewestGroups = 40;
 constexpr double kMostPeriods = 2000.0;   ///< shortest period as a share of the travel
-constexpr double kGroupSpan = 1.0 / 6.0;  ///< of the shortest period: travel over which rows are joined
-/// Longer logs are searched for longer periods only: 0.2 s for a million rows.
+constexpr double kGroupSpan = 1.0 / 6.0;  ///< share of the shortest period: travel over which rows are joined
+/// Longer logs are searched for longer periods only; a million rows take 0.2 s.
 constexpr double kMostGroups = 1.2e5;
-constexpr int kHighestOrder = 3;  ///< of the polynomial that each pass loses
+constexpr int kHighestOrder = 3;  ///< order of the polynomial that is removed from each pass
 constexpr double kTaper = 0.1;    ///< share of a pass at each end
 
 void check(const PeriodicRows& rows, const PeriodicOptions& options) {
@@ -38,13 +38,13 @@ void check(const PeriodicRows& rows, const PeriodicOptions& options) {
   }
 }
 
-/// Row i continues the pass of the row before. A jump over a part of the travel begins a new one.
+/// Whether row i continues the pass of the row before. A jump over a part of the travel begins a new one.
 bool same_pass(const PeriodicRows& rows, const Data& data, std::size_t i) {
   return rows.record[i] == rows.record[i - 1] && rows.direction[i] == rows.direction[i - 1] &&
          rows.at[i] > rows.at[i - 1] && std::abs(rows.x[i] - rows.x[i - 1]) < 0.25 * data.longest;
 }
 
-/// Powers of the place in a pass that begins at `low`, made orthonormal.
+/// Powers of the position in a pass that begins at `low`, made orthonormal.
 void make_basis(Data& data, const Pass& p, double low, double travel) {
   const int order = std::min(kHighestOrder, static_cast<int>(travel / data.longest));
   const auto first = static_cast<Index>(p.first);
@@ -170,7 +170,7 @@ void prepare_passes(Data& data) {
       high = std::max(high, data.groups[i].x);
     }
     const double travel = high - low;
-    // A part of the travel at standstill has no reversals at its ends.
+    // At standstill, a part of the travel has no reversals at its ends.
     const double edge = data.standstill ? 0.0 : kTaper * travel;
     for (std::size_t i = p.first; i < p.last; ++i) {
       Group& g = data.groups[i];

@@ -8,17 +8,17 @@
 namespace stribeck::ident::map::periodic {
 namespace {
 
-constexpr double kBinSpan = 1.0 / 6.0;  ///< of the shortest period
+constexpr double kBinSpan = 1.0 / 6.0;  ///< share of the shortest period
 constexpr double kOversampling = 4.0;   ///< of the spectrum
-/// Chance of a line that is none, over the whole spectrum.
+/// Probability of a false line, over the whole spectrum.
 constexpr double kFalseAlarm = 1e-3;
-/// Lines that are as good as one at a whole part of a period that was found.
+/// Lines at a harmonic of a period found that count as equal to it.
 constexpr double kHarmonicTrials = 16.0;
 
-/// Chance that the mean of two of `lines` + 1 exponential powers exceeds the others as much: F(2, 2·lines).
+/// Probability that the mean of two of `lines` + 1 exponential powers exceeds the mean of the others by this ratio: F(2, 2·lines).
 double chance(double ratio, double lines) { return std::pow(1.0 + ratio / lines, -lines); }
 
-/// Background of a residual that is nothing but lines.
+/// Smallest background, for a residual that contains nothing but lines.
 double smallest(const Data& data) { return std::numeric_limits<double>::min() + 1e-20 * data.total; }
 
 double lines_per_bin(const Data& data, const Grid& grid) { return grid.step * data.length; }
@@ -28,7 +28,7 @@ double all_lines(const Data& data, const Grid& grid) {
                            (data.both ? 2.0 : 1.0));
 }
 
-/// Spectra of a sum over groups, forward and backward, in one transformation.
+/// Spectra of a sum over groups, forward and backward, in one transform.
 void transform(const Data& data, const Grid& grid, const std::vector<double>& values,
                std::array<std::vector<Complex>, 2>& out) {
   std::vector<Complex> binned(grid.size, 0.0);
@@ -45,7 +45,7 @@ void transform(const Data& data, const Grid& grid, const std::vector<double>& va
   }
 }
 
-/// Mean power of the lines around, from their median: the line itself and its neighbours do not lift it.
+/// Mean power of the surrounding lines, from their median: the line itself and its neighbours do not raise it.
 void make_background(const Data& data, const Grid& grid, std::size_t form, Residual& left) {
   const double near = 12.0 / (data.length * grid.step);
   std::vector<double> at, level, lines;
@@ -75,8 +75,8 @@ void make_background(const Data& data, const Grid& grid, std::size_t form, Resid
   }
 }
 
-/// The spectrum divides by the whole weight, but passes that are not longer than the period lose most of a line to their polynomial,
-/// and of the noise as much: whole weight over what is left of it at this period.
+/// The spectrum divides by the whole weight. Passes not longer than the period lose most of a line, and as much of the noise, to their
+/// polynomial. This is the ratio of the whole weight to the remaining one at this period.
 double taken_by_passes(const Data& data, const Line& line) {
   MatrixXd B(static_cast<Index>(data.groups.size()), 2);
   columns(data, line, B, false);
@@ -150,9 +150,9 @@ void spectrum(const Data& data, const Grid& grid, Residual& left) {
   }
 }
 
-/// At first the strongest line of all: where the travel is covered unevenly, as by jogs from one place, a line spreads over
-/// its neighbours and is its own background. Then the strongest of those that stand out. (Not the one that stands out
-/// most: in a background that falls, side lobes of the strongest stand out more and would be taken for terms.)
+/// First the strongest line of all: where the travel is covered unevenly, as by jogs from one place, a line spreads over its
+/// neighbours and raises its own background. Then the strongest of those that stand out. (Not the one with the largest ratio: in a
+/// falling background, side lobes of the strongest line would be taken for terms.)
 std::optional<Line> strongest(const Data& data, const Grid& grid, const Residual& left,
                               const PeriodicOptions& options, const std::vector<Line>& found,
                               const std::vector<double>& rejected, bool any) {
@@ -211,7 +211,7 @@ std::pair<double, double> local(const Data& data, const Grid& grid, const Residu
   const double limit = 6.0 * stats::median(around) / std::log(2.0);
   double sum = 0.0;
   for (const double p : around) sum += std::min(p, limit);
-  // A term that is not quite constant over the travel leaves its own background close by.
+  // A term that is not quite constant over the travel raises the background close to it.
   double own = 0.0;
   for (const double p : close) own += p / static_cast<double>(close.size());
   const double level = std::max(own, sum / static_cast<double>(around.size()));

@@ -11,11 +11,11 @@ namespace stribeck::ident::map {
 namespace {
 
 constexpr std::size_t kPointsOfRun = 120;  // means over which the periodic term is fitted
-constexpr double kWorthwhile = 0.25;       // of the scatter of these means
-constexpr double kPointsOfPeriod = 8.0;    // and the shortest period that they show
+constexpr double kWorthwhile = 0.25;       // share of the scatter of these means
+constexpr double kPointsOfPeriod = 8.0;    // points in the shortest period that they can show
 constexpr double kSlowRipple = 0.7;     // periods per second, below which the axis does not follow the ripple
-constexpr double kPeriodsOfSlow = 4.0;  // that the slow runs must hold
-constexpr double kPeriodsOfLongest = 1.5;  // the longest stretch holds so many of the longest period
+constexpr double kPeriodsOfSlow = 4.0;  // number that the slow runs must contain
+constexpr double kPeriodsOfLongest = 1.5;  // number of the longest period that the longest stretch contains
 
 /// Means over parts of the runs, for the periodic term.
 struct Points {
@@ -43,7 +43,7 @@ Points points_of(const std::vector<log::Record>& records, const std::vector<Stea
 struct PeriodicFit {
   double period = 0.0, cosine = 0.0, sine = 0.0;
   bool proportional = false;
-  double left = std::numeric_limits<double>::infinity();  // Σ residual² with the means of the runs
+  double left = std::numeric_limits<double>::infinity();  // Σ residual² with only the means of the runs
 };
 
 /// Least squares of cosine and sine together with the mean of every run; the better of the two forms.
@@ -57,7 +57,7 @@ PeriodicFit fit_periodic(const Points& p, std::size_t runs, double period) {
     const auto r = static_cast<std::size_t>(p.run[i]);
     n[r] += 1.0, c[r] += cosine[i], s[r] += sine[i], f[r] += p.f[i];
   }
-  // A run has one direction: times sgn v changes the sign of the products with the force alone.
+  // A run has one direction, so the factor sgn v only changes the sign of the products with the force.
   double cc = 0, cs = 0, ss = 0, ff = 0;
   double cf[2] = {0, 0}, sf[2] = {0, 0};
   for (std::size_t i = 0; i < size; ++i) {
@@ -83,7 +83,7 @@ PeriodicFit fit_periodic(const Points& p, std::size_t runs, double period) {
   return best;
 }
 
-/// The best period near that of `start`; step in periods per metre.
+/// The best period near `start`; `step` in periods per metre.
 PeriodicFit refined(const Points& p, std::size_t runs, const PeriodicFit& start, double step) {
   PeriodicFit best = start;
   for (double fine = step / 2.0; fine > step / 200.0; fine /= 2.0) {
@@ -122,7 +122,7 @@ std::optional<PeriodicFit> search(const Points& p, const std::vector<SteadyRun>&
     best = refined(p, runs.size(), best, step);
   }
   if (!(best.left < (1.0 - kWorthwhile) * none) && !given) return {};
-  // At higher speeds the axis follows the ripple, and the force holds its acceleration.
+  // At higher speeds the axis follows the ripple, and the force contains the acceleration of that.
   Points slow;
   double way = 0.0;
   for (const SteadyRun& run : runs) {

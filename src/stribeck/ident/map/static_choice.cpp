@@ -16,11 +16,11 @@ using Index = Eigen::Index;
 using Family = StaticFit::Family;
 
 constexpr std::size_t kFoldBins = 80;
-/// Motion that is repeated makes paired differences exact: a gain of less than this share of the error is none.
+/// Repeated motion makes paired differences exact: a gain of less than this share of the error does not count.
 constexpr double kWorthwhile = 0.01;
-constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
+constexpr double kLeastLevel = 0.05;  ///< share of the mean; below it a branch would drive the motion
 
-/// All blocks but one.
+/// All blocks except one.
 Bins bins_without(const SideSums& side, std::size_t without, std::vector<char>* filled = nullptr) {
   Bins bins;
   const std::size_t count = side.block.front().n.size();
@@ -42,7 +42,7 @@ Bins bins_without(const SideSums& side, std::size_t without, std::vector<char>* 
   return bins;
 }
 
-/// Σ residual² of a fit on one block, over bins that the other blocks have filled too.
+/// Σ residual² of a fit on one block, over bins in which the other blocks have rows too.
 template <class Force>
 double loss_on(const SideSums& side, std::size_t k, const std::vector<char>& filled, const Force& force,
                double* rows = nullptr) {
@@ -62,7 +62,7 @@ struct Scored {
   std::string name;
   int terms = 0;
   std::size_t parameters = 0;
-  std::vector<double> loss;  // by block
+  std::vector<double> loss;  // for each block
 };
 
 /// The candidates' rows for the result.
@@ -87,7 +87,7 @@ Picked pick_of(const std::vector<Scored>& scored, double rows) {
   return pick(loss, parameters, rows);
 }
 
-/// Gaussian fits of one direction and their held-out errors.
+/// Gaussian fits of one direction, and their held-out errors.
 struct Branches {
   std::vector<BranchFit> fit;
   std::vector<Scored> scored;
@@ -108,7 +108,7 @@ FitSettings settings_of(const SideSums& side) {
   return settings;
 }
 
-/// All rungs for one direction: the fit of everything and, with each block left out, its held-out error.
+/// All numbers of terms for one direction: the fit to all blocks, and the held-out error with each block left out.
 Branches score_branches(const SideSums& side, int s, const StaticOptions& options) {
   const std::size_t blocks = side.block.size();
   const double top = side.grid.high;
@@ -166,12 +166,12 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
     const double loss = add(fit);
-    // Two rungs in a row that do not pay: nor will the next.
+    // Two more terms in sequence brought no gain; a third will not either.
     vain = loss < (1.0 - kWorthwhile) * best ? 0 : vain + 1;
     best = std::min(best, loss);
   }
   if (options.terms) {
-    // Only what was asked for.
+    // Only the requested number of terms.
     out.fit.erase(out.fit.begin(), out.fit.end() - 1);
     out.scored.erase(out.scored.begin(), out.scored.end() - 1);
   }
@@ -251,7 +251,7 @@ StaticFit fit_symmetric(const Both& b, bool stribeck) {
   return fit;
 }
 
-/// Half the sum of both directions, where a branch would drive the motion without it.
+/// Half the sum of both directions, where a branch would otherwise drive the motion.
 void take_out_load(StaticFit& fit) {
   double lowest = std::numeric_limits<double>::infinity();
   double level = 0.0, half_sum = 0.0;
@@ -271,7 +271,7 @@ void take_out_load(StaticFit& fit) {
   fit.branch[1].eta0 += half_sum;
 }
 
-/// The fit of each direction on its own, and what is as good.
+/// The separate fits of both directions, and the equally good ones.
 struct ByDirection {
   std::array<Branches, kSides> branches;
   StaticFit fit;
@@ -280,7 +280,7 @@ struct ByDirection {
   std::vector<Candidate> candidates;
   double tested = 0.0;  ///< rows that were judged
 
-  /// The fit with another branch of one direction.
+  /// The same fit with another branch for one direction.
   [[nodiscard]] StaticFit with_branch(std::size_t s, std::size_t n) const {
     StaticFit other = fit;
     other.branch[s] = branches[s].fit[n];
@@ -316,7 +316,7 @@ ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const 
   return out;
 }
 
-/// The straight line, and with a Stribeck part, by direction.
+/// By direction: the straight line, with and without a Stribeck part.
 std::vector<StaticFit> simple_by_direction(const ByDirection& found) {
   std::vector<StaticFit> out;
   for (std::size_t n = 0; n < 2; ++n) {
@@ -359,7 +359,7 @@ Scored score_symmetric(const std::array<SideSums, kSides>& sums, const StaticFit
   return scored;
 }
 
-/// The symmetric families that the bins carry.
+/// The symmetric families that the bins can determine.
 std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
                                       const std::array<double, kSides>& top) {
   const Both all = bins_of_both(sums, std::max(sums[0].block.size(), sums[1].block.size()));
@@ -418,7 +418,7 @@ StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const Stati
   out.block_loss = families[family.chosen].loss;
   out.held_out_rms = family.rms[family.chosen];
   if (family.chosen == 0) {
-    // What is as good by direction differs in one branch at a time.
+    // Equally good fits by direction differ in one branch at a time.
     for (std::size_t s = 0; s < kSides; ++s) {
       for (const std::size_t n : by_direction.equal[s]) out.rivals.push_back(by_direction.with_branch(s, n));
     }

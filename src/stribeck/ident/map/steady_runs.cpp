@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kFewestRows = 20;
 constexpr double kRelaxations = 6.0;
-constexpr double kSameWay = 4.0;     // lengths agree within
-constexpr std::size_t kSlowest = 6;  // one run in so many shows the bristle best
-constexpr std::size_t kNamed = 6;    // stretches left out that get a note of their own
+constexpr double kSameWay = 4.0;     // factor within which lengths agree
+constexpr std::size_t kSlowest = 6;  // one run in this many counts as slow; slow runs show the bristle best
+constexpr std::size_t kNamed = 6;    // number of stretches left out that are noted one by one
 
-/// A speed as people read it.
+/// A speed as text for people.
 std::string shown(double speed, const log::Record& rec) {
   return rec.position_unit == "rad" ? fmt::format("{:.4g} rad/s", speed)
                                     : fmt::format("{:.4g} mm/s", speed * 1e3);
@@ -29,7 +29,7 @@ std::string shown_way(double way, const log::Record& rec) {
                                     : fmt::format("{:.3g} um", way * 1e6);
 }
 
-/// Way in which the force relaxes to 1/e after the reversal before a run [m]; NaN: the rows do not resolve it.
+/// Distance in which the force relaxes to 1/e after the reversal before a run [m]; NaN: the rows do not resolve it.
 double relaxation_of(const log::Record& rec, const ConstantSpeed& f) {
   constexpr std::size_t kResolved = 6;
   constexpr double kLengths = 2.0;  // exp(−2) is well above the noise
@@ -41,7 +41,7 @@ double relaxation_of(const log::Record& rec, const ConstantSpeed& f) {
   const double begin = rec.f[*f.reversal];
   const double change = end - begin;
   if (change * f.run.speed <= 0.0 || std::abs(change) < 0.5 * std::abs(end))
-    return none;  // no reversal of the force
+    return none;  // the force does not reverse
   for (std::size_t k = *f.reversal; k <= f.run.last; ++k) {
     if ((end - rec.f[k]) / change > std::exp(-kLengths)) continue;
     if (k - *f.reversal < kResolved) return none;
@@ -51,7 +51,7 @@ double relaxation_of(const log::Record& rec, const ConstantSpeed& f) {
   return none;
 }
 
-/// The relaxation length that the slow runs agree on [m]; NaN: none. At higher speeds the force of the acceleration hides
+/// The relaxation length on which the slow runs agree [m]; NaN: none. At higher speeds the force for the acceleration hides
 /// the bristle.
 double relaxation_of_slow(const std::vector<log::Record>& records, const std::vector<ConstantSpeed>& found) {
   std::vector<std::pair<double, double>> lengths;  // speed, length
@@ -73,7 +73,7 @@ double relaxation_of_slow(const std::vector<log::Record>& records, const std::ve
   return *most < kSameWay * *least ? stats::median(slow) : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Leaves the beginning of a run out and takes its measured speed; why it is left out altogether, or empty.
+/// Leaves out the beginning of a run and computes its measured speed. Returns why the whole run is left out, or an empty text.
 std::string settle(ConstantSpeed& f, const log::Record& rec, double exclude, const SteadyOptions& options) {
   SteadyRun& run = f.run;
   const double T = rec.sample_time;
@@ -160,7 +160,7 @@ SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const Stead
   SteadyRuns out;
   std::vector<log::Record> whole;
   whole.reserve(records.size());
-  bool measured = true;  // positions of several records belong together
+  bool measured = true;  // whether positions of all records are measured from the same zero
   for (const log::Record& r : records) {
     whole.push_back(with_positions(r));
     measured = measured && !r.x.empty();
@@ -190,7 +190,7 @@ SteadyRuns find_steady_runs(const std::vector<log::Record>& records, const Stead
     square += variance;
     time += rec.sample_time * static_cast<double>(run.last - run.first + 1);
   }
-  // Of the amplitude: the long-run variance over all the time that was used.
+  // Error of the amplitude: the long-run variance over the whole time that was used.
   if (out.periodic && square > 0.0)
     out.periodic_error = std::sqrt(2.0 * correlated / static_cast<double>(out.runs.size()) / time);
   return out;

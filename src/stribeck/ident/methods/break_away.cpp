@@ -12,18 +12,18 @@
 namespace stribeck::ident::methods {
 namespace {
 
-constexpr double kSmaller = 0.95;        // force of the earlier row
-constexpr double kGrowth = 2.0;          // of the deflection since
-constexpr double kAtRest = 0.02;         // of the largest force: between ramps
-constexpr double kNotYet = 0.2;          // of the ramp's largest force: no slip is looked for below
-constexpr double kStraight = 0.05;       // of the force at the slip: RMS off the straight line
+constexpr double kSmaller = 0.95;   // force of the earlier row
+constexpr double kGrowth = 2.0;     // of the deflection since
+constexpr double kAtRest = 0.02;    // share of the largest force: at rest between ramps
+constexpr double kNotYet = 0.2;     // share of the ramp's largest force below which no slip is searched
+constexpr double kStraight = 0.05;  // share of the force at the slip: RMS distance from the straight line
 constexpr std::size_t kFewestQuiet = 5;  // rows without force before a ramp
 constexpr double kRestBefore =
-    0.1;  // of the deflection at the slip: how far the axis may move just before the ramp
+    0.1;  // share of the deflection at the slip by which the axis may move just before the ramp
 constexpr std::size_t kFewestRows = 30;
-constexpr double kElastic = 4.0;  // growth of the deflection over the second half of the force
-constexpr double kCounts = 8.0;   // of the encoder, that a deflection needs to be seen
-constexpr double kQuasi = 0.85;   // of the slip's force, up to which the distance is fitted
+constexpr double kElastic = 4.0;  // factor by which the deflection grows over the second half of the force
+constexpr double kCounts = 8.0;   // encoder steps that a deflection needs to be seen
+constexpr double kQuasi = 0.85;   // share of the slip's force up to which the distance is fitted
 constexpr int kGrid = 60;
 
 double smallest_step(const std::vector<double>& x) {
@@ -44,7 +44,7 @@ double misfit(const std::vector<double>& y, const std::vector<double>& f, double
   return bb > 0.0 ? ff - bf * bf / bb : ff;
 }
 
-/// Over lengths a fixed ratio apart, then by golden section.
+/// First over lengths in a fixed ratio, then by golden section.
 double fit_length(const std::vector<double>& y, const std::vector<double>& f) {
   const double longest = 10.0 * *std::max_element(y.begin(), y.end());
   const double ratio = std::pow(1000.0, 1.0 / kGrid);
@@ -63,7 +63,7 @@ double fit_length(const std::vector<double>& y, const std::vector<double>& f) {
   return 0.5 * (low + high);
 }
 
-/// Acceleration from the parabola through rows first … last.
+/// Acceleration of the parabola through rows first … last.
 double acceleration(const std::vector<double>& y, std::size_t first, std::size_t last, double T) {
   const auto n = static_cast<double>(last - first + 1);
   const double middle = 0.5 * static_cast<double>(first + last);
@@ -76,16 +76,16 @@ double acceleration(const std::vector<double>& y, std::size_t first, std::size_t
   return det > 0.0 ? 2.0 * (n * s2y - s2 * sy) / det : 0.0;
 }
 
-/// Why a stretch of force is no ramp up to a slip.
+/// Reason why a stretch of force is no ramp up to a slip.
 enum class No { kReference, kMoving, kCrooked, kStill, kCreeping, kCount };
 
 struct Judged {
   std::optional<Slip> slip;
   No why = No::kStill;
-  double travel = 0.0;  ///< of a stretch that creeps [m]
+  double travel = 0.0;  ///< of a stretch in which the axis creeps [m]
 };
 
-/// RMS off the least-squares line of f[0…k], of its last value.
+/// RMS distance from the least-squares line of f[0…k], as a share of the last value.
 double crooked(const std::vector<double>& f, std::size_t k) {
   const auto n = static_cast<double>(k + 1);
   const double middle = 0.5 * static_cast<double>(k);
@@ -99,7 +99,7 @@ double crooked(const std::vector<double>& f, std::size_t k) {
   return std::sqrt(std::max(0.0, ff - tf * tf / tt) / n) / std::abs(f[k]);
 }
 
-/// Rows first … last hold one sign of force; from `begin` to them there is next to none.
+/// Rows first … last have one sign of force; from `begin` to `first` there is almost no force.
 Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, std::size_t last,
                   int direction, const BreakAwayOptions& options) {
   std::size_t top = first;
@@ -126,7 +126,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
     if (k < kFewestRows || f[k] < kNotYet * f.back() || y[before] < visible) continue;
     if (y[k] < kGrowth * y[before]) continue;
     if (crooked(f, k) > kStraight) return {{}, No::kCrooked};
-    // Just before it no force, unless the record begins here; the axis may still spring back early in that pause.
+    // There is no force just before it, unless the record begins here; early in that pause the axis may still spring back.
     const std::size_t pause = first - begin;
     if (begin > 0 && pause < kFewestQuiet) return {{}, No::kMoving};
     for (std::size_t i = first - pause / 4; i < first; ++i) {
@@ -138,13 +138,13 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
     slip.deflection = y[k];
     double force = f[k];
     if (options.mass) {
-      // The slip takes the second half of the travel from `before`; a parabola holds over it.
+      // The second half of the travel from `before` is the slip, and a parabola describes it.
       const std::size_t half = std::max<std::size_t>(2, (k - before) / 2);
       force -= *options.mass *
                acceleration(y, k - std::min(k, half), std::min(k + half, y.size() - 1), rec.sample_time);
     }
     slip.force = direction * force;
-    // Close to the slip the axis already lags behind the ramp.
+    // Close to the slip, the axis already lags behind the ramp.
     std::size_t quasi = k;
     while (quasi > 2 && f[quasi] > kQuasi * force) --quasi;
     y.resize(quasi + 1);
@@ -152,7 +152,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
     slip.distance = fit_length(y, f);
     return {slip, {}};
   }
-  // Elastic up to its end, F = F_s·(1 − exp(−y/δ)) below 0.9 F_s: it did not come to sliding.
+  // Elastic to its end, with F = F_s·(1 − exp(−y/δ)) below 0.9 F_s: it did not reach sliding.
   const std::size_t half = static_cast<std::size_t>(
       std::find_if(f.begin(), f.end(), [&](double force) { return force >= 0.5 * f.back(); }) - f.begin());
   if (!(y.back() > visible) || y.back() < kElastic * y[half]) return {{}, No::kStill};
@@ -160,7 +160,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
   return {{}, No::kCreeping, y.back()};
 }
 
-/// What the stretches without a slip are.
+/// Classifies the stretches without a slip.
 std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double travel,
                     const std::string& position_unit) {
   std::string out;
@@ -200,20 +200,20 @@ Mean mean_of(const std::vector<double>& values) {
   return m;
 }
 
-/// Stretches of one sign of force, and why those without a slip have none.
+/// Stretches of one sign of force, and the reason for those without a slip.
 struct Stretches {
   std::size_t count = 0;
   std::array<std::size_t, static_cast<std::size_t>(No::kCount)> no{};
-  double creep = 0.0;  ///< longest travel of one that creeps [m]
+  double creep = 0.0;  ///< longest travel of a stretch with creep [m]
 };
 
-/// The quiet beginning belongs to the ramp: from the first row at which the force begins to rise.
+/// Adds the quiet beginning to the ramp: the ramp starts at the first row at which the force begins to rise.
 std::size_t begin_of_ramp(const std::vector<double>& f, std::size_t first, int direction) {
   while (first > 0 && direction * f[first - 1] >= 0.0 && std::abs(f[first - 1]) < std::abs(f[first])) --first;
   return first;
 }
 
-/// All slips of one record, number `record`.
+/// Finds all slips of record number `record`.
 void find_slips(const log::Record& rec, std::size_t record, const BreakAwayOptions& options,
                 std::vector<Slip>& slips, Stretches& stretches) {
   double largest = 0.0;
@@ -244,7 +244,7 @@ void find_slips(const log::Record& rec, std::size_t record, const BreakAwayOptio
   }
 }
 
-/// Force of each direction, and the distance of both.
+/// Means: force of each direction, and the distance of both.
 void write_means(BreakAway& out, Result& r) {
   std::vector<double> force[2], distance;
   for (const Slip& s : out.slips) {

@@ -13,10 +13,10 @@
 namespace stribeck::ident::methods {
 namespace {
 
-constexpr double kOneSpeed = 0.05;   // pairs of forward and backward
+constexpr double kOneSpeed = 0.05;   // share by which forward and backward speeds of a pair may differ
 constexpr double kConstant = 0.001;  // probability below which half sums do not agree
 constexpr std::size_t kFewestRows = 60;
-constexpr double kSlowest = 0.02;  // of the largest speed: bins begin here
+constexpr double kSlowest = 0.02;  // share of the largest speed at which the bins begin
 
 struct Row {
   int record;
@@ -25,7 +25,7 @@ struct Row {
   double v, a, f, z, x;
 };
 
-/// Rows of sliding, with the bin of speed they lie in; bins of v < 0 after those of v > 0.
+/// Rows of sliding, with the bin of speed of each; bins for v < 0 follow those for v > 0.
 std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpeedOptions& options,
                          double& top) {
   std::vector<Row> rows;
@@ -34,7 +34,7 @@ std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpe
     const auto wrong = log::problems(records[r]);
     if (!wrong.empty()) throw Refused(wrong.front());
     const log::Motion m = log::reconstruct(records[r]);
-    // In open loop the instrument is a force: another unit, but the same estimate.
+    // In open loop the instrument is a force: it has another unit but gives the same estimate.
     for (std::size_t k = 0; k < m.rows(); ++k) {
       if (!m.sliding(k, options.exclude)) continue;
       rows.push_back({static_cast<int>(r), k, 0, m.v[k], m.a[k], m.f[k], m.instrument[k], m.x[k]});
@@ -177,7 +177,7 @@ MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records, const 
     at.push_back(row.at);
   }
   if (!options.periods.empty()) {
-    // Partialled out of all three: what is left of them knows nothing of the periodic force.
+    // The periodic columns are projected out of all three, so that they do not depend on the periodic force.
     const auto columns = static_cast<Eigen::Index>(2 * options.periods.size());
     Eigen::MatrixXd w(n, columns);
     Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(bins.size()), columns);
@@ -205,8 +205,8 @@ MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records, const 
   out.value = z.col(0).dot(f) / cross;
   const Eigen::VectorXd e = f - out.value * a;
   const Eigen::MatrixXd inverse = Eigen::MatrixXd::Constant(1, 1, 1.0 / cross);
-  // The instrument stands for the regressor: (ZᵀA)⁻¹·S·(AᵀZ)⁻¹ in place of (XᵀX)⁻¹·S·(XᵀX)⁻¹. For the
-  // stationary form XᵀX is z̃ᵀz̃, hence the scale.
+  // With an instrument: (ZᵀA)⁻¹·S·(AᵀZ)⁻¹ replaces (XᵀX)⁻¹·S·(XᵀX)⁻¹. For the stationary form XᵀX is z̃ᵀz̃, which gives the
+  // scale.
   const double scale = cross / z.squaredNorm();
   const stats::Uncertainty uncertainty(z * scale, e, inverse / scale, record, at);
   const double half = uncertainty.half_width(Eigen::VectorXd::Ones(1));
@@ -246,7 +246,7 @@ Result identify_constant_acceleration(const std::vector<log::Record>& records,
     const std::size_t b = i < bins ? 2 * bins - 1 - i : i - bins;
     if (n[b] < 2.0) continue;
     const double mean = f[b] / n[b];
-    // Scatter of the rows, not an interval of the mean: neighbouring rows are not independent.
+    // Scatter of the rows, not an interval of the mean, because neighbouring rows are not independent.
     const double half = 1.96 * std::sqrt(std::max(0.0, ff[b] / n[b] - mean * mean));
     r.curve.push_back({v[b] / n[b], mean, mean - half, mean + half});
     r.map.push_back({v[b] / n[b], mean, b < bins ? 1 : -1});

@@ -77,13 +77,13 @@ std::vector<Column> columns_of(const std::vector<double>& v, const std::vector<d
   return columns;
 }
 
-/// Without the first rows, decimated.
+/// Drops the first rows and decimates.
 std::vector<double> thin(const std::vector<double>& column, const IdimOptions& options) {
   return log::decimate({column.begin() + static_cast<std::ptrdiff_t>(options.drop), column.end()},
                        options.decimation);
 }
 
-/// What papers print.
+/// The figures that papers print.
 IdimResult::Published published(const VectorXd& theta, const VectorXd& e, const VectorXd& y,
                                 const MatrixXd& inverse, double condition) {
   IdimResult::Published pub;
@@ -119,7 +119,7 @@ void write_law(const VectorXd& theta, bool by_direction, Result& r) {
   }
 }
 
-/// The curve without the load, both directions from a fiftieth of the largest speed.
+/// The curve without the load, in both directions from a fiftieth of the largest speed.
 void write_curve(const VectorXd& theta, const stats::Uncertainty& uncertainty, bool by_direction, Result& r) {
   constexpr int kPoints = 24;
   for (int i = -kPoints; i <= kPoints; ++i) {

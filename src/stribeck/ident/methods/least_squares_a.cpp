@@ -23,7 +23,7 @@ struct Row {
   Vector4d phi;
 };
 
-/// Rows of the thesis's fit, and the sums of the simple one over all rows.
+/// Rows of the thesis's fit, and the sums of the simple fit over all rows.
 struct Rows {
   std::vector<Row> rows;
   Matrix2d simple_normal = Matrix2d::Zero();
@@ -75,7 +75,7 @@ struct Solution {
   Matrix4d inverse;
 };
 
-/// Columns differ by many orders of magnitude: scaled to length one.
+/// Columns differ by many orders of magnitude, so each is scaled to length one.
 Solution solve(const std::vector<Row>& rows) {
   Matrix4d normal = Matrix4d::Zero();
   Vector4d right = Vector4d::Zero();
@@ -88,7 +88,7 @@ Solution solve(const std::vector<Row>& rows) {
   const Matrix4d inverse =
       scale.asDiagonal() * Matrix4d(scaled.ldlt().solve(Matrix4d::Identity())) * scale.asDiagonal();
   Vector4d theta = inverse * right;
-  // One step of refinement: 1 − θ1 is a small difference.
+  // One step of iterative refinement, because 1 − θ1 is a small difference.
   Vector4d correction = Vector4d::Zero();
   for (const Row& row : rows) correction += row.phi * (row.next - row.phi.dot(theta));
   theta += inverse * correction;
@@ -167,7 +167,7 @@ void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, c
   add("alpha0_negative", out.alpha0_negative, "N", "N", 3);
   r.mass_interval = {r.parameters[0].ci_low, r.parameters[0].ci_high};
   r.set_steady(SteadyModel::kConventional);
-  friction::Gaussian<double> map;  // no terms: Coulomb and viscous, each direction its own
+  friction::Gaussian<double> map;  // no terms: Coulomb and viscous friction, separate for each direction
   map.velocity_range = r.velocity_range;
   map.positive.eta0 = out.alpha0_positive;
   map.negative.eta0 = out.alpha0_negative;

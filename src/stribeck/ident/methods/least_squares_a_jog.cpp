@@ -15,9 +15,10 @@
 namespace stribeck::ident::methods {
 namespace {
 
-constexpr double kPole = 20.0;      // of the disturbance observer [rad/s]
-constexpr double kWander = 0.2;     // of the Coulomb force, in one second: random walk of the Kalman estimate
-constexpr double kExplained = 0.5;  // of the squares at low speeds, for a Stribeck part to be there
+constexpr double kPole = 20.0;  // of the disturbance observer [rad/s]
+constexpr double kWander =
+    0.2;  // share of the Coulomb force in one second: random walk of the Kalman estimate
+constexpr double kExplained = 0.5;  // share of the squares at low speeds that a Stribeck part must explain
 constexpr std::size_t kFewest = 3;  // speeds
 
 /// d̂ of the disturbance observer, row by row.
@@ -28,7 +29,7 @@ std::vector<double> observe(const log::Record& rec, double mass) {
   for (std::size_t k = 1; k < rec.x.size(); ++k) {
     const double v = (rec.x[k] - rec.x[k - 1]) / T;
     const double force =
-        0.5 * (rec.f[k - 1] + rec.f[k > 1 ? k - 2 : 0]);  // of the time that v is the mean of
+        0.5 * (rec.f[k - 1] + rec.f[k > 1 ? k - 2 : 0]);  // force over the time for which v is a mean
     const double change = (force - estimate) / mass - 2.0 * kPole * (speed - v);
     estimate += T * kPole * kPole * mass * (speed - v);
     speed += T * change;
@@ -66,10 +67,10 @@ double mean_of(const std::vector<double>& d, const map::SteadyRun& run) {
 }
 
 struct Level {
-  double speed, force;  // magnitudes; what is above the straight line
+  double speed, force;  // magnitudes; force above the straight line
 };
 
-/// rise·exp(−(v/v0)^δ), in logarithms of all three.
+/// rise·exp(−(v/v0)^δ), with all three parameters as logarithms.
 struct Rise {
   const std::vector<Level>& levels;
   [[nodiscard]] int NumResiduals() const { return static_cast<int>(levels.size()); }
@@ -128,7 +129,7 @@ std::optional<friction::Stribeck<double>> fit_rise(const std::vector<Level>& lev
 
 ViscousCorrection correct(const std::vector<ObservedFriction>& jogs, double ObservedFriction::*which,
                           const LeastSquaresAOptions& options) {
-  // One slope, a level for each direction.
+  // One slope for both directions, a level for each.
   std::vector<const ObservedFriction*> fast;
   for (const ObservedFriction& j : jogs) {
     if (std::abs(j.speed) >= (1.0 - 1e-3) * options.viscous_from) fast.push_back(&j);
@@ -193,7 +194,7 @@ std::vector<ObservedFriction> observe_jogs(const std::vector<log::Record>& jogs,
   return out;
 }
 
-/// The corrected friction takes the place of the one from pulses; the mass stays.
+/// Replaces the friction from pulses by the corrected one; the mass stays.
 void write_parameters(const LeastSquaresA& out, const std::vector<std::string>& notes, Result& r) {
   const ViscousCorrection& c = *out.observer;
   r.warnings.push_back(

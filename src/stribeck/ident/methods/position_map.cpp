@@ -19,14 +19,14 @@ std::vector<Term> terms_of(const map::PeriodicResult& found) {
   return terms;
 }
 
-/// Everything that the rows may show: Stribeck rise and periodic terms are searched in turn.
+/// Builds up the model: Stribeck rise and periodic terms are searched in turn.
 Shape fit_all(const Rows& rows, const PositionMapOptions& options, Nonlinear& nonlinear,
               map::PeriodicResult& found) {
   const bool exact = options.turn.has_value();
   Shape full{!options.mass, rows.both, rows.both, true, false};
   nonlinear.v0 = find_rise(rows, full, nonlinear);
   Fit fit = solve(rows, full, nonlinear);
-  // Twice: the first fit knew nothing of the terms.
+  // Twice, because the first fit has no periodic terms.
   for (int round = 0; round < 2; ++round) {
     map::PeriodicResult now = search(rows, fit, options);
     if (round == 0 || !now.terms.empty()) {

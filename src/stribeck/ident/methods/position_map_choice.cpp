@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFewestBlocks = 6;
 
-/// Passes; halved while there are too few.
+/// Number of passes; halved while there are too few.
 std::vector<int> blocks(const Rows& rows) {
   std::vector<int> block(rows.groups.size());
   for (std::size_t i = 0; i < block.size(); ++i) block[i] = rows.groups[i].block;
@@ -28,7 +28,7 @@ std::vector<int> blocks(const Rows& rows) {
   return block;
 }
 
-/// Mean square of what is left in each block when the others are fitted.
+/// Mean square residual of each block when the others are fitted.
 std::vector<double> held_out(const Rows& all_rows, const Fit& fit, const std::vector<int>& block,
                              std::size_t count) {
   const Index p = fit.X.cols();
@@ -76,7 +76,7 @@ std::vector<double> held_out(const Rows& all_rows, const Fit& fit, const std::ve
 Shape choose(const Rows& rows, const Shape& full, const Nonlinear& nonlinear, Result& result) {
   struct Tried {
     Shape shape;
-    std::vector<double> cost;  // mean square of each block
+    std::vector<double> cost;  // mean square residual of each block
     double mean = 0.0;
     double error = 0.0;
     int parameters = 0;

@@ -9,12 +9,12 @@ namespace stribeck::ident::methods::position_map {
 namespace {
 
 constexpr int kTerms = 4;
-/// The rise towards standstill lies within this share of the largest speed.
+/// The rise towards standstill must lie within this share of the largest speed.
 constexpr double kFastestRise = 0.35;
 constexpr int kRiseSteps = 24;
 constexpr double kWeakInstrument = 0.1;
 
-/// A function of position through the same window and means as everything else.
+/// A function of position, through the same window and means as all columns.
 template <class Function>
 VectorXd of_position(const Rows& rows, Function&& function) {
   std::vector<std::vector<double>> columns;
@@ -41,7 +41,7 @@ VectorXd normal(const MatrixXd& X, const VectorXd& y) {
   return scale.asDiagonal() * stats::solve_shortest(gram, scale.asDiagonal() * (X.transpose() * y));
 }
 
-/// First stage: the acceleration from the instrument and the other columns takes the place of the measured one.
+/// First stage: replaces the measured acceleration by its projection on the instrument and the other columns.
 void project_acceleration(const Rows& rows, Fit& fit) {
   MatrixXd Z = fit.X;
   Z.col(0) = rows.instrument;
@@ -105,7 +105,7 @@ double find_rise(const Rows& rows, const Shape& shape, const Nonlinear& nonlinea
   const double high = std::log(kFastestRise * rows.top);
   if (!(high > low)) return nonlinear.v0;
   const auto cost = [&](double at, const MatrixXd& Q, const VectorXd& e) {
-    // The column alone against what the others leave.
+    // This column alone, against the residual of the others.
     const VectorXd c = rise_column(rows, std::exp(at));
     const VectorXd own = c - Q * (Q.transpose() * c);
     const double power = own.squaredNorm();
@@ -136,7 +136,7 @@ double find_rise(const Rows& rows, const Shape& shape, const Nonlinear& nonlinea
 }
 
 map::PeriodicResult search(const Rows& rows, const Fit& fit, const PositionMapOptions& given) {
-  // What the terms found before took is put back.
+  // The part of the terms found before is added back.
   VectorXd e = fit.e;
   if (fit.shape.periodic) {
     for (std::size_t j = 0; j < fit.terms(); ++j)

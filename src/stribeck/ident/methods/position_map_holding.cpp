@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kTermsHeld = 10;
 
-/// Columns of a held record; its time need not be uniform.
+/// Columns of a record at standstill; its time need not be uniform.
 void check_held(const log::Record& r) {
   if (r.x.size() != r.f.size() || r.t.size() != r.x.size()) {
     throw Refused(r.source + fmt::format(": columns t, x and f have {}, {} and {} rows, expected one length",
@@ -27,7 +27,7 @@ void check_held(const log::Record& r) {
   }
 }
 
-/// Rows without direction; each counts as it is.
+/// Rows without direction; each counts separately.
 map::PeriodicRows rows_of(const std::vector<log::Record>& records, double& mean) {
   map::PeriodicRows rows;
   mean = 0.0;
@@ -67,7 +67,7 @@ void write_terms(const map::PeriodicResult& found, bool whole_turn, Result& r) {
   if (!found.terms.empty()) r.warnings.emplace_back(kHoming);
 }
 
-/// What mean and terms leave.
+/// Residual of mean and terms.
 void write_points(const std::vector<log::Record>& records, const map::PeriodicResult& found, double mean,
                   Result& r) {
   const std::size_t step = std::max<std::size_t>(1, r.rows / kPlotted);
@@ -121,8 +121,8 @@ Result identify_held(const std::vector<log::Record>& records, const PositionMapO
 namespace stribeck::ident::methods {
 
 bool held_at_standstill(const std::vector<log::Record>& records) {
-  // Rests all along the travel, and steps between them that are longer than a count of the encoder. (A slow jog
-  // on a coarse encoder rests too, but moves by single counts; a stop between motions rests at few places.)
+  // Rests over the whole travel, and steps between them that are longer than a count of the encoder. (A slow jog
+  // on a coarse encoder rests too, but moves by single counts; stops between motions occur at few places.)
   constexpr double kAtRest = 0.4;
   constexpr double kLongSteps = 0.3;
   constexpr int kPlaces = 64;

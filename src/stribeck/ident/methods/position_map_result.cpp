@@ -12,7 +12,7 @@
 namespace stribeck::ident::methods::position_map {
 namespace {
 
-/// Columns of the parameters that are not linear: v0, periods.
+/// Columns of the nonlinear parameters: v0, periods.
 MatrixXd derivatives(const Rows& rows, const Fit& fit, const Nonlinear& nonlinear, bool exact) {
   std::vector<VectorXd> columns;
   if (fit.shape.rise) columns.push_back(fit.theta(fit.rise()) * rise_slope(rows, nonlinear.v0));
@@ -24,7 +24,7 @@ MatrixXd derivatives(const Rows& rows, const Fit& fit, const Nonlinear& nonlinea
   return D;
 }
 
-/// Columns of all parameters, the acceleration projected on the instrument.
+/// Columns of all parameters, with the acceleration projected on the instrument.
 MatrixXd all_columns(const Rows& rows, const Fit& fit, const Nonlinear& nonlinear, bool exact) {
   const MatrixXd D = derivatives(rows, fit, nonlinear, exact);
   MatrixXd X(fit.W.rows(), fit.W.cols() + D.cols());
@@ -36,7 +36,7 @@ VectorXd scale_of(const MatrixXd& X) {
   return X.colwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
 }
 
-/// Combinations of parameters that move nothing, in scaled parameters.
+/// Combinations of scaled parameters that do not change the model force: the rows do not determine them.
 MatrixXd unseen_by(const MatrixXd& X, const VectorXd& scale) {
   constexpr double kNothing = 1e-10;
   const MatrixXd scaled = X * scale.asDiagonal();
@@ -85,8 +85,8 @@ void write_friction(const Described& d, const Coefficients& c, Result& r) {
     r.parameters.push_back(parameter("eta1", c.eta1, "N s/m", "N s/mm", d.intervals.half(d.fit.viscous())));
   }
   if (d.fit.shape.rise) {
-    // On V3 the bristle lags 2 N of 15 N behind the rise where the axis brakes, and after a reversal it is
-    // not there yet: the value belongs to the curve of this motion.
+    // On V3 the bristle lags by 2 N of 15 N behind the rise where the axis brakes, and is not built up after a reversal: the value
+    // belongs to the curve of this motion.
     r.parameters.push_back(
         parameter("stribeck_rise", c.rise, "N", "N", d.intervals.half(d.fit.rise()), false));
     r.parameters.push_back(parameter("stribeck_velocity", d.nonlinear.v0, "m/s", "mm/s",
@@ -97,7 +97,7 @@ void write_friction(const Described& d, const Coefficients& c, Result& r) {
   }
 }
 
-/// The law as it goes into an axis file.
+/// The law as an axis file holds it.
 void write_law(const Described& d, const Coefficients& c, Result& r) {
   if (d.fit.shape.asymmetric) {
     r.set_steady(SteadyModel::kAsymmetric);
@@ -183,7 +183,7 @@ void write_terms(const Described& d, Result& r) {
     r.parameters.push_back(parameter(name + "phase", term.phase, "rad", "rad",
                                      d.intervals.width(found.b / (A * A) * sine - found.a / (A * A) * cosine +
                                                        2.0 * kPi * d.rows.middle * frequency)));
-    // A phase is known or not by its width alone, not against zero.
+    // A phase is known by the width of its interval alone; it is not compared with zero.
     r.parameters.back().identifiable = r.parameters.back().ci_high - r.parameters.back().ci_low < 2.0 * kPi;
     r.friction.eccentric.push_back(term);
   }

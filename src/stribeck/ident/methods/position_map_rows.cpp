@@ -12,11 +12,11 @@ namespace stribeck::ident::methods::position_map {
 namespace {
 
 constexpr std::size_t kFewestRows = 60;
-/// Travel after a reversal that is left out, of the stroke and of the noise of x.
+/// Travel after a reversal that is left out, as a share of the stroke and a multiple of the noise of x.
 constexpr double kExcludedStroke = 2e-3;
 constexpr double kExcludedNoise = 20.0;
-constexpr double kSlowest = 0.02;  ///< of the largest speed
-/// The window of the motion reaches at most over this share of the stroke, or it would wipe out short periods.
+constexpr double kSlowest = 0.02;  ///< share of the largest speed
+/// The window of the motion reaches over at most this share of the stroke; otherwise it would remove short periods.
 constexpr double kWindowTravel = 1.0 / 400.0;
 constexpr std::size_t kMostGroups = 100000;
 
@@ -47,17 +47,17 @@ std::vector<log::Motion> motions_of(const std::vector<log::Record>& records,
   return motions;
 }
 
-/// Which rows of a record are fitted.
+/// Limits that select the rows of a record.
 struct Wanted {
   double exclude = 0.0;  ///< [m]
-  double slowest = 0.0;  ///< [m/s]; not a number where nothing moves
+  double slowest = 0.0;  ///< [m/s]; NaN where nothing moves
 
   bool operator()(const log::Motion& m, std::size_t k) const {
     return m.v[k] * m.direction[k] >= slowest && m.sliding(k, exclude);
   }
 };
 
-/// Largest speed and the rows that are wanted, counted by direction.
+/// Finds the largest speed, and counts the selected rows by direction.
 Wanted choose_rows(Rows& rows) {
   double stroke = 0.0;
   double noise = 0.0;
@@ -84,7 +84,7 @@ Wanted choose_rows(Rows& rows) {
   return wanted;
 }
 
-/// Joins neighbouring wanted rows of one stretch.
+/// Joins neighbouring selected rows of one stretch.
 void join(const Wanted& wanted, Rows& rows) {
   rows.together = 1 + rows.rows / kMostGroups;
   int blocks = -1;

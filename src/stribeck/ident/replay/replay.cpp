@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMostSubsteps = 4096.0;
 
-/// What a replay needs of a record, found once.
+/// Data of a record that a replay needs, computed once.
 struct Course {
   const log::Record& record;
   log::Motion motion;
@@ -38,7 +38,7 @@ struct Course {
   [[nodiscard]] Start first() const { return start_of(record, 0, motion.position_noise); }
 };
 
-/// Which held forces act from t[k] to t[k+1]: that of row `row` for `share` of the period, then the next one.
+/// The held forces that act from t[k] to t[k+1]: that of row `row` for `share` of the period, then the next one.
 struct Delay {
   std::ptrdiff_t whole = 0;
   double part = 0.0;  ///< of a period, 0 … 1
@@ -69,7 +69,7 @@ void check(const friction::AxisModel& model, const log::Record& record, const Re
 }
 
 void check_level(const friction::AxisModel& model, const Course& course) {
-  // Friction that pushes would run away; a file is refused for the same, a model made in memory comes here.
+  // Friction that drives would run away. Files with it are refused elsewhere; this is for a model made in memory.
   double proportional = 0.0;
   for (const auto& term : model.friction.eccentric) {
     if (term.form == friction::EccentricForm::kProportional) proportional += term.amplitude;
@@ -86,7 +86,7 @@ void check_level(const friction::AxisModel& model, const Course& course) {
   }
 }
 
-/// Keeps row k of the prediction; refuses a run that has left all bounds.
+/// Stores row k of the prediction; refuses a run that has diverged.
 template <class Axis>
 void keep(const Axis& axis, std::size_t k, const Course& course, const friction::AxisModel& model,
           Replay& out) {
@@ -153,7 +153,7 @@ struct Reference {
   }
 };
 
-/// The controller at work: past positions and the integral.
+/// State of the controller: past positions and the integral.
 class ControlLoop {
  public:
   ControlLoop(const ReplayController& c, const log::Record& record, const Start& start)
@@ -169,7 +169,7 @@ class ControlLoop {
   }
 
  private:
-  /// Predicted position; before the first row the axis is taken to have moved evenly.
+  /// Predicted position; before the first row the axis is assumed to have moved at constant speed.
   [[nodiscard]] double position(std::ptrdiff_t k, const std::vector<double>& x) const {
     if (k >= 0) return x[static_cast<std::size_t>(k)];
     return start_.x + start_.v * reference_.period * static_cast<double>(k);
@@ -181,7 +181,7 @@ class ControlLoop {
 
   double ask(const CascadeLaw& c, std::ptrdiff_t k, const std::vector<double>& x) {
     const double T = reference_.period;
-    // The difference of two means over n rows is that of their outermost rows.
+    // The difference of two means over n rows equals that of their outermost rows.
     const double v = (position(k, x) - position(k - c.velocity_average, x)) / (T * c.velocity_average);
     const double w =
         c.position_gain * (reference(k) - position(k, x)) + c.velocity_feedforward * reference_.rate(k) - v;

@@ -6,7 +6,7 @@
 namespace stribeck::ident::stats {
 namespace {
 
-// The flat top reaches to six memories, where e^-6 of first-order noise is left.
+// The flat top reaches to six correlation lengths, where e^-6 of first-order noise is left.
 constexpr double kMemories = 12.0;
 constexpr std::size_t kBlocksOfLag = 8;
 constexpr std::size_t kRowsForMemory = 60000;
@@ -59,8 +59,8 @@ double* LongRun::row(int record, std::size_t at) {
 std::vector<double> LongRun::covariance() const {
   const std::size_t d = dimension_;
   const auto D = static_cast<Eigen::Index>(d);
-  // Σ x·xᵀ + x·bᵀ + b·xᵀ, b the weighted sum of the blocks before x, is M + Mᵀ with M = Σ x·(b + x/2)ᵀ: one product of
-  // vectors for each block instead of one for every lag, many of them at a time.
+  // Σ x·xᵀ + x·bᵀ + b·xᵀ, with b the weighted sum of the blocks before x, is M + Mᵀ with M = Σ x·(b + x/2)ᵀ: one product of vectors
+  // for each block instead of one for every lag.
   constexpr Eigen::Index kTogether = 64;
   Eigen::MatrixXd blocks(D, kTogether), with(D, kTogether), sum = Eigen::MatrixXd::Zero(D, D);
   Eigen::Index filled = 0;

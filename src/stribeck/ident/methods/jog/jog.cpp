@@ -16,17 +16,17 @@ namespace stribeck::ident::methods {
 namespace jog {
 namespace {
 
-constexpr std::size_t kFewestSpeeds = 3;  // that any candidate needs
-constexpr double kTooMuch = 0.3;          // half sum over half difference: a load, whatever else
-/// Half width over force between two speeds from which on a term is seen by one of them only, if it is as many
-/// times that of the middle gap.
+constexpr std::size_t kFewestSpeeds = 3;  // fewest that any candidate needs
+constexpr double kTooMuch = 0.3;  // ratio of half sum to half difference above which it must be a load
+/// A term is seen by one speed only if the half width of the interval, relative to the force, is larger between two speeds by this
+/// factor than in the median gap.
 constexpr double kOpen = 0.02;
 constexpr double kOpenBeside = 5.0;
 
 void weigh(std::vector<Point>& points) {
   const double typical = typical_error(points);
   if (!(typical > 0.0)) return;
-  // The curve errs too: no mean counts more than twice a typical one.
+  // The curve has errors too: no mean counts more than twice a typical one.
   for (Point& p : points) p.weight = 2.0 * typical * typical / (p.error * p.error + typical * typical);
 }
 
@@ -35,17 +35,17 @@ struct Group {
   double residual_rms = 0.0;
 };
 
-/// One group of speeds as it is fitted.
+/// One group of speeds that is fitted.
 struct Fitted {
   const Fit& fit;
   const Spread& spread;
   const LoadEstimate& load;
-  double taken = 0.0;  ///< load that was taken out before the fit [N]
-  bool both = false;   ///< directions
+  double taken = 0.0;  ///< load subtracted before the fit [N]
+  bool both = false;   ///< the group has both directions
 };
 
-/// The load that is taken out before a fit by direction, and only there: where it is the same at all speeds, or too
-/// large for friction.
+/// The load that is subtracted before a fit by direction: only where it is the same at all speeds, or too large for
+/// friction.
 double load_taken(const LoadEstimate& load, bool both) {
   if (!both || load.pairs.empty()) return 0.0;
   double friction = 0.0;
@@ -102,7 +102,7 @@ void write_by_direction(const Fitted& d, Result& r) {
   }
 }
 
-/// What the fit leaves at each mean; the root of its mean square.
+/// Residual of the fit at each mean, and its root mean square.
 double write_points(const Fitted& d, const std::vector<Point>& lifted,
                     const std::vector<map::SteadyRun>& runs, const std::vector<log::Record>& records,
                     Result& r) {
@@ -121,7 +121,7 @@ double write_points(const Fitted& d, const std::vector<Point>& lifted,
   return std::sqrt(square / static_cast<double>(lifted.size()));
 }
 
-/// Half widths count without the load, which moves the whole curve.
+/// Half widths relative to the force without the load, because the load shifts the whole curve.
 double half_width_at(const Fitted& d, double v) {
   VectorXd g = d.fit.gradient(v);
   if (d.fit.kind.symmetric()) g(2) = 0.0;
@@ -138,7 +138,7 @@ void write_curve(const Fitted& d, int side, double slow, double fast, int points
   }
 }
 
-/// A term narrower than the steps of speed fits any height between them.
+/// A term narrower than the steps of speed can have any height between them.
 void note_open_gap(const Fitted& d, int side, const std::vector<SpeedMean>& mean, Result& r) {
   std::vector<double> share;  // half width over force, halfway to the next speed
   for (std::size_t i = 0; i + 1 < mean.size(); ++i) {
@@ -197,7 +197,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
   }
   const LoadEstimate load = load_of(own);
   const double taken = load_taken(load, both);
-  // A load of its own is a parameter of the symmetric candidates, so it may be taken out of all alike.
+  // The symmetric candidates have a load parameter, so the same load may be subtracted for all.
   std::vector<Point> lifted = points;
   for (Point& p : lifted) p.f -= taken;
   Chosen chosen = choose(lifted, folds, Fitter(options, both), options, both, low, high);
@@ -232,7 +232,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
   return out;
 }
 
-/// Records that move without holding a speed: they tell the mass.
+/// Records that move without constant speed: they determine the mass.
 std::vector<log::Record> moving_records(const std::vector<log::Record>& records,
                                         const map::SteadyRuns& found) {
   constexpr double kMostlySteady = 0.3;
@@ -250,7 +250,7 @@ std::vector<log::Record> moving_records(const std::vector<log::Record>& records,
   return out;
 }
 
-/// One group, or two where the friction jumps between speeds; the larger first, and what is said about it.
+/// One group, or two where the friction jumps between speeds (the larger one first), and the warning about it.
 std::vector<std::vector<Point>> split_at_jump(const std::vector<Point>& points,
                                               const std::vector<map::SteadyRun>& runs,
                                               const std::vector<log::Record>& records, std::string& note) {
@@ -289,7 +289,7 @@ void add_periodic(const map::SteadyRuns& found, Result& r) {
   r.warnings.push_back("the phase of the periodic term belongs to this homing of the axis");
 }
 
-/// The mass from the records that hold no constant speed.
+/// The mass, from the records without constant speed.
 void add_mass(const std::vector<log::Record>& records, const map::SteadyRuns& found,
               const JogOptions& options, Result& r) {
   if (options.mass) {

@@ -13,12 +13,12 @@ namespace stribeck::ident::methods::jog {
 
 namespace {
 
-constexpr std::size_t kFewestFolds = 6;  // below it nothing can be chosen by leaving out
-constexpr double kMisses = 2.5;          // misfit up to which nothing is missing
+constexpr std::size_t kFewestFolds = 6;  // with fewer, nothing can be chosen by leaving out
+constexpr double kMisses = 2.5;          // misfit up to which the curve describes the means
 
-/// Mean square of what a fit leaves, in standard errors of the means; 1 for a true model.
+/// Mean square of the residual of a fit, in standard errors of the means; 1 for a true model.
 double misfit(const Fit& fit, const std::vector<Point>& points) {
-  // No mean is trusted beyond a typical one: what was taken off for the screw has errors too.
+  // No mean counts as more exact than a typical one, because the subtracted periodic term has errors too.
   const double typical = typical_error(points);
   if (!(typical > 0.0)) return 0.0;
   double sum = 0.0;
@@ -43,11 +43,11 @@ std::vector<Kind> candidates(const JogOptions& options, bool both) {
 
 struct Tried {
   Fit fit;
-  std::vector<double> loss;  ///< mean square of each fold; empty: the speeds are too few to leave one out
+  std::vector<double> loss;  ///< mean square of each fold; empty: too few speeds to leave one out
   double mean = 0.0;
 };
 
-/// Mean square of each of the first `judged` folds when the others are fitted; empty where one cannot be left out.
+/// Mean square of each of the first `judged` folds when the others are fitted; empty where a fold cannot be left out.
 std::vector<double> held_out(const Kind& kind, const std::vector<Point>& points, std::size_t judged,
                              const Fitter& fitter, std::vector<Ladders>& ladders) {
   std::vector<double> loss;
@@ -67,20 +67,20 @@ std::vector<double> held_out(const Kind& kind, const std::vector<Point>& points,
   return loss;
 }
 
-/// Each candidate that the points carry, judged on the speeds that were left out.
+/// All candidates that the points determine, judged on the speeds that were left out.
 std::vector<Tried> try_all(const std::vector<Kind>& kinds, const std::vector<Point>& points,
                            std::size_t folds, const Fitter& fitter, double low, double high) {
-  // The fastest speed is not left out: beyond the others a curve is not determined, and rich ones would pay for it.
+  // The fastest speed is never left out: beyond the others a curve is not determined, and rich candidates would be penalised.
   const std::size_t judged = folds - 1;
   std::vector<Tried> tried;
-  std::vector<Ladders> ladders(folds + 1);  // of each fold left out, the last of all points
+  std::vector<Ladders> ladders(folds + 1);  // for each fold left out, and last for all points
   for (const Kind& kind : kinds) {
     const auto whole = fitter.fit(kind, points, ladders.back());
     if (!whole || !opposes(*whole, low, high)) continue;
     Tried t;
     t.fit = *whole;
     if (folds >= kFewestFolds) t.loss = held_out(kind, points, judged, fitter, ladders);
-    // Too few speeds to leave one out: only the simplest stays.
+    // Too few speeds to leave one out: only the simplest candidate remains.
     if (t.loss.empty() && !tried.empty()) continue;
     for (const double l : t.loss) t.mean += l / static_cast<double>(t.loss.size());
     tried.push_back(std::move(t));
@@ -100,7 +100,7 @@ double error_of_difference(const Tried& t, const Tried& best) {
   return std::sqrt(square / (n * (n - 1.0)));
 }
 
-/// Of those as good held out as the best, the simplest that does not plainly miss what the means say with their small
+/// Of the candidates that predict as well as the best one, the simplest that does not clearly miss means with small
 /// errors.
 std::size_t simplest(const std::vector<Tried>& tried, const std::vector<double>& error, std::size_t best,
                      const std::vector<Point>& points) {

@@ -14,13 +14,13 @@ namespace stribeck::ident::methods::jog {
 
 namespace {
 
-constexpr double kWidest = 1.0 / 3.0;  // v0 over the fastest speed
+constexpr double kWidest = 1.0 / 3.0;  // largest v0 over the fastest speed
 constexpr double kDeltas[2] = {0.5, 4.0};
 constexpr int kStarts = 15;
 constexpr std::size_t kFinalists = 3;
-constexpr double kNarrowest = 0.04;  // of a Gaussian, over the fastest speed
+constexpr double kNarrowest = 0.04;  // narrowest Gaussian over the fastest speed
 
-/// min Σ w·(f − B·c − φ(v; v0, δ)·P·a)² with c, a eliminated; slopes among c are kept from going below zero.
+/// min Σ w·(f − B·c − φ(v; v0, δ)·P·a)² with c, a eliminated; slopes among c are kept from becoming negative.
 class Separable : public stats::Residuals {
  public:
   Separable(const std::vector<Point>& points, MatrixXd base, MatrixXd pattern, std::vector<Index> slopes,
@@ -47,7 +47,7 @@ class Separable : public stats::Residuals {
   [[nodiscard]] int parameters() const override { return free_ ? 2 : 1; }
   [[nodiscard]] Index linear() const { return base_.cols() + pattern_.cols(); }
 
-  /// From the unbounded coordinates of the solver.
+  /// Converts from the unbounded coordinates of the solver.
   [[nodiscard]] double value(int i, double q) const {
     return std::exp(low_[i] + (high_[i] - low_[i]) / (1.0 + std::exp(-q)));
   }
@@ -88,7 +88,7 @@ class Separable : public stats::Residuals {
     return true;
   }
 
-  /// Linear parameters for a shape; X is the weighted regressor, active its columns that are not held at zero.
+  /// Linear parameters for a shape; X is the weighted regressor, `active` its columns that are not held at zero.
   VectorXd solve(double width, double delta, std::vector<Index>& active, MatrixXd& X) const {
     X.resize(f_.size(), linear());
     X.leftCols(base_.cols()) = base_;
@@ -159,7 +159,7 @@ class Separable : public stats::Residuals {
   }
 
  private:
-  /// As the papers do it: all parameters at once, from one start.
+  /// The form of the papers: all parameters at once, from one start.
   [[nodiscard]] Solution simplex(double width, double delta) const {
     std::vector<Index> active;
     MatrixXd X;
@@ -199,7 +199,7 @@ class Separable : public stats::Residuals {
   double low_[2], high_[2];
 };
 
-/// Regressors of the linear part; a column for the load where both directions are there.
+/// Regressors of the linear part, with a column for the load where both directions are present.
 struct Columns {
   MatrixXd base, pattern;
   std::vector<Index> slopes;
@@ -386,7 +386,7 @@ std::vector<map::BranchFit> Fitter::ladder_of(const std::vector<Point>& points, 
   settings.height_scale = 10.0 * highest;
   settings.slope_scale = 0.2 * highest;
   settings.narrowest = kNarrowest;
-  settings.polished = 6;  // few points: starts cost little
+  settings.polished = 6;  // with few points, starts cost little
   settings.scattered = 64;
   return map::fit_ladder(bins, terms, settings);
 }

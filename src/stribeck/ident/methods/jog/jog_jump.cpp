@@ -6,13 +6,13 @@ namespace stribeck::ident::methods::jog {
 
 namespace {
 
-constexpr double kOneSpeed = 0.05;  // speeds that are left out together
+constexpr double kOneSpeed = 0.05;  // share by which speeds left out together may differ
 
 std::vector<Jump> jumps_of(const std::vector<SpeedMean>& mean) {
-  constexpr double kLargest = 1.6;    // ratio of the two speeds
-  constexpr double kVisible = 0.06;   // of the force
-  constexpr double kSteeper = 2.0;    // than the neighbours, per ratio of speeds
-  constexpr double kErrors = 2.0;     // of one direction
+  constexpr double kLargest = 1.6;    // largest ratio of the two speeds
+  constexpr double kVisible = 0.06;   // smallest visible step, as a share of the force
+  constexpr double kSteeper = 2.0;    // factor on the slope of the neighbours, per ratio of speeds
+  constexpr double kErrors = 2.0;     // standard errors of one direction
   constexpr std::size_t kFewest = 3;  // speeds on either side
   std::vector<Jump> out;
   const auto slope = [&](std::size_t i) {
