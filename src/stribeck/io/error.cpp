@@ -12,7 +12,7 @@ std::string first_and_count(const std::vector<Problem>& problems) {
   return text;
 }
 
-/// Length in bytes of the character that begins at `at`, 0 when none does.
+/// Length in bytes of the character that begins at `at`; 0 where no character begins.
 std::size_t length_of_character(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);
@@ -28,17 +28,17 @@ std::size_t length_of_character(std::string_view text, std::size_t at) {
   return n;
 }
 
-/// Control characters of either kind, and those that turn the direction of writing: a terminal obeys them.
+/// Control characters, and those that change the direction of writing: a terminal obeys them.
 bool commands_a_terminal(std::string_view character) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
   if (character.size() == 1) return byte(0) < 0x20 || byte(0) == 0x7f;
   if (character.size() == 2) return (byte(0) == 0xC2 && byte(1) < 0xA0) || character == "\u061c";
   if (character.size() != 3 || byte(0) != 0xE2) return false;
-  const int last = (byte(1) - 0x80) * 64 + byte(2) - 0x80;  // of U+2000 and on
+  const int last = (byte(1) - 0x80) * 64 + byte(2) - 0x80;  // of U+2000 and following
   return last == 0x0e || last == 0x0f || (last >= 0x28 && last <= 0x2e) || (last >= 0x66 && last <= 0x69);
 }
 
-/// Its begin and its end, when it is longer than that.
+/// Its beginning and its end, where it is longer than that.
 std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   std::size_t head = most / 2;
@@ -99,7 +99,8 @@ std::string in_quotes(std::string_view value) {
   constexpr std::size_t kLongest = 60;
   if (value.size() <= kLongest) return '"' + printable(value) + '"';
   std::size_t cut = kLongest;
-  while (cut > 0 && (static_cast<unsigned char>(value[cut]) & 0xC0) == 0x80) --cut;  // not inside a character
+  while (cut > 0 && (static_cast<unsigned char>(value[cut]) & 0xC0) == 0x80)
+    --cut;  // do not cut inside a character
   return '"' + printable(value.substr(0, cut)) + "…\"";
 }
 

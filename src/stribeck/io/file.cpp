@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 std::string reason(int code) { return std::generic_category().message(code); }
 
-/// A file descriptor that is closed at the end.
+/// A file descriptor that is closed on destruction.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -30,7 +30,7 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
 
   [[nodiscard]] int get() const noexcept { return fd_; }
-  /// 0, or the error; some file systems report a failed write only here.
+  /// Closes; returns 0 or the error, because some file systems report a failed write only here.
   int close() noexcept {
     const int result = fd_ < 0 || ::close(fd_) == 0 ? 0 : errno;
     fd_ = -1;
@@ -41,7 +41,7 @@ class Descriptor {
   int fd_;
 };
 
-/// To the end; `expected` bytes are likely.
+/// Reads to the end; about `expected` bytes.
 std::string read_all(int fd, const std::string& path, std::size_t expected) {
   constexpr std::size_t kBlock = 1 << 16;
   std::string bytes(expected + kBlock, '\0');
@@ -58,7 +58,7 @@ std::string read_all(int fd, const std::string& path, std::size_t expected) {
   return bytes;
 }
 
-/// 0, or the error.
+/// Writes everything; returns 0 or the error.
 int write_all(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), bytes.size());
@@ -84,7 +84,7 @@ FileBytes::FileBytes(const std::string& path) {
     fail(path, "is a device, expected a file");
   }
   const auto size = static_cast<std::size_t>(info.st_size);
-  // Not mapped: a file that another program shortens meanwhile would end this one by a signal.
+  // The file is not mapped: if another program shortened it meanwhile, a signal would end this one.
   bytes_ = read_all(fd.get(), path, S_ISREG(info.st_mode) ? size : 0);
   if (S_ISREG(info.st_mode) && bytes_.size() < size) {
     fail(path, "became shorter while it was read: another program writes it (copy it first)");

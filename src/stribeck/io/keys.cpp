@@ -128,7 +128,7 @@ std::vector<KeyInfo> keys_of(const Value& initial) {
 
 namespace {
 
-/// Text that can stand in a cell.
+/// Text that can be part of a table cell.
 std::string cell(std::string text) {
   for (auto at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2)) text.insert(at, "\\");
   return text;
@@ -155,7 +155,7 @@ std::string heading(const Section& s, int level) {
   return out + "\n\n";
 }
 
-/// What is said of a whole table, beside its keys.
+/// Text about a whole table, beside its keys.
 std::string about_table(const KeyInfo& k) {
   std::string out = k.doc;
   if (!k.range.empty()) out += (out.empty() ? "" : "; ") + cell(k.range);
@@ -191,14 +191,14 @@ std::string markdown_by_table(const std::vector<KeyInfo>& keys, int level) {
     const std::size_t path = dot == std::string::npos ? 0 : dot + 1;
     const std::string table = path == 0 ? "" : k.key.substr(0, dot);
     if (k.unit == "table") {
-      // The keys of a variant stand below their kinds.
+      // The keys of a variant are listed below its kinds.
       section(k.key, k.range.empty() ? k.kind : std::string()).about = about_table(k);
     } else {
       section(table, k.kind).rows += row(k, path);
       if (k.unit == "text or table") section(k.key, {}).about = about_table(k);
     }
   }
-  // Keys after a heading belong to that table: those of no table come first, as they must in a file.
+  // In a file, keys after a heading belong to that table: keys without a table must come first.
   std::stable_partition(sections.begin(), sections.end(), [](const Section& s) { return s.table.empty(); });
   std::string out;
   for (const Section& s : sections) {

@@ -29,7 +29,7 @@ OutputFolder::~OutputFolder() { remove_empty(); }
 void OutputFolder::remove_empty() noexcept {
   std::error_code error;
   for (const std::string& folder : made_) {
-    // Only an empty one can be removed.
+    // Only an empty folder can be removed.
     if (!std::filesystem::is_directory(folder, error) || !std::filesystem::remove(folder, error)) return;
   }
 }

@@ -8,8 +8,8 @@ struct BrokenToml {};
 [[noreturn]] void give_up() { throw BrokenToml{}; }
 }  // namespace
 
-// toml++ 3.3 asserts on some bad files, e.g. "[=a]", instead of reporting them, and without assertions
-// assumes that they do not happen. Here its assertions are always on and throw.
+// toml++ 3.3 asserts on some bad files, e.g. "[=a]", instead of reporting them; without assertions it assumes that
+// they do not occur. Here its assertions are always on and throw.
 #undef NDEBUG
 #define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : give_up())
 #include <toml++/toml.h>
@@ -20,7 +20,7 @@ namespace {
 
 Node converted(const toml::node& in, std::size_t fallback_line);
 
-/// Children in the order of the file; toml++ keeps them sorted by name.
+/// Children in the order of the file; toml++ itself sorts them by name.
 void add_children(const toml::table& in, Node& out) {
   struct Child {
     toml::source_position at;
@@ -81,7 +81,7 @@ const Node* Node::find(std::string_view name) const {
 
 namespace {
 
-/// Line at which toml++ gives up on a text without saying where.
+/// Line at which toml++ fails on a text without reporting a place.
 std::size_t broken_line(std::string_view text) {
   std::size_t line = 0;
   for (std::size_t end = 0; end < text.size();) {
@@ -102,7 +102,7 @@ std::size_t broken_line(std::string_view text) {
 
 namespace {
 
-/// Where a text in quotes that begins at `at` ends; of one that has no end, the end of the line or, with three quotes, of all.
+/// End of a text in quotes that begins at `at`; where it is missing, the end of the line or, with three quotes, of the file.
 std::size_t end_of_quotes(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const std::string three(3, quote);
@@ -119,8 +119,8 @@ std::size_t end_of_quotes(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-/// Line of a key of more parts than any file needs, or 0. Tables as deep as such a key would overflow the stack when they are
-/// walked; toml++ itself limits lists and inline tables alone.
+/// Line of a key with more parts than any file needs, or 0. Walking tables of that depth would overflow the stack;
+/// toml++ itself limits only lists and inline tables.
 std::size_t line_of_deep_key(std::string_view text) {
   constexpr int kDeepest = 64;
   std::size_t line = 1;

@@ -55,7 +55,7 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// Nothing that is left out, and no setting that a reader would refuse because it has no effect.
+/// Members to write: not absent ones, and no setting that a reader would refuse because it has no effect.
 template <class F>
 void for_each_written(const Value& group, F&& f) {
   for_each_member(group, [&](const Member& m) {
@@ -65,13 +65,13 @@ void for_each_written(const Value& group, F&& f) {
   });
 }
 
-/// Written as a table of its own.
+/// Whether a member is written as a separate table.
 bool is_table(const Value& v) {
   if (v.kind() == Kind::kOptional) return is_table(v[0]);
   return (v.kind() == Kind::kGroup && !is_short(v)) || v.kind() == Kind::kVariant || v.kind() == Kind::kNamed;
 }
 
-/// `a = 1, b = "2 mm"`, for inline tables.
+/// `a = 1, b = "2 mm"`, the form of inline tables.
 std::string inline_members(const Value& group, const std::string& path, std::string out) {
   for_each_written(group, [&](const Member& m) {
     if (!out.empty()) out += ", ";
@@ -105,7 +105,7 @@ void write_table(const Value& value, const std::string& path, Docs docs, std::st
     write_table(value[i], dotted(path, written_key(value.name_at(i))), docs, out);
 }
 
-/// First the lines of this table (`lines` holds those already there), then the tables below it.
+/// First the lines of this table (`lines` holds those written already), then the tables below it.
 void write_members(const Value& group, const std::string& path, std::string lines, Docs docs,
                    std::string& out) {
   bool has_tables = false;
@@ -124,7 +124,7 @@ void write_members(const Value& group, const std::string& path, std::string line
     }
     lines += written_key(m.info.name) + " = " + text + '\n';
   });
-  // A table that only holds tables needs no heading of its own.
+  // A table that contains only tables needs no heading.
   if (!path.empty() && (!lines.empty() || !has_tables)) out += "\n[" + path + "]\n";
   out += lines;
   for_each_written(group, [&](const Member& m) {

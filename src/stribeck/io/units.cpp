@@ -41,7 +41,7 @@ void replace_all(std::string& text, std::string_view what, std::string_view by) 
   }
 }
 
-/// The units system. udunits2 keeps state while it parses, so every call holds the mutex.
+/// The units system. udunits2 keeps state while it parses, so every call locks the mutex.
 class Units {
  public:
   static Units& instance() {
@@ -64,7 +64,7 @@ class Units {
     const std::lock_guard lock(mutex_);
     auto key = std::pair{std::string(from), std::string(to)};
     if (const auto hit = cache_.find(key); hit != cache_.end()) return hit->second;
-    // Texts come from files; a bound keeps a hostile one from filling the memory.
+    // Texts come from files; the limit keeps a hostile one from filling the memory.
     if (cache_.size() > 4096) cache_.clear();
     return cache_.emplace(std::move(key), find_uncached(from, to)).first->second;
   }
@@ -95,7 +95,7 @@ class Units {
   Unit parse(std::string_view text) {
     std::string ascii(trimmed(text));
     replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
-    // A date, an offset or a logarithm is no scale of a machine.
+    // A date, an offset or a logarithm is no proportional unit.
     if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
     return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));
   }
@@ -185,7 +185,7 @@ Number parse_number(std::string_view text) {
   return n;
 }
 
-/// The decimal number in `text` times 10^power, rounded once.
+/// The decimal number in `text` times 10^power, with a single rounding.
 double shifted(std::string_view text, int power) {
   if (text[0] == '+') text.remove_prefix(1);
   const auto e = text.find_first_of("eE");
@@ -200,7 +200,7 @@ double shifted(std::string_view text, int power) {
   return parse_number(moved).value;
 }
 
-/// x as text with its decimal point moved: x·10^power, shortest digits of x; optionally fewer digits.
+/// x as text with its decimal point moved: x·10^power, with the shortest digits of x; optionally fewer.
 std::string decimal_text(double x, int power, int precision = -1) {
   if (std::isnan(x)) return "nan";
   if (std::isinf(x)) return x > 0.0 ? "inf" : "-inf";
@@ -241,7 +241,7 @@ std::string with_unit(std::string number, std::string_view unit) {
   return number;
 }
 
-/// An example of what could have been written, e.g. `"5 mm"`.
+/// An example of a valid text, e.g. `"5 mm"`.
 std::string example(std::string_view number, const Quantity& q) {
   return '"' + with_unit(std::string(number), q.shown.empty() ? q.unit : q.shown) + '"';
 }
@@ -337,8 +337,8 @@ std::string from_si(double si, const Quantity& q) {
   }
   if (c.decimal) return with_unit(decimal_text(si, -c.power), shown);
   if (!std::isfinite(si)) return with_unit(decimal_text(si, 0), shown);
-  // The shortest number whose product with the factor rounds to si; the neighbours, because a quotient is
-  // rounded too.
+  // The shortest number whose product with the factor rounds to si. Its neighbours are tried too, because the quotient is
+  // rounded.
   const double factor = c.factor;
   const double near = si / factor;
   const auto reads_back = [&](std::string_view text) {

@@ -24,14 +24,14 @@ struct Axis::Implementation {
     if (const auto* c = std::get_if<CurrentDrive>(&p.drive)) amplifier_gain = c->amplifier_gain;
   }
 
-  /// Friction as warm as it is in the middle of the coming period.
+  /// Sets the warmth of friction to its value in the middle of the coming period.
   void warm() {
     if (!params.warming) return;
     const double share = params.warming->share((ticks++ + 0.5) * period);
     std::visit([&](auto& m) { m.set_friction_share(share); }, mechanics);
   }
 
-  /// Control word to what acts during the coming period: converter, delay, noise.
+  /// Converts the control word to the inputs of the coming period: converter, delay, noise.
   Held held(double wanted, double cutting) {
     const Converter& da = params.converter;
     double out = clamp_to(wanted, -da.range, da.range);
@@ -51,9 +51,9 @@ struct Axis::Implementation {
   AnyMechanics<Map> mechanics;
   std::optional<NoiseSource> noise;
   std::optional<double> amplifier_gain;
-  std::array<double, 8> waiting{};  ///< voltages that have not acted yet, oldest first
+  std::array<double, 8> waiting{};  ///< voltages that wait for their delay, oldest first
   double voltage = 0.0;
-  double ticks = 0.0;  ///< since start()
+  double ticks = 0.0;  ///< since start() [periods]
 };
 
 Axis::Axis(const AxisParams& params, double period, double v_max)

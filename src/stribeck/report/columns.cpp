@@ -5,7 +5,7 @@ namespace stribeck::report {
 std::string lay_out(std::vector<TextColumn> columns) {
   std::size_t total = 0;
   for (const TextColumn& c : columns) total += c.width() + 2;
-  // What does not fit is taken from the text columns, longest first.
+  // Where the table is too wide, the text columns are shortened, longest first.
   while (total > kTableWidth + 2) {
     auto longest = columns.end();
     for (auto c = columns.begin(); c != columns.end(); ++c) {

@@ -92,7 +92,7 @@ bool is_color(std::string_view c) {
          c.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
 }
 
-/// A head may be broken between words, not after the bar of an absolute value: "mean |ε|".
+/// A head may be broken between words, but not after the bar of an absolute value: "mean |ε|".
 std::string head_markup(std::string_view head) {
   std::string out;
   for (const char c : escape_html(head)) {
@@ -190,7 +190,7 @@ std::string Page::html() const {
   std::string out =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      // Even if a text got through unescaped, nothing would run or be fetched.
+      // Even if a text were not escaped, nothing would run or be fetched.
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
       "'unsafe-inline'\">\n";
   out += element("title", title_);

@@ -26,7 +26,7 @@ std::string law_in_words(const Value& law) {
   return fmt::format("{}: {}", law.type().label, members_in_words(law));
 }
 
-/// Empty where nothing was given.
+/// Empty where no value was given.
 std::string value_in_words(const Value& value, const Quantity& q) {
   switch (value.kind()) {
     case Kind::kChoice:
@@ -90,7 +90,7 @@ Table controllers_in_words(const std::vector<sim::ControllerSpec>& controllers) 
     const sim::ControllerSpec& c = controllers[k];
     t.rows.push_back({{"(" + c.id + ")", "", c.label, false, controller_color(c.id, k)}});
   }
-  // What every controller has of one parameter, column by column.
+  // The values of one parameter for all controllers, column by column.
   const auto words_of = [](const sim::ControllerSpec& c, std::string_view name) {
     std::string words;
     for_each_member(value_of(c), [&](const Member& m) {
@@ -102,7 +102,7 @@ Table controllers_in_words(const std::vector<sim::ControllerSpec>& controllers) 
   };
   for_each_member(initial_of(type_of<sim::ControllerSpec>), [&](const Member& m) {
     const std::string_view name = m.info.name;
-    // In the first column, or in a list of their own.
+    // Either in the first column, or in a list after the table.
     if (name == "id" || name == "label" || name == "law") return;
     std::vector<std::string> column;
     for (const sim::ControllerSpec& c : controllers) column.push_back(words_of(c, name));

@@ -23,7 +23,7 @@ Force steady(const friction::SteadyVariant& map) {
   };
 }
 
-/// Straight lines between the points of a fit's curve; NaN beyond it and across standstill.
+/// The points of a fit's curve joined by straight lines; NaN outside it and across standstill.
 Force interpolated(const std::vector<ident::CurvePoint>& curve, double ident::CurvePoint::*member) {
   return [&curve, member](double v) {
     const auto above = std::lower_bound(
@@ -38,7 +38,7 @@ Force interpolated(const std::vector<ident::CurvePoint>& curve, double ident::Cu
   };
 }
 
-/// Velocities from low to high without zero, with a gap there.
+/// Velocities from low to high without zero; there is a gap at zero.
 std::vector<double> velocities(double low, double high) {
   constexpr int kEach = 160;
   std::vector<double> v;
@@ -62,7 +62,7 @@ Series line(std::string label, const std::vector<double>& at, double scale, cons
   return s;
 }
 
-/// A range for differences from the fit that shows points, band and truth; the conventional model may leave
+/// Range for differences from the fit that includes points, band and truth; the conventional model may lie outside
 /// it.
 std::optional<Range> close_range(const std::vector<Series>& series, double room) {
   std::vector<double> sizes;
@@ -77,7 +77,7 @@ std::optional<Range> close_range(const std::vector<Series>& series, double room)
     }
   }
   if (!sizes.empty()) {
-    // A few points far out must not flatten the rest.
+    // A few outliers must not flatten the rest.
     const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
     std::nth_element(sizes.begin(), at, sizes.end());
     most = std::max(most, *at);
@@ -99,7 +99,7 @@ ShownParameter shown(const ident::Parameter& p, const ShownUnits& units) {
 std::string shown_number(double value, double low, double high) {
   const double half = 0.5 * (high - low);
   if (!std::isfinite(half) || half <= 0.0 || !std::isfinite(value)) return significant(value, 4);
-  // Two digits of the half width, for the value and for the borders alike.
+  // Two digits of the half width, for the value and for the limits alike.
   const int digits = 1 - static_cast<int>(std::floor(std::log10(half)));
   return digits > 8 ? significant(value, 6) : decimals(value, std::max(digits, 0));
 }
@@ -299,7 +299,7 @@ std::vector<Plot> residual_plots(const ident::Result& result) {
     if (std::isfinite(p.error)) sizes.push_back(std::abs(p.error));
   }
   if (sizes.empty()) return {};
-  // A few points far out must not flatten the rest.
+  // A few outliers must not flatten the rest.
   const auto most =
       sizes.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), most, sizes.end());

@@ -15,8 +15,8 @@ namespace {
 
 using Figure = sim::Figure::OfRun;
 
-/// A figure of a row in the unit people read, with its spread where that is asked for and known. Volts get three digits
-/// that count, as they range over decades.
+/// A figure of a row in the unit for people, with its spread where requested and known. Volts have three significant digits, because
+/// they range over decades.
 std::string entry(const sim::CompareRow& r, Figure which, bool with_spread) {
   const double scale = sim::figure_of(which).scale;
   const double spread = r.spread.*which * scale;
@@ -36,7 +36,7 @@ TextColumn figure_column(Figure which, std::string group = {}) {
 std::vector<std::string> travel_warnings(const sim::CompareSpec& spec) {
   std::vector<std::string> all;
   if (spec.travels.empty()) return all;
-  // Travels differ in their speed only.
+  // Travels differ in speed only.
   std::istringstream lines(spec.travels.front().note);
   for (std::string line; std::getline(lines, line);) all.push_back(line);
   return all;

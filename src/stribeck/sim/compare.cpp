@@ -22,7 +22,7 @@ void summarise(const std::vector<Metrics>& trials, Metrics& mean, Metrics& sprea
   });
 }
 
-/// A law whose input jumps with the sign of a measurement: no two simulations of it agree sample by sample.
+/// Whether the output of a law jumps with the sign of a measurement: two simulations of it never agree sample by sample.
 bool switches(const control::LawParams& law) {
   const auto* sliding = std::get_if<control::SlidingModeParams>(&law);
   return sliding != nullptr && (sliding->switching == control::Switching::kSign ||
@@ -35,8 +35,8 @@ std::string name_of(const ControllerSpec& c, double speed) {
   return text;
 }
 
-/// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis. A model without a Stribeck part,
-/// fitted to friction that has one, comes out like this (Table 4.3).
+/// Γ sgn v + Λ v: the least-squares line through each side of a map, over the speeds of the axis. A model without a Stribeck part
+/// that is fitted to friction with one gives this result (Table 4.3).
 friction::Model straightened(const friction::Model& model, double fastest) {
   constexpr int kPoints = 400;
   friction::Gaussian<double> line;
@@ -64,7 +64,7 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   return straight;
 }
 
-/// Refuses gains that cannot work, before anything runs: unstable when sampled, or without the switching gain that was asked for.
+/// Refuses gains that cannot work before anything runs: unstable when sampled, or without the requested switching gain.
 template <std::size_t N>
 void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
   std::visit(

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kLoopIsLost = 32;
 
-/// What one tick sees and asks.
+/// Inputs and outputs of one tick.
 template <std::size_t N>
 struct Tick {
   double time = 0.0;
@@ -24,7 +24,7 @@ struct Tick {
   bool scored = false;
 };
 
-/// Contour error and, where there is a tool axis, its error. phi: where to look for the nearest point of the path.
+/// Contour error and, where there is a tool axis, its error. phi: start of the search for the nearest point of the path.
 template <std::size_t N>
 std::array<double, 2> errors(const AnyPath& path, const Vec<double, N>& position,
                              const Vec<double, N>& tracking, double phi) {
@@ -48,7 +48,7 @@ std::array<double, 2> errors(const AnyPath& path, const Vec<double, N>& position
       path);
 }
 
-/// At the reference, or behind it by the lag of a controller that slows down.
+/// The parameter of the reference, less the lag of a controller that slows down.
 template <std::size_t N>
 double near_phi(const LawRunner<N>& law, const std::vector<path::PathPoint<N>>& points, std::size_t k,
                 double period) {
@@ -90,7 +90,7 @@ void move_drives(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
   }
 }
 
-/// After the drives have moved.
+/// Called after the drives have moved.
 template <std::size_t N>
 typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vector<plant::Axis>& axes,
                                             const std::vector<double>& gain, double period) {
@@ -165,7 +165,7 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
 template <std::size_t N>
 int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
                     double accuracy) {
-  // One lap and the run-in show every reversal there is.
+  // One lap and the run-in contain every kind of reversal.
   const double period = drives.period();
   Route<N> part = route;
   part.points.resize(std::min(static_cast<std::size_t>(route.first_lap / period) + 2, route.points.size()));
@@ -191,7 +191,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   bool followed = false;
   const auto judge = [&](int n, const auto& coarse, const auto& fine) {
     const bool follows_now = follows(coarse) && follows(fine);
-    // Too few sub-steps can lose the path; when many lose it too, it is the loop.
+    // Too few sub-steps may lose the path; if many sub-steps lose it too, the loop does.
     if (!follows_now && n >= kLoopIsLost) return Substeps::kGiveUp;
     followed = followed || follows_now;
     RunError error;

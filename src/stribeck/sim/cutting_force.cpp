@@ -6,7 +6,7 @@ std::array<double, 2> CuttingForce::mean_over(double t, double period) const noe
   const double middle = t + 0.5 * period;
   const double engaged = clamp_to(min_of((middle - entry) / ramp, (exit - middle) / ramp), 0.0, 1.0);
   if (engaged == 0.0) return {};
-  // The mean of cos ωt over a period is that of its middle, less by sin(ωT/2)/(ωT/2).
+  // The mean of cos ωt over a period is its value in the middle, times sin(ωT/2)/(ωT/2).
   const auto fades = [&](double omega) {
     const double half = 0.5 * omega * period;
     return half > 0.0 ? std::sin(half) / half : 1.0;

@@ -17,7 +17,7 @@ constexpr double kRunIn = 1.0;
 /// sin a = cos(a − π/2).
 constexpr double kSine = -0.5 * kPi;
 
-/// A printed reference of `duration` [s], which includes the run-in: the parameter is the printed phase, φ = rate·t.
+/// A printed reference of `duration` [s], including the run-in: the parameter is the printed phase, φ = rate·t.
 template <std::size_t N>
 Travel printed_motion(const path::Fourier<N>& path, std::string name, double rate, double duration) {
   Travel t;

@@ -23,7 +23,7 @@ ControllerSpec with(std::string id, std::string label, control::LawParams law, F
   return c;
 }
 
-/// Gains of the feedback across the path [rad/s], which tell how fast an observer beside it may be.
+/// Gains of the feedback across the path [rad/s]; they limit the speed of an observer beside it.
 double speed_of(const control::LawParams& law) {
   if (const auto* c = std::get_if<ContouringParams>(&law)) return std::sqrt(c->kp[c->kp.size() - 1]);
   if (const auto* s = std::get_if<control::SlidingModeParams>(&law)) return s->lambda[s->lambda.size() - 1];
@@ -68,7 +68,7 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
     all.push_back(k);
   }
   if (const auto* sliding = std::get_if<control::SlidingModeParams>(&thesis.law)) {
-    // Super-twisting integrates by itself.
+    // Super-twisting contains an integrator.
     ControllerSpec m = g;
     m.observer = Observer::kNone;
     m.id = "m";
@@ -87,7 +87,7 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
 namespace {
 
 ControllerSpec learning_controller(const ControllerSpec& thesis) {
-  // Over (i), which leaves the least to learn.
+  // Together with (i), which leaves the smallest error to learn.
   ControllerSpec l = beyond_controllers(thesis)[2];
   l.id = "l";
   l.label = "learning over (i)";
@@ -159,12 +159,12 @@ Experiment five_axis() {
   t.path = cone;
   t.name = "cone frustum, radius 20 mm, half angle 15°, inclined by 30°";
   t.pace = path::Pace::kRate;
-  // 10 mm/s of the tool tip over the workpiece.
+  // The tool tip moves at 10 mm/s over the workpiece.
   t.speed = 10.0 * kMilli / cone.radius;
   t.laps = 2.0;
 
   const ContouringParams law = ContouringParams::critical(40.0, 60.0);
-  // The double pole across the path, on every axis, and an integrator a tenth as fast.
+  // The double pole across the path for every axis, and an integrator a tenth as fast.
   control::PidParams pid;
   pid.kp = PerAxis{3600.0};
   pid.kv = PerAxis{120.0};

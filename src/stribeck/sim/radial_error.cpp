@@ -10,10 +10,10 @@
 namespace stribeck::sim {
 namespace {
 
-/// Where a sector has no sample, a quadrant may be missed.
+/// A sector without samples may hide a quadrant.
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSector = 360 / kSectors;
-/// Another radius than was meant by more than this is another circle, or another unit.
+/// A radius that differs by more than this from the intended one belongs to another circle or another unit.
 constexpr double kRadius = 0.2;
 
 struct Point {
@@ -30,7 +30,7 @@ template <class... Parts>
 
 [[noreturn]] void no_circle() { refuse("the positions are no circle"); }
 
-/// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k; the points are about their mean.
+/// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k; points relative to their mean.
 Point algebraic_centre(std::span<const Point> points) {
   double uu = 0.0;
   double uv = 0.0;
@@ -50,7 +50,7 @@ Point algebraic_centre(std::span<const Point> points) {
   return {(ud * vv - vd * uv) / det, (vd * uu - ud * uv) / det};
 }
 
-/// Distances of the points from a centre: their mean, the sum of squares about it, and the step of Gauss–Newton.
+/// Distances of the points from a centre: mean, sum of squares about the mean, and the step of Gauss–Newton.
 struct Distances {
   double mean = 0.0;
   double squares = 0.0;
@@ -66,7 +66,7 @@ Distances distances(std::span<const Point> points, const Point& centre) {
       const double x = p.x - centre.x;
       const double y = p.y - centre.y;
       const double r = std::hypot(x, y);
-      // A point in the centre has no direction.
+      // A point at the centre has no direction.
       const double inverse = r > 0.0 ? 1.0 / r : 0.0;
       f(r, inverse * x, inverse * y);
     }
@@ -103,8 +103,8 @@ Distances distances(std::span<const Point> points, const Point& centre) {
 LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<const double> y) {
   constexpr int kMostSteps = 200;
   constexpr int kMostHalvings = 20;
-  constexpr double kAtRest = 1e-12;  // of the size of the points
-  constexpr double kStraight = 1e4;  // centres further away are those of a line
+  constexpr double kAtRest = 1e-12;  // as a share of the size of the points
+  constexpr double kStraight = 1e4;  // a centre farther away than this belongs to a straight line
   const double n = static_cast<double>(x.size());
   Point mean;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -131,7 +131,7 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
       centre = tried;
       at = there;
     }
-    if (!lower) break;  // to rounding
+    if (!lower) break;  // no further decrease, to rounding
     if (!(std::hypot(centre.x, centre.y) < kStraight * size)) no_circle();
   }
   return {mean.x + centre.x, mean.y + centre.y, at.mean};
@@ -194,7 +194,7 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
     const double e = std::abs(t.error[i]);
     t.max_error = std::max(t.max_error, e);
     square += e * e;
-    // Since the last quadrant, in the direction of travel.
+    // Since the last quadrant, in the direction of motion.
     const double turned = t.counter_clockwise ? t.angle[i] : 2.0 * kPi - t.angle[i];
     if (std::fmod(turned, 0.5 * kPi) <= window) t.quadrant_glitch = std::max(t.quadrant_glitch, e);
   }

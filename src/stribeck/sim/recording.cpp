@@ -7,12 +7,12 @@
 namespace stribeck::sim {
 namespace {
 
-/// Logs have streams of their own, so that no experiment meets the noise of the log its compensator came
-/// from.
+/// Logs have their own random streams, so that no experiment has the noise of the log from which its compensator was
+/// identified.
 constexpr std::uint32_t kClosedLoopTrial = 0x10000;
 constexpr std::uint32_t kOpenLoopTrial = 0x20000;
 
-/// The force on the axis at tick k, given the position of the encoder.
+/// The force on the axis at tick k for an encoder position.
 template <class Force>
 Recording record(const Machine& machine, std::size_t which, std::size_t rows, double start,
                  const plant::Fidelity& fidelity, const plant::Stream& stream, Force&& force) {
@@ -35,11 +35,11 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   return log;
 }
 
-/// What is given up for an open loop that multiplies errors: a share of the travel so far, and many sub-steps before it.
+/// Weaker demands on an open loop that multiplies errors: a share of the travel so far, with many sub-steps before that.
 constexpr double kShareOfTravel = 0.02;
 constexpr int kEnoughSubsteps = 32;
 
-/// Sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
+/// Number of sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
 /// one.
 template <class Run>
 int choose(const Machine& machine, std::size_t which, double accuracy, bool open, Run&& run) {
@@ -97,7 +97,7 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
                                             (after - 2.0 * reference[k] + before) / (period * period), x});
                   });
   };
-  // The first stretch shows reversals and speeds; a whole log would double the work for nothing.
+  // The first stretch contains reversals and speeds; a whole log would only double the work.
   const std::size_t part = std::min(reference.size(), static_cast<std::size_t>(20.0 / period) + 1);
   const int substeps = choose(machine, axis, accuracy, false,
                               [&](const plant::Fidelity& fidelity) { return run(fidelity, part); });
@@ -114,7 +114,7 @@ Recording record_open_loop(const Machine& machine, std::size_t axis, const std::
                   {seed, kOpenLoopTrial, static_cast<std::uint32_t>(axis)},
                   [&](std::size_t k, double) { return clamp_to(force[k], -limit, limit); });
   };
-  // Without a loop around it the position keeps every error of the steps: a hundredth of the travel's noise
+  // Without a loop the position keeps every error of the steps: a hundredth of the noise of the travel
   // is enough.
   const int substeps = choose(machine, axis, 100.0 * accuracy, true, run);
   return run({substeps, true, true});

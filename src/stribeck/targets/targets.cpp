@@ -5,7 +5,7 @@
 
 namespace stribeck::targets {
 
-// Each is defined in the folder of its name. A new target: its name in this line and in the list.
+// Each is defined in the folder of its name. To add a target, enter its name in this line and in the list.
 extern const Target kLinuxCnc;
 
 namespace {

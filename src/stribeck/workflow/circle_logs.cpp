@@ -17,7 +17,7 @@ namespace stribeck::workflow {
 
 namespace {
 
-/// What --map says: quantity, column.
+/// The texts of --map: quantity, column.
 std::map<std::string, std::string> mapped(const CircleOptions& o) {
   std::map<std::string, std::string> given;
   for (const std::string& text : o.maps) {
@@ -32,7 +32,7 @@ std::map<std::string, std::string> mapped(const CircleOptions& o) {
   return given;
 }
 
-/// The columns of a log that count, all rows.
+/// The columns of a log that are used, all rows.
 struct Track {
   std::vector<double> x;
   std::vector<double> y;
@@ -90,7 +90,7 @@ sim::CircleTest judge(const io::Log& log, const Track& track, const std::string&
   }
 }
 
-/// Heads of the further columns go to the page; their words for each log are returned.
+/// Adds the heads of the further columns to the page; returns the entries for each log.
 std::vector<std::vector<std::string>> beside_columns(const CircleOptions& o,
                                                      report::CircleReportInput& input) {
   std::vector<std::vector<std::string>> beside;
@@ -128,7 +128,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
   const auto map = mapped(o);
   for (std::size_t i = 0; i < o.logs.size(); ++i) {
     io::ReadOptions read;
-    read.times_needed = false;  // the order of the rows will do
+    read.times_needed = false;  // no times needed: the order of the rows is enough
     const io::Log log = io::read_log(o.logs[i], read);
     const Track track = track_of(log, map);
     report::CircleLog one;
@@ -143,7 +143,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
           throw io::InputError({log.source, 0, {}, "turns the other way than " + input.logs.front().file});
       }
     }
-    // Names from a side file come from the program itself and need no note.
+    // Names from a side file are known to the program and need no note.
     for (const std::string& note : log.notes) {
       if (note.find("names and units are those given") == std::string::npos)
         input.warnings.push_back(one.label + ": " + note);

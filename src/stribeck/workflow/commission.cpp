@@ -95,7 +95,7 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
     n.eccentric = n.eccentric || c.friction == kEccentric || c.friction == kNominal;
     n.whole = n.whole || c.friction == kWhole;
   }
-  // A controller without friction compensation still needs a mass.
+  // A controller without friction compensation also needs a mass.
   if (!n.gaussian && !n.eccentric && !n.whole) n.conventional = true;
   return n;
 }
@@ -116,19 +116,18 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     l.models.push_back(std::move(m));
     return as_model(result);
   };
-  // A first run only tells how hard to push in the second, which then covers the speeds that the axis may
-  // have.
+  // The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
   const ident::excitation::Excitation first = design(machine, axis, "pulses", 0);
   const ident::log::Record tried =
       as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
   const ident::excitation::RoughDrive drive =
       ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result);
   const ident::log::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
-  // As the thesis does: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The machine decides, not
-  // what else is asked for.
+  // As in the thesis: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The choice depends on the
+  // machine, not on other requests.
   const bool by_jogs = machine.axes.size() > 2;
   if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
-    // Pulses give the mass once the bristles and the sine are part of the fit; without them it comes out some per cent low.
+    // With bristles and the sine in the fit, pulses determine the mass; without them it is some per cent too low.
     const ident::log::Record turns =
         add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
     const ident::Result whole = ident::drive::identify_drive({pulses, turns}, {});
@@ -140,7 +139,7 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
       conventional.gaussians = false;
       conventional.mass = whole.mass;
       ident::Result jogged = ident::methods::identify_jog({jogs}, conventional).result;
-      // By direction a jog cannot tell a load from friction; the other logs can. The force stays the same.
+      // By direction, jogs cannot separate a load from friction; the other logs can. The total force stays the same.
       if (auto* map = std::get_if<friction::Gaussian<double>>(&jogged.friction.steady);
           map != nullptr && jogged.load == 0.0) {
         map->positive.eta0 -= whole.load;
@@ -148,7 +147,7 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
         jogged.load = whole.load;
       }
       l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged);
-      // (2.9) has no term periodic in position, though a fit of the jogs finds it and is the better for it.
+      // (2.9) has no term periodic in position. The fit of the jogs finds one, however, and is better with it.
       l.knowledge.conventional->friction.eccentric = {};
     }
   }

@@ -16,7 +16,7 @@ namespace stribeck::workflow {
 
 namespace {
 
-/// The rough idea that an axis file gives: its friction at two speeds, the larger direction.
+/// Rough data of the drive from an axis file: its friction at two speeds, the larger of both directions.
 ident::excitation::RoughDrive rough_idea(const std::string& axis_file, const sim::AxisLimits& limits) {
   const auto model = io::read_toml<friction::AxisModel>(axis_file);
   ident::Result result;
@@ -72,7 +72,7 @@ ident::excitation::Excitation designed(const ExcitationOptions& o, const sim::Ma
   return workflow::design(machine, which, o.method, o.periods.value_or(periods), known);
 }
 
-/// The option that sets a parameter of a design; empty: none does.
+/// The option that sets a parameter of a design; empty: there is none.
 std::string option_of(const std::string& parameter) {
   if (parameter == "period") return "--lead";
   for (const char* same : {"rise", "speeds", "periods", "repeats"}) {

@@ -23,7 +23,7 @@ namespace {
 
 using Records = std::vector<ident::log::Record>;
 
-/// Which options a method takes, beyond those of every method.
+/// The options that a method takes, in addition to those of every method.
 struct Takes {
   Method method;
   std::vector<ModelChoice> models;
@@ -46,7 +46,7 @@ const Takes& takes_of(Method method) {
   return *std::find_if(all.begin(), all.end(), [&](const Takes& t) { return t.method == method; });
 }
 
-/// Every option that the method would ignore is refused; `which` names the method.
+/// Refuses every option that the method would not use; `which` names the method.
 void check_taken(const IdentifyOptions& o, Method method, const std::string& which) {
   const Takes& m = takes_of(method);
   const auto takes = [&](bool given, bool taken, const char* option) {
@@ -67,7 +67,7 @@ void check_taken(const IdentifyOptions& o, Method method, const std::string& whi
     refuse_option("--terms", fmt::format("got {}, but --model conventional has no Gaussians", *o.terms));
 }
 
-/// What auto turns out to be.
+/// The method that auto stands for.
 void check_auto(const IdentifyOptions& o, Method method, const char* why) {
   check_taken(o, method, fmt::format("the method for this log ({}, {})", enum_name(method), why));
 }
@@ -77,7 +77,7 @@ std::optional<double> optional_si(const std::string& text, const Quantity& quant
   return option_si(option, text, quantity);
 }
 
-/// From a milligram, in whatever unit of force, to more than any table.
+/// From a milligram, in any unit of force, to more than any machine table.
 std::optional<double> given_mass(const IdentifyOptions& o) {
   return optional_si(o.mass, quantity("kg", "N s2/mm").at_least(1e-6).at_most(1e9), "--mass");
 }
@@ -100,13 +100,13 @@ double given_cut_off(const IdentifyOptions& o, const Records& records) {
   return *f;
 }
 
-/// A known travel of one turn that this log can show.
+/// A known travel of one turn that the log can resolve.
 std::optional<double> given_turn(const IdentifyOptions& o, const Records& records) {
   const bool turns = records.front().position_unit == "rad";
   const auto turn =
       optional_si(o.turn, (turns ? quantity("rad", "rad") : quantity("m", "mm")).positive(), "--turn");
   if (!turn) return turn;
-  // Parts of a much longer turn lie closer together than this method can tell apart; a shorter one is not seen.
+  // Fractions of a much longer turn lie too close together to be resolved; a shorter turn is not seen.
   constexpr double kLongest = 20.0, kShortest = 1.0 / 2000.0;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const ident::log::Record& r : records) {
@@ -126,7 +126,7 @@ std::optional<double> given_turn(const IdentifyOptions& o, const Records& record
   return turn;
 }
 
-/// Runs of constant speed, each logged by itself: the speeds of a jog as many controls export them.
+/// Runs of constant speed, each logged separately: the speeds of a jog as many controls export them.
 bool steady_speeds(const Records& records, std::size_t runs) {
   constexpr std::size_t kFewestRuns = 4;
   if (runs < kFewestRuns) return false;
@@ -162,7 +162,7 @@ Identification by_position(const IdentifyOptions& o, const Records& records, boo
 }
 
 Identification by_least_squares(const IdentifyOptions& o, const Records& records) {
-  // Pulses are driven in open loop, jogs follow a position: without pulses everything is taken for them.
+  // Pulses run in open loop, jogs follow a position. Where no record is open loop, all records count as pulses.
   Records pulses, jogs;
   for (const ident::log::Record& r : records) (r.r.empty() ? pulses : jogs).push_back(r);
   const bool closed_loop_only = pulses.empty();
@@ -206,7 +206,7 @@ Identification by_velocity(const IdentifyOptions& o, const Records& records) {
   return {ident::methods::identify_velocity_map(records, options), Method::kVelocityMap};
 }
 
-/// The whole drive at once, whatever the motion.
+/// Fits the whole drive at once, for any motion.
 Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   ident::drive::DriveFitOptions options;
   if (o.terms) options.terms = o.terms;
@@ -219,7 +219,7 @@ Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   return {ident::drive::identify_drive(with_positions, options), Method::kAuto};
 }
 
-/// The method that the motion asks for.
+/// The method that suits the motion.
 Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
   if (ident::methods::held_at_standstill(axis.records)) {
     check_auto(o, Method::kPositionMap, "the axis is held at standstill");
@@ -265,7 +265,7 @@ Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
   return by_motion(o, axis);
 }
 
-/// Constant speeds, standstill and ramps say nothing about the mass; the result says so.
+/// Constant speeds, standstill and ramps do not determine the mass; the result says so.
 bool tells_mass(Method method) {
   return method != Method::kJog && method != Method::kPositionMap && method != Method::kBreakAway &&
          method != Method::kGravity;
@@ -280,12 +280,12 @@ void check_options(const IdentifyOptions& options) {
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options) {
   AxisRecords axis;
   axis.axis = options.axis;
-  constexpr double kFewForward = 0.002;  // of the moving rows: noise at standstill
+  constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
   bool forward = false, backward = false;
   for (const std::string& path : logs) {
     const io::Log log = read_log(path, options);
     std::vector<std::string> notes;
-    // Gaps are found again, with their repair, when the log is cleaned.
+    // Cleaning the log finds these gaps again and repairs them.
     for (const std::string& note : log.notes) {
       if (!note.starts_with("time has")) notes.push_back(note);
     }

@@ -8,7 +8,7 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Names and SI units in the order of the law.
+/// Names and SI units, in the order of the law.
 std::vector<std::pair<std::string, std::string>> published_names(bool by_direction) {
   if (by_direction) return {{"M", "kg"}, {"Fv+", "N s/m"}, {"Fc+", "N"}, {"Fv-", "N s/m"}, {"Fc-", "N"}};
   return {{"M", "kg"}, {"Fv", "N s/m"}, {"Fc", "N"}, {"offset", "N"}};
@@ -28,7 +28,7 @@ nlohmann::ordered_json published_json(const ident::methods::IdimResult::Publishe
   return json;
 }
 
-/// The figures as papers print them; their deviations take the residuals for white.
+/// The figures as papers print them; their deviations assume white residuals.
 std::string published_text(const ident::methods::IdimResult::Published& p, bool by_direction) {
   std::string out = "\nAs the published protocol prints it (standard deviations for white residuals):\n";
   const auto names = published_names(by_direction);
@@ -63,7 +63,7 @@ std::string model_a_text(const ident::methods::LeastSquaresA& a) {
   return out;
 }
 
-/// Whether the published protocol was asked for each direction: five numbers, else four.
+/// Whether friction by direction was asked for in the published protocol: then there are five numbers, else four.
 bool by_direction(const ident::methods::IdimResult::Published& published) {
   return published.value.size() > 4;
 }

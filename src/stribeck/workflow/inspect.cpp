@@ -43,7 +43,7 @@ void add_lines(std::string& out, const std::vector<std::string>& lines, const ch
   }
 }
 
-/// Without the name of the file, which the heading has.
+/// Without the name of the file, which is in the heading.
 std::string without_source(const std::string& text, const std::string& source) {
   return text.rfind(source + ": ", 0) == 0 ? text.substr(source.size() + 2) : text;
 }
@@ -214,7 +214,7 @@ Inspection inspect(const io::Log& log, const LogOptions& options) {
     std::vector<std::string> notes;
     const bool runs = !options.runs.empty() || !options.where.empty();
     for (const std::string& note : log.notes) {
-      // Runs one below the other begin their time anew.
+      // The time restarts where runs follow each other.
       if (!(runs && note.find("time goes back") != std::string::npos)) notes.push_back(note);
     }
     const std::size_t more = notes.size() > kMostNotes ? notes.size() - kMostNotes : 0;

@@ -10,7 +10,7 @@ namespace stribeck::workflow {
 
 namespace {
 
-/// The printed models that the needs ask for, or an error that names the missing one.
+/// The printed models for these needs, or an error that names the missing one.
 sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path, std::size_t i,
                            const Needs& needs) {
   const std::string& name = machine.axes[i].first;
@@ -65,12 +65,12 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     const auto [axis, file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, path, axis);
     const auto model = io::read_toml<friction::AxisModel>(file);
-    // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction, by direction.
+    // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction by direction.
     const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
     const bool gaussian =
         map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
     const bool eccentric = !gaussian && !model.friction.eccentric.empty();
-    // A model without bristles does not take the place of one that has them.
+    // A model without bristles must not replace one with bristles.
     if (!p.knowledge[i].whole || friction::has_pre_sliding(model.friction.dynamics))
       p.knowledge[i].whole = model;
     (gaussian    ? p.knowledge[i].gaussian

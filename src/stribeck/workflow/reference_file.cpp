@@ -47,7 +47,7 @@ ReferenceFile read_reference(const std::string& file, const sim::Machine& machin
                                         r[k] * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3)});
     }
   }
-  if (!r.empty()) f.clear();  // a closed loop makes its own
+  if (!r.empty()) f.clear();  // in closed loop the controller makes the force
   return out;
 }
 

@@ -40,7 +40,7 @@ io::Log errors_first(const io::Log& log, const std::vector<std::string>& axes) {
     for (std::size_t k = 0; k < log.rows; ++k) e.values.push_back(1e3 * (table.values[k] - r.values[k]));
     errors.push_back(std::move(e));
   }
-  // The error of one axis is its tracking error.
+  // The error of a single axis is its tracking error.
   if (axes.size() == 1) errors.erase(errors.begin());
   shown.columns.insert(shown.columns.begin() + 1, errors.begin(), errors.end());
   return shown;

@@ -16,7 +16,7 @@ namespace stribeck::workflow {
 
 namespace {
 
-/// One of the experiment's by its id, one that is built in, or a file.
+/// A controller of the experiment by its id, a built-in one, or a file.
 sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
   for (const sim::ControllerSpec& c : known) {
     if (c.id == name) return c;
@@ -41,7 +41,7 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
   const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
   sim::TuneSpec s;
   s.compare = experiment_spec(experiment, o.path, o.speeds, machine, machine_file);
-  s.reference = s.compare.controllers.back();  // of the thesis's own
+  s.reference = s.compare.controllers.back();  // the last of the thesis's own controllers
   add_beyond(s.compare.controllers, experiment, parameters);
   s.compare.trials = o.trials;
   s.compare.seed = o.seed;
@@ -59,7 +59,7 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
     s.limits.input_variation =
         option_si("--input-variation", o.input_variation, quantity("V", "V").positive());
   if (!o.axial_mode.empty()) {
-    // Light damping and a table of half the mass, where nothing was measured.
+    // Light damping, and a table with half the mass, where nothing was measured.
     const plant::AxialMode mode{
         option_si("--axial-mode", o.axial_mode, quantity("Hz", "Hz").positive().at_most(1e4)), 0.02, 0.5};
     s.limits.axial_mode.assign(control::kMostAxes, mode);

@@ -12,7 +12,7 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// Calls without influence on the way of the axes.
+/// Calls that do not affect the path of the axes.
 constexpr std::array<std::string_view, 37> kHarmless{"COMMENT",
                                                      "MESSAGE",
                                                      "LOG",
@@ -51,7 +51,7 @@ constexpr std::array<std::string_view, 37> kHarmless{"COMMENT",
                                                      "TURN_PROBE_OFF",
                                                      "SET_BLOCK_DELETE"};
 
-/// Calls that LinuxCNC's task carries out after the motion before them has ended.
+/// Calls that LinuxCNC's task executes after the motion before them has ended.
 constexpr std::array<std::string_view, 13> kWaits{"START_SPINDLE_CLOCKWISE",
                                                   "START_SPINDLE_COUNTERCLOCKWISE",
                                                   "STOP_SPINDLE_TURNING",
@@ -77,7 +77,7 @@ void skip_blanks(std::string_view& text) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// "   12 N..... CALL(arguments)" in its parts; false for a line of another form.
+/// Splits "   12 N..... CALL(arguments)" into its parts; false for a line of another form.
 bool split(std::string_view text, std::string_view& call, std::string_view& arguments) {
   skip_blanks(text);
   if (text.empty() || !is_digit(text.front())) return false;
@@ -99,7 +99,7 @@ bool split(std::string_view text, std::string_view& call, std::string_view& argu
   return true;
 }
 
-/// How far two names of one place may be apart, in the unit in force: two roundings to four decimals, in two directions.
+/// Largest distance of two notations of one place, in the unit in force: two roundings to four decimals, in two directions.
 constexpr double kPrinted = 1.5e-4;
 
 constexpr double kMillimetre = 1e-3;
@@ -198,7 +198,7 @@ void CanonicalReader::arc(std::string_view call, std::string_view arguments) {
   move.centre = machine(centre);
   move.normal = rotated(normal);
   move.turns = static_cast<int>(v[4]);
-  // Once around, if the end is printed as the start is; under another frame or unit than the start's, as near as it is printed.
+  // A full circle if the end is printed equal to the start. Under another frame or unit than the start's, equal within rounding.
   const Point from = moves_.empty() ? Point{} : moves_.back().to;
   const Point to = machine(end);
   double along = 0.0;
@@ -213,13 +213,13 @@ void CanonicalReader::arc(std::string_view call, std::string_view arguments) {
 }
 
 void CanonicalReader::wait(double seconds) {
-  // Before the first move there is nothing to wait for.
+  // Before the first move there is no motion to wait for.
   if (moves_.empty()) return;
   moves_.back().waits = true;
   moves_.back().dwell += seconds;
 }
 
-/// True if it was a call that sets something.
+/// Returns true for a call that sets something.
 bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
   const auto point = [&](const std::vector<double>& v, std::size_t first) {
     return Point{unit_ * v[first], unit_ * v[first + 1], unit_ * v[first + 2]};
@@ -230,7 +230,7 @@ bool CanonicalReader::set(std::string_view call, std::string_view arguments) {
         refuse(call, "offsets a rotary or secondary axis, expected offsets of x, y and z only");
     }
   };
-  // Where the axes are does not change with an offset: only what the same place is called.
+  // An offset does not move the axes; it only changes the coordinates of their place.
   if (call == "USE_LENGTH_UNITS" || call == "SET_G5X_OFFSET" || call == "SET_G92_OFFSET" ||
       call == "USE_TOOL_LENGTH_OFFSET" || call == "SET_XY_ROTATION")
     frame_changed_ = true;

@@ -49,7 +49,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// A table of tools without length and radius, gone with this object.
+/// A table of tools without length and radius, deleted with this object.
 class ToolTable {
  public:
   explicit ToolTable(const std::string& program) {
@@ -82,7 +82,7 @@ class ToolTable {
   std::string name_;
 };
 
-/// A process group of its own, ended with this object.
+/// A process group, ended with this object.
 class Child {
  public:
   Child(const std::vector<std::string>& words, const std::string& program, int out, int err) {
@@ -119,7 +119,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Its status, as of waitpid.
+  /// Its status as returned by waitpid.
   int wait() {
     int status = 0;
     while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
@@ -149,7 +149,7 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
-/// What the interpreter said, with the line of the program it names: it prints the line's text below the message.
+/// The message of the interpreter with the line of the program: it prints the line's text below the message.
 Problem complaint(const std::string& file, std::string_view program, std::string_view said) {
   std::vector<std::string_view> words;
   for (const std::string_view line : lines_of(said)) {
@@ -172,7 +172,7 @@ Problem complaint(const std::string& file, std::string_view program, std::string
   return problem;
 }
 
-/// The program as it stands in its file; refused where it cannot be one, which the interpreter would say less clearly.
+/// The text of the program; refused where it cannot be a program, which the interpreter would report less clearly.
 std::string program_text(const std::string& file) {
   std::error_code ignored;
   if (std::filesystem::is_fifo(file, ignored)) {
@@ -186,7 +186,7 @@ std::string program_text(const std::string& file) {
     throw InputError(
         {file, 1, {}, "begins with a byte order mark, expected G-code (save the program as plain text)"});
   }
-  // A NUL ends a line for the interpreter: the rest of it would be lost without a word.
+  // For the interpreter a NUL ends a line: the rest would be lost without a message.
   const auto control = [](unsigned char c) { return (c < ' ' && (c < '\t' || c > '\r')) || c == 0x7f; };
   const auto found = std::find_if(program.begin(), program.end(), control);
   if (found == program.end()) return program;
@@ -198,11 +198,11 @@ std::string program_text(const std::string& file) {
                                 static_cast<unsigned char>(*found))});
 }
 
-/// Whether G41, G42 or G43 stands in the program: without length and radius they leave no trace in the calls.
+/// Whether G41, G42 or G43 occurs in the program: without length and radius they leave no trace in the calls.
 bool takes_tool_offsets(std::string_view program) {
   for (const std::string_view line : lines_of(program)) {
-    int number = -1;  // behind a G; -1: not behind one
-    char inside = 0;  // what ends a comment or a name
+    int number = -1;  // number behind a G; −1: not behind a G
+    char inside = 0;  // character that ends the present comment or name
     for (const char c : line) {
       if (inside != 0) {
         if (c == inside) inside = 0;
@@ -214,7 +214,7 @@ bool takes_tool_offsets(std::string_view program) {
         number = std::min(10 * number + (c - '0'), 1000);
         continue;
       }
-      // G41.1 and G43.1 say what they mean.
+      // G41.1 and G43.1 contain their values.
       if (number >= 41 && number <= 43 && c != '.') return true;
       number = c == 'G' || c == 'g' ? 0 : -1;
       if (c == '(') inside = ')';
@@ -225,7 +225,7 @@ bool takes_tool_offsets(std::string_view program) {
   return false;
 }
 
-/// A path that no program takes for an option.
+/// The path in a form that no program takes for an option.
 std::string as_argument(const std::string& file) { return file.starts_with('-') ? "./" + file : file; }
 
 }  // namespace
@@ -288,7 +288,7 @@ PartProgram read_part_program(const std::string& file, const InterpreterOptions&
         read_lines(bytes);
       } else {
         said += bytes;
-        // What matters is said at the end.
+        // The important lines of the output are the last ones.
         if (said.size() > kMostSaid) said.erase(0, said.size() - kMostSaid);
       }
     }

@@ -20,7 +20,7 @@ class DriveReader : protected Reader {
          std::to_string(log_.rows) + ": it is cut off or was edited");
   }
 
-  /// `tolerance`: of the step; headers round it.
+  /// `tolerance` of the step, because headers round it.
   void check_step(const std::string& said, const char* unit, double tolerance) {
     if (said.empty()) return;
     add_metadata("sample time", said + " " + unit);
@@ -47,8 +47,8 @@ class EposReader : DriveReader {
   }
 
  private:
-  /// The line as EPOS Studio wrote it. A spreadsheet that saved the file again has put commas behind it, and
-  /// quotes around it where it held some; what stands behind is a remark of somebody.
+  /// The line as EPOS Studio wrote it. A spreadsheet that saved the file again has added commas after it, and
+  /// quotes around it where it contained commas. Text after that is a remark of a user.
   std::string original(std::string& remark) {
     const auto line = lines_.text();
     remark.clear();
@@ -136,7 +136,7 @@ class EposReader : DriveReader {
   std::string period_;
 };
 
-/// What MR Configurator2 shows beside the curve; its export has no units. MR-J4 servo amplifier manual, signals
+/// Quantities that MR Configurator2 shows beside the curve; its export has no units. Source: MR-J4 servo amplifier manual, signals
 /// of the graph function.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kMrUnits{{
     {"Servo motor speed", "rpm"},
@@ -204,7 +204,7 @@ class MrReader : DriveReader {
       unused_.push_back(header == "Not selected");
       if (unused_.back()) header += " " + std::string(kinds[i]);
       Column c{header, "", {}, header};
-      // "Droop pulses (by 100 pls.)": the scale stands in the name.
+      // "Droop pulses (by 100 pls.)": the name contains the scale.
       std::string scale;
       if (const auto open = header.find(" (by "); open != std::string::npos) {
         c.name = header.substr(0, open);
@@ -324,7 +324,7 @@ class NiReader : Reader {
       for (std::size_t g = 0; g < groups_.size(); ++g) {
         const double t = row[2 * g];
         const double value = row[2 * g + 1];
-        if (std::isnan(t) && std::isnan(value)) continue;  // a shorter channel
+        if (std::isnan(t) && std::isnan(value)) continue;  // the end of a shorter channel
         if (std::isnan(t)) {
           fail(lines_.number(), "row " + std::to_string(rows) + ", column " +
                                     in_quotes(groups_[g].channels[0].name) + ": got a value without a time");
@@ -350,7 +350,7 @@ class NiReader : Reader {
   std::vector<Group> groups_;
 };
 
-/// Whether line i (from 0) of the text begins with the key, for all keys.
+/// Whether line i (from 0) of the text begins with its key, for all keys.
 bool lines_begin(std::string_view text, std::initializer_list<std::string_view> keys) {
   Lines lines(text.substr(0, 1 << 16));
   for (const auto key : keys) {

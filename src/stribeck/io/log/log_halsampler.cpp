@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kOverrun = "overrun";
 
 /// Layout: src/hal/components/sampler_usr.c of LinuxCNC. Its sample number counts the samples that were kept,
-/// so that it may stay without a step over an overrun.
+/// so that an overrun need not show in it.
 class HalReader : Reader {
  public:
   HalReader(std::string_view text, const std::string& source, const ReadOptions& options)
@@ -92,7 +92,7 @@ class HalReader : Reader {
     if (first) fail(0, "has no rows");
   }
 
-  /// Rows in front of which samples are missing for an unknown time.
+  /// Rows before which samples are missing for an unknown time.
   std::vector<bool> note_losses() {
     std::vector<bool> overrun(log_.rows, false);
     for (const std::size_t row : overruns_) {
@@ -128,7 +128,7 @@ class HalReader : Reader {
     for (std::size_t i = 0; i < t.size(); ++i) {
       if (i > 0) {
         double step = tagged_ ? tags_[i] - tags_[i - 1] : 1.0;
-        // At least one is missing: a gap that nobody may bridge.
+        // At least one sample is missing: this gap must not be bridged.
         if (lost[i] && step < 2.0) step = 2.0;
         samples += step;
       }

@@ -90,7 +90,7 @@ void Reader::read_table(char separator) {
     if (line.empty()) continue;
     if (cut(log_.rows + 1)) break;
     auto cells = split_exactly(line, separator);
-    while (cells.size() > n && cells.back().empty()) cells.pop_back();  // separator at the end
+    while (cells.size() > n && cells.back().empty()) cells.pop_back();  // a separator at the end of the line
     const std::string where = "row " + std::to_string(log_.rows + 1);
     if (cells.size() < n && lines_.last()) {
       note("the last row (" + where + ", line " + std::to_string(lines_.number()) +

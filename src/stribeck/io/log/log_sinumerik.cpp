@@ -12,7 +12,7 @@ namespace stribeck::io::detail {
 
 namespace {
 
-/// SIGNAL|n: the signal and the axis number; axis 0 when the name is another.
+/// SIGNAL|n: the signal and the axis number; axis 0 where the name has another form.
 struct Signal {
   std::string_view name;
   std::size_t axis = 0;
@@ -33,8 +33,8 @@ bool is_rotary(std::string_view axis_name) {
   return !axis_name.empty() && std::string_view("ABCS").find(axis_name[0]) != std::string_view::npos;
 }
 
-/// Units that a recording of a real 840D sl has shown: ENC_POS differentiated is 1.000 VEL_FFW in mm/s. The
-/// others have none.
+/// Units that a recording of a real 840D sl has shown: the rate of ENC_POS is 1.000 times VEL_FFW in mm/s. The units of the others
+/// are not known.
 std::string unit_of(std::string_view signal, bool rotary) {
   if (signal == "ENC_POS" || signal == "DES_POS") return rotary ? "deg" : "mm";
   if (signal == "VEL_FFW" && !rotary) return "mm/s";
@@ -50,7 +50,7 @@ void note_units(Log& log, bool axes_known) {
                   : "; that holds for linear axes"));
 }
 
-/// The first row that follows a jump of the counter of cycles.
+/// The first row after a jump of the cycle counter.
 void note_jumps(Log& log, const std::vector<double>& cycle, double cycle_time_ms) {
   std::size_t jumps = 0;
   std::size_t first = 0;
@@ -68,7 +68,7 @@ void note_jumps(Log& log, const std::vector<double>& cycle, double cycle_time_ms
                       " are missing");
 }
 
-/// Counts lines as the parser goes.
+/// Counts lines while the parser reads.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -97,7 +97,7 @@ class CountingIterator {
   std::size_t* line_;
 };
 
-/// Events of the parser; the file is never held as a tree.
+/// Receives events of the parser; the file is never stored as a tree.
 class CaptureReader : Reader {
  public:
   using Json = nlohmann::json;
@@ -163,7 +163,7 @@ class CaptureReader : Reader {
     return true;
   }
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) {
-    // The iterator has counted to here.
+    // Up to this point the iterator has counted.
     if (error.id == 406) fail(line_, "holds a number that is too large, expected finite numbers");
     const bool end = trimmed(text_.substr(std::min(position, text_.size()))).empty();
     fail(line_, end ? "is cut off: the JSON text ends too early (copy or export it again)"
@@ -183,7 +183,7 @@ class CaptureReader : Reader {
     path_.emplace_back(key);
   }
 
-  /// Whether the innermost `path_` but the last `skip` are these keys under the root object.
+  /// Whether the innermost keys of `path_`, without the last `skip`, are these keys under the root object.
   [[nodiscard]] bool at(std::initializer_list<std::string_view> keys, std::size_t skip) const {
     if (path_.size() != keys.size() + skip) return false;
     return std::equal(keys.begin(), keys.end(), path_.begin());

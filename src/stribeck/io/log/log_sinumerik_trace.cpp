@@ -21,8 +21,8 @@ struct FreeParser {
 
 /// Layout: traceDisplaySetup/signals/signal and traceData/dataFrame with frameHeader, dataSignal and rec.
 ///
-/// What a rec leaves out depends on the signal: one with a slow interval has no sample there, one recorded on
-/// change has the value of before. The number of samples that dataSignal states tells which.
+/// Missing values of a rec depend on the signal: one with a slow interval has no sample there, one recorded on change keeps its
+/// value. The number of samples stated by dataSignal tells which.
 class TraceReader : Reader {
  public:
   TraceReader(std::string_view text, const std::string& source)
@@ -40,7 +40,7 @@ class TraceReader : Reader {
           auto& r = *static_cast<TraceReader*>(self);
           if (!r.path_.empty()) r.path_.pop_back();
         });
-    // No document type: entities that grow without bound live there.
+    // Document types are refused, because their entities can grow without bound.
     XML_SetStartDoctypeDeclHandler(
         parser_.get(), [](void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
           static_cast<TraceReader*>(self)->guarded(
@@ -73,7 +73,7 @@ class TraceReader : Reader {
     std::string description;
   };
 
-  /// Exceptions may not pass through the parser, which is C.
+  /// Exceptions must not pass through the parser, which is written in C.
   template <class F>
   void guarded(F&& f) noexcept {
     if (error_) return;
@@ -199,12 +199,12 @@ class TraceReader : Reader {
     }
   }
 
-  /// A signal recorded on change: its stated samples fill the time from first to last, its recs do not.
+  /// A signal recorded on change: its stated number of samples covers the time from first to last, its recs do not.
   void fill(Channel& c) {
     const std::size_t there = c.values.size();
     if (!c.stated || *c.stated == there || there < 2) return;
     const double span = c.t.back() - c.t.front();
-    // Some bytes can state any number of samples; this is an hour of ten signals at 2 ms.
+    // A few bytes can state any number of samples; this limit is an hour of ten signals at 2 ms.
     constexpr std::size_t kMostFilled = 20'000'000;
     const bool fits = c.interval > 0.0 && *c.stated > there && *c.stated <= kMostFilled - filled_ &&
                       std::abs(span / c.interval + 1.0 - static_cast<double>(*c.stated)) < 0.5;

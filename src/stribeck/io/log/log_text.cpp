@@ -16,8 +16,8 @@ namespace stribeck::io::detail {
 
 namespace {
 
-/// Unit written as the last part of a name, x_mm. Only units that logs of machines carry:
-/// "X1_CurrentFeedback" or "run_a" shall not gain one.
+/// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
+/// "X1_CurrentFeedback" or "run_a" must not get one.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixes{{
     {"s", "s"},
     {"ms", "ms"},
@@ -79,7 +79,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixe
     {"N_per_A", "N/A"},
 }};
 
-/// Units as controls, drives and their tools spell them.
+/// Spellings of units in controls, drives and their tools.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 41> kSpellings{{
     {"Ampere", "A"},
     {"Amp", "A"},
@@ -167,7 +167,8 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
     cells.push_back(trimmed(line.substr(start, i - start)));
     start = i + 1;
   }
-  if (separator != ' ' && cells.size() > 1 && cells.back().empty()) cells.pop_back();  // separator at the end
+  if (separator != ' ' && cells.size() > 1 && cells.back().empty())
+    cells.pop_back();  // a separator at the end of the line
   return cells;
 }
 
@@ -283,8 +284,7 @@ std::string inflated(std::string_view bytes, const std::string& source) {
       fed += part;
     }
     if (after_member) {
-      if (stream.avail_in == 0 || *stream.next_in != 0x1f)
-        break;  // padding behind the last member is allowed
+      if (stream.avail_in == 0 || *stream.next_in != 0x1f) break;  // padding after the last member is allowed
       inflateReset(&stream);
       after_member = false;
     }
@@ -292,8 +292,8 @@ std::string inflated(std::string_view bytes, const std::string& source) {
     stream.avail_out = static_cast<uInt>(block.size());
     state = inflate(&stream, Z_NO_FLUSH);
     if (state == Z_OK || state == Z_STREAM_END) out.append(block, 0, block.size() - stream.avail_out);
-    // Numbers as text shrink to a half or a tenth, a log of an axis at rest to a thirtieth; only a file made for it grows without
-    // bound. Below the first bound anything may pass.
+    // Numbers as text shrink to a half or a tenth, a log of an axis at rest to a thirtieth; only a malicious file grows without
+    // bound. Below the first bound everything is accepted.
     constexpr std::size_t kHarmless = std::size_t{64} << 20;
     constexpr std::size_t kLargest = std::size_t{2} << 30;
     constexpr std::size_t kGrowth = 30;
@@ -355,7 +355,7 @@ std::string plain_unit(std::string_view text, std::string_view column, std::vect
       unit = std::string(trimmed(std::string_view(unit).substr(0, open)));
     }
   }
-  // The Greek letter instead of the micro sign.
+  // The Greek letter replaces the micro sign.
   for (auto at = unit.find("\u03BC"); at != std::string::npos; at = unit.find("\u03BC")) {
     unit.replace(at, 2, "\u00B5");
   }

@@ -87,7 +87,7 @@ class TncScopeReader : Reader {
     if (sampling_us_) add_metadata("sample time", std::to_string(*sampling_us_) + " us");
   }
 
-  /// The header holds the number of samples and the range of each curve.
+  /// Checks the number of samples and the range of each curve against the header.
   void check_against_header() {
     for (std::size_t i = 0; i < curves_.size(); ++i) {
       const Column& c = log_.columns[i + 1];

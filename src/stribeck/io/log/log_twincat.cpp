@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kStart = "Starttime of export";
 constexpr std::string_view kEnd = "Endtime of export";
 
-/// The separator behind a key at the start of a line; 0 when the line does not begin with the key.
+/// The separator after a key at the start of a line; 0 when the line does not begin with the key.
 char separator_behind(std::string_view line, std::string_view key) {
   const std::size_t quote = !line.empty() && line[0] == '"' ? 1 : 0;
   if (!begins_with(line.substr(quote), key)) return 0;
@@ -136,7 +136,7 @@ class TwinCatReader : Reader {
     if (const KeyRow* times = find(rows, "SampleTime[ms]")) read_sample_times(*times);
   }
 
-  /// Every row repeats its key in front of every group.
+  /// Every row repeats its key before every group.
   void check_keys(const KeyRow& row, std::size_t n) const {
     // Decimal commas that look like separators.
     if (row.cells.size() > n + 1 || (row.cells.size() == n + 1 && !row.cells.back().empty())) return;
@@ -155,7 +155,7 @@ class TwinCatReader : Reader {
     return nullptr;
   }
 
-  /// Values of a key for the channels of each group; empty where they do not fit. With commas as separator a
+  /// Values of a key for the channels of each group; empty where their number does not fit. With commas as separator, a
   /// decimal comma ("0,2") makes two cells of one.
   [[nodiscard]] std::vector<std::vector<std::string>> values_of(const KeyRow& row) const {
     std::vector<std::vector<std::string>> values;
@@ -285,12 +285,12 @@ class TwinCatReader : Reader {
     }
   }
 
-  /// Place of column i inside its group.
+  /// Index of column i in its group.
   [[nodiscard]] std::size_t channel(std::size_t i) const {
     return i - first_[static_cast<std::size_t>(group_of_[i])] - 1;
   }
 
-  /// [ms] since the start; an absolute time in 100 ns would lose digits as a double.
+  /// [ms] since the start; as a double, an absolute time in 100 ns would lose digits.
   double time(std::string_view cell, std::size_t row, std::size_t column) {
     std::int64_t absolute = 0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), absolute);
@@ -300,7 +300,7 @@ class TwinCatReader : Reader {
     return number(cell, row, column, "time");
   }
 
-  /// Start and end of the export say how long each group must be.
+  /// Start and end of the export give the length of each group.
   void check_ends() {
     if (!start_ || !end_) return;
     const double duration_ms = 1e-4 * static_cast<double>(*end_ - *start_);

@@ -24,7 +24,7 @@ std::string direction(const sim::CircleTest& t) {
   return t.counter_clockwise ? "counter-clockwise" : "clockwise";
 }
 
-/// "circle 2, clockwise (line=9)" as far as there is something to tell apart.
+/// "circle 2, clockwise (line=9)"; parts that do not distinguish circles are left out.
 std::string name_of(const CircleReportInput& input, std::size_t c) {
   std::string name = direction(input.logs.front().circles[c]);
   if (c < input.rows.size()) name += ", rows " + input.rows[c];
@@ -39,7 +39,7 @@ Column column_of(const std::string& head) {
           clean_text(head.substr(open + 1, head.size() - open - 2)), true};
 }
 
-/// A radius at which errors up to `most` are drawn magnified: the circle is the unit circle.
+/// Radius at which errors up to `most` are drawn magnified: the circle is the unit circle.
 struct Magnifier {
   double per_metre = 0.0;
   double ring = 0.0;  ///< [m]
@@ -81,7 +81,7 @@ struct Magnifier {
   }
 };
 
-/// The samples in the order of their angle, few enough for a drawing; of several revolutions all.
+/// The samples in the order of their angle, thinned for a drawing; all revolutions are included.
 struct Drawn {
   std::vector<double> angle;
   std::vector<double> error;
@@ -114,7 +114,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
   for (std::size_t i = 0; i < input.logs.size(); ++i) {
     const CircleLog& log = input.logs[i];
     const sim::CircleTest& t = log.circles[c];
-    // The first is the reference of the others: grey.
+    // The first log is the reference for the others, drawn in grey.
     const std::string color = controller_color("", i);
     const Drawn d = drawn(t);
     over.series.push_back(common.around(d.angle, d.error, log.label, color, 1.5));

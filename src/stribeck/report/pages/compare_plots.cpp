@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180.0 / kPi;
-/// Of text inside a drawing: the colours of some controllers are too light to read.
+/// Colour of text inside a drawing: the colours of some controllers are too light to read.
 constexpr const char* kInk = "#202124";
 
 using Trace = std::vector<sim::ContourSample>;
@@ -35,7 +35,7 @@ double round_down(double x) {
   return power;
 }
 
-/// The last reversal of an axis with all of its two millimetres inside the scored part; 0: none.
+/// The last reversal of an axis whose surrounding two millimetres lie inside the scored part; 0: none.
 std::size_t reversal_of(const Trace& t, std::size_t axis, std::size_t reach) {
   std::size_t at = 0;
   for (std::size_t k = 1; k + reach < t.size(); ++k) {
@@ -45,7 +45,7 @@ std::size_t reversal_of(const Trace& t, std::size_t axis, std::size_t reach) {
   return at;
 }
 
-/// The richest controller: Gaussian model and observer if it is there, else the last one.
+/// The controller with the largest model: Gaussian model and observer if present, else the last one.
 const sim::CompareRow* richest(const TravelBlock& block) {
   for (const sim::CompareRow* r : block.rows) {
     if (r->controller.friction == sim::FrictionUse::kGaussian &&
@@ -60,9 +60,9 @@ const sim::CompareRow* richest(const TravelBlock& block) {
 /// The plane curve of a travel, or null.
 const path::Curve* plane_curve(const sim::Travel& travel) { return std::get_if<path::Curve>(&travel.path); }
 
-/// Controllers of one scale, on the path with their errors magnified.
+/// The path with magnified errors, for the controllers that share a scale.
 Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const path::Curve& curve) {
-  constexpr double kRoom = 0.6;  // of the path's size, for the largest error
+  constexpr double kRoom = 0.6;  // share of the path's size that the largest error may take
   constexpr double kMostMagnification = 1e5;
   const double worst = group.largest > 0.0 ? group.largest : 1e-6;
   const double magnification = round_down(std::min(kRoom * curve.size / worst, kMostMagnification));
@@ -148,7 +148,7 @@ double speed_of(const sim::Travel& travel) {
                     travel.path);
 }
 
-/// The controllers of each scale where an axis, or several together, reverse.
+/// Errors where an axis, or several together, reverse; for the controllers of each scale.
 ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& result) {
   constexpr double kBefore = 0.4e-3;
   constexpr double kAfter = 2e-3;
@@ -230,7 +230,7 @@ ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& r
   return all;
 }
 
-/// Whose forces are shown: the two that the summary compares, or the richest.
+/// The controllers whose forces are shown: the two that the summary compares, or the one with the largest model.
 Rows force_rows(const TravelBlock& block) {
   if (const auto rivals = rivals_of(block.rows)) return {rivals->against, rivals->ours};
   return {richest(block)};
@@ -286,7 +286,7 @@ std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput
       }
       plots.push_back(std::move(p));
     }
-    // What stands side by side has one scale.
+    // Drawings side by side have the same scale.
     if (rows.size() < 2 || !(largest > 0.0)) continue;
     for (std::size_t k = plots.size() - rows.size(); k < plots.size(); ++k)
       plots[k].y_range = Range{-1.06 * largest, 1.06 * largest};
@@ -294,7 +294,7 @@ std::vector<Plot> force_plots(const TravelBlock& block, const CompareReportInput
   return plots;
 }
 
-/// Bars of these rows of a block, which are all or those of the finer scales.
+/// Bars of these rows of a block: of all rows or of those with the finer scales.
 Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& error, std::string_view head,
               sim::Figure::OfRun figure) {
   Plot p;
@@ -327,7 +327,7 @@ Plot bar_plot(const TravelBlock& block, const Rows& rows, const std::string& err
       top = std::fmax(top, printed);
     }
   }
-  // A few bars need not be as wide as the drawing.
+  // A few bars need not fill the width of the drawing.
   p.x_range = Range{0.5, 0.5 + std::max(4.0, static_cast<double>(rows.size()))};
   p.y_range = Range{0.0, 1.14 * std::max(top, 1e-9)};
   for (std::size_t k = 0; k < rows.size(); ++k) {

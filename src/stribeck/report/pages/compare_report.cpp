@@ -22,7 +22,7 @@ namespace {
 
 std::vector<std::string> all_warnings(const CompareReportInput& input) {
   std::vector<std::string> all = input.warnings;
-  // What several axes share is said once.
+  // Text that several axes share is written once.
   std::vector<std::pair<std::string, std::vector<std::string>>> said;
   for (std::size_t i = 0; i < input.axes.size(); ++i) {
     const std::string axis = i < input.result.axes.size() ? input.result.axes[i] : std::to_string(i + 1);

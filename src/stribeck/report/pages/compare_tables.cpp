@@ -12,7 +12,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
-/// How the block stands against print, in one sentence; empty without print.
+/// Compares the block with printed figures, in one sentence; empty where nothing was printed.
 std::string against_print(const TravelBlock& block) {
   if (block.printed == nullptr) return {};
   std::vector<std::string> near;
@@ -38,7 +38,7 @@ std::string against_print(const TravelBlock& block) {
                             name_of(*farthest), decimals(ratio(*farthest), 2));
 }
 
-/// The figures that decide, by rank.
+/// The main figures, by rank.
 std::vector<FigureColumn> main_figures(const sim::CompareResult& result) {
   std::vector<FigureColumn> all;
   for (const sim::Figure& f : sim::kFigures) {
@@ -53,7 +53,7 @@ std::vector<FigureColumn> main_figures(const sim::CompareResult& result) {
   return all;
 }
 
-/// The others, in a table of their own: one with all would be wider than a page.
+/// The other figures, in a second table: one table with all of them would be wider than a page.
 std::vector<FigureColumn> further_figures(const sim::CompareResult& result) {
   std::vector<FigureColumn> all;
   for (const sim::Figure& f : sim::kFigures) {
@@ -62,7 +62,7 @@ std::vector<FigureColumn> further_figures(const sim::CompareResult& result) {
       all.push_back({&f, std::string(f.name)});
       continue;
     }
-    // The tracking error of one axis alone is in the main table.
+    // The tracking error of a single axis is already in the main table.
     const std::size_t axes = result.axes.size() < 2 ? 0 : std::min(result.axes.size(), control::kMostAxes);
     for (std::size_t i = 0; i < axes; ++i) all.push_back({&f, std::string(f.name) + " " + result.axes[i], i});
   }
@@ -90,7 +90,7 @@ Table controllers_table(const TravelBlock& block, const std::vector<FigureColumn
       cell.best = f.figure->marks_best && value == best[i] && block.rows.size() > 1;
       if (const auto print = printed != nullptr ? f.printed(*printed) : std::nullopt) {
         cell.note = "thesis " + decimals(*print, 2);
-        // Printed standard deviations contradict the printed RMS; a ratio to them would say nothing.
+        // Printed standard deviations contradict the printed RMS, so a ratio to them would mean nothing.
         if (f.figure != &sim::figure_of(&sim::Metrics::sd))
           cell.note += " · ×" + decimals(value * scale / *print, 2);
       }
@@ -101,7 +101,7 @@ Table controllers_table(const TravelBlock& block, const std::vector<FigureColumn
   return t;
 }
 
-/// What adaptation found changed, one row for each controller, travel and axis; no rows without adaptation.
+/// Changes that adaptation found, one row for each controller, travel and axis; no rows without adaptation.
 Table drift_table(const sim::CompareResult& result) {
   Table t{"",
           {{"controller", "", false},

@@ -116,7 +116,7 @@ std::string identify_report(const IdentifyReportInput& input) {
     if (r.curve.size() < 2) map.model = r.friction.steady;
     map.model_label = "fit";
     for (const ident::Result& other : input.results) {
-      // The whole model: one with periodic terms or bristles is no curve to compare with.
+      // Only the whole model is compared: a model with periodic terms or bristles is no curve.
       const bool steady_only = other.friction.eccentric.empty() &&
                                std::holds_alternative<friction::Static>(other.friction.dynamics);
       if (&other != &r && other.steady == ident::SteadyModel::kConventional && steady_only)

@@ -64,7 +64,7 @@ ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& res
     for (std::size_t i = 0; i < row->trials.size(); ++i)
       changes.push_back(100.0 * (row->trials[i].*claim.figure / (against->trials[i].*claim.figure) - 1.0));
     ours.spread = mean_and_spread(changes).spread;
-    // Change of the means over the trials, as the thesis forms it.
+    // Change of the means over the trials, computed as in the thesis.
     ours.mean = 100.0 * (row->mean.*claim.figure / (against->mean.*claim.figure) - 1.0);
     f.against = "(" + claim.against + ")";
     f.unit = "%";
@@ -77,14 +77,14 @@ ReproducedFigure of_claim(const sim::Claim& claim, const sim::CompareResult& res
   return f;
 }
 
-/// A column of the measured table; the head only where it is not that of the figure.
+/// A column of the measured table; `head` only where it differs from that of the figure.
 struct MeasuredColumn {
   Figure figure;
   int digits = 2;
   std::string_view head = {};
 };
 
-/// The quadrant ratio is what goes beyond the thesis, which prints none.
+/// The quadrant ratio is not in the thesis.
 std::vector<MeasuredColumn> measured_columns(const sim::CompareResult& result, bool with_quadrants) {
   using sim::Metrics;
   const bool one_axis = result.axes.size() == 1;
@@ -131,7 +131,7 @@ Table measured_table(const sim::CompareResult& result, bool with_quadrants) {
   return t;
 }
 
-/// Errors along and across the path over time, figures 3.17 and 3.18, those of each scale together.
+/// Errors along and across the path over time, as in figures 3.17 and 3.18; the controllers of each scale together.
 std::vector<Plot> local_errors(const sim::CompareResult& result, std::size_t travel) {
   const Rows rows = rows_of(result, travel);
   std::vector<Plot> plots;
@@ -163,7 +163,7 @@ std::vector<Plot> local_errors(const sim::CompareResult& result, std::size_t tra
   return plots;
 }
 
-/// One bar for each trial and controller; `some` are all of the travel or those of the finer scales.
+/// One bar for each trial and controller; `some` are all rows of the travel or those with the finer scales.
 Plot bars(const Rows& some, const Rows& all, Figure figure, const char* title, const std::string& label) {
   Plot p;
   p.title = title;
@@ -287,7 +287,7 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const std::string pace = result.spec.travels[travel].pace_in_words();
     const Rows rows = rows_of(result, travel);
-    // All experiments on one page: half the points of a line make it two thirds of the size.
+    // All experiments are on one page: half the points of a line reduce it to two thirds of the size.
     const TraceLook look = rows.size() > 3 ? TraceLook{560, 300, kDetail, false, true}
                                            : TraceLook{920, 300, kDetail, true, true};
     const ScaledPlots over_time = time_plots(result, travel, look);
@@ -319,13 +319,13 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
 
 namespace {
 
-/// Whether there is anything to compare with.
+/// Whether there is a value to compare with.
 bool has_print(const ReproducedSection& s) {
   return std::any_of(s.figures.begin(), s.figures.end(),
                      [](const ReproducedFigure& f) { return std::isfinite(f.printed); });
 }
 
-/// A table as text, spread behind the figures where there is room for it.
+/// A table as text; the spread follows the figures where the width permits.
 std::string as_text(const Table& table, bool spread = true) {
   constexpr std::size_t kGap = 2;
   std::vector<TextColumn> columns;

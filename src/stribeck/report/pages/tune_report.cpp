@@ -24,7 +24,7 @@ double decibels(double factor) { return 20.0 * std::log10(factor); }
 
 std::string arrow(const std::string& a, const std::string& b) { return a + " → " + b; }
 
-/// A figure of a travel before and after; what could not be run is "–".
+/// A figure of a travel before and after; "–" where there was no run.
 std::string figure(const sim::TunedController& c, std::size_t travel, sim::Figure::OfRun which) {
   const double scale = sim::figure_of(which).scale;
   const auto one = [&](const std::vector<sim::TravelScore>& scores) {
@@ -33,16 +33,16 @@ std::string figure(const sim::TunedController& c, std::size_t travel, sim::Figur
   return arrow(one(c.before), one(c.after));
 }
 
-/// What the tables of a travel show.
+/// Figures in the tables of a travel.
 constexpr std::array kShown{&sim::Metrics::max_contour_error, &sim::Metrics::rms,
                             &sim::Metrics::input_variation};
-/// What the JSON has of a travel.
+/// Figures of a travel in the JSON.
 constexpr std::array kInJson{&sim::Metrics::max_contour_error, &sim::Metrics::quadrant_glitch,
                              &sim::Metrics::rms, &sim::Metrics::input_variation, &sim::Metrics::power};
 
 std::string degrees(double si) { return decimals(si * kDegrees, 1) + " deg"; }
 
-/// Value and limit of the margin that the nearest gains miss most.
+/// Value and limit of the margin that the nearest gains violate most.
 std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   const auto pair = [](const char* what, const std::string& nearest, const std::string& asked) {
     return fmt::format("{} {}, where {} are required", what, nearest, asked);
@@ -68,7 +68,7 @@ std::string in_words(const sim::Miss& m, const sim::TuneSpec& spec) {
   return "an unstable loop";
 }
 
-/// An arrow and the result; "–" if there is none.
+/// An arrow and the result; "–" where there is none.
 std::string margin(const sim::TunedController& c, double start, double tuned, int digits) {
   return arrow(decimals(start, digits), c.found() ? decimals(tuned, digits) : "–");
 }

@@ -23,7 +23,7 @@ bool is_plain(const sim::CompareRow& r) {
 
 bool is_beyond(const sim::CompareRow& r) { return r.controller.looks_ahead(); }
 
-/// Experiments name their own controllers by letters; controllers that a user adds have a name.
+/// Experiments name their own controllers by letters; controllers that a user adds have names.
 bool is_of_thesis(const sim::CompareRow& r) { return r.controller.id.size() == 1; }
 
 const sim::CompareRow* least(const Rows& rows, Figure figure) {
@@ -34,7 +34,7 @@ const sim::CompareRow* least(const Rows& rows, Figure figure) {
   return best;
 }
 
-/// Whether a difference of means is no more than chance: below two standard errors.
+/// Whether a difference of means may be chance: below two standard errors.
 bool alike(const sim::CompareRow& a, const sim::CompareRow& b, Figure figure, double trials) {
   const double sa = a.spread.*figure;
   const double sb = b.spread.*figure;
@@ -42,7 +42,7 @@ bool alike(const sim::CompareRow& a, const sim::CompareRow& b, Figure figure, do
   return std::abs(a.mean.*figure - b.mean.*figure) < 2.0 * std::sqrt((sa * sa + sb * sb) / trials);
 }
 
-/// "91 % less"; nothing where it cannot be said.
+/// "91 % less"; empty where no percentage can be given.
 std::string change(double value, double against) {
   const double percent = 100.0 * (value / against - 1.0);
   if (!std::isfinite(percent)) return {};
@@ -119,7 +119,7 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   return text;
 }
 
-/// Best against no compensation and the conventional model.
+/// Compares the best controller with no compensation and with the conventional model.
 std::string best_in_words(const Rows& rows, const std::string& pace, const sim::CompareResult& result) {
   const double trials = result.spec.trials;
   const sim::CompareRow* best = least(rows, &Metrics::rms);

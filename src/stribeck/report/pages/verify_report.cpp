@@ -22,7 +22,7 @@ using io::number_or_null;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kMeasuredColor = "#9aa0a6";
-constexpr std::size_t kShownParts = 4;  ///< with drawings; a log in pieces may have hundreds
+constexpr std::size_t kShownParts = 4;  ///< parts with drawings; a log may consist of hundreds
 constexpr std::size_t kShownReversals = 4;
 
 std::string model_color(std::size_t i) {
@@ -38,7 +38,7 @@ bool has_closed(const VerifiedPart& part) {
                      [](const VerifiedModel& m) { return m.closed.has_value(); });
 }
 
-/// The models by name, without the folder that all of them share: what tells them apart is at the end.
+/// Names of the models without their common folder: they differ at the end.
 VerifyReportInput with_short_names(VerifyReportInput input) {
   for (VerifiedPart& part : input.parts) {
     if (part.models.empty()) continue;
@@ -65,7 +65,7 @@ std::string part_name(const VerifyReportInput& input, std::size_t i) {
 
 // ---- drawings -------------------------------------------------------------------------------------------
 
-/// Rows from first to last of a column; a gap before each row in `starts`.
+/// Rows from first to last of a column, with a gap before each row in `starts`.
 Series over_time(std::string label, const VerifiedPart& part, const std::vector<double>& column, double scale,
                  std::string_view color, double width, std::size_t first, std::size_t last,
                  const std::vector<std::size_t>& starts = {}) {
@@ -100,7 +100,7 @@ Plot time_plot(std::string title, std::string y_label, int width, int height) {
   return p;
 }
 
-/// Measured and predicted velocity, one drawing per model, all to one scale.
+/// Measured and predicted velocity: one drawing per model, all on one scale.
 std::vector<Plot> velocity_plots(const VerifiedPart& part) {
   const ShownUnits units = units_of(part);
   const std::size_t n = part.record.x.size();
@@ -152,7 +152,7 @@ std::vector<Window> reversal_windows(const VerifiedPart& part) {
   const std::size_t shown = std::min(kShownReversals, starts.size() - 1);
   std::vector<Window> windows;
   for (std::size_t i = 0; i < shown; ++i) {
-    // In the middle of equal shares, so that neither the first nor the last one stands for all.
+    // Taken from the middle of equal shares, so that they are not all at the beginning or at the end.
     const std::size_t at = starts[1 + (2 * i + 1) * (starts.size() - 1) / (2 * shown)];
     windows.push_back({at > half ? at - half : 0, at, std::min(n, at + half)});
   }

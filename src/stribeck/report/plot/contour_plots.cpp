@@ -15,8 +15,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMicro = 1e6;
 constexpr double kMilli = 1e3;
 constexpr double kDegrees = 180.0 / kPi;
-constexpr double kRoom = 1.08;        ///< of a scale above the largest error
-constexpr double kSameScale = 0.25;   ///< of the largest error of a group
+constexpr double kRoom = 1.08;        ///< height of a scale relative to the largest error
+constexpr double kSameScale = 0.25;   ///< as a share of the largest error of a group
 constexpr std::size_t kTogether = 3;  ///< controllers in a drawing
 
 /// Largest |ε| [m]; zero without a trace.
@@ -42,7 +42,7 @@ std::vector<double> limits_of(const std::vector<ScaleGroup>& groups, bool scored
 
 bool has_sign(const sim::CompareResult& result) { return result.axes.size() <= 2; }
 
-/// Controllers in drawings of three.
+/// Splits controllers into drawings of three.
 std::vector<Rows> in_threes(const Rows& rows) {
   std::vector<Rows> all;
   for (std::size_t i = 0; i < rows.size(); i += kTogether) {
@@ -61,7 +61,7 @@ std::vector<Marker> reversals(const Lap& lap, const std::vector<std::string>& ax
       const double after = lap.samples[k]->velocity[i];
       if ((before < 0.0) == (after < 0.0)) continue;
       if (!markers.empty() && markers.back().x == lap.angle[k]) {
-        // Axes that turn together get one line.
+        // Axes that reverse together get one line.
         std::string& label = markers.back().label;
         label = label.substr(0, label.rfind(' ')) + ", " + axes[i] + " reverse";
       } else {
@@ -69,14 +69,14 @@ std::vector<Marker> reversals(const Lap& lap, const std::vector<std::string>& ax
       }
     }
   }
-  // Many of them: the axis alone must do.
+  // Where there are many of them, only the axis is named.
   if (markers.size() > 6) {
     for (Marker& m : markers) m.label = m.label.substr(0, m.label.rfind(' '));
   }
   return markers;
 }
 
-/// Capital first letter.
+/// The text with a capital first letter.
 std::string capital(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
   return text;
@@ -156,7 +156,7 @@ std::vector<ScaleGroup> scale_groups(const Rows& rows) {
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<ScaleGroup> groups;
   for (const auto& [size, row] : by_size) {
-    // A controller without a trace is drawn with the last group: it has nothing to show on any scale.
+    // A controller without a trace is listed with the last group: it has no error on any scale.
     if (groups.empty() || (size > 0.0 && size < kSameScale * groups.back().largest))
       groups.push_back({{}, size});
     groups.back().rows.push_back(row);
@@ -226,7 +226,7 @@ Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& tr
   const double period = lap_of(travel);
   const double from = last->phi - period;
   std::vector<std::pair<double, const sim::ContourSample*>> all;
-  double longest = 0.0;  // step of φ from sample to sample
+  double longest = 0.0;  // largest step of φ between samples
   for (const sim::ContourSample& s : trace) {
     if (!s.scored || s.phi <= from || s.phi > last->phi) continue;
     if (&s != &trace.front()) longest = std::fmax(longest, s.phi - (&s - 1)->phi);

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-extern char** environ;  // NOLINT: POSIX asks for this declaration
+extern char** environ;  // POSIX requires this declaration
 
 namespace stribeck::report {
 namespace {
@@ -24,7 +24,7 @@ namespace {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-/// A nameless file: nothing is left behind, whatever happens.
+/// A file without a name: nothing is left behind in any case.
 File nameless_file() {
   File file(std::tmpfile(), std::fclose);
   if (file == nullptr)
@@ -62,7 +62,7 @@ std::string run_gnuplot(const std::string& script) {
   posix_spawn_file_actions_adddup2(&actions, ::fileno(input.get()), 0);
   posix_spawn_file_actions_adddup2(&actions, pipe[1], 1);
   posix_spawn_file_actions_adddup2(&actions, ::fileno(errors.get()), 2);
-  // -d: no settings of the user. As a file the script is read in blocks; from the standard input byte by
+  // -d: do not read settings of the user. From a file the script is read in blocks; from standard input it would be read byte by
   // byte.
   std::array<std::string, 3> words{"gnuplot", "-d", "/dev/stdin"};
   std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};

@@ -22,7 +22,7 @@ constexpr double kMarkerLine = 14;
 constexpr std::size_t kLongestText = 200;
 constexpr double kBandOpacity = 0.22;
 
-/// A text as gnuplot takes it literally: in single quotes nothing is replaced but '' itself.
+/// A text that gnuplot takes literally: in single quotes only '' has a meaning.
 std::string in_single_quotes(std::string_view text) {
   std::string out = "'";
   for (const char c : left_aligned(clean_text(text), std::min(kLongestText, text_width(text)))) {
@@ -32,7 +32,7 @@ std::string in_single_quotes(std::string_view text) {
   return out + "'";
 }
 
-/// A label of a tic, which is a printf format.
+/// A label of a tic, written as a printf format.
 std::string quoted_format(std::string_view text) {
   std::string out;
   for (const char c : in_single_quotes(text)) {
@@ -49,7 +49,7 @@ bool is_color(std::string_view c) {
 
 std::string color(std::string_view c) { return is_color(c) ? fmt::format("rgb '{}'", c) : "rgb '#444444'"; }
 
-/// An axis label, the unit in its brackets as it is printed.
+/// An axis label; the unit in its brackets is shown as printed.
 std::string quoted_label(const std::string& label) {
   const std::size_t unit = std::min(label.rfind('['), label.size());
   return in_single_quotes(label.substr(0, unit) + printed_unit(std::string_view(label).substr(unit)));
@@ -67,7 +67,7 @@ struct Extent {
   void add(const std::vector<double>& all, bool logarithmic) {
     for (const double v : all) add(v, logarithmic);
   }
-  /// With a share of room on both sides; never empty.
+  /// The range with a margin on both sides; never empty.
   [[nodiscard]] Range range(double room, bool logarithmic) const {
     if (!(low <= high)) return logarithmic ? Range{1.0, 10.0} : Range{0.0, 1.0};
     if (logarithmic) {
@@ -94,15 +94,15 @@ bool has_legend(const Plot& p) {
          std::any_of(p.series.begin(), p.series.end(), [](const Series& s) { return !s.label.empty(); });
 }
 
-/// Where an entry of the legend above a plot stands.
+/// Place of an entry of the legend above a plot.
 struct LegendEntry {
   const Series* series;
   double x;  ///< from the left border of the plot [px]
   int row;
 };
 
-/// gnuplot's own legend guesses widths generously and then wraps into the plot; here the rows are known
-/// beforehand.
+/// gnuplot's own legend overestimates widths and then wraps into the plot; here the rows are computed in
+/// advance.
 std::vector<LegendEntry> legend_entries(const Plot& p, double width) {
   constexpr double kLetter = 6.3;  // mean width of a letter of the 12 px sans-serif
   constexpr double kSample = 30;
@@ -124,13 +124,13 @@ std::vector<LegendEntry> legend_entries(const Plot& p, double width) {
   return entries;
 }
 
-/// The line that each marker's label stands on, 0 the lowest; −1 without a label. A label that would cover the one before it goes
-/// one up. Knows the frame's x and its left and right margins.
+/// Line of the label of each marker, 0 the lowest; −1 without a label. A label that would cover the one before it moves up by one
+/// line. Uses the frame's x and its left and right margins.
 std::vector<int> marker_rows(const Plot& p, const Frame& f) {
   constexpr double kLetter = 5.8;  // mean width of a letter of the 11 px sans-serif
   constexpr double kBetween = 6;
   std::vector<int> rows;
-  std::vector<double> ends;  // of the last label on each line [px]
+  std::vector<double> ends;  // end of the last label on each line [px]
   for (const Marker& m : p.markers) {
     if (m.label.empty() || !std::isfinite(m.x)) {
       rows.push_back(-1);
@@ -195,7 +195,7 @@ Frame frame_of(const Plot& p) {
   return f;
 }
 
-/// Points that fall on the same pixel are one; keeps their order.
+/// Merges points that fall on the same pixel; keeps their order.
 void drop_covered(std::vector<double>& x, std::vector<double>& y, const Plot& p, const Frame& f) {
   std::set<std::pair<long, long>> taken;
   std::size_t n = 0;
@@ -295,7 +295,7 @@ class Script {
     } else if (std::isfinite(p.x_step) && p.x_step > 0.0) {
       line("set xtics {:.9g}", p.x_step);
     }
-    // Places of their own: those of gnuplot depend on the length of the numbers.
+    // Places set here, because those of gnuplot depend on the length of the numbers.
     if (!p.x_label.empty()) {
       line("set label {} at graph 0.5, screen {:.6f} center font ',12' textcolor rgb '#3c4043'",
            quoted_label(p.x_label), 11.0 / p.height);
@@ -391,7 +391,7 @@ class Script {
     return false;
   }
 
-  /// A stem and two caps for each bar. gnuplot's own error bars punch a hole into the bar.
+  /// A stem and two caps for each bar. gnuplot's own error bars cut a hole into the bar.
   std::string whiskers(const Series& s, const std::vector<double>& x) {
     const double cap = 0.12 * s.width;
     std::array<std::vector<double>, 4> v;

@@ -70,7 +70,7 @@ void thin(std::vector<double>& x, std::vector<double>& y, int columns) {
       if (y[end] > y[greatest]) greatest = end;
     }
     std::array<std::size_t, 4> chosen{i, std::min(least, greatest), std::max(least, greatest), end - 1};
-    // Within the picture two points of a column are enough; the first and the last of all carry the ends.
+    // Inside the picture two points of a column are enough; the first and the last of all are the ends of the line.
     const bool at_border = i == 0 || end == n || !finite(i - 1) || !finite(end);
     const auto from = at_border ? chosen.begin() : chosen.begin() + 1;
     const auto to = at_border ? chosen.end() : chosen.end() - 1;
@@ -84,7 +84,7 @@ void thin(std::vector<double>& x, std::vector<double>& y, int columns) {
 }
 
 std::string controller_color(std::string_view id, std::size_t position) {
-  // Eight that everybody can tell apart, and as many others for controllers (i) and on.
+  // Eight colours that can be told apart with colour blindness, and as many others for controllers (i) and following.
   static constexpr std::array<std::string_view, 16> kPalette{
       "#7a7a7a", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#0072b2", "#cc79a7", "#000000",
       "#8c3fc9", "#8a6d00", "#004d38", "#a50f4f", "#7f2704", "#4a4a8a", "#e0669a", "#a6a600"};

@@ -15,8 +15,8 @@
 namespace stribeck::report {
 namespace {
 
-/// Absolute coordinates to a tenth of a pixel as relative ones, which are half as long: "M1.00,2.00
-/// L3.00,2.50" becomes "M1 2l2 .5". What holds other commands than M, L and Z comes back as it is.
+/// Converts absolute coordinates to relative ones with a tenth of a pixel, which takes half the length: "M1.00,2.00
+/// L3.00,2.50" becomes "M1 2l2 .5". A path with other commands than M, L and Z is returned unchanged.
 std::string compact_path(std::string_view d) {
   std::string out;
   std::array<long, 2> at{};
@@ -49,7 +49,7 @@ std::string compact_path(std::string_view d) {
         i = static_cast<std::size_t>(end - d.data());
         if (k == 0 && (i >= d.size() || d[i++] != ',')) return std::string(d);
       }
-      // After z the current point is the start of the stretch; every z of gnuplot is followed by M or
+      // After z the current point is the start of the stretch; in gnuplot's output every z is followed by M or
       // nothing.
       if (c == 'L' && last == 'z') return std::string(d);
       const bool move = c == 'M';
@@ -108,7 +108,7 @@ class SvgCleaner {
     return {};
   }
 
-  /// Which symbols are drawn; one may be made of another that stands before it, so the list is read
+  /// Which symbols are drawn. A symbol may use another one before it, so the list is read
   /// backwards.
   void find_used() {
     std::vector<std::string_view> tags;
@@ -125,7 +125,7 @@ class SvgCleaner {
     }
   }
 
-  /// Handles the tag that ends at `end`; returns where to go on.
+  /// Handles the tag that ends at `end`; returns the place to continue.
   std::size_t tag(std::string_view t, std::size_t end) {
     const auto after = [&](std::string_view closing) {
       const std::size_t found = raw_.find(closing, end);
@@ -139,7 +139,7 @@ class SvgCleaner {
     if (t.substr(0, 2) == "</") end_dots();
     if (t == "</g>" || t == "</defs>") {
       if (!open_.empty() && open_.back().at + open_.back().length == out_.size()) {
-        out_.resize(open_.back().at);  // nothing came into it
+        out_.resize(open_.back().at);  // the element is empty
         open_.pop_back();
         return end;
       }
@@ -167,7 +167,7 @@ class SvgCleaner {
 
   void emit(std::string_view content) { out_ += content; }
 
-  /// Filled circles of one colour and size become one path of round dots: a map has thousands of them.
+  /// Merges filled circles of one colour and size into one path of round dots: a map has thousands of them.
   bool add_dot(std::string_view t) {
     constexpr std::string_view kTranslate = "translate(";
     constexpr std::string_view kScale = "scale(";
@@ -195,7 +195,7 @@ class SvgCleaner {
     dots_.clear();
   }
 
-  /// A tag with the prefix before every id, and each run of white space made one blank.
+  /// A tag with the prefix before every id, and each run of white space replaced by one blank.
   void rewrite(std::string_view t) {
     bool blank = false;
     char quote = 0;

@@ -11,13 +11,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Powers of two: sums of steps and the small error are exact, and differences of runs have no rounding in them.
+/// Powers of two: sums of steps and of the small error are exact, and differences of runs contain no rounding.
 constexpr double kStep = 0x1p-18;   ///< of the reference per period [m]
 constexpr double kError = 0x1p-30;  ///< [m]
-constexpr double kRadius = 10e-3;   ///< of the circle whose parameter a law sees run [m]
-constexpr int kWarm = 64;           ///< periods until the law has left its start
+constexpr double kRadius = 10e-3;   ///< radius of the circle whose parameter the law gets [m]
+constexpr int kWarm = 64;           ///< periods until the effect of the start has decayed
 
-/// Surface amplitude at which a switching part is replaced by a line [m/s].
+/// Amplitude of the surface at which a switching part is replaced by a straight line [m/s].
 constexpr double kSurface = 0.1e-3;
 
 // ---- the drive
@@ -26,8 +26,8 @@ constexpr double kSurface = 0.1e-3;
 constexpr std::size_t kMostStates = 4;
 using Matrix = Mat<double, kMostStates + 1>;
 
-/// exp(a·t) by its series, on a step that is short enough, and squared. By hand, as the elimination below: Eigen's exp() alone
-/// takes 4 s to compile.
+/// exp(a·t) from its series on a step that is short enough, then squared. Written by hand, as the elimination below: Eigen's exp()
+/// alone takes 4 s to compile.
 Matrix exponential(const Matrix& a, double t) {
   double size = 0.0;
   for (const auto& row : a.row) {
@@ -89,7 +89,7 @@ class HeldDrive {
       for (std::size_t j = 0; j < states_; ++j) m[i][j] = (i == j ? z : 0.0) - a_[i][j];
       m[i][states_] = new_[i] + old_[i] / z;
     }
-    // Gauss with pivots, down to the first unknown, which is eliminated last.
+    // Gauss elimination with pivots, down to the first unknown, which is eliminated last.
     for (std::size_t c = states_; c-- > 0;) {
       std::size_t best = c;
       for (std::size_t r = 0; r < c; ++r) {
@@ -139,7 +139,7 @@ class HeldDrive {
 template <std::size_t N>
 using Answer = std::array<std::vector<double>, N>;
 
-/// A law on its way along a straight line with the tangent along one axis.
+/// A law that moves along a straight line with the tangent along one axis.
 template <std::size_t N>
 class Line {
  public:
@@ -155,21 +155,21 @@ class Line {
     for (int k = 0; k < kWarm; ++k) step(*state_, {});
   }
 
-  /// Forces for an error of position [m]; `s` follows.
+  /// Forces for an error of position [m]; changes the state `s`.
   Vec<double, N> step(State& s, const Vec<double, N>& error) {
     point_.position[tangent_] = kStep * static_cast<double>(tick_);
     point_.phi = point_.position[tangent_] / kRadius;
     ++tick_;
     return s.step(point_, point_.position + error);
   }
-  /// Both with and without errors: the difference of the forces.
+  /// Runs with and without error; returns the difference of the forces.
   Vec<double, N> difference(State& with, State& without, const Vec<double, N>& error) {
     const Vec<double, N> plain = step(without, {});
     --tick_;
     return step(with, error) - plain;
   }
 
-  /// Answers to a unit of error on axis j over one period, until they have settled.
+  /// Responses to a unit error of axis j over one period, until they have settled.
   Answer<N> answer(std::size_t j) {
     const long begin = tick_;
     const auto with = state_->copy();
@@ -198,7 +198,7 @@ class Line {
     return h;
   }
 
-  /// Whether a small error dies out with these drives.
+  /// Whether a small error decays with these drives.
   bool dies_out(std::array<HeldDrive, N>& drives) {
     constexpr int kWindow = 200;
     constexpr int kWindows = 100;
@@ -244,7 +244,7 @@ class Line {
   std::unique_ptr<State> state_;
 };
 
-/// Differences of the answers until they die out: C(z) = taps(z)/(1 − z⁻¹)^integrators.
+/// Differences of the responses until they have decayed: C(z) = taps(z)/(1 − z⁻¹)^integrators.
 template <std::size_t N>
 struct Response {
   std::array<Answer<N>, N> taps;  ///< [j][i]: force i for error j
@@ -253,7 +253,7 @@ struct Response {
 
   friend bool operator==(const Response&, const Response&) = default;
 
-  /// Differences a response that has not decayed; false where two differences are not enough.
+  /// Differences a response that has not decayed; returns false where two differences are not enough.
   bool settle() {
     for (; integrators <= 2; ++integrators) {
       double peak = 0.0;
@@ -286,7 +286,7 @@ struct Response {
     const auto& h = taps[j][i];
     Complex sum = 0.0;
     for (std::size_t k = h.size(); k-- > 0;) sum = sum * back + h[k];
-    // 1 − z⁻¹ without cancellation at low frequencies.
+    // 1 − z⁻¹, without cancellation at low frequencies.
     const Complex step = 2.0 * std::sin(0.5 * turn) * std::polar(1.0, 0.5 * (kPi - turn));
     for (int q = 0; q < integrators; ++q) sum /= step;
     return sum;
@@ -306,13 +306,13 @@ struct Response {
 
 // ---- the loop
 
-/// Loop i, the others closed.
+/// Loop i with the other loops closed.
 template <std::size_t N>
 Complex loop_at(const Response<N>& c, const std::array<HeldDrive, N>& drives, std::size_t i, double omega,
                 double period) {
   const double turn = omega * period;
   if (!c.coupled) return c.at(i, i, turn) * drives[i].at(omega);
-  // Row of (I + L) x = e_i solved for x_i, by elimination of the others.
+  // Row i of (I + L) x = e_i solved for x_i by eliminating the others.
   std::array<std::array<Complex, N>, N> m;
   for (std::size_t b = 0; b < N; ++b) {
     const Complex p = drives[b].at(omega);
@@ -329,7 +329,7 @@ Complex loop_at(const Response<N>& c, const std::array<HeldDrive, N>& drives, st
   return m[i][i] - 1.0;
 }
 
-/// Where f, of opposite signs at a and b, changes its sign; logarithmic.
+/// Root of f, whose signs at a and b are opposite; logarithmic bisection.
 template <class F>
 double crossing(F f, double a, double b) {
   const bool sign = f(a) > 0.0;
@@ -361,7 +361,7 @@ void judge(const Loop& loop, double period, std::size_t axis, LoopMargins& m) {
     if (k > 0) {
       if ((std::abs(last) > 1.0) != (std::abs(now) > 1.0)) {
         const double at = crossing([&](double w) { return std::abs(loop(w)) - 1.0; }, last_omega, omega);
-        const double angle = std::arg(-loop(at));  // from −1
+        const double angle = std::arg(-loop(at));  // angle from −1
         if (std::abs(angle) < m.phase) {
           m.phase = std::abs(angle);
           m.axis = axis;
@@ -369,7 +369,7 @@ void judge(const Loop& loop, double period, std::size_t axis, LoopMargins& m) {
         m.delay = std::min(m.delay, (angle >= 0.0 ? angle : angle + 2.0 * kPi) / at);
         m.crossover = std::max(m.crossover, at);
       }
-      // Through the negative real axis, not through the positive one.
+      // Crosses the negative real axis, not the positive one.
       if ((last.imag() > 0.0) != (now.imag() > 0.0) && k < kPerDecade * kDecades) {
         const double at = crossing([&](double w) { return loop(w).imag(); }, last_omega, omega);
         const Complex there = loop(at);
@@ -379,7 +379,7 @@ void judge(const Loop& loop, double period, std::size_t axis, LoopMargins& m) {
     last_omega = omega;
     last = now;
   }
-  if (last.real() < -1e-9) gain_at(-last.real());  // half the sampling frequency: real
+  if (last.real() < -1e-9) gain_at(-last.real());  // at half the sampling frequency the value is real
 }
 
 }  // namespace
@@ -408,7 +408,7 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
   control::Setup<N> free = setup;
   free.force_limit = control::spread<N>({}, std::numeric_limits<double>::infinity());
   for (auto& c : free.compensation) {
-    c.feedforward = control::Feedforward::kNone;  // of the reference alone
+    c.feedforward = control::Feedforward::kNone;  // depends on the reference alone
     c.adaptation.enabled = false;
   }
   auto drives = [&]<std::size_t... I>(std::index_sequence<I...>) {

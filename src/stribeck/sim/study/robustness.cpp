@@ -9,12 +9,12 @@
 namespace stribeck::sim {
 namespace {
 
-/// A loop that is at the limit of its drives for longer than this share of the ticks, and still shakes by more than that share of
-/// their range while it is scored, is held together by the limit. Stable loops of V2 shake by 1 % with the coarsest encoder.
+/// A loop that is at the limit of its drives for more than this share of the ticks, and whose input varies by more than that share of
+/// its range while it is scored, is held together by the limit. Stable loops of V2 vary by 1 % with the coarsest encoder.
 constexpr double kMostLimited = 1e-3;
 constexpr double kMostShaking = 0.02;
 
-/// Sub-steps of order three at 0.8 of the fastest rate, twice as fine as stability asks, and no fewer than nominal machines take.
+/// Sub-steps of order three at 0.8 of the fastest rate: twice as fine as stability needs, and no fewer than for nominal machines.
 constexpr double kRatePerSubstep = 0.8;
 constexpr int kFewestSubsteps = 6;
 

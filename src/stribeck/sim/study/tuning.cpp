@@ -13,7 +13,7 @@ using namespace tuning;
 
 // ---- gains
 
-/// Powers of time of the units that gains have. The poles of a Kalman observer go with the sixth root of its density.
+/// Powers of time in the units of gains. The poles of a Kalman observer change with the sixth root of its density.
 std::optional<int> power_of_time(std::string_view unit) {
   constexpr std::array kUnits{
       std::pair{std::string_view{"1/s"}, -1},  std::pair{std::string_view{"rad/s"}, -1},
@@ -26,7 +26,7 @@ std::optional<int> power_of_time(std::string_view unit) {
   return {};
 }
 
-/// Numbers and lists of numbers of a controller and of its law; not what is optional, and nothing of its tables.
+/// Collects numbers and lists of numbers of a controller and its law; no optional ones, and none of its tables.
 void collect(const Target& owner, const std::string& place, std::size_t axes, std::vector<Gain>& gains) {
   for_each_member(owner, [&](const TargetMember& m) {
     const std::string name = place + std::string(m.info.name);
@@ -145,7 +145,7 @@ TuneResult tune(const Machine& machine, const std::vector<AxisKnowledge>& knowle
   const bool known =
       with_axes(axes.size(), [&](auto n) { tune_axes<n>(machine, knowledge, spec, axes, result, progress); });
   if (!known) throw Refused("paths have 1, 2, 3 or 5 axes");
-  // The report: what compare() says of both, like with like.
+  // The report: results of compare() for both, under equal conditions.
   for (TunedController& c : result.controllers) {
     CompareSpec one = spec.compare;
     one.controllers = {c.start};

@@ -11,11 +11,11 @@
 namespace stribeck::sim {
 namespace {
 
-/// Numbers of one axis of one machine.
+/// Random numbers of one axis of one machine.
 class Draws {
  public:
   Draws(std::uint64_t seed, std::uint32_t machine, std::uint32_t axis) {
-    // The last word keeps the stream apart from that of the force noise (plant/noise.hpp).
+    // The last word separates the stream from that of the force noise (plant/noise.hpp).
     constexpr std::uint32_t kVariation = 0x76617279;
     std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), machine,
                            axis, kVariation};
@@ -119,7 +119,7 @@ Machine vary(const Machine& nominal, const Variation& variation, std::uint64_t s
   Machine m = nominal;
   for (std::uint32_t i = 0; i < m.axes.size(); ++i) {
     MachineAxis& axis = m.axes[i].second;
-    // What the plates say stays, whatever the machine is like.
+    // The data on the name plates stay the same, whatever the machine is like.
     const NamePlate plate = axis.name_plate();
     axis.limits.force = plate.force;
     axis.commissioning.encoder_resolution = plate.encoder_resolution;

@@ -22,7 +22,7 @@ using workflow::refuse_option;
 
 namespace {
 
-/// HAL names have 47 characters, of which the longest parameter takes 40 and a dot.
+/// HAL names have 47 characters; the longest parameter takes 40 and a dot.
 constexpr std::size_t kLongestName = 6;
 
 void check_name(const std::string& name) {
@@ -33,7 +33,7 @@ void check_name(const std::string& name) {
   }
 }
 
-/// Names of the HAL instances: those given, or a prefix with x, y, z, …
+/// Names of the HAL instances: the given ones, or a prefix with x, y, z, …
 std::vector<std::string> names_for(const ExportRequest& o, const std::string& prefix,
                                    const std::vector<std::string>& axes) {
   std::vector<std::string> names = o.names;

@@ -101,7 +101,7 @@ NamedTexts configuration_files(const Configuration& c) {
                    {"play.py", std::string(kPlay)},
                    {"tool.tbl", ";\n"}};
   if (has_contour(c)) files.emplace_back("control-contour.hal", contour_control(c));
-  // Last: with it the configuration is whole.
+  // Written last: with this file the configuration is complete.
   files.emplace_back("headless.ini", ini(c, false));
   files.emplace_back("machine.ini", ini(c, true));
   return files;

@@ -8,12 +8,12 @@ namespace stribeck::targets::linuxcnc {
 
 namespace {
 
-/// Whole tenths of a millimetre or degree.
+/// Rounds to whole tenths of a millimetre or degree.
 double rounded(const HalAxis& a, double metres) {
   return std::floor(10.0 * in_units(a, metres) + 1e-9) / 10.0 * unit_of(a);
 }
 
-/// Where programs have their middle [m]: zero where that leaves room.
+/// Middle of the programs [m]: zero where the travel permits.
 double middle_of(const HalAxis& a) {
   const sim::AxisLimits& l = a.can.limits;
   return l.travel_min <= 0.0 && l.travel_max >= 0.0 &&
@@ -33,14 +33,14 @@ std::string word(const HalAxis& a, double metres) {
   return fmt::format("{}{:.4g}", capital(a), std::round(1e4 * in_units(a, metres)) / 1e4 + 0.0);
 }
 
-/// Feed [machine units/min], a number that reads well.
+/// Feed [machine units/min], rounded to a readable number.
 std::string feed(const HalAxis& a, double speed) {
   const double f = 60.0 * in_units(a, speed);
   const double step = std::pow(10.0, std::floor(std::log10(f)) - 1.0);
   return fmt::format("F{:.6g}", std::floor(f / step + 1e-9) * step);
 }
 
-/// Two axes in which LinuxCNC knows circles, and its word for their plane.
+/// Two axes for which LinuxCNC has circles, and its code for their plane.
 struct Plane {
   const HalAxis* u;
   const HalAxis* v;
@@ -115,7 +115,7 @@ std::string demo(const Configuration& c) {
   return out + "M2\n";
 }
 
-/// Excites every axis: circles are sines of two axes at once; rapid moves are for the mass.
+/// Excites every axis: circles are sines of two axes at once; rapid moves determine the mass.
 std::string identify(const Configuration& c) {
   std::string out =
       "(Motion that tells friction, screw and mass of every axis. On a machine: clear of everything, "

@@ -44,7 +44,7 @@ std::string motion(const Configuration& c) {
 
 namespace {
 
-/// Law learning: where the phase goes, and of which controllers the lap must be known.
+/// The law learning: where the phase is connected, and the controllers that need the lap.
 std::string learning(const std::vector<std::string>& phases, const std::vector<std::string>& controllers) {
   std::string out =
       "\n# With law 3, learning, also: the place in the lap, and the lap's length in machine units, "
@@ -105,7 +105,7 @@ std::string contour_control(const Configuration& c) {
 
 namespace {
 
-/// Viscous friction [N s/m], both directions' mean.
+/// Viscous friction [N s/m], mean of both directions.
 double viscous_of(const friction::AxisModel& model) {
   return std::visit(
       [](const auto& map) { return 0.5 * (map.viscous_coefficient(1.0) + map.viscous_coefficient(-1.0)); },
@@ -114,7 +114,7 @@ double viscous_of(const friction::AxisModel& model) {
 
 }  // namespace
 
-/// Stock pid at the same gains, in N and machine units; friction beyond FF1 from a lincurve where wanted.
+/// LinuxCNC's own pid with the same gains, in N and machine units; friction beyond FF1 from a lincurve where requested.
 std::string pid_control(const Configuration& c, bool with_lincurve) {
   std::string out = c.comment;
   out += with_lincurve ? "# Stock parts: pid, and friction over the commanded velocity from lincurve.\n"
@@ -168,7 +168,7 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
 
 namespace {
 
-/// What halsampler writes: as much of each axis as its 21 columns hold.
+/// Columns of halsampler: as many signals of each axis as its 21 columns can hold.
 std::vector<std::string> recorded_signals(const Configuration& c) {
   std::vector<std::string> signals{"cmd", "fb", "pos", "force"};
   while (signals.size() * c.axes.size() > 20) signals.erase(signals.begin() + (signals.size() > 3 ? 2 : 0));
@@ -200,7 +200,7 @@ std::string record(const Configuration& c) {
 
 namespace {
 
-/// Unit of a position in the log, for stribeck: degrees as the arcs that machine and axis files mean.
+/// Unit of a position in the log for stribeck: degrees as the arcs that machine and axis files use.
 std::string length_unit(const HalAxis& a) {
   return angular(a) ? fmt::format("mm*{}", number(1e3 * unit_of(a))) : "mm";
 }
@@ -229,7 +229,7 @@ std::string drives(const Configuration& c) {
     text += setp(name, "position-unit", unit_of(a));
     text += setp(name, "start", in_units(a, home_of(a)));
     text += fmt::format("setp {}.seed {}\n", name, i + 1);
-    // Beyond it friction is extrapolated: room for overshoot.
+    // Beyond it friction is extrapolated: a margin for overshoot.
     text += fmt::format("setp {}.highest-speed {}\n", name, number(1.5 * in_units(a, a.can.limits.speed)));
     return text + plant_lines(name, *a.machine);
   });

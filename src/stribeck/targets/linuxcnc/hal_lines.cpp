@@ -9,14 +9,14 @@
 namespace stribeck::targets::linuxcnc {
 namespace {
 
-/// HAL's spelling of a parameter's name.
+/// The name of a parameter as HAL spells it.
 std::string hal_name(std::string_view name) {
   std::string out(name);
   std::replace(out.begin(), out.end(), '_', '-');
   return out;
 }
 
-/// Every parameter that a struct holds.
+/// Lines for every parameter of a struct.
 std::string setp_all(const std::string& component, const Value& group) {
   std::string out;
   capi::values_of(group, [&](std::string_view key, double x, std::string_view word) {
@@ -25,7 +25,7 @@ std::string setp_all(const std::string& component, const Value& group) {
   return out;
 }
 
-/// A parameter that is a choice, and what else there is to choose.
+/// A parameter that is a choice, with the other choices as a comment.
 std::string choice(const std::string& component, const char* parameter, std::size_t index) {
   std::string words;
   std::string chosen;

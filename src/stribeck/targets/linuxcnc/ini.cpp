@@ -7,7 +7,7 @@ namespace stribeck::targets::linuxcnc {
 
 namespace {
 
-/// Largest of all axes, in machine units; 0: there is no such axis.
+/// Largest value of all axes, in machine units; 0: there is no such axis.
 struct Fastest {
   double speed = 0.0;
   double acceleration = 0.0;

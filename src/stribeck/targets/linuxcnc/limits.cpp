@@ -8,18 +8,18 @@
 namespace stribeck::targets::linuxcnc {
 namespace {
 
-/// Of the drive's force, for what motion and friction need; the rest is the feedback's.
+/// Share of the drive's force for motion and friction; the rest is for feedback.
 constexpr double kShare = 0.9;
-/// Of the drive's force, at least for the acceleration.
+/// Smallest share of the drive's force for acceleration.
 constexpr double kForAcceleration = 0.2;
 
-/// Three digits, not more than x.
+/// Rounds down to three digits.
 double rounded_down(double x) {
   const double step = std::pow(10.0, std::floor(std::log10(x)) - 2.0);
   return std::floor(x / step) * step;
 }
 
-/// Largest force at a speed: a voltage amplifier has less of it when the motor turns.
+/// Largest force at a speed: the force of a voltage amplifier decreases with the speed of the motor.
 double force_at(const sim::MachineAxis& a, double speed) {
   const auto* v = std::get_if<plant::VoltageDrive>(&a.plant.drive);
   if (v == nullptr) return a.force_limit();
@@ -27,7 +27,7 @@ double force_at(const sim::MachineAxis& a, double speed) {
          v->torque_constant * v->back_emf * v->screw_ratio() * v->screw_ratio() / v->resistance * speed;
 }
 
-/// Most that friction and load take at any speed up to this one, in either direction [N].
+/// Largest force of friction and load at any speed up to this one, in either direction [N].
 double friction_up_to(const sim::MachineAxis& a, double speed) {
   constexpr int kSamples = 400;
   double most = 0.0;

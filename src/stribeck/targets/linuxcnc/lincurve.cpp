@@ -12,11 +12,11 @@ namespace stribeck::targets::linuxcnc {
 namespace {
 
 constexpr std::size_t kPoints = 16;
-/// Half the width of the jump at zero [machine units/s]: far below any velocity that is meant.
+/// Half the width of the jump at zero [machine units/s]: far below any real velocity.
 constexpr double kZero = 1e-6;
 /// Samples of the curve on each side, closer together towards zero, where it bends.
 constexpr int kSamples = 500;
-/// Between two of these, samples are added where the first table has a corner.
+/// Number of samples added between two samples where the first table has a corner.
 constexpr int kFiner = 16;
 
 double steady_level(const friction::AxisModel& model, double v) {
@@ -24,13 +24,13 @@ double steady_level(const friction::AxisModel& model, double v) {
                     model.friction.steady);
 }
 
-/// The curve on one side (+1, −1), by ascending velocity.
+/// The curve on one side (+1, −1), in ascending velocity.
 struct Side {
   std::vector<double> v;  ///< [machine units/s]
   std::vector<double> force;
 };
 
-/// With finer samples around the corners of a table.
+/// The same with finer samples around the corners of a table.
 Side side_of(const friction::AxisModel& model, double fastest, double unit, double sign,
              const std::vector<Corner>& corners = {}) {
   const double range = fastest / unit - kZero;
@@ -53,7 +53,7 @@ Side side_of(const friction::AxisModel& model, double fastest, double unit, doub
   return s;
 }
 
-/// Both sides with the same largest error, as small as so many pieces allow to a thousandth of it.
+/// Tables for both sides with the same largest error, as small as this number of pieces permits, to a thousandth.
 std::vector<Corner> nearest_corners(const Side& negative, const Side& positive, std::size_t pieces) {
   double high = 0.0;
   for (const Side* s : {&negative, &positive}) {
@@ -102,7 +102,7 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
   const Side positive = side(1.0, first);
   Lincurve out;
   out.table.corners = nearest_corners(negative, positive, kPieces);
-  // As HAL will read them.
+  // Numbers as HAL will read them.
   for (Corner& c : out.table.corners) {
     c.x = std::stod(fmt::format("{:.9g}", c.x));
     c.y = std::stod(fmt::format("{:.9g}", c.y));

@@ -69,7 +69,7 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
   c.name = machine.name;
   c.sample_time = machine.sample_time;
   c.feedforward = o.feedforward;
-  // One for all axes, so that no direction has other gains than another.
+  // The same for all axes, so that every direction has equal gains.
   c.omega = machine.axes.front().second.commissioning.omega;
   for (const auto& [axis, a] : machine.axes) c.omega = std::min(c.omega, a.commissioning.omega);
   if (!o.omega.empty()) c.omega = omega_of(o);
@@ -104,7 +104,7 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
   return c;
 }
 
-/// All texts are there before the first is written.
+/// All texts are made before the first one is written.
 Exported export_configuration(const ExportRequest& o, const sim::Machine& machine) {
   namespace fs = std::filesystem;
   if (!o.names.empty())
@@ -143,7 +143,7 @@ Exported export_configuration(const ExportRequest& o, const sim::Machine& machin
   return out;
 }
 
-/// Refuses what would change nothing.
+/// Refuses options that would have no effect.
 void check_options(const ExportRequest& o, bool machine, bool folder) {
   const auto refuse = [](const char* option, const char* why) {
     refuse_option(option, std::string("does not apply to ") + why);
@@ -172,7 +172,7 @@ void check_options(const ExportRequest& o, bool machine, bool folder) {
   if (!o.lincurve && !o.speed.empty()) refuse("--speed", "anything but --lincurve");
 }
 
-/// INI and HAL of a machine, its drives alone, controllers or tables of axis files.
+/// For a machine: INI and HAL, or its drives alone; for axis files: controllers or tables.
 Exported write(const ExportRequest& o) {
   const bool machine = std::any_of(o.files.begin(), o.files.end(), [](const std::string& file) {
     return io::load_toml(file).find("axes") != nullptr;

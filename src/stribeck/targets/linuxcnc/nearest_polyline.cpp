@@ -15,10 +15,10 @@ struct Line {
   [[nodiscard]] double at(double x) const noexcept { return slope * x + height; }
 };
 
-/// Convex set of lines, by its vertices in the plane of slope and height.
+/// Convex set of lines, given by its vertices in the plane of slope and height.
 using Lines = std::vector<Line>;
 
-/// Those that are on one side of the point (x, y): below it for side = 1, above it for −1.
+/// Keeps the lines on one side of the point (x, y): below it for side = 1, above it for −1.
 Lines clipped(const Lines& lines, double x, double y, double side) {
   Lines left;
   left.reserve(lines.size() + 2);
@@ -51,7 +51,7 @@ Line middle_of(const Lines& lines) {
   return m;
 }
 
-/// The curve in a square of side one, for the sake of the arithmetic.
+/// The curve, scaled to a square of side one to keep rounding small.
 struct Scaled {
   std::vector<double> x;
   std::vector<double> y;
@@ -81,7 +81,7 @@ Scaled scaled(std::span<const double> x, std::span<const double> y) {
 
 std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance, std::size_t pieces) {
   const std::size_t n = s.x.size();
-  // A line through the band from one sample to the next is no steeper than this.
+  // No line through the band from one sample to the next is steeper than this.
   double closest = 1.0;
   for (std::size_t i = 1; i < n; ++i) closest = std::min(closest, s.x[i] - s.x[i - 1]);
   const double most = s.steepest + 2.0 * tolerance / closest + 1.0;
@@ -96,7 +96,7 @@ std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance,
       lines = std::move(next);
       continue;
     }
-    // Nothing goes on to here: the tunnel turns up (side 1) or down (−1).
+    // No line reaches this sample: the tunnel turns up (side 1) or down (−1).
     const double side = extreme(lines, s.x[i], 1.0).at(s.x[i]) < s.y[i] - tolerance ? 1.0 : -1.0;
     const Line furthest = extreme(lines, s.x[i], side);
     if (taken.size() + 1 == pieces) return std::nullopt;
@@ -110,7 +110,7 @@ std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance,
         last = k;
       }
     }
-    // Only the wall on that side: before the corner the piece before is in the tunnel, behind it the new one is beyond it.
+    // Only the wall on that side limits: before the corner the last piece is in the tunnel, behind it the new one starts.
     lines = all;
     for (std::size_t k = last; k < i; ++k) lines = clipped(lines, s.x[k], s.y[k] + side * tolerance, side);
     lines = clipped(clipped(lines, s.x[i], s.y[i] + tolerance, 1.0), s.x[i], s.y[i] - tolerance, -1.0);
@@ -165,11 +165,11 @@ std::optional<Polyline> polyline_within(std::span<const double> x, std::span<con
 Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, std::size_t pieces) {
   if (pieces == 0) throw std::invalid_argument("a polyline has at least one piece");
   const Scaled s = scaled(x, y);
-  // Half the height is enough for a single piece.
+  // For a single piece half the height is enough.
   double high = 0.5 + 1e-9;
   double low = 0.0;
   std::vector<Line> best = lines_within(s, high, pieces).value();
-  constexpr double kNear = 1e-6;  // of the height
+  constexpr double kNear = 1e-6;  // share of the height
   while (high - low > kNear) {
     const double tolerance = 0.5 * (low + high);
     if (auto lines = lines_within(s, tolerance, pieces)) {

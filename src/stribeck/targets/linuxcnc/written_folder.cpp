@@ -16,13 +16,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRecord = "written.txt";
 
-/// Length and CRC-32: detects an edited text, not a forged one.
+/// Length and CRC-32: detects an edited text, but no intended forgery.
 std::string mark_of(std::string_view text) {
   const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size());
   return fmt::format("{} {:08x}", text.size(), crc);
 }
 
-/// Marks by name as the last export left them; none where there is no record.
+/// Marks by file name from the last export; empty where there is no record.
 std::map<std::string, std::string> recorded(const fs::path& folder) {
   std::map<std::string, std::string> marks;
   std::error_code ignored;
@@ -59,7 +59,7 @@ WrittenFolder write_folder(const std::string& folder, const std::string& comment
     if (there.empty() || there == before) {
       open.emplace_back(name, text);
     } else if (there != mark_of(text)) {
-      // Edited, and what it would be has not changed: the edit stays.
+      // Edited, but the text to write has not changed: the edited file is kept.
       (before == mark_of(text) ? out.kept : foreign).push_back(name);
     }
   }
@@ -75,7 +75,7 @@ WrittenFolder write_folder(const std::string& folder, const std::string& comment
                      foreign.size() == 1 ? "it" : "them", foreign.size() == 1 ? "it" : "them")});
   }
   for (const auto& [name, text] : open) io::write_atomically(path(name), text);
-  // Last: until then the old record holds for what has not been written yet.
+  // Written last: until then the old record holds for files that have not been written yet.
   io::write_atomically(path(kRecord), record);
   out.files.emplace_back(kRecord);
   return out;

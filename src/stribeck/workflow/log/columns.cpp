@@ -26,7 +26,7 @@ LogQuantity quantity_called(std::string_view name) {
   refuse_option("--map", fmt::format("unknown quantity {}, expected one of {}", io::in_quotes(name), names));
 }
 
-/// A unit given for a column may scale the file's own, but not make another quantity of it.
+/// A unit given for a column may replace the file's own, but not change the quantity.
 void check_same_dimension(const io::Column& column, const std::string& unit) {
   if (unit.empty() || column.unit_assumed || column.unit_text == "1") return;
   if (!io::is_unit(column.unit_text) || !io::is_unit(unit)) return;
@@ -42,7 +42,7 @@ void check_same_dimension(const io::Column& column, const std::string& unit) {
   }
 }
 
-/// Signal and axis in the name of a column.
+/// Splits the name of a column into signal and axis.
 struct Label {
   std::string base;
   std::string axis;
@@ -73,7 +73,7 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
   return out;
 }
 
-/// "x" is the axis X1 of a log that calls its axes so; "X1" may stand in the metadata for the axis 1.
+/// In a log that calls its axes X1, X2, … "x" is the axis X1; in the metadata "X1" may stand for the axis 1.
 bool same_axis(const io::Log& log, const std::string& wanted, const std::string& found) {
   const std::string w = lower(wanted);
   if (w == found) return true;
@@ -115,7 +115,7 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
   return out;
 }
 
-/// The column of a quantity by its name, or none. Throws when several could be it.
+/// The column of a quantity, found by its name; absent where there is none. Throws where several could be it.
 const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const std::string& axis) {
   std::vector<Candidate> all = candidates(log, k, axis);
   if (all.empty()) return nullptr;
@@ -138,7 +138,7 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
     if (std::find(axes.begin(), axes.end(), c.axis) == axes.end()) axes.push_back(c.axis);
   }
   if (axes.size() > 1 && axis.empty()) {
-    // A column without an axis in its name goes before those with one.
+    // A column without an axis in its name is preferred.
     const std::vector<Candidate> plain = keep([](const Candidate& c) { return c.axis.empty(); });
     if (plain.empty()) {
       std::string list;
@@ -220,7 +220,7 @@ std::optional<NamedColumn> AxisColumns::find(LogQuantity what) const {
 
 NamedColumn named_column(const io::Log& log, const std::string& text) {
   NamedColumn named{log.find(text), {}};
-  // Try shorter and shorter names: a unit may itself hold blanks ("N s/mm").
+  // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
   for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
        blank = text.rfind(' ', blank - 1)) {
     if (const io::Column* c = log.find(text.substr(0, blank))) {
@@ -228,7 +228,7 @@ NamedColumn named_column(const io::Log& log, const std::string& text) {
       named.unit = text.substr(blank + 1);
     }
   }
-  if (named.column == nullptr) static_cast<void>(log.at(text));  // throws with the columns there are
+  if (named.column == nullptr) static_cast<void>(log.at(text));  // throws with the names of the columns
   if (named.column->values.empty()) {
     refuse_option("--map", fmt::format("column {} holds text, expected numbers",
                                        io::in_quotes(header_of(*named.column))));
@@ -241,7 +241,7 @@ NamedColumn named_column(const io::Log& log, const std::string& text) {
 NamedColumn position_column(const io::Log& log, const std::string& axis) {
   const io::Column* c = log.find(axis);
   if (c == nullptr || c->values.empty()) {
-    // A column without an axis in its name could be any axis's.
+    // A column without an axis in its name could belong to any axis.
     const std::vector<Candidate> all = candidates(log, known_column(LogQuantity::kPosition), axis);
     const bool any = std::any_of(all.begin(), all.end(), [&](const Candidate& some) {
       return !some.axis.empty() && same_axis(log, axis, some.axis);

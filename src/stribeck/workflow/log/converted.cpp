@@ -11,7 +11,7 @@ template <class Row>
 std::vector<double> convert(const io::Column& column, const io::Conversion& c, double factor,
                             std::size_t count, Row&& row) {
   std::vector<double> out(count);
-  // The divisor outside the loop: the same value as c(x), without a power per sample.
+  // The divisor is taken out of the loop: the same value as c(x), without a power per sample.
   const double divisor = c.decimal && c.power < 0 ? std::pow(10.0, -c.power) : 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     const double value = column.values[row(k)];

@@ -10,11 +10,11 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Where no gain says otherwise, the first of these that a log has is the force.
+/// Order in which a log's columns are taken for the force where no gain decides.
 constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuantity::kTorque,
                              LogQuantity::kPercent, LogQuantity::kVoltage};
 
-/// Kind of effort by its unit, whatever the name: a torque in percent is a percentage.
+/// Kind of effort by its unit, whatever its name: a torque in percent is a percentage.
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent
@@ -25,7 +25,7 @@ LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   return by_name;
 }
 
-/// All that the force could be, and why some of it could not be told apart.
+/// All columns that could be the force, and messages on columns that could not be told apart.
 struct Candidates {
   std::vector<Effort> efforts;
   std::optional<io::InputError> ambiguous;
@@ -40,7 +40,7 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain) {
       try {
         if (!by_map) named = columns.find(what);
       } catch (const io::InputError& e) {
-        // With a gain another quantity may still be meant.
+        // With a gain another quantity may be the force.
         if (!with_gain) throw;
         if (!found.ambiguous) found.ambiguous = e;
       }
@@ -62,7 +62,7 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain) {
                    column_names(columns.log()))});
 }
 
-/// A force, or a torque, which the lead makes a force.
+/// A force, or a torque that the lead converts to a force.
 void scale(Effort& e, double factor, bool is_torque, double per_radian) {
   e.factor = factor;
   e.unit = "N";
@@ -75,7 +75,7 @@ void scale(Effort& e, double factor, bool is_torque, double per_radian) {
   }
 }
 
-/// Whether the gain is one of this effort, which is scaled then.
+/// Whether the gain belongs to this effort; it is then applied.
 bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion) {
   const std::string per =
       e.what == LogQuantity::kPercent ? "" : "/(" + std::string(known_column(e.what).quantity.unit) + ")";
@@ -134,13 +134,13 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
 
 Effort with_gain(Candidates found, const std::string& gain, const MotionColumns& motion) {
   for (Effort& e : found.efforts) {
-    if (e.what == LogQuantity::kForce) continue;  // has its scale
+    if (e.what == LogQuantity::kForce) continue;  // its scale is known
     if (apply_gain(e, gain, motion)) return e;
   }
   refuse_gain(found, gain);
 }
 
-/// Says in which unit an effort of unknown scale stays.
+/// Notes the unit of an effort whose scale is not known.
 void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
   const std::string& unit = e.from.unit;
   const auto known = [&](const char* si) { return unit.empty() ? std::string("units") : std::string(si); };

@@ -15,7 +15,7 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Index of the times of position or velocity, on which the axis stands; −1: rows of a given sample time.
+/// Index of the times of position or velocity, which are the times of the axis; −1: rows with a given sample time.
 int base_time_of(const AxisColumns& columns, const NamedColumn& base, const LogTimes& times,
                  double sample_time) {
   const io::Log& log = columns.log();
@@ -32,7 +32,7 @@ int base_time_of(const AxisColumns& columns, const NamedColumn& base, const LogT
   return index;
 }
 
-/// Makes signals of columns, for one run after the other.
+/// Converts columns to signals, run by run.
 struct Signals {
   const io::Log& log;
   const Selection& selection;
@@ -44,7 +44,7 @@ struct Signals {
                         std::size_t run) const {
     ident::log::Signal s;
     const int index = times.index_of(column);
-    // Those that share the time of the position need none of their own.
+    // Columns that share the times of the position need no times of their own.
     const bool own = index >= 0 && (&column == base.column || index != base_time);
     if (selection.all) {
       s.y = converted(column, conversion, factor);
@@ -78,7 +78,7 @@ ident::log::Signal& signal_for(ident::log::RawLog& raw, LogQuantity what) {
   }
 }
 
-/// What two runs in one column look like to somebody who did not say so.
+/// Message for a column that seems to contain two runs that were not declared.
 void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::string>& notes) {
   const std::string marks = marks_of_runs(log, log.columns[static_cast<std::size_t>(base_time)].values);
   if (marks.empty()) return;
@@ -137,7 +137,7 @@ ident::log::Conditioned condition_axis(LoggedAxis axis, const std::string& sourc
   try {
     clean = ident::log::condition(std::move(axis.runs), ident::log::ConditionOptions{options.keep});
   } catch (const ident::Refused& why) {
-    // The log itself is wrong, not its information.
+    // The log itself is wrong, not the options.
     throw io::InputError(io::Problem{"", 0, "", why.what()});
   }
   if (std::find(options.keep.begin(), options.keep.end(), "mixed-runs") != options.keep.end()) return clean;

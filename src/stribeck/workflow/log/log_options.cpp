@@ -8,7 +8,7 @@
 namespace stribeck::workflow {
 namespace {
 
-/// The map file: any of the options, so that nothing is typed twice.
+/// The map file: any of the options, so that they need not be typed again.
 struct MapFile {
   std::string axis;
   std::vector<std::string> map;
@@ -52,7 +52,7 @@ LogOptions with_map_file(LogOptions o, const std::string& map_file) {
   one(o.gain, file.gain);
   one(o.lead, file.lead);
   one(o.sample_time, file.sample_time);
-  both(o.maps, file.map);  // behind those that were given: the first of a quantity counts
+  both(o.maps, file.map);  // after those on the command line, because the first one of a quantity counts
   both(o.where, file.where);
   both(o.keep, file.keep);
   if (o.runs.empty()) o.runs = file.runs;
@@ -65,7 +65,7 @@ io::Log read_log(const std::string& path, const LogOptions& options) {
     read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
   for (const std::string& text : options.maps) {
     if (text.rfind("t=", 0) != 0) continue;
-    // Only a name that stands there as it is; a unit behind it is for later.
+    // Only the name as it is written; a unit after it is handled later.
     read.time_column =
         text.substr(2, text.rfind(' ') == std::string::npos ? std::string::npos : text.rfind(' ') - 2);
   }

@@ -22,7 +22,7 @@ double travel_per_radian(const std::string& lead) {
   return travel / (2.0 * std::numbers::pi);
 }
 
-/// The columns there are, in the order in which they are shown.
+/// The columns that exist, in the order in which they are shown.
 std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
   const std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
   const std::optional<NamedColumn> v = columns.find(LogQuantity::kVelocity);
@@ -44,7 +44,7 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
   return all;
 }
 
-/// Sets conversion and angle from the unit.
+/// Sets conversion and angle by the unit.
 void convert(const io::Log& log, MotionColumn& m) {
   const bool velocity = is_velocity(m.what);
   const std::string& unit = m.from.unit;
@@ -60,7 +60,7 @@ void convert(const io::Log& log, MotionColumn& m) {
   m.conversion = linear ? *linear : *turning;
 }
 
-/// All columns must agree on whether the axis turns.
+/// Refuses columns that disagree on whether the axis is an angle.
 void check_agreement(const io::Log& log, const MotionColumn& m, const MotionColumns& motion) {
   if (m.angle && motion.per_radian == 0.0 && !motion.angle) {
     refuse_column(log, m.from,

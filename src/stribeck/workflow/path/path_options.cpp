@@ -140,7 +140,7 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
     const std::string pace = travel.pace_in_words();
     const double ticks = travel.duration() / machine.sample_time;
     if (travel.part() != nullptr) {
-      // Planned within the limits of the machine.
+      // Parts are planned within the limits of the machine.
       if (ticks <= kMostTicks) continue;
       refuse_option("--path", fmt::format("the program would take {:.3g} control periods, at most {:.3g} are "
                                           "simulated (run it in parts)",
@@ -175,7 +175,7 @@ void check_travel(const sim::Machine& machine, const std::string& machine_file,
                 fastest = std::max(fastest, travel.speed * std::abs(q[1][i]));
                 hardest = std::max(hardest, travel.speed * travel.speed * std::abs(q[2][i]));
               } else {
-                // Centripetal part of q'' for constant speed, on this axis.
+                // Centripetal part of q'' at constant speed, on this axis.
                 fastest = std::max(fastest, travel.speed * std::abs(q[1][i]) / std::sqrt(square));
                 hardest =
                     std::max(hardest, travel.speed * travel.speed *

@@ -14,10 +14,10 @@ namespace stribeck::workflow {
 
 namespace {
 
-/// The controller that was asked for, of those there are.
+/// The requested one of the controllers.
 sim::ControllerSpec chosen_controller(const std::vector<sim::ControllerSpec>& controllers,
                                       std::size_t printed, const std::string& wanted) {
-  // The product's default, or the last of the thesis's controllers, which has the most.
+  // The default, or the last of the thesis's controllers, which has the largest model.
   if (wanted.empty()) return default_controller(controllers, printed);
   std::vector<std::string> ids;
   for (const sim::ControllerSpec& c : controllers) {

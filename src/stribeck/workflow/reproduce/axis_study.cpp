@@ -13,7 +13,7 @@ namespace stribeck::workflow::reproduction {
 
 namespace {
 
-/// Runs have noise of their own: a model must not know that of the run it is judged on.
+/// Each run has its own noise: a model must not have been identified with the noise of the run on which it is judged.
 enum Run : std::uint64_t { kPulses, kFewJogs, kJogs, kSine, kUnseen };
 constexpr std::uint64_t kBetweenRuns = 1000003;
 
@@ -33,7 +33,7 @@ ident::log::Record jog(const Study& s, std::vector<double> speeds, Run run) {
   return log_of(s, ident::excitation::design_jog(limits_of(s), s.machine->sample_time, design), run);
 }
 
-/// Each pair of pulses by itself; those that do not move the axis are left out (fig 2.11).
+/// Each pair of pulses separately; pairs that do not move the axis are left out (fig 2.11).
 std::vector<Scale> by_scale(const ident::log::Record& log, const std::vector<double>& force) {
   std::vector<std::size_t> starts;
   for (std::size_t k = 1; k < force.size(); ++k) {
@@ -87,7 +87,7 @@ void run_study(Study& s) {
   const Wanted& w = s.wanted;
   ident::log::Record pulses;
   if (w.a || w.c || w.verify) {
-    // A first run only tells how hard to push in the second.
+    // The first run only tells the forces for the second one.
     const ident::excitation::Excitation first = design(*s.machine, s.axis, "pulses", 0);
     const auto drive = ident::excitation::rough_drive(
         ident::methods::identify_least_squares_a({log_of(s, first, kPulses)}).result);
@@ -116,7 +116,7 @@ void run_study(Study& s) {
   }
   if (s.biaxial && (w.c || w.verify)) {
     ident::methods::VelocityMapOptions options;
-    options.curve_points = 96;  // drawn with straight lines between them
+    options.curve_points = 96;  // the curve is drawn with straight lines between its points
     s.c = ident::methods::identify_velocity_map({pulses, sine}, options);
   }
   if (!s.biaxial && (w.d || w.verify)) s.d = ident::methods::identify_position_map({sine});

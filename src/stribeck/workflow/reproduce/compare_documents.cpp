@@ -10,7 +10,7 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Words and numbers of a text, numbers apart.
+/// Splits a text into words and numbers.
 struct Token {
   std::string text;
   double value = std::nan("");
@@ -32,8 +32,8 @@ std::vector<Token> tokens(const std::string& text) {
   return all;
 }
 
-/// Whether two cells of measured numbers are as near as another processor's rounding explains. A loop that switches by sign
-/// carries the last bit of a sine into the third digit of a figure, so numbers may differ by some per cent; near zero the sign may
+/// Whether two cells of measured numbers differ no more than rounding of another processor explains. A loop that switches by sign
+/// carries the last bit of a sine into the third digit of a figure, so numbers may differ by some per cent. Near zero the sign may
 /// change.
 bool alike(const std::string& expected, const std::string& got) {
   constexpr double kRelative = 0.06;
@@ -81,7 +81,7 @@ std::vector<std::string> split(const std::string& text, char at) {
 std::string first_difference(const std::string& expected, const std::string& got) {
   const auto a = split(expected, '\n');
   const auto b = split(got, '\n');
-  bool printed = false;  // a table of printed figures: the fourth and fifth cell are ours
+  bool printed = false;  // a table of printed figures: the fourth and fifth cells are computed
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
     const std::string line = i < a.size() ? a[i] : std::string();
     const std::string other = i < b.size() ? b[i] : std::string();

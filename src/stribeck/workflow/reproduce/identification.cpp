@@ -37,7 +37,7 @@ std::vector<ReproducedSection> reproduce_identification(const std::vector<std::s
       (s.biaxial ? table : tool).push_back(std::move(s));
     }
   }
-  // The machine tool first: its axes take longest.
+  // The machine tool first, because its axes take longest.
   std::vector<Study*> jobs;
   for (auto* studies : {&tool, &table}) {
     for (Study& s : *studies) jobs.push_back(&s);

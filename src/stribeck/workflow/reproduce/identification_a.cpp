@@ -60,7 +60,7 @@ std::vector<Plot> scale_plots(const Study& s) {
           std::move(coulomb)};
 }
 
-/// Printed beside ours.
+/// Figures with the printed value beside the computed one.
 void add_figures(ReproducedSection& out, const Study& s) {
   const std::string& axis = s.name();
   const ident::methods::LeastSquaresA& p = *s.pulses;
@@ -79,7 +79,7 @@ void add_figures(ReproducedSection& out, const Study& s) {
   corrected("α2 corrected by jogging, Kalman", *a.kalman);
 }
 
-/// What each way of identifying finds, one row each.
+/// Results of all methods, one row each.
 void add_rows(ReproducedSection& out, const Study& s) {
   const std::string& axis = s.name();
   const ident::methods::LeastSquaresA& p = *s.pulses;
@@ -115,7 +115,7 @@ void add_rows(ReproducedSection& out, const Study& s) {
   row("the machine itself", s.truth().plant.mass / kKilo, kNaN, kNaN, kNaN);
 }
 
-/// Friction observed while jogging, and the lines through it.
+/// Friction observed during the jogs, and the lines through it.
 Plot observed_plot(const Study& s) {
   const std::string& axis = s.name();
   const ident::methods::LeastSquaresA& p = *s.pulses;

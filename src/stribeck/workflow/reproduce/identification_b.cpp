@@ -19,7 +19,7 @@ std::string chosen_name(const ident::Result& r) {
   return r.model;
 }
 
-/// Means of the jogs, our fit and the printed curve.
+/// Means of the jogs, the fit and the printed curve.
 template <class Force>
 Plot jog_plot(const Study& s, const std::string& label, Force&& print) {
   const ident::Result& r = s.b->result;

@@ -35,7 +35,7 @@ Series along_motion(const Study& s, bool eccentric) {
 }
 
 std::vector<Plot> position_plots(const Study& s) {
-  constexpr double kSlow = 2e-3;  // below it the Stribeck rise, which (2.37) does not have
+  constexpr double kSlow = 2e-3;  // below it lies the Stribeck rise, which (2.37) does not have
   const std::string& axis = s.name();
   const double eta0 = estimate(*s.d, "eta0").value;
   const double eta1 = estimate(*s.d, "eta1").value;

@@ -10,7 +10,7 @@ namespace stribeck::workflow::reproduction {
 
 namespace {
 
-/// Mean of both directions; halves of the intervals do not shrink, as the errors may be common.
+/// Mean of both directions; the half width of the interval does not shrink, because both errors may have the same cause.
 Estimate mean_of(const Estimate& a, const Estimate& b) {
   return {0.5 * (a.value + b.value),
           {0.5 * (a.interval.low + b.interval.low), 0.5 * (a.interval.high + b.interval.high)}};
@@ -61,7 +61,7 @@ std::vector<SpeedAndForce> means_of(const ident::methods::Jog& jog) {
   return points;
 }
 
-/// The same line through Table 2.3 at the same speeds: what Tables 2.1 and 2.2 would be if they described the
+/// The same line through Table 2.3 at the same speeds: the values that Tables 2.1 and 2.2 would have if they described the
 /// same friction.
 Line line_through_print(std::vector<SpeedAndForce> points, const std::string& axis) {
   const friction::SteadyVariant map = printed_map(axis);
@@ -91,7 +91,7 @@ Conventional conventional_of(const ident::Result& r) {
                  estimate(r, "gaussian_1_c_negative", 1.0 / kMilli));
   const Estimate rise =
       mean_of(estimate(r, "gaussian_1_a_positive"), estimate(r, "gaussian_1_a_negative", -1.0));
-  // The sum is known as the curve is at its slow end, better than either part.
+  // The sum is as uncertain as the curve at its slow end, which is less than either part.
   double half = kNaN;
   for (const ident::CurvePoint& p : r.curve) {
     if (p.velocity > 0.0) {
@@ -103,7 +103,7 @@ Conventional conventional_of(const ident::Result& r) {
   return c;
 }
 
-/// The curve and its interval at a velocity, straight between its points.
+/// The curve and its interval at a velocity, interpolated linearly between its points.
 Estimate curve_at(const ident::Result& r, double v) {
   for (std::size_t i = 1; i < r.curve.size(); ++i) {
     const ident::CurvePoint& a = r.curve[i - 1];
@@ -117,7 +117,7 @@ Estimate curve_at(const ident::Result& r, double v) {
   return {force_of(r.friction.steady, v), {}};
 }
 
-/// Largest over 0.5–9.5 mm/s of one direction.
+/// Largest difference over 0.5–9.5 mm/s of one direction.
 Deviation deviation(const ident::Result& r, const std::string& axis, double direction) {
   const friction::SteadyVariant map = printed_map(axis);
   Deviation most;

@@ -10,10 +10,10 @@ namespace {
 constexpr double kMilli = 1e-3;  ///< mm, mm/s
 constexpr double kKilo = 1e3;    ///< N s/mm
 
-/// A row of a table of the thesis, in its units (N, mm, rad). Never an input of an identification.
+/// A row of a table of the thesis, in its units (N, mm, rad). Never used as an input of an identification.
 struct Printed {
   std::string_view table;
-  std::string_view of;  ///< axis; with + or − one direction
+  std::string_view of;  ///< axis; with + or − for one direction
   std::array<double, 11> value;
 };
 

@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& ids, std::string_view id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-/// Identified models of the axes of one machine, made once for all experiments on it.
+/// Identified models of the axes of one machine, shared by all experiments on it.
 struct Known {
   sim::Machine machine;
   Needs needs;
@@ -36,7 +36,7 @@ std::vector<sim::AxisKnowledge> printed_knowledge(const sim::Machine& machine) {
   return all;
 }
 
-/// Every machine that the settings need, its axes identified for all of them together.
+/// Every machine of the settings, with its axes identified for all of them together.
 std::map<std::string, Known> commission_machines(const std::vector<sim::Experiment>& chosen,
                                                  const ReproduceOptions& o, const StageProgress& progress) {
   std::map<std::string, Known> all;
@@ -98,7 +98,7 @@ std::vector<std::string> reproducible_ids() {
 ReproductionPlan plan_reproduction(const ReproduceOptions& o) {
   ReproductionPlan plan;
   plan.options = o;
-  // Nothing of it is the thesis's, so "all" does not mean it.
+  // The thesis contains none of it, so "all" does not include it.
   plan.robust = contains(o.ids, kRobustness);
   if (!plan.robust && !o.controllers.empty())
     refuse_option("--controller", "can be used with robustness only (add robustness to the experiments)");
@@ -107,7 +107,7 @@ ReproductionPlan plan_reproduction(const ReproduceOptions& o) {
   if (o.vary != "all") plan.robustness.variation = sim::vary_only(o.vary);
   plan.robustness.seed = o.seed;
   plan.robustness.threads = o.threads;
-  if (!o.controllers.empty()) plan.robustness.controllers.resize(1);  // the reference of the others
+  if (!o.controllers.empty()) plan.robustness.controllers.resize(1);  // the reference for the others
   for (const std::string& name : o.controllers)
     add_controller(plan.robustness.controllers, read_controller(name), name);
   const bool everything = contains(o.ids, "all");

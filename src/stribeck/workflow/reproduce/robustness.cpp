@@ -17,10 +17,10 @@ using report::decimals;
 constexpr double kMicro = 1e6;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A share as per cent: 30, 5, 0.5.
+/// A share as a percentage: 30, 5, 0.5.
 std::string per_cent(double share) { return report::short_number(100.0 * share) + " %"; }
 
-/// What machines may differ in, in words.
+/// The factors in which machines differ, in words.
 std::string in_words(const sim::Variation& v) {
   std::vector<std::string> parts;
   if (v.friction > 0.0)
@@ -56,7 +56,7 @@ Cell micrometres(double value) {
 }
 Cell shares(double value) { return {std::isinf(value) ? std::string("lost") : decimals(100.0 * value, 0)}; }
 
-/// Share of the machines whose maximum is below, over the maximum.
+/// Share of the machines whose maximum error is below a value, over that value.
 report::Plot below(const sim::RobustnessResult& result, std::size_t travel) {
   report::Plot p;
   p.title = result.spec.travels[travel].pace_in_words();
