@@ -1,6 +1,6 @@
 #pragma once
-/// The parameters of one axis of a controller, with the names that the C interface gives them. Those of the compensation are
-/// declared in control/compensation; what is in no file has its fields here.
+/// The parameters of one axis of a controller, with their names in the C interface. Those of the compensation are
+/// declared in control/compensation; those that no file has are declared here.
 /// Real time: configure only.
 
 #include "law_settings.hpp"
@@ -18,7 +18,7 @@ struct AxisSettings {
   control::ErrorRate error_rate = control::ErrorRate::kDifferenceOfError;
   LawSettings law;
   control::CompensationParams compensation;
-  /// A host that gives no limits keeps what it had: the law answers bad numbers, and only a lost encoder or command is a fault.
+  /// A host that gives no limits keeps its old behaviour: the law handles bad numbers, and only a lost encoder or command is a fault.
   control::SupervisionParams supervision{.checks = control::Checks::kLost};
 
   static constexpr auto fields() {

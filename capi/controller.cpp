@@ -11,28 +11,28 @@ using capi::with;
 
 namespace {
 
-/// Below this speed the frame of the path holds [m/s].
+/// Below this speed the frame of the path is kept [m/s].
 constexpr double kSlowest = 1e-5;
-/// A frame turns at most at this share of the loop's lowest natural frequency.
+/// Largest rate at which a frame turns, as a share of the loop's lowest natural frequency.
 constexpr double kTurning = 0.25;
-/// Sliding mode: bound of the error of the mass that is left out, as a share of it.
+/// Sliding mode: default bound of the error of the mass, as a share of the mass.
 constexpr double kMassBound = 0.1;
 
 constexpr std::string_view kAxis[] = {"axis 0: ", "axis 1: ", "axis 2: "};
 
 Value initial_settings() noexcept { return initial_of(type_of<capi::AxisSettings>); }
 
-/// What the gains of an axis are, whatever the law.
+/// The gains of an axis, for any law.
 double kp_of(const capi::AxisSettings& s) noexcept { return s.kp.value_or(s.omega * s.omega); }
 double kv_of(const capi::AxisSettings& s) noexcept { return s.kv.value_or(2.0 * s.omega); }
 
-/// One element of a law's list: what was set, or what the law has for this direction.
+/// One element of a law's list: the value that was set, or the law's default for this direction.
 void put(control::PerAxis& list, const control::PerAxis& otherwise, std::size_t i,
          const std::optional<double>& set) {
   list.push_back(set.value_or(otherwise[std::min(i, otherwise.size() - 1)]));
 }
 
-/// The parameters of a law from those of all axes. refuse(axis, key, what) when they mean nothing together.
+/// The parameters of a law from those of all axes. Calls refuse(axis, key, what) where they contradict each other.
 template <std::size_t N, class Refuse>
 void gather(const Controller<N>& c, double period, control::ContouringParams& p, Refuse&& refuse) {
   p.kp.clear();
@@ -45,7 +45,7 @@ void gather(const Controller<N>& c, double period, control::ContouringParams& p,
   }
 }
 
-/// Gains that a law does not have.
+/// Refuses gains that a law does not have.
 template <std::size_t N, class Refuse>
 void refuse_gains(const Controller<N>& c, std::string_view what, Refuse&& refuse) {
   for (std::size_t i = 0; i < N; ++i) {
@@ -116,7 +116,7 @@ void gather(const Controller<N>& c, double period, control::LearningParams& p, R
     refuse(0, "omega", "the loop is unstable at this period, or learning does not converge");
 }
 
-/// Checks what the axes say of a law together, then puts it to work.
+/// Checks the parameters of all axes for a law together, then starts the law.
 template <std::size_t I, std::size_t N>
 stribeck_result start(Controller<N>& c, double period) {
   using Settings = std::variant_alternative_t<I, capi::LawSettings>;

@@ -1,6 +1,6 @@
 #pragma once
-/// What is behind a controller's handle: parameters, and behind them the law at work and its state, all in one piece of memory
-/// of the caller. How much memory there is decides which laws it may have.
+/// The memory behind a controller's handle: parameters, followed by the active law and its state, in one piece of memory of the
+/// caller. The size of this memory decides which laws the controller may have.
 /// Real time: step.cpp; the rest configures.
 
 #include <stribeck/stribeck.h>
@@ -13,7 +13,7 @@
 
 #include "axis_settings.hpp"
 
-/// The part that does not depend on how many axes there are.
+/// The part that does not depend on the number of axes.
 struct stribeck_controller {
   static constexpr std::uint32_t kMark = 0x53747242;
 
@@ -32,13 +32,13 @@ struct Frame {
 template <>
 struct Frame<1> {};
 
-/// A law at work.
+/// An active law.
 template <class Law>
 struct Running {
   Law law;
   typename Law::State state;
 };
-/// One that looks ahead, with the points that it is given: too many for a stack.
+/// A law that looks ahead, with the points that it is given: they are too large for a stack.
 template <std::size_t N>
 struct Running<control::Predictive<N>> {
   using Law = control::Predictive<N>;
@@ -57,11 +57,11 @@ struct Controller : stribeck_controller {
   control::Supervisor<N> supervisor;
   typename control::Supervisor<N>::State watch;
   Frame<N> frame;
-  std::size_t law = kLaws;  ///< which one is at work; kLaws: none
-  std::size_t room = 0;     ///< for it, behind this [bytes]
+  std::size_t law = kLaws;  ///< index of the active law; kLaws: none
+  std::size_t room = 0;     ///< memory for it behind this object [bytes]
 };
 
-/// Where the law at work lies.
+/// Address of the active law.
 template <class Law, std::size_t N>
 void* place_of(Controller<N>& c) noexcept {
   static_assert(alignof(Running<Law>) <= alignof(Controller<N>) &&
@@ -82,7 +82,7 @@ auto with_axes(std::uint32_t axes, F&& f) noexcept {
   return f(std::integral_constant<std::size_t, 3>{});
 }
 
-/// Calls f with the controller as what it is.
+/// Calls f with the controller in its real type.
 template <class C, class F>
 auto with(C* c, F&& f) noexcept {
   return with_axes(c->axes, [&](auto n) -> decltype(auto) {
@@ -91,7 +91,7 @@ auto with(C* c, F&& f) noexcept {
   });
 }
 
-/// Calls f with the law at work; false when there is none.
+/// Calls f with the active law; returns false when there is none.
 template <std::size_t N, class F>
 bool with_law(Controller<N>& c, F&& f) noexcept {
   const auto one = [&](auto index) {

@@ -1,10 +1,10 @@
 #pragma once
 /// The laws that a controller of the C interface may have, and their parameters. A law declares them itself (fields() of its
-/// Params); here stands which of them are per axis, and what one is that is left out.
+/// Params); this file tells which of them are per axis, and the values of those that are not set.
 ///
 ///   per axis   lists of the law: along the path, then across it, or of the axis (mass_bound, force_bound, speed_limit)
-///   shared     the rest, which must be the same on all axes
-///   not here   kp, kv, omega and error_rate, which every axis has under these names whatever the law
+///   shared     all others; they must be equal on all axes
+///   not here   kp, kv, omega and error_rate, which every axis has under these names for any law
 ///
 /// Real time: configure only.
 
@@ -22,7 +22,7 @@
 
 namespace stribeck::capi {
 
-/// What a law permits for its parameter of this name.
+/// The permitted range of a law's parameter of this name.
 template <class Params>
 constexpr Quantity quantity_of(std::string_view name) {
   Quantity found;

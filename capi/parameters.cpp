@@ -6,7 +6,7 @@
 namespace stribeck::capi {
 namespace {
 
-/// A dotted name being put together.
+/// Builds a dotted name.
 class Name {
  public:
   class Mark {
@@ -21,7 +21,7 @@ class Name {
     std::size_t size_;
   };
 
-  /// Adds a part until the mark goes.
+  /// Adds a part to the name; the mark removes it at the end of its life.
   [[nodiscard]] Mark with(std::string_view part) noexcept {
     const std::size_t before = size_;
     if (size_ > 0 && !part.empty()) append(".");
@@ -29,7 +29,7 @@ class Name {
     return {*this, before};
   }
   [[nodiscard]] Mark with(std::size_t index) noexcept {
-    const char digit = static_cast<char>('0' + index % 10);  // no list here has more than ten
+    const char digit = static_cast<char>('0' + index % 10);  // no list has more than ten items
     return with(std::string_view(&digit, 1));
   }
   [[nodiscard]] const char* text() const noexcept { return text_.data(); }
@@ -54,7 +54,7 @@ using Hears = Listener<const Leaf&>;
 
 void list_below(Name& name, const Value& v, const FieldInfo& field, bool absent, const Hears& heard);
 
-/// A choice, and what lies below each of its alternatives.
+/// A choice, and the parameters of each of its alternatives.
 void list_variant(Name& name, const Member& m, bool absent, const Hears& heard) {
   const Type& type = m.value.type();
   {
@@ -117,7 +117,7 @@ void values_below(Name& name, const Value& v, const Heard& heard) {
     case Kind::kChoice:
       return heard(name.view(), v.number(), v.word());
     case Kind::kVariant: {
-      // The name of the choice has been taken off: its word stands there.
+      // The name of the choice was removed; the alternative's word replaces it.
       const auto mark = name.with(v.word());
       return values_below(name, v.chosen(), heard);
     }
@@ -132,7 +132,7 @@ void values_below(Name& name, const Value& v, const Heard& heard) {
       return;
     case Kind::kGroup:
       return for_each_member(v, [&](const Member& m) {
-        // A file may leave it out, and has.
+        // An optional value that is absent.
         if (m.value.is_scalar() && !m.info.required && !m.info.quantity.permits(m.value.number())) return;
         if (m.value.kind() == Kind::kVariant) {
           {
@@ -150,7 +150,7 @@ void values_below(Name& name, const Value& v, const Heard& heard) {
   }
 }
 
-/// Takes the first part off a dotted name.
+/// Removes the first part of a dotted name and returns it.
 std::string_view take_part(std::string_view& rest) noexcept {
   const std::size_t n = std::min(rest.find('.'), rest.size());
   const std::string_view part(rest.data(), n);
@@ -227,7 +227,7 @@ stribeck_result assign_variant(const TargetMember& m, std::string_view part, std
   return assign(m.value.chosen(), m.info.quantity, rest, x);
 }
 
-/// Sets the parameter `rest` below `target`. When it fails nothing has changed.
+/// Sets the parameter `rest` below `target`. On failure nothing has changed.
 stribeck_result assign(Target target, const Quantity& quantity, std::string_view rest, double x) noexcept {
   switch (target.kind()) {
     case Kind::kSwitch:
@@ -261,7 +261,7 @@ stribeck_result assign(Target target, const Quantity& quantity, std::string_view
   return STRIBECK_UNKNOWN_NAME;
 }
 
-/// `initial` is what `v` was in the beginning.
+/// `initial` is the initial value of `v`.
 bool check_below(Name& name, const Value& v, const Value& initial, const Quantity& quantity,
                  const Report& report);
 
@@ -276,7 +276,8 @@ bool check_group(Name& name, const Value& group, const Value& initial, const Rep
       return;
     }
     const Value begun = *find_member(initial, m.info.name);
-    if (m.value.is_scalar() && !m.info.required && m.value.number() == begun.number()) return;  // left out
+    if (m.value.is_scalar() && !m.info.required && m.value.number() == begun.number())
+      return;  // has its initial value
     const auto mark = name.with(m.info.name);
     good = check_below(name, m.value, begun, m.info.quantity, report);
   });
@@ -339,7 +340,7 @@ stribeck_result parameter_at(const Value& initial, std::uint32_t index, stribeck
     result = STRIBECK_OK;
     *out = {};
     std::copy_n(leaf.name.data(), std::min(leaf.name.size(), sizeof out->name - 1), out->name);
-    // Texts of fields() are literals and end in a zero.
+    // Texts of fields() are literals and end in a zero byte.
     const Quantity& quantity = leaf.field->quantity;
     out->unit = quantity.unit.data() == nullptr ? "" : quantity.unit.data();
     out->about = leaf.field->doc.data() == nullptr ? "" : leaf.field->doc.data();

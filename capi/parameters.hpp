@@ -1,14 +1,14 @@
 #pragma once
-/// Parameters by name, for hosts that have nothing but names and numbers. The names come from fields() (core/fields.hpp):
+/// Parameters by name, for hosts that only have names and numbers. The names come from fields() (core/fields.hpp):
 ///
 ///   mass                               a member
-///   friction.eccentric.0.amplitude     element of a list: its index; setting it makes the list as long as that
+///   friction.eccentric.0.amplitude     element of a list: its index; setting it extends the list to that element
 ///   friction.steady                    a choice (std::variant, enumeration): index of the word
-///   friction.conventional.alpha0       member of an alternative: the alternative's word stands in place of the choice's name
-///   friction.conventional.stribeck.v0  member of something optional: setting it puts it in
+///   friction.conventional.alpha0       member of an alternative: its word replaces the name of the choice
+///   friction.conventional.stribeck.v0  member of an optional value: setting it makes the value present
 ///
-/// Absent is NaN. A setting that has no effect beside the others is accepted, other than in files: a host keeps the settings of
-/// what it has switched off.
+/// Absent is NaN. Unlike in files, a setting without effect is accepted: a host keeps the settings of what it has switched
+/// off.
 /// Real time: no allocation; configure only.
 
 #include <stribeck/stribeck.h>
@@ -24,11 +24,11 @@
 namespace stribeck::capi {
 
 inline constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
-/// Periods that a servo thread may have [s]; below it, and from a second on, the number is something else.
+/// Periods that a servo thread may have [s]. A number outside is probably in another unit.
 inline constexpr double kShortestPeriod = 1e-6;
 inline constexpr const char* kPeriodExpected = "period: expected at least 1 us and below 1 s";
 
-/// The last problem, as text in the handle.
+/// The last problem, stored as text in the handle.
 class Problem {
  public:
   void set(std::initializer_list<std::string_view> parts) noexcept {
@@ -46,19 +46,19 @@ class Problem {
   std::array<char, 200> text_{};
 };
 
-/// A parameter that may be set.
+/// A parameter that can be set.
 struct Leaf {
   std::string_view name;
-  const FieldInfo* field = nullptr;  ///< that declares it
-  double value = kAbsent;            ///< before it is set
+  const FieldInfo* field = nullptr;  ///< its declaration
+  double value = kAbsent;            ///< value before it is set
   stribeck_parameter_kind kind = STRIBECK_NUMBER;
-  const Type* choice = nullptr;  ///< whose words it takes
+  const Type* choice = nullptr;  ///< the choice whose words it takes
 };
 
-/// Calls heard(leaf) for every parameter that may be set.
+/// Calls heard(leaf) for every parameter that can be set.
 void list(const Value& initial, const Listener<const Leaf&>& heard) noexcept;
 
-/// Calls heard(name, value, word) for every parameter that a group holds: chosen alternatives and present elements alone.
+/// Calls heard(name, value, word) for every parameter that a group has: only chosen alternatives and present elements.
 /// `word` is that of a choice, else empty.
 using Heard = Listener<std::string_view, double, std::string_view>;
 void values_of(const Value& group, const Heard& heard);
@@ -68,13 +68,13 @@ stribeck_result parameter_at(const Value& initial, std::uint32_t index, stribeck
 /// Word number `index` of a choice; null when there is none.
 const char* word_at(const Value& initial, const char* wanted, std::uint32_t index) noexcept;
 
-/// Sets one parameter, with the problem in words after `where`.
+/// Sets one parameter. The text of a problem begins with `where`.
 stribeck_result set_parameter(Target group, const char* name, double x, std::string_view where,
                               Problem& problem) noexcept;
 stribeck_result choose_parameter(Target group, const char* name, const char* word, std::string_view where,
                                  Problem& problem) noexcept;
 
-/// Reports the first thing that is wrong; true when nothing is.
+/// Reports the first problem; returns true when there is none.
 bool check(const Value& group, const Report& report) noexcept;
 
 }  // namespace stribeck::capi

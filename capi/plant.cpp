@@ -18,7 +18,7 @@ struct stribeck_plant {
 
 namespace {
 
-/// No exception passes the C interface.
+/// No exception may pass the C interface.
 template <class F>
 stribeck_result guarded(stribeck_plant* p, F&& f) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;

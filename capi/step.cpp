@@ -1,4 +1,4 @@
-// What runs in the servo thread, apart from what configures: built with a limit on stack frames (CMakeLists.txt).
+// The code that runs in the servo thread, separate from configuration: built with a limit on stack frames (CMakeLists.txt).
 #include "controller.hpp"
 
 #include <cmath>
@@ -14,7 +14,7 @@ using capi::with;
 
 namespace {
 
-/// Makes a state anew where it lies: assigning a new one would put a copy on the stack, beyond the limit of a servo thread.
+/// Constructs a state in place: assigning a new one would put a copy on the stack, beyond the limit of a servo thread.
 template <class State>
 void renew(State& s) {
   static_assert(std::is_trivially_destructible_v<State>);
@@ -29,7 +29,7 @@ void forget(Controller<N>& c) {
   if constexpr (N > 1) renew(c.frame.state);
 }
 
-/// One point of the reference; true when it is finite.
+/// Reads one point of the reference; returns true when it is finite.
 template <std::size_t N>
 bool point_from(const stribeck_axis_input* in, path::PathPoint<N>& r) {
   double sum = 0.0;
@@ -42,7 +42,7 @@ bool point_from(const stribeck_axis_input* in, path::PathPoint<N>& r) {
   return isfinite(sum);
 }
 
-// Functions of their own, so that the frames of the laws do not add up.
+// Separate functions, so that the stack frames of the laws do not add up.
 template <class Law, std::size_t N>
 [[gnu::noinline]] Vec<double, N> step_of(capi::Running<Law>& running, const path::PathPoint<N>& r,
                                          const Vec<double, N>& measured) {
@@ -63,7 +63,7 @@ template <std::size_t N>
   return c.supervisor.stopped(c.watch);
 }
 
-/// With `points` rows of the reference from `in` on; the law at work takes those that it wants.
+/// `points` rows of the reference begin at `in`; the active law uses as many of them as it needs.
 template <std::size_t N>
 stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint32_t points, double* force) {
   path::PathPoint<N> r;

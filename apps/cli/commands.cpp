@@ -20,7 +20,7 @@ constexpr int kBadInput = 2;
 
 std::string command_line;
 
-/// One line on stderr, whatever a message holds.
+/// Prints one line on stderr, whatever characters a message contains.
 void complain(std::string_view message) {
   std::string line(message);
   for (char& c : line) {
@@ -29,7 +29,7 @@ void complain(std::string_view message) {
   fmt::print(stderr, "stribeck: {}\n", line);
 }
 
-/// An argument that the verb does not have: the option that is near, or that it is one too many.
+/// Message for an argument that the verb does not have: a similar option, or that it is one too many.
 std::string unknown(const CLI::App& verb) {
   const std::vector<std::string> rest = verb.remaining();
   const auto option =
@@ -47,7 +47,7 @@ std::string unknown(const CLI::App& verb) {
                      near.empty() ? std::string() : fmt::format(", did you mean {}", near));
 }
 
-/// Messages of the CLI library about types and counts, rewritten in the style of this program.
+/// Rewrites messages of the CLI library about types and counts in the style of this program.
 std::string in_words(const CLI::ParseError& e, const CLI::App* verb) {
   const std::string text = e.what();
   const std::string option = text.substr(0, text.find(": "));

@@ -21,21 +21,21 @@ int run(int argc, const char* const* argv);
 /// The action of a verb after its options are read; returns the exit code.
 using Action = std::function<int()>;
 
-/// Adds a verb to the command and says what to do when it was chosen.
+/// Adds a verb to the command, with the action to run when it is chosen.
 using AddVerb = void(CLI::App& app, Action& action);
 AddVerb add_compare, add_identify, add_excite, add_simulate, add_reproduce, add_verify, add_export,
     add_evaluate, add_tune;
-/// All verbs, in the order of --help: a new one is declared above and entered here.
+/// All verbs, in the order of --help. A new verb is declared above and entered here.
 inline constexpr std::array<AddVerb*, 9> kVerbs{add_compare,  add_identify,  add_excite,
                                                 add_simulate, add_reproduce, add_verify,
                                                 add_export,   add_evaluate,  add_tune};
 /// Not in --help: tools/make-reference calls it.
 AddVerb add_reference;
 
-/// A word as a shell takes it.
+/// A word, quoted as a shell needs it.
 std::string shell_quoted(std::string_view word);
 
-/// The command as it was typed, for pages that say how to make them again.
+/// The command as it was typed, for pages that show how to make them again.
 const std::string& typed_command();
 
 }  // namespace stribeck::cli

@@ -46,7 +46,7 @@ sim::CompareSpec spec_of(const Options& o, const std::string& experiment, const 
   return s;
 }
 
-/// The printed figures belong to one experiment: the circle of 10 mm at the gains of the table.
+/// The printed figures belong to one experiment: the circle of 10 mm with the gains of the table.
 std::span<const report::PrintedTable> printed_for(const Options& o, const std::string& experiment) {
   PathOptions standard;
   standard.laps = o.path.laps;
@@ -55,7 +55,7 @@ std::span<const report::PrintedTable> printed_for(const Options& o, const std::s
   return report::kBiaxialTables;
 }
 
-/// Logs and axis files beside the page, so that the way from log to model can be walked again with identify.
+/// Logs and axis files beside the page, so that the identification can be repeated.
 void write_evidence(const std::string& directory, const sim::Machine& machine, const Parameters& parameters) {
   for (std::size_t i = 0; i < parameters.axes.size(); ++i) {
     const std::string& name = machine.axes[i].first;

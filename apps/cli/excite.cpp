@@ -33,7 +33,7 @@ bool is_gcode(const std::string& path) {
   return path.ends_with(".ngc") || path.ends_with(".nc") || path.ends_with(".gcode");
 }
 
-/// G-code moves positions; it cannot ask for forces.
+/// G-code commands positions and cannot command forces.
 void check_gcode(const Options& o) {
   if (o.gcode.empty() && !is_gcode(o.output)) return;
   const bool force = o.what.method == "pulses" || o.what.method == "ramp";

@@ -36,7 +36,7 @@ CLI::Validator whole_from(std::uint64_t low, std::uint64_t high) {
         std::uint64_t value = 0;
         const char* const end = text.data() + text.size();
         const auto read = std::from_chars(text.data(), end, value);
-        // The library reads "010" as eight.
+        // The library would read "010" as eight.
         const bool plain = text.size() < 2 || text.front() != '0';
         const bool good = read.ec == std::errc() && read.ptr == end && plain && value >= low && value <= high;
         return good ? std::string()

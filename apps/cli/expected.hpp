@@ -1,9 +1,9 @@
 #pragma once
-/// Allowed values of options; problems are reported like all others: got VALUE, expected WHAT.
+/// Checks of the values of options; problems are reported as everywhere: got VALUE, expected WHAT.
 ///
 ///   number_from(1, 90)   a finite number within both bounds, these included
-///   whole_from(1, 100)   a whole number in digits; the library alone would take "-1" of an unsigned option for 4294967295
-///   one_of({"a", "b"})   a word, with the nearest one there is
+///   whole_from(1, 100)   a whole number in digits; the library alone would read "-1" for an unsigned option as 4294967295
+///   one_of({"a", "b"})   a word; the message suggests the nearest one
 ///
 /// Real time: no.
 

@@ -43,7 +43,7 @@ IdentifyOptions identify_options(const Options& o) {
   return options;
 }
 
-/// With --inspect nothing is identified, so nothing but the reading of the log can be asked for.
+/// --inspect identifies nothing, so only options on reading the log are allowed.
 void check_inspect(const Options& o) {
   const auto none = [](bool given, const char* option) {
     if (given) refuse_option(option, "--inspect does not take it: it identifies nothing");
@@ -59,7 +59,7 @@ void check_inspect(const Options& o) {
   none(!o.common.report.empty(), "--report");
 }
 
-/// The same log under two names as well.
+/// Refuses a log that is given twice, also under two names.
 void refuse_repeated(const std::vector<std::string>& logs) {
   std::vector<std::filesystem::path> seen;
   for (const std::string& log : logs) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Options that several verbs have, declared once: of a log, of a path, of parameters.
+/// Options that several verbs have, declared once: for a log, a path, parameters.
 /// Real time: no.
 
 #include <stribeck/workflow/log/log_options.hpp>
@@ -16,20 +16,20 @@ struct PathOptions;
 
 namespace stribeck::cli {
 
-/// How the columns of a log are to be read, as it was typed.
+/// Options on reading the columns of a log, as they were typed.
 struct LogArguments {
   workflow::LogOptions options;
   std::string map_file;
 
-  /// With what the map file adds. Called once, before the first log is read.
+  /// Merged with the map file. Call it once, before the first log is read.
   [[nodiscard]] workflow::LogOptions resolved() const { return with_map_file(options, map_file); }
 };
 void add_log_options(CLI::App& verb, LogArguments& arguments);
 
-/// Where the compensators' parameters come from.
+/// Options on the origin of the compensators' parameters.
 void add_parameter_options(CLI::App& verb, workflow::ParameterOptions& options);
 
-/// A path, and the gains of the controllers that are driven along it.
+/// Options on a path, and on the gains of the controllers that run along it.
 void add_path_options(CLI::App& verb, workflow::PathOptions& options);
 
 }  // namespace stribeck::cli

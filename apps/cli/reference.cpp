@@ -1,4 +1,4 @@
-/// `stribeck reference -o FOLDER`: the pages of docs/reference, from what the program itself declares. It is not in --help;
+/// `stribeck reference -o FOLDER`: writes the pages of docs/reference from the declarations in the program. It is not in --help;
 /// tools/make-reference runs it, adds the page of the JSON keys and compares.
 
 #include <fmt/format.h>
@@ -42,7 +42,7 @@ std::string cell(std::string_view text) {
 
 // ---- files
 
-/// Keys of a machine file; what stands below `published` is an axis file each and has its own page.
+/// Keys of a machine file. Each table below `published` is an axis file, which has its own page.
 std::vector<io::KeyInfo> machine_keys() {
   std::vector<io::KeyInfo> keys = io::keys_of<sim::Machine>();
   constexpr std::string_view kPublished = "axes.<name>.published.";
@@ -99,7 +99,7 @@ std::string limits_of(const capi::Leaf& leaf) {
     return words;
   }
   if (leaf.kind == STRIBECK_SWITCH) return "0 or 1";
-  // Here everything is SI.
+  // Values of the C interface are in SI.
   Quantity si = leaf.field->quantity;
   si.shown = si.unit;
   return io::range_text(si);
@@ -129,7 +129,7 @@ std::string parameters_page() {
 
 // ---- verbs
 
-/// What an option takes: `{a,b}` for the library's TEXT:{a,b}, `COUNT from 1 to 9` for UINT:from 1 to 9.
+/// The value of an option: `{a,b}` for the library's TEXT:{a,b}, `COUNT from 1 to 9` for UINT:from 1 to 9.
 std::string taken_by(const CLI::Option& o) {
   const std::string all = o.get_type_name();
   const auto colon = all.find(':');
@@ -141,7 +141,7 @@ std::string taken_by(const CLI::Option& o) {
   return type == "TEXT" ? which : type + ' ' + which;
 }
 
-/// Names with what an option takes: `-o --output FILE`.
+/// Names of an option with its value: `-o --output FILE`.
 std::string name_of(const CLI::Option& o) {
   const bool positional = o.get_positional();
   std::string name = o.get_name(positional, !positional);
@@ -183,7 +183,7 @@ void add_reference(CLI::App& app, Action& action) {
   auto folder = std::make_shared<std::string>();
   verb->add_option("-o,--output", *folder, "Folder of the pages")->required()->type_name("FOLDER");
   verb->callback([folder, &app, &action] {
-    // The verbs are read now: the action may outlive them.
+    // The verbs are read now, because the action may run after they are gone.
     const std::string verbs = verbs_page(app);
     action = [folder, verbs] {
       const auto write = [&](const char* name, const std::string& text) {

@@ -28,7 +28,7 @@ struct Options {
   Options() { what.ids.clear(); }
 };
 
-/// The command that makes the same page again, without what stands for nothing.
+/// The command that makes the same page again, without options that have no effect.
 std::string command_of(const ReproduceOptions& o) {
   const ReproduceOptions standard;
   std::string command = "stribeck reproduce " + report::joined(o.ids, " ");

@@ -32,16 +32,16 @@ struct Options {
   std::string machine;
   std::string output;
   std::uint64_t seed = 1;
-  // along a path
+  // for a run along a path
   SingleRunOptions run;
   std::uint32_t trial = 0;
   ParameterOptions parameters;
-  // one axis along a reference
+  // for one axis along a reference
   std::string reference;
   std::string axis;
 };
 
-/// Plays a file that excite wrote.
+/// Runs an axis along a file that excite wrote.
 int play_reference(const Options& o, const sim::Machine& machine) {
   if (o.axis.empty()) refuse_option("--axis", "missing, expected the axis that --reference is for");
   const std::size_t axis = axis_index(machine, o.machine, o.axis);

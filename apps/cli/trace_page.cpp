@@ -9,7 +9,7 @@
 namespace stribeck::cli {
 namespace {
 
-/// Quantities of the columns of our own logs, by the first part of their names.
+/// Quantities of the columns of the program's own logs, by the first part of their names.
 std::string quantity_of(const std::string& column) {
   static constexpr std::array kNames{std::pair{"contour_error", "contour error"},
                                      std::pair{"e", "tracking error"},

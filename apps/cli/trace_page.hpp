@@ -10,7 +10,7 @@ struct Log;
 
 namespace stribeck::cli {
 
-/// Writes a page of a log's columns over time; nothing when `directory` is empty.
+/// Writes a page with a log's columns over time; does nothing when `directory` is empty.
 void report_log(const std::string& directory, const io::Log& log, const std::string& title,
                 const std::string& summary);
 

@@ -34,7 +34,7 @@ struct Options {
 
 bool is_file(const std::string& out) { return out.size() > 5 && out.ends_with(".toml"); }
 
-/// Where each tuned controller goes.
+/// The output file of each tuned controller.
 std::string file_of(const Options& o, const std::string& id) {
   return is_file(o.out) ? o.out : o.out + "/" + id + ".toml";
 }

@@ -29,7 +29,7 @@ struct Options {
   std::string force_shift;
 };
 
-/// A file that is another kind of file breaks nearly every rule of this one: one line for all of that.
+/// A file of another kind breaks nearly every rule of an axis file, so one message replaces all of them.
 template <class T>
 T read_one(const std::string& path, const std::string& hint) {
   try {
@@ -86,9 +86,9 @@ int verify(const Options& o) {
     }
     ident::replay::ReplayOptions options;
     if (!o.force_shift.empty()) {
-      // A held force belongs to the motion half a row later without any delay (ident/motion.hpp).
+      // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
       const double shift = option_si("--force-shift", o.force_shift, quantity("s", "ms"));
-      constexpr double kMost = 99.0;  // rows; half a row goes on top
+      constexpr double kMost = 99.0;  // rows; half a row is added
       if (std::abs(shift) > kMost * record.sample_time) {
         refuse_option("--force-shift",
                       fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
@@ -109,7 +109,7 @@ int verify(const Options& o) {
         part.models.push_back(std::move(one));
       }
     } catch (const ident::Refused& e) {
-      // One piece of a cut log may be too short or stand still; the others still count.
+      // A piece of a cut log may be too short or stand still; the other pieces still count.
       if (why.empty()) why = e.what();
       if (clean.records.size() == 1) throw;
       page.warnings.push_back(fmt::format("a part is left out: {}", e.what()));
