@@ -246,6 +246,19 @@ std::string example(std::string_view number, const Quantity& q) {
   return '"' + with_unit(std::string(number), q.shown.empty() ? q.unit : q.shown) + '"';
 }
 
+/// A pole or an angular frequency in another unit that people write for it: "10 Hz" is 2π·10 rad/s, and a pole of "20 rad/s"
+/// one of 20 1/s. The other way round Hz stays refused: a gain in 1/s is no number of periods.
+std::optional<double> rate_of(double value, std::string_view unit, std::string_view expected) {
+  constexpr double kTurn = 6.283185307179586;
+  const bool hertz = expected == "rad/s" && unit.find("Hz") != std::string_view::npos;
+  const bool radians = expected == "1/s" && unit.find("rad") != std::string_view::npos;
+  if (!hertz && !radians) return std::nullopt;
+  const auto [verdict, found] = Units::instance().find(unit, hertz ? "Hz" : "rad/s");
+  const double si = found(value) * (hertz ? kTurn : 1.0);
+  if (verdict != Units::Verdict::kGood || !std::isfinite(si)) return std::nullopt;
+  return si;
+}
+
 std::string_view or_one(std::string_view unit) { return unit.empty() ? std::string_view("1") : unit; }
 
 [[noreturn]] void fail_wrong_dimension(std::string_view got, std::string_view unit, const Quantity& q) {
@@ -310,6 +323,10 @@ double to_si(std::string_view text, const Quantity& expected) {
          example("5", expected) + ")");
   }
 
+  if (const auto si = rate_of(number.value, unit, expected.unit)) {
+    check_range(*si, expected, text);
+    return *si;
+  }
   const auto [verdict, found] = Units::instance().find(or_one(unit), or_one(expected.unit));
   if (verdict == Units::Verdict::kUnknownUnit) {
     fail("got " + in_quotes(text) + ", expected " +

@@ -6,8 +6,8 @@
 ///   from_si(57650, quantity("kg", "N s2/mm"))          →  "57.65 N s2/mm"
 ///
 /// Nothing is guessed. Only proportional conversions are accepted: no offsets (degC), no reciprocals (s for Hz). The radian counts as
-/// a dimension and Hz is only Hz, so that "5 Hz" is refused where rad/s or 1/s is expected instead of losing a factor 2π. A
-/// conversion by a power of ten moves the decimal point of the text: its result is the double nearest to the written number, and
+/// a dimension: to_si() takes "5 Hz" for 2π·5 rad/s and "20 rad/s" for 20 1/s, but no Hz for 1/s. A conversion by a power of
+/// ten moves the decimal point of the text: its result is the double nearest to the written number, and
 /// every double has a text that reads back to it bit for bit. Threads: safe. Real time: no.
 /// Errors: InputError without a place; the reader that knows the place adds it.
 
