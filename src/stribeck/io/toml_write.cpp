@@ -82,6 +82,9 @@ std::string inline_members(const Value& group, const std::string& path, std::str
 }
 
 std::string inline_list(const Value& list, const Quantity& q, const std::string& key) {
+  if (list.type().least_items == 0 && list.type().most_items == 2 &&
+      list.type().inner->kind == Kind::kNumber && list.size() == 1)
+    return inline_value(list[0], q, key);
   const Kind item = list.type().inner->kind;
   const bool one_per_line = item == Kind::kGroup || item == Kind::kVariant || item == Kind::kNamed;
   std::string out;
