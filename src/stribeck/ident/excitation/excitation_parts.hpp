@@ -14,6 +14,11 @@ inline constexpr double kDoubt = 0.85;
 inline constexpr double kRest = 0.15;  ///< pause between motions, after the axis has stopped [s]
 inline constexpr double kStep = 1e-3;  ///< time step of the prediction [s]
 
+/// Pulses whose length follows from the `easy` drive, which goes farthest; with a `guess` of it nothing is said about pulses that
+/// hardly move the expected one.
+Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const RoughDrive& easy, bool guess,
+                      double sample_time, const PulseDesign& design);
+
 /// Refuses limits without speed or travel, and a start outside the travel.
 void check(const Limits& l, double sample_time, double start);
 

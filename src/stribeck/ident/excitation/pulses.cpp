@@ -118,9 +118,8 @@ Pulse longest_pulse(const RoughDrive& easy, double coulomb, double height, doubl
 }
 
 /// Reduces the speed where the travel is too short to come to rest.
-Pulse design_pulse(const Limits& limits, const RoughDrive& drive, double height, double sample_time,
-                   const PulseDesign& design) {
-  const RoughDrive easy{drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous};
+Pulse design_pulse(const Limits& limits, const RoughDrive& drive, const RoughDrive& easy, double height,
+                   double sample_time, const PulseDesign& design) {
   const double target = kReserve * limits.speed;
   for (double goal = target;; goal *= kSlower) {
     Pulse p = longest_pulse(easy, drive.coulomb, height, goal, sample_time, design);
@@ -150,6 +149,12 @@ void append_pair(const Pulse& p, const Limits& limits, double start, Excitation&
 
 Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double sample_time,
                          const PulseDesign& design) {
+  return pulses_for(limits, drive, {drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous}, false,
+                    sample_time, design);
+}
+
+Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const RoughDrive& easy, bool guess,
+                      double sample_time, const PulseDesign& design) {
   check(limits, sample_time, design.start);
   if (!(drive.mass > 0.0) || !(drive.coulomb > 0.0) || drive.viscous < 0.0) {
     throw Refused(
@@ -165,7 +170,7 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
   bool slower = false;
   std::size_t pairs = 0;
   for (const double scale : design.scales) {
-    const Pulse p = design_pulse(limits, drive, heights.of(scale), sample_time, design);
+    const Pulse p = design_pulse(limits, drive, easy, heights.of(scale), sample_time, design);
     slower |= p.slower;
     if (!fits(p.outcome, limits, design.start) || p.outcome.top > limits.speed) continue;
     ++pairs;
@@ -179,7 +184,7 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
         "pulses: from {:g} mm no pulse that moves the axis keeps to the travel of {:g} to {:g} mm and to {:g} mm/s",
         design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3, limits.speed * 1e3));
   }
-  if (!slower && top < kHardlyMoves * limits.speed) {
+  if (!slower && !guess && top < kHardlyMoves * limits.speed) {
     throw Refused(
         fmt::format("pulses: the axis would reach only {:.3g} of {:g} mm/s; the rough mass of {:g} kg or the "
                     "friction is wrong",
