@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -47,6 +49,17 @@ void check_gcode(const Options& o) {
   }
 }
 
+constexpr std::array<const char*, 4> kNoteNames{"start", "direction", "room", "abort"};
+
+/// What a drive is told that takes percent of its rated torque or force (CiA 402 counts ten times as many per mille).
+void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<double>& force) {
+  const std::optional<double> rated = axis.drive ? axis.drive->rated() : std::nullopt;
+  if (!rated || force.empty()) return;
+  io::Column column{"percent", "%", {}};
+  for (const double f : force) column.values.push_back(100.0 * f / *rated);
+  log.columns.push_back(std::move(column));
+}
+
 int excite(const Options& o) {
   check_excitation(o.what);
   check_gcode(o);
@@ -54,20 +67,27 @@ int excite(const Options& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.output);
   io::check_writable(o.gcode);
-  const sim::Machine machine = load_machine(o.machine);
-  const std::size_t axis = axis_index(machine, o.machine, o.axis);
-  const ident::excitation::Excitation e = make_excitation(o.what, machine, axis);
+  const MachineDescription machine = read_description(o.machine);
+  const std::size_t axis = axis_index(as_machine(machine), o.machine, o.axis);
+  require_force_limit(machine, o.machine, axis);
+  const ident::excitation::SafeExcitation safe = make_excitation(o.what, machine, axis);
+  const ident::excitation::Excitation& e = safe.excitation;
+  const std::vector<std::string> notes = safety_notes(safe, machine, axis);
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
-    if (!path.empty()) io::write_atomically(path, ident::excitation::as_gcode(e, o.axis, machine.name));
+    if (!path.empty())
+      io::write_atomically(path, with_notes(ident::excitation::as_gcode(e, o.axis, machine.name), notes));
   }
   sim::Recording table;
   table.t = e.t;
   table.r = e.r;
   table.f = e.force;
-  const double gain = machine.axes[axis].second.plant.force_gain();
-  for (const double f : e.force) table.u.push_back(f / gain);
+  if (const double gain = machine.axes[axis].second.force_per_volt(); gain > 0.0) {
+    for (const double f : e.force) table.u.push_back(f / gain);
+  }
   io::Log log = as_log(table);
+  add_percent(log, machine.axes[axis].second, e.force);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"method", o.what.method}};
+  for (std::size_t i = 0; i < notes.size(); ++i) log.metadata.emplace_back(kNoteNames[i], notes[i]);
   if (!is_gcode(o.output)) io::write_csv(o.output, log);
   report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, o.what.method), e.says);
   write_json(o.common.json, {{"schema", "stribeck.excite/1"},
@@ -76,8 +96,10 @@ int excite(const Options& o) {
                              {"method", o.what.method},
                              {"rows", e.t.size()},
                              {"duration_s", e.t.back()},
-                             {"says", e.says}});
-  say(o.common, fmt::format("{}\nReference in {} ({} rows).\n", e.says, o.output, e.t.size()));
+                             {"says", e.says},
+                             {"safety", notes}});
+  say(o.common, fmt::format("{}\nSafety: it {}.\nReference in {} ({} rows).\n", e.says,
+                            fmt::join(notes, "; "), o.output, e.t.size()));
   if (!o.gcode.empty()) say(o.common, fmt::format("G-code in {}.\n", o.gcode));
   return 0;
 }

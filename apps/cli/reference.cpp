@@ -15,6 +15,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
+#include <stribeck/workflow/machine/description.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -44,7 +45,7 @@ std::string cell(std::string_view text) {
 
 /// Keys of a machine file. Each table below `published` is an axis file, which has its own page.
 std::vector<io::KeyInfo> machine_keys() {
-  std::vector<io::KeyInfo> keys = io::keys_of<sim::Machine>();
+  std::vector<io::KeyInfo> keys = io::keys_of<workflow::MachineDescription>();
   constexpr std::string_view kPublished = "axes.<name>.published.";
   std::erase_if(keys, [&](const io::KeyInfo& k) {
     return k.key.starts_with(kPublished) && k.key.find('.', kPublished.size()) != std::string::npos;

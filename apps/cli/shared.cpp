@@ -14,6 +14,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 
 namespace stribeck::cli {
 
@@ -69,7 +70,7 @@ void say(const Common& common, const std::string& text) {
   if (!common.quiet) fmt::print("{}", text);
 }
 
-sim::Machine load_machine(const std::string& path) { return io::read_toml<sim::Machine>(path); }
+sim::Machine load_machine(const std::string& path) { return read_virtual_machine(path); }
 
 void refuse_empty_options(CLI::App& verb) {
   for (CLI::Option* option : verb.get_options()) {

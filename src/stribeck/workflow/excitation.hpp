@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <optional>
-#include <stribeck/ident/excitation/excitation.hpp>
-#include <stribeck/sim/machine.hpp>
+#include <stribeck/ident/excitation/worst_case.hpp>
+#include <stribeck/workflow/machine/description.hpp>
 #include <string>
 #include <vector>
 
@@ -26,8 +26,15 @@ struct ExcitationOptions {
 /// Refuses options of another method.
 void check_excitation(const ExcitationOptions& options);
 
-/// Designs the excitation.
-ident::excitation::Excitation make_excitation(const ExcitationOptions& options, const sim::Machine& machine,
-                                              std::size_t axis);
+/// Designs the excitation, safe for every axis that the machine file allows.
+ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& options,
+                                                  const MachineDescription& machine, std::size_t axis);
+
+/// Where it begins, which way it moves, the room that it needs, what must abort it: for the heads of files.
+std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& excitation,
+                                      const MachineDescription& machine, std::size_t axis);
+
+/// The same as comments in the head of a program that as_gcode() made.
+std::string with_notes(std::string gcode, const std::vector<std::string>& notes);
 
 }  // namespace stribeck::workflow

@@ -15,6 +15,7 @@
 #include <stribeck/targets/linuxcnc/configuration.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -179,7 +180,7 @@ Exported write(const ExportRequest& o) {
   });
   const bool folder = machine && !o.output.ends_with(".hal");
   check_options(o, machine, folder);
-  const auto read_machine = [&] { return io::read_toml<sim::Machine>(o.files.front()); };
+  const auto read_machine = [&] { return workflow::read_virtual_machine(o.files.front()); };
   if (folder) return export_configuration(o, read_machine());
   io::check_writable(o.output);
   Exported out;

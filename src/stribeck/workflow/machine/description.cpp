@@ -1,0 +1,120 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/workflow/machine/description.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr double kSampledWell = 0.2;  // ω·T
+constexpr double kRipple = 0.15;      // of the friction, by one step of the encoder
+constexpr double kStiff = 80.0;       // [rad/s]
+constexpr double kSlowest = 5.0;      // [rad/s]: below it no loop holds against friction
+constexpr double kShareOfTravel = 1.0 / 3.0;
+constexpr double kShareOfSpeed = 0.9;
+constexpr double kShareOfAcceleration = 0.5;
+
+Proposed from_file(double value) { return {value, "as the machine file says"}; }
+
+Proposed omega_of(const AxisDescription& axis, double period) {
+  const double sampled = kSampledWell / period;
+  const double step = axis.name_plate().encoder_resolution;
+  const double mass = axis.commissioning.mass.middle();
+  const double friction = axis.commissioning.friction.middle();
+  const double quiet = step > 0.0 ? kRipple * friction * period / (2.0 * mass * step) : kInfinity;
+  Proposed p{std::min({sampled, quiet, kStiff}), {}};
+  if (p.value == quiet) {
+    p.reason = fmt::format(
+        "above it one step of the encoder ({:.3g} nm) would move the force by more than {:.0f} % of the friction",
+        step * 1e9, 100.0 * kRipple);
+  } else if (p.value == sampled) {
+    p.reason = fmt::format("{:g} over the control period: the loop is sampled well", kSampledWell);
+  } else {
+    p.reason = "elasticity of a common drive is not excited";
+  }
+  if (p.value < kSlowest) {
+    p = {std::min(kSlowest, sampled),
+         fmt::format(
+             "the least that holds an axis; the encoder is coarse: one step moves the force by {:.2g} N",
+             2.0 * kSlowest * mass * step / period)};
+  }
+  return p;
+}
+
+}  // namespace
+
+sim::NamePlate AxisDescription::name_plate() const {
+  sim::NamePlate own = plant ? sim::NamePlate::of(*plant) : sim::NamePlate{};
+  if (drive) {
+    own.force = drive->peak().value_or(own.force > 0.0 ? own.force : drive->rated().value_or(0.0));
+    own.encoder_resolution = drive->resolution().value_or(own.encoder_resolution);
+  }
+  return {limits.force.value_or(own.force),
+          commissioning.encoder_resolution.value_or(own.encoder_resolution)};
+}
+
+double AxisDescription::force_per_volt() const {
+  if (plant) return plant->force_gain();
+  if (drive && drive->rated() && drive->voltage_at_rated) return *drive->rated() / *drive->voltage_at_rated;
+  return 0.0;
+}
+
+Proposal propose(const AxisDescription& axis, double sample_time) {
+  const RoughAxis& c = axis.commissioning;
+  const sim::AxisLimits& limits = axis.limits;
+  Proposal p;
+  p.omega = c.omega ? from_file(*c.omega) : omega_of(axis, sample_time);
+  p.observer_pole =
+      c.observer_pole
+          ? from_file(*c.observer_pole)
+          : Proposed{0.5 * p.omega.value, "half of omega: slower than the loop, faster than friction drifts"};
+  p.sine_offset = c.sine_offset
+                      ? from_file(*c.sine_offset)
+                      : Proposed{0.5 * (limits.travel_min + limits.travel_max), "middle of the travel"};
+  p.sine_amplitude = c.sine_amplitude ? from_file(*c.sine_amplitude)
+                                      : Proposed{kShareOfTravel * (limits.travel_max - limits.travel_min),
+                                                 "a third of the travel on both sides of the middle"};
+  if (c.sine_frequency) {
+    p.sine_frequency = from_file(*c.sine_frequency);
+    return p;
+  }
+  const double by_speed = kShareOfSpeed * limits.speed / p.sine_amplitude.value;
+  const double by_acceleration =
+      std::sqrt(kShareOfAcceleration * limits.acceleration / p.sine_amplitude.value);
+  p.sine_frequency =
+      by_speed <= by_acceleration
+          ? Proposed{by_speed, fmt::format("reaches {:.4g} mm/s, {:.0f} % of the speed limit",
+                                           by_speed * p.sine_amplitude.value * 1e3, 100.0 * kShareOfSpeed)}
+          : Proposed{by_acceleration,
+                     fmt::format("uses {:.0f} % of the acceleration limit", 100.0 * kShareOfAcceleration)};
+  return p;
+}
+
+sim::Machine as_machine(const MachineDescription& d) {
+  sim::Machine machine;
+  machine.name = d.name;
+  machine.origin = d.origin;
+  machine.sample_time = d.sample_time;
+  for (const auto& [name, a] : d.axes) {
+    sim::MachineAxis axis;
+    if (a.plant) axis.plant = *a.plant;
+    axis.limits = a.limits;
+    axis.published = a.published;
+    const Proposal p = propose(a, d.sample_time);
+    const RoughAxis& c = a.commissioning;
+    axis.commissioning = {c.mass.middle(),        c.friction.middle(), p.omega.value,
+                          p.observer_pole.value,  p.sine_offset.value, p.sine_amplitude.value,
+                          p.sine_frequency.value, c.encoder_resolution};
+    // What the data sheet of the drive says goes before what the simulation would make of the true one.
+    if (a.drive) {
+      if (!axis.limits.force) axis.limits.force = a.drive->peak();
+      if (!axis.commissioning.encoder_resolution)
+        axis.commissioning.encoder_resolution = a.drive->resolution();
+    }
+    machine.axes.emplace_back(name, std::move(axis));
+  }
+  return machine;
+}
+
+}  // namespace stribeck::workflow

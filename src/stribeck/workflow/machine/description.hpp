@@ -1,0 +1,178 @@
+#pragma once
+/// A machine as its file describes it. A real one has limits, a drive with its data sheet and rough values; a virtual one has
+/// the truth of every axis besides (`plant`), for the verbs that simulate. as_machine() makes of it what the simulation and
+/// the controllers know: values that the file leaves out are proposed from the others.
+///
+///   ω ≤ 0.2/T             the loop samples a double pole well
+///   ω ≤ 0.15·F·T/(2·m·q)  a step q of the encoder, differenced, moves the force by at most 15 % of the friction
+///   ω ≤ 80 rad/s          elasticity of the drive is not excited
+///   observer pole ω/2
+///   sine: a third of the travel, 90 % of the speed limit, half of the acceleration limit
+///
+/// Real time: no.
+
+#include <optional>
+#include <stribeck/core/fixed_vector.hpp>
+#include <stribeck/sim/machine.hpp>
+#include <stribeck/workflow/machine/drive_data.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace stribeck::workflow {
+
+/// A value that is known roughly: `"45 kg"`, which may be wrong by a factor of three either way, or a range
+/// `["30 kg", "60 kg"]`, which holds the truth for certain.
+class Rough : public FixedVector<double, 2> {
+ public:
+  static constexpr double kUnknownFactor = 3.0;
+
+  Rough() = default;
+  Rough(double value)
+      : FixedVector<double, 2>(value) {}  // NOLINT(google-explicit-constructor): a value is one
+  Rough(double low, double high) : FixedVector<double, 2>(low, high) {}
+
+  [[nodiscard]] bool is_range() const noexcept { return size() == 2; }
+  [[nodiscard]] double middle() const noexcept {
+    return empty() ? 0.0 : is_range() ? 0.5 * ((*this)[0] + (*this)[1]) : (*this)[0];
+  }
+  [[nodiscard]] double low() const noexcept { return is_range() ? (*this)[0] : middle() / kUnknownFactor; }
+  [[nodiscard]] double high() const noexcept { return is_range() ? (*this)[1] : middle() * kUnknownFactor; }
+  /// What is wrong with it; empty: nothing.
+  [[nodiscard]] std::string_view problem() const noexcept {
+    if (empty()) return "got an empty list, expected a value or a range of two";
+    return is_range() && !((*this)[0] < (*this)[1]) ? "a range has the smaller value first" : "";
+  }
+};
+
+/// What is known of an axis before it is identified: enough to move it and record a log.
+struct RoughAxis {
+  Rough mass;                                  ///< nominal, from data sheets [kg]
+  Rough friction;                              ///< level, from a first push by hand or a slow ramp [N]
+  std::optional<double> omega{};               ///< double pole of the position loop while recording [rad/s]
+  std::optional<double> observer_pole{};       ///< of the disturbance observer while recording [1/s]
+  std::optional<double> sine_offset{};         ///< [m]
+  std::optional<double> sine_amplitude{};      ///< [m]
+  std::optional<double> sine_frequency{};      ///< [rad/s]
+  std::optional<double> encoder_resolution{};  ///< [m]; left out: see AxisDescription
+  double load = 0.0;                           ///< constant force against +x [N]
+
+  static constexpr auto fields() {
+    using C = RoughAxis;
+    return std::tuple{
+        field(
+            "mass", &C::mass, quantity("kg", "N s2/mm").positive(),
+            "nominal equivalent mass with the reflected rotor, from data sheets; one value (may be wrong by a "
+            "factor of three either way) or a range of two"),
+        field(
+            "friction", &C::friction, quantity("N", "N").positive(),
+            "rough level of friction, from a slow ramp of force; one value (may be wrong by a factor of three "
+            "either way) or a range of two"),
+        field("load", &C::load, quantity("N", "N"),
+              "constant force against the positive direction, e.g. weight less counterbalance")
+            .or_default(),
+        field("omega", &C::omega, quantity("rad/s", "rad/s").positive(),
+              "double pole of the position loop while recording; left out: from period, encoder and friction")
+            .or_default(),
+        field("observer_pole", &C::observer_pole, control::kObserverPole,
+              "poles of the disturbance observer while recording; left out: half of omega")
+            .or_default(),
+        field("sine_offset", &C::sine_offset, quantity("m", "mm"),
+              "middle of the sine excitation; left out: the middle of the travel")
+            .or_default(),
+        field("sine_amplitude", &C::sine_amplitude, quantity("m", "mm").positive(),
+              "amplitude of the sine excitation; left out: a third of the travel")
+            .or_default(),
+        field(
+            "sine_frequency", &C::sine_frequency, quantity("rad/s", "rad/s").positive(),
+            "angular frequency of the sine excitation; left out: as the limits of speed and acceleration allow")
+            .or_default(),
+        field("encoder_resolution", &C::encoder_resolution, quantity("m", "nm").positive(),
+              "step of the encoder, from its data sheet; left out: what drive.encoder_counts makes, or "
+              "plant.encoder.resolution")
+            .or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (const auto what = mass.problem(); !what.empty()) report("mass", what);
+    if (const auto what = friction.problem(); !what.empty()) report("friction", what);
+  }
+};
+
+struct AxisDescription {
+  std::optional<plant::AxisParams> plant;  ///< of a virtual machine
+  sim::AxisLimits limits;
+  RoughAxis commissioning;
+  std::optional<DriveData> drive;
+  sim::Published published;
+
+  static constexpr auto fields() {
+    using A = AxisDescription;
+    return std::tuple{
+        field("plant", &A::plant,
+              "the truth of a virtual machine, for the verbs that simulate; no controller sees it")
+            .or_default(),
+        field("limits", &A::limits, "what the axis may do"),
+        field("commissioning", &A::commissioning, "known before identification"),
+        field("drive", &A::drive, "motor and transmission, from their data sheets").or_default(),
+        field("published", &A::published, "printed parameters, for --parameters thesis").or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (plant && limits.force && *limits.force > sim::NamePlate::of(*plant).force)
+      report("limits.force", "above what plant.drive makes at the end of plant.converter.range");
+    if (drive && drive->peak() && limits.force && *limits.force > *drive->peak())
+      report("limits.force", "above the peak of the drive");
+  }
+
+  /// As declared in limits, drive and commissioning, or else from the true drive's own data; 0: not known.
+  [[nodiscard]] sim::NamePlate name_plate() const;
+  /// Largest force of the drive [N]; 0: not known.
+  [[nodiscard]] double force_limit() const { return name_plate().force; }
+  /// Force per volt of the command [N/V]; 0: not known.
+  [[nodiscard]] double force_per_volt() const;
+};
+
+struct MachineDescription {
+  std::string name;
+  std::string origin;
+  double sample_time = 0.0;  ///< control period [s]
+  std::vector<std::pair<std::string, AxisDescription>> axes;
+
+  static constexpr auto fields() {
+    using M = MachineDescription;
+    return std::tuple{field("name", &M::name, "name of the machine"),
+                      field("origin", &M::origin, "where the numbers come from").or_default(),
+                      field("sample_time", &M::sample_time, quantity("s", "ms").positive(), "control period"),
+                      field("axes", &M::axes, "one table per axis: [axes.x], [axes.y], …")};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    sim::Machine names;
+    for (const auto& axis : axes) names.axes.emplace_back(axis.first, sim::MachineAxis{});
+    names.validate(report);
+  }
+};
+
+/// A value and why it is this one.
+struct Proposed {
+  double value = 0.0;
+  std::string reason;
+};
+
+struct Proposal {
+  Proposed omega;           ///< [rad/s]
+  Proposed observer_pole;   ///< [1/s]
+  Proposed sine_offset;     ///< [m]
+  Proposed sine_amplitude;  ///< [m]
+  Proposed sine_frequency;  ///< [rad/s]
+};
+
+/// Loop and excitation for recording logs, as the file says them or from its numbers.
+Proposal propose(const AxisDescription& axis, double sample_time);
+
+/// With every value that the file leaves out. An axis without truth has an empty plant there.
+sim::Machine as_machine(const MachineDescription& description);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,77 @@
+#pragma once
+/// The machine file as people write it: what a verb needs of it, what it says in derived numbers, and a commented one to begin
+/// with.
+///
+/// Real time: no.
+/// Errors: InputError naming file and key.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stribeck/core/field_types.hpp>
+#include <stribeck/workflow/machine/description.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace stribeck::workflow {
+
+MachineDescription read_description(const std::string& file);
+
+/// A virtual machine: refused where an axis has no truth.
+sim::Machine read_virtual_machine(const std::string& file);
+
+/// Refuses an axis whose largest force is not said.
+void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis);
+
+/// A line of the explanation: what, value, why or what follows.
+struct Explained {
+  std::string what;
+  std::string value;
+  std::string note;
+};
+
+struct ExplainedAxis {
+  std::string name;
+  std::string drawing;  ///< the way of the force, in one line
+  std::vector<Explained> lines;
+  std::vector<std::string> lacks;  ///< verb and what it needs
+  nlohmann::ordered_json numbers;
+};
+
+ExplainedAxis explain(const MachineDescription& machine, std::size_t axis);
+
+/// A key of a machine file that `init` asks for.
+struct Asked {
+  std::string_view group;  ///< "limits", "drive" or "commissioning"
+  std::string_view key;
+  std::string_view example;
+  bool needed = false;  ///< no verb does without
+};
+
+/// In the order of the file.
+const std::vector<Asked>& asked_keys();
+/// What the key means, and what it may be.
+const FieldInfo& info_of(const Asked& asked);
+
+/// Values by full key ("x.limits.speed"), as text with a unit.
+struct MachineDraft {
+  std::string name;
+  std::string sample_time;
+  std::vector<std::string> axes;
+  std::vector<std::pair<std::string, std::string>> values;
+
+  [[nodiscard]] const std::string* find(std::string_view key) const;
+};
+
+/// Refuses keys that init does not know and values that the file could not hold. `option`: where the text came from.
+void check_value(const MachineDraft& draft, const std::string& option, const std::string& key,
+                 const std::string& value);
+
+/// The file, with a comment on every line. What is needed and not given is a line to fill in, which is a comment.
+std::string draft_text(const MachineDraft& draft);
+
+/// Keys that are needed and not given.
+std::vector<std::string> open_keys(const MachineDraft& draft);
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,175 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+const std::string kExamples = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/";
+
+DriveData drive(const std::string& text) { return io::read_toml_text<DriveData>(text, "d.toml"); }
+
+std::string problem(const std::string& text) {
+  try {
+    drive(text);
+  } catch (const io::InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+// 2.4 N m on 120 mm per turn: 2π·2.4/0.12 N.
+TEST(DriveData, ForceFollowsFromTorqueAndTravelPerTurn) {
+  const DriveData belt =
+      drive("rated_torque = \"2.4 N m\"\ntravel_per_turn = \"120 mm\"\ntorque_limit = \"300 %\"");
+  EXPECT_NEAR(*belt.rated(), 2.0 * kPi * 2.4 / 0.12, 1e-9);
+  EXPECT_NEAR(*belt.peak(), 3.0 * *belt.rated(), 1e-9);
+  const DriveData pulley = drive("rated_torque = \"2.4 N m\"\npulley_diameter = \"40 mm\"");
+  EXPECT_NEAR(*pulley.rated(), 2.4 / 0.02, 1e-9);
+  EXPECT_FALSE(pulley.peak().has_value());
+}
+
+TEST(DriveData, GearsMotorsAndCurrentsMultiply) {
+  const DriveData one = drive("rated_torque = \"1 N m\"\nlead = \"10 mm\"");
+  EXPECT_NEAR(*drive("rated_torque = \"1 N m\"\nlead = \"10 mm\"\ngear = 3").rated(), 3.0 * *one.rated(),
+              1e-9);
+  EXPECT_NEAR(*drive("rated_torque = \"1 N m\"\nlead = \"10 mm\"\nmotors = 2").rated(), 2.0 * *one.rated(),
+              1e-9);
+  EXPECT_NEAR(*drive("torque_constant = \"0.5 N m/A\"\nrated_current = \"2 A\"\nlead = \"10 mm\"").rated(),
+              *one.rated(), 1e-9);
+  EXPECT_NEAR(*drive("force_constant = \"50 N/A\"\nrated_current = \"6 A\"\npeak_force = \"900 N\"").peak(),
+              900.0, 1e-9);
+}
+
+TEST(DriveData, TellsMassSpeedAndStepOfTheMotor) {
+  const DriveData d = drive(
+      "rated_torque = \"1 N m\"\nlead = \"10 mm\"\nrotor_inertia = \"1e-4 kg m2\"\nmotor_speed = \"3000 rpm\"\n"
+      "encoder_counts = 10000");
+  EXPECT_NEAR(*d.reflected_mass(), 1e-4 * std::pow(2.0 * kPi / 0.01, 2), 1e-9);
+  EXPECT_NEAR(*d.top_speed(), 0.5, 1e-9);
+  EXPECT_NEAR(*d.resolution(), 1e-6, 1e-15);
+}
+
+TEST(DriveData, RefusesWhatContradictsItself) {
+  EXPECT_THAT(problem("rated_torque = \"1 N m\""), HasSubstr("needs the travel per turn"));
+  EXPECT_THAT(problem("rated_torque = \"1 N m\"\nlead = \"5 mm\"\npulley_diameter = \"5 mm\""),
+              HasSubstr("expected one of them"));
+  EXPECT_THAT(problem("rated_force = \"1 N\"\nlead = \"5 mm\""), HasSubstr("a linear motor has no lead"));
+  EXPECT_THAT(problem("lead = \"5 mm\""), HasSubstr("missing, expected rated_torque or rated_force"));
+  EXPECT_THAT(problem("rated_torque = \"2 N m\"\npeak_torque = \"1 N m\"\nlead = \"5 mm\""),
+              HasSubstr("below the rated value"));
+}
+
+TEST(RoughAxis, IsOneValueOrARange) {
+  const auto read = [](const std::string& mass) {
+    return io::read_toml_text<RoughAxis>("friction = \"40 N\"\nmass = " + mass, "a.toml");
+  };
+  const RoughAxis one = read("\"45 kg\"");
+  EXPECT_EQ(one.mass.middle(), 45.0);
+  EXPECT_EQ(one.mass.low(), 15.0);
+  EXPECT_EQ(one.mass.high(), 135.0);
+  const RoughAxis range = read("[\"30 kg\", \"60 kg\"]");
+  EXPECT_EQ(range.mass.middle(), 45.0);
+  EXPECT_EQ(range.mass.low(), 30.0);
+  EXPECT_EQ(range.mass.high(), 60.0);
+  EXPECT_THAT([&] { read("[\"60 kg\", \"30 kg\"]"); },
+              ThrowsMessage<io::InputError>(HasSubstr("the smaller value first")));
+  EXPECT_THAT([&] { read("[]"); }, ThrowsMessage<io::InputError>(HasSubstr("empty list")));
+  EXPECT_THAT([&] { read("[\"1 kg\", \"2 kg\", \"3 kg\"]"); },
+              ThrowsMessage<io::InputError>(HasSubstr("at most 2")));
+  EXPECT_THAT([&] { read("45"); }, ThrowsMessage<io::InputError>(HasSubstr("missing unit")));
+}
+
+TEST(RoughAxis, PolesMayBeGivenInEveryUnitForThem) {
+  const auto a = io::read_toml_text<RoughAxis>(
+      "mass = \"45 kg\"\nfriction = \"40 N\"\nomega = \"10 Hz\"\nobserver_pole = \"20 rad/s\"", "a.toml");
+  EXPECT_NEAR(*a.omega, 20.0 * kPi, 1e-12);
+  EXPECT_EQ(*a.observer_pole, 20.0);
+}
+
+TEST(MachineFile, ARealMachineHasNoTruth) {
+  const MachineDescription m = read_description(kExamples + "gantry.toml");
+  ASSERT_EQ(m.axes.size(), 3U);
+  const AxisDescription& x = m.axes[0].second;
+  EXPECT_FALSE(x.plant.has_value());
+  EXPECT_NEAR(x.force_limit(), 3.0 * 2.0 * kPi * 2.4 / 0.12, 1e-9);
+  EXPECT_EQ(x.name_plate().encoder_resolution, 1e-6);
+  EXPECT_THAT([] { read_virtual_machine(kExamples + "gantry.toml"); },
+              ThrowsMessage<io::InputError>(HasSubstr("axes.x.plant: missing, expected the truth")));
+}
+
+// What the shipped files say is what the simulation gets, to the last bit.
+TEST(MachineFile, AVirtualMachineIsWhatItsFileSays) {
+  const std::string file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  const sim::Machine read = read_virtual_machine(file);
+  const auto direct = io::read_toml<sim::Machine>(file);
+  EXPECT_EQ(io::write_toml(read), io::write_toml(direct));
+}
+
+// ω is the least of what period, encoder and elasticity allow.
+TEST(MachineFile, ProposesALoopFromTheNumbers) {
+  const MachineDescription m = read_description(kExamples + "gantry.toml");
+  const Proposal y = propose(m.axes[1].second, m.sample_time);
+  // 0.15·F·T/(2·m·q) = 0.15·30·1e-3/(2·25·1e-6).
+  EXPECT_NEAR(y.omega.value, std::min(0.15 * 30.0 * 1e-3 / (2.0 * 25.0 * 1e-6), 80.0), 1e-9);
+  EXPECT_EQ(y.observer_pole.value, 0.5 * y.omega.value);
+  EXPECT_EQ(y.sine_offset.value, 0.0);
+  const double top = y.sine_amplitude.value * y.sine_frequency.value;
+  EXPECT_LE(top, 0.9 * 0.5 + 1e-12);
+  EXPECT_LE(top * y.sine_frequency.value, 0.5 * 2.0 + 1e-12);
+}
+
+TEST(MachineFile, IsExplainedInDerivedNumbers) {
+  const MachineDescription m = read_description(kExamples + "gantry.toml");
+  const ExplainedAxis z = explain(m, 2);
+  EXPECT_NEAR(z.numbers["force_at_100_percent_N"].get<double>(), 2.0 * kPi * 1.3 / 0.01, 1e-9);
+  EXPECT_TRUE(z.numbers["may_fall"].get<bool>());
+  EXPECT_FALSE(explain(m, 0).numbers["may_fall"].get<bool>());
+  EXPECT_THAT(z.drawing, HasSubstr("screw 10 mm"));
+  ASSERT_FALSE(z.lacks.empty());
+  EXPECT_THAT(z.lacks.front(), HasSubstr("simulate, compare, tune"));
+}
+
+TEST(MachineFile, ADraftCanBeReadOnceItIsFilledIn) {
+  MachineDraft draft{"gantry", "1 ms", {"x"}, {}};
+  EXPECT_EQ(open_keys(draft).size(), 6U);
+  EXPECT_THAT(draft_text(draft), HasSubstr("# FILL IN: mass = \"45 kg\""));
+  for (const Asked& a : asked_keys()) {
+    const std::string key = "x." + std::string(a.group) + '.' + std::string(a.key);
+    if (a.key == "rated_force" || a.key == "travel_per_turn") continue;
+    check_value(draft, "--set", key, std::string(a.example));
+    draft.values.emplace_back(key, a.example);
+  }
+  EXPECT_TRUE(open_keys(draft).empty());
+  const auto read = io::read_toml_text<MachineDescription>(draft_text(draft), "draft.toml");
+  EXPECT_EQ(read.axes.front().second.limits.speed, 0.5);
+  EXPECT_TRUE(read.axes.front().second.drive->brake);
+  EXPECT_EQ(*read.axes.front().second.drive->torque_limit, 3.0);
+}
+
+TEST(MachineFile, AValueThatNoFileCouldHoldIsRefused) {
+  const MachineDraft draft{"gantry", "1 ms", {"x"}, {}};
+  const auto refused = [&](const std::string& key, const std::string& value) -> std::string {
+    try {
+      check_value(draft, "--set", key, value);
+    } catch (const io::InputError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refused("x.limits.sped", "1 mm/s"), HasSubstr("x.limits.speed"));
+  EXPECT_THAT(refused("x.limits.speed", "1 kg"), HasSubstr("expected a unit like mm/s"));
+  EXPECT_THAT(refused("x.commissioning.mass", "-4 kg"), HasSubstr("above 0"));
+  EXPECT_EQ(refused("x.commissioning.mass", "[\"4 kg\", \"5 kg\"]"), "accepted");
+}
+
+}  // namespace
+}  // namespace stribeck::workflow
