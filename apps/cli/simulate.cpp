@@ -27,6 +27,8 @@
 namespace stribeck::cli {
 namespace {
 
+constexpr int kAnswerIsNo = 1;
+
 struct Options {
   Common common;
   std::string machine;
@@ -46,21 +48,33 @@ int play_reference(const Options& o, const sim::Machine& machine) {
   if (o.axis.empty()) refuse_option("--axis", "missing, expected the axis that --reference is for");
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
   const ReferenceFile reference = read_reference(o.reference, machine, axis);
-  const sim::Recording recording = play(machine, axis, reference.r, reference.force, o.seed);
+  sim::Recording recording = play(machine, axis, reference.r, reference.force, o.seed);
+  const std::optional<EndStop> end_stop = cut_at_end_stop(recording, machine.axes[axis].second.limits);
   io::Log log = as_log(recording);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
   report_log(o.common.report, log, fmt::format("Axis {} of {}", o.axis, machine.name),
              fmt::format("{:.6g} s, as a control would log it", recording.t.back()));
-  write_json(o.common.json, {{"schema", "stribeck.simulate/1"},
-                             {"machine", machine.name},
-                             {"axis", o.axis},
-                             {"seed", o.seed},
-                             {"rows", log.rows},
-                             {"duration_s", recording.t.back()}});
+  nlohmann::ordered_json json{{"schema", "stribeck.simulate/1"},
+                              {"machine", machine.name},
+                              {"axis", o.axis},
+                              {"seed", o.seed},
+                              {"rows", log.rows},
+                              {"duration_s", recording.t.back()},
+                              {"end_stop", nullptr}};
+  if (const auto& stop = end_stop) {
+    json["end_stop"] = {
+        {"time_s", stop->time}, {"position_mm", stop->position * 1e3}, {"speed_mm_per_s", stop->speed * 1e3}};
+    fmt::print(
+        stderr,
+        "stribeck: axis {} ran into its end stop at {:.6g} mm with {:.3g} mm/s after {:.6g} s: the run "
+        "ends there (check load, friction and start of the excitation)\n",
+        o.axis, stop->position * 1e3, stop->speed * 1e3, stop->time);
+  }
+  write_json(o.common.json, json);
   say(o.common,
       fmt::format("{:.6g} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
-  return 0;
+  return end_stop ? kAnswerIsNo : 0;
 }
 
 int run_path(const Options& o, const sim::Machine& machine) {

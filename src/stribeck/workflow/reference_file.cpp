@@ -14,6 +14,15 @@ ReferenceFile read_reference(const std::string& file, const sim::Machine& machin
     const io::Column* c = table.find(name);
     return c == nullptr ? std::vector<double>{} : io::in_si(*c, q);
   };
+  for (const auto& [key, value] : table.metadata) {
+    const std::string& name = machine.axes[axis].first;
+    if (key == "axis" && value != name) {
+      throw io::InputError({file, 0, "axis",
+                            fmt::format("the file is for axis {}, but --axis says {} (excite that axis, or "
+                                        "choose --axis {})",
+                                        io::in_quotes(value), io::in_quotes(name), value)});
+    }
+  }
   const std::vector<double> t = io::in_si(table.at("t"), quantity("s", "s"));
   const io::TimeCheck time = io::check_time(t, file);
   const double period = machine.sample_time;
@@ -49,6 +58,21 @@ ReferenceFile read_reference(const std::string& file, const sim::Machine& machin
   }
   if (!r.empty()) f.clear();  // in closed loop the controller makes the force
   return out;
+}
+
+std::optional<EndStop> cut_at_end_stop(sim::Recording& recording, const sim::AxisLimits& limits) {
+  for (std::size_t k = 0; k < recording.x.size(); ++k) {
+    const double x = recording.x[k];
+    if (x >= limits.travel_min && x <= limits.travel_max) continue;
+    const double before = recording.x[k > 0 ? k - 1 : 0];
+    const EndStop stop{recording.t[k], x < limits.travel_min ? limits.travel_min : limits.travel_max,
+                       std::abs(x - before) / recording.period};
+    for (auto* column : {&recording.t, &recording.r, &recording.x, &recording.u, &recording.f}) {
+      if (!column->empty()) column->resize(k + 1);
+    }
+    return stop;
+  }
+  return std::nullopt;
 }
 
 }  // namespace stribeck::workflow

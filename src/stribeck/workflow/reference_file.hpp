@@ -4,7 +4,8 @@
 /// Errors: InputError naming the file and the column.
 
 #include <cstddef>
-#include <stribeck/sim/machine.hpp>
+#include <optional>
+#include <stribeck/sim/recording.hpp>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,15 @@ struct ReferenceFile {
 
 /// Refuses rows whose period differs from the machine's control period, and places outside the travel of the axis.
 ReferenceFile read_reference(const std::string& file, const sim::Machine& machine, std::size_t axis);
+
+/// The axis ran into an end of its travel.
+struct EndStop {
+  double time = 0.0;      ///< [s]
+  double position = 0.0;  ///< the end [m]
+  double speed = 0.0;     ///< of the impact [m/s]
+};
+
+/// Ends the recording where the axis leaves its travel, if it does.
+std::optional<EndStop> cut_at_end_stop(sim::Recording& recording, const sim::AxisLimits& limits);
 
 }  // namespace stribeck::workflow
