@@ -32,6 +32,11 @@ ident::excitation::Excitation design(const sim::Machine& machine, std::size_t ax
         ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
     return ident::excitation::design_jog(limits, machine.sample_time, jog);
   }
+  if (method == "constant-acceleration") {
+    ident::excitation::AccelerationDesign triangles;
+    triangles.start = 0.5 * (limits.travel_min + limits.travel_max);
+    return ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles);
+  }
   if (method == "position-sine") {
     ident::excitation::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};
     sine.from_middle = true;
@@ -100,6 +105,59 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
   return n;
 }
 
+namespace {
+
+/// What a slow jog in closed loop tells of an axis: half the sum and half the difference of its force in both directions.
+struct Held {
+  double load = 0.0;      ///< [N]
+  double friction = 0.0;  ///< [N]
+
+  /// A force that ends lets the axis run away, or nearly so.
+  [[nodiscard]] bool falls() const { return std::abs(load) >= 0.5 * friction; }
+};
+
+Held hold(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
+  const sim::AxisLimits& l = machine.axes[axis].second.limits;
+  const ident::excitation::Limits limits{l.travel_min, l.travel_max, l.speed, l.acceleration,
+                                         machine.axes[axis].second.force_limit()};
+  ident::excitation::JogDesign jog;
+  jog.start = 0.5 * (limits.travel_min + limits.travel_max);
+  jog.speeds = {0.1 * ident::excitation::fastest_jog(limits, machine.sample_time, jog)};
+  const auto e = ident::excitation::design_jog(limits, machine.sample_time, jog);
+  const sim::Recording log = play(machine, axis, e.r, {}, seed);
+  double sum[2] = {0.0, 0.0};
+  double rows[2] = {0.0, 0.0};
+  const double step = 0.999 * jog.speeds.front() * machine.sample_time;
+  for (std::size_t k = 0; k + 1 < log.r.size(); ++k) {
+    const double moved = log.r[k + 1] - log.r[k];
+    if (std::abs(moved) < step) continue;
+    sum[moved > 0.0] += log.f[k];
+    rows[moved > 0.0] += 1.0;
+  }
+  const double up = sum[1] / rows[1];
+  const double down = sum[0] / rows[0];
+  return {0.5 * (up + down), 0.5 * std::abs(up - down)};
+}
+
+/// A model by jogs: map with or without Gaussians, mass and load of the `whole` model, which other logs tell.
+ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::Result& whole,
+                     bool gaussians) {
+  ident::methods::JogOptions options;
+  options.gaussians = gaussians;
+  options.mass = whole.mass;
+  ident::Result result = ident::methods::identify_jog(jogs, options).result;
+  // By direction, jogs cannot separate a load from friction; the other logs can. The total force stays the same.
+  if (auto* map = std::get_if<friction::Gaussian<double>>(&result.friction.steady);
+      map != nullptr && result.load == 0.0) {
+    map->positive.eta0 -= whole.load;
+    map->negative.eta0 -= whole.load;
+    result.load = whole.load;
+  }
+  return result;
+}
+
+}  // namespace
+
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed) {
   const std::string& name = machine.axes[axis].first;
@@ -116,6 +174,24 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     l.models.push_back(std::move(m));
     return as_model(result);
   };
+  if (hold(machine, axis, seed).falls()) {
+    // Forces in open loop would let it fall: everything in closed loop, jogs for friction, triangles of speed for the mass.
+    const ident::log::Record turns =
+        add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
+    const ident::log::Record jogs = add("jog", design(machine, axis, "jog", 0));
+    const ident::log::Record triangles =
+        add("constant-acceleration", design(machine, axis, "constant-acceleration", 0));
+    const ident::Result whole = ident::drive::identify_drive({triangles, turns, jogs}, {});
+    l.knowledge.eccentric = keep("eccentric", {triangles, turns, jogs}, whole);
+    l.knowledge.whole = l.knowledge.eccentric;
+    if (needs.conventional) {
+      l.knowledge.conventional = keep("conventional", {jogs, triangles, turns}, jogged({jogs}, whole, false));
+      l.knowledge.conventional->friction.eccentric = {};
+    }
+    if (needs.gaussian)
+      l.knowledge.gaussian = keep("gaussian", {jogs, triangles, turns}, jogged({jogs}, whole, true));
+    return l;
+  }
   // The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
   const ident::excitation::Excitation first = design(machine, axis, "pulses", 0);
   const ident::log::Record tried =
@@ -135,18 +211,7 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
     if (needs.conventional && by_jogs) {
       const ident::log::Record jogs = add("jog", design(machine, axis, "jog", 0));
-      ident::methods::JogOptions conventional;
-      conventional.gaussians = false;
-      conventional.mass = whole.mass;
-      ident::Result jogged = ident::methods::identify_jog({jogs}, conventional).result;
-      // By direction, jogs cannot separate a load from friction; the other logs can. The total force stays the same.
-      if (auto* map = std::get_if<friction::Gaussian<double>>(&jogged.friction.steady);
-          map != nullptr && jogged.load == 0.0) {
-        map->positive.eta0 -= whole.load;
-        map->negative.eta0 -= whole.load;
-        jogged.load = whole.load;
-      }
-      l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged);
+      l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged({jogs}, whole, false));
       // (2.9) has no term periodic in position. The fit of the jogs finds one, however, and is better with it.
       l.knowledge.conventional->friction.eccentric = {};
     }
