@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -33,13 +34,31 @@ struct Options {
   unsigned threads = 0;
   std::vector<std::string> speeds;
   std::vector<std::string> controllers;
+  std::vector<std::string> only;
   PathOptions path;
 };
+
+/// Leaves only those controllers, in their order.
+void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<std::string>& only) {
+  if (only.empty()) return;
+  std::vector<std::string> ids;
+  for (const sim::ControllerSpec& c : controllers) ids.push_back(c.id);
+  for (const std::string& id : only) {
+    if (std::find(ids.begin(), ids.end(), id) == ids.end()) {
+      refuse_option("--only",
+                    fmt::format("got {}, expected one of {}", io::in_quotes(id), report::listed(ids)));
+    }
+  }
+  std::erase_if(controllers, [&](const sim::ControllerSpec& c) {
+    return std::find(only.begin(), only.end(), c.id) == only.end();
+  });
+}
 
 sim::CompareSpec spec_of(const Options& o, const std::string& experiment, const sim::Machine& machine) {
   sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
   add_beyond(s.controllers, experiment, o.parameters);
   for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
+  keep_only(s.controllers, o.only);
   s.trials = o.trials;
   s.seed = o.seed;
   s.threads = o.threads;
@@ -136,17 +155,23 @@ void add_compare(CLI::App& app, Action& action) {
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option(
           "--experiment", o->experiment,
-          "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis, by the number of axes of the machine")
+          "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis, by the number of axes of the machine; own, a "
+          "circle by its limits, for a machine without published parameters")
       ->check(one_of(experiment_ids()));
   add_parameter_options(*verb, o->parameters);
   add_trials(*verb, o->trials, o->threads);
   add_seed(*verb, o->seed);
-  verb->add_option("--speed", o->speeds, "Speed along the path, repeatable; left out: 3 and 9.5 mm/s")
+  verb->add_option(
+          "--speed", o->speeds,
+          "Speed along the path, repeatable; left out: 3 and 9.5 mm/s, on a machine of your own by its limits")
       ->type_name("SPEED");
   verb->add_option("--controller", o->controllers,
                    fmt::format("An additional controller, repeatable: {}, or a controller file",
                                report::listed(built_in_controllers())))
       ->type_name("NAME|FILE.toml");
+  verb->add_option("--only", o->only, "Run only these controllers, by their ids, e.g. --only f,g,i")
+      ->delimiter(',')
+      ->type_name("ID");
   add_path_options(*verb, o->path);
   add_common(*verb, o->common);
   refuse_empty_options(*verb);

@@ -76,9 +76,11 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
           "circle, eight, trifolium, a G-code file (read by LinuxCNC's interpreter), or a CSV file of points, one column for each axis")
       ->check(CLI::Validator(path_or_program, "SHAPE|PART.ngc|POINTS.csv"))
       ->capture_default_str();
-  verb.add_option("--size", o.size, "Radius of the circle, half width of the others")
-      ->type_name("LENGTH")
-      ->capture_default_str();
+  verb.add_option(
+          "--size", o.size,
+          "Radius of the circle, half width of the others; left out: 10 mm, on a machine of your own by its "
+          "travel")
+      ->type_name("LENGTH");
   verb.add_option("--laps", o.laps, "Number of laps at constant speed; these laps are evaluated")
       ->check(number_from(0.25, 1000.0))
       ->capture_default_str();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
@@ -19,8 +20,86 @@ PathSource source_of(const PathOptions& options) {
 
 sim::Travel make_travel(const PathOptions& o, double speed) {
   return sim::along(*enum_value<path::Shape>(o.path),
-                    option_si("--size", o.size, quantity("m", "mm").positive()), speed, o.laps);
+                    option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive()),
+                    speed, o.laps);
 }
+
+namespace {
+
+/// Two digits, not more than x.
+double rounded_down(double x) {
+  const double step = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
+  return std::floor(x / step + 1e-9) * step;
+}
+
+/// cos on the first axis, sin on the others: on three axes an ellipse in space, as the thesis's circle.
+template <std::size_t N>
+path::Fourier<N> circle_through(const sim::Machine& machine, double radius) {
+  path::Fourier<N> p;
+  for (std::size_t i = 0; i < N; ++i) {
+    const sim::AxisLimits& l = machine.axes[i].second.limits;
+    p.axis[i].offset = 0.5 * (l.travel_min + l.travel_max);
+    p.axis[i].terms = {path::Harmonic{radius, 1.0, i == 0 ? 0.0 : -0.5 * kPi}};
+  }
+  return p;
+}
+
+/// Radius and speeds that every axis can do, with something in hand.
+std::vector<sim::Travel> own_travels(const sim::Machine& machine, const PathOptions& o,
+                                     const std::vector<std::string>& speeds) {
+  constexpr double kMostRadius = 20e-3;  // [m]
+  constexpr double kShareOfTravel = 0.2;
+  constexpr double kShareOfSpeed = 0.5;
+  constexpr double kShareOfAcceleration = 0.3;
+  constexpr double kSlow = 0.1;  // of the fast one
+  const std::size_t axes = std::min<std::size_t>(machine.axes.size(), 3);
+  double radius = kMostRadius;
+  double speed = kInfinity;
+  double acceleration = kInfinity;
+  for (std::size_t i = 0; i < axes; ++i) {
+    const sim::AxisLimits& l = machine.axes[i].second.limits;
+    radius = std::min(radius, kShareOfTravel * (l.travel_max - l.travel_min));
+    speed = std::min(speed, kShareOfSpeed * l.speed);
+    acceleration = std::min(acceleration, kShareOfAcceleration * l.acceleration);
+  }
+  radius =
+      o.size.empty() ? rounded_down(radius) : option_si("--size", o.size, quantity("m", "mm").positive());
+  // The run-in of a second reaches the speed with at most 1.875 times its mean acceleration.
+  const double fast = rounded_down(std::min({speed, std::sqrt(acceleration * radius), acceleration}));
+  std::vector<double> all{rounded_down(kSlow * fast), fast};
+  if (!speeds.empty()) all.clear();
+  for (const std::string& text : speeds)
+    all.push_back(option_si("--speed", text, quantity("m/s", "mm/s").positive()));
+  std::vector<sim::Travel> travels;
+  for (const double v : all) {
+    sim::Travel t;
+    t.laps = o.laps;
+    t.speed = v;
+    t.name = fmt::format("circle of {:.6g} mm through {} axes", radius * 1e3, axes);
+    if (axes == 1) {
+      t.path = circle_through<1>(machine, radius);
+      t.pace = path::Pace::kRate;
+      t.speed = v / radius;
+      t.name = fmt::format("sine of {:.6g} mm, up to {:.6g} mm/s", radius * 1e3, v * 1e3);
+    } else if (axes == 2) {
+      t.path = circle_through<2>(machine, radius);
+    } else {
+      t.path = circle_through<3>(machine, radius);
+    }
+    travels.push_back(std::move(t));
+  }
+  return travels;
+}
+
+/// Whether parameters of it were printed.
+bool is_of_thesis(const sim::Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) {
+    const sim::Published& p = axis.second.published;
+    return p.conventional || p.gaussian || p.eccentric;
+  });
+}
+
+}  // namespace
 
 std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
   control::ContouringParams law = control::ContouringParams::critical(
@@ -48,6 +127,7 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
 
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path) {
   if (is_file(path)) return kVaried;
+  if (!is_of_thesis(machine) && machine.axes.size() != 5 && path.path == PathOptions{}.path) return kOwn;
   switch (machine.axes.size()) {
     case 1:
       return "uni-sim";
@@ -63,12 +143,25 @@ std::string default_experiment(const sim::Machine& machine, const PathOptions& p
 std::vector<std::string> experiment_ids() {
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
+  ids.emplace_back(kOwn);
   return ids;
 }
 
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
                                  const std::vector<std::string>& speeds, const sim::Machine& machine,
                                  const std::string& machine_file) {
+  if (experiment == kOwn) {
+    if (path.path != PathOptions{}.path) {
+      refuse_option(
+          "--path",
+          fmt::format("--experiment {} is a circle (take --experiment {} for another path)", kOwn, kVaried));
+    }
+    sim::CompareSpec own;
+    own.travels = own_travels(machine, path, speeds);
+    own.controllers = make_controllers(path);
+    own.accuracy = make_accuracy(path);
+    return own;
+  }
   if (experiment != kVaried) {
     if (!(path == PathOptions{}) || !speeds.empty()) {
       refuse_option(
@@ -106,7 +199,8 @@ void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::Controll
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
                 const ParameterOptions& parameters) {
   const auto all = sim::experiments();
-  const bool has = experiment.empty() || sim::find_experiment(all, "beyond-" + experiment) != nullptr;
+  const bool has = experiment.empty() || experiment == kOwn ||
+                   sim::find_experiment(all, "beyond-" + experiment) != nullptr;
   if (!has || parameters.source == "thesis") return;
   for (sim::ControllerSpec& more : sim::beyond_controllers(controllers.back()))
     controllers.push_back(std::move(more));

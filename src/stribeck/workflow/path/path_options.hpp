@@ -20,7 +20,7 @@ enum class PointJoin { kCorners, kSpline };
 
 struct PathOptions {
   std::string path = "circle";
-  std::string size = "10 mm";
+  std::string size;  ///< empty: 10 mm; of a machine of one's own by its travel
   double laps = 2.0;
   std::string omega_t = "40 rad/s";
   std::string omega_n = "40 rad/s";
@@ -53,6 +53,9 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
 
 /// The experiment whose circle the options of a path vary.
 inline constexpr const char* kVaried = "bi-table";
+/// The motion of a machine that no thesis has printed parameters of: a circle through its axes, in the middle of their travel, with
+/// radius and speeds as its limits allow.
+inline constexpr const char* kOwn = "own";
 
 /// The default experiment for a machine.
 std::string default_experiment(const sim::Machine& machine, const PathOptions& path);
@@ -60,7 +63,7 @@ std::string default_experiment(const sim::Machine& machine, const PathOptions& p
 /// Names of all experiments.
 std::vector<std::string> experiment_ids();
 
-/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds are allowed with kVaried only.
+/// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds are allowed with kVaried and kOwn only.
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
                                  const std::vector<std::string>& speeds, const sim::Machine& machine,
                                  const std::string& machine_file);
