@@ -94,6 +94,45 @@ std::string method_in_words(const sim::TuneSpec& spec) {
       spec.compare.trials == 1 ? "" : "s");
 }
 
+/// The limits that a controller's own gains break, in words; empty: none.
+std::string broken_at_start(const sim::TunedController& c, const sim::TuneResult& result,
+                            const sim::TuneSpec& spec) {
+  std::vector<std::string> broken;
+  const sim::LoopMargins& m = c.start_margins;
+  if (m.phase < spec.limits.phase_margin) broken.push_back("the phase margin, " + degrees(m.phase));
+  if (m.gain < spec.limits.gain_margin)
+    broken.push_back("the gain margin, " + decimals(decibels(m.gain), 1) + " dB");
+  if (m.delay < spec.limits.delay_margin * result.period)
+    broken.push_back("the delay margin, " + decimals(m.delay / result.period, 2) + " control periods");
+  for (std::size_t t = 0; t < c.before.size() && t < result.variation_limit.size(); ++t) {
+    const double variation = c.before[t].mean.input_variation;
+    if (variation > result.variation_limit[t]) {
+      broken.push_back(fmt::format("mean |Δu|, {} mV at {}", significant(variation * 1e3, 4),
+                                   spec.compare.travels[t].pace_in_words()));
+    }
+  }
+  return listed(broken);
+}
+
+/// What a user must know before taking gains that leave a larger error than those there were; empty: they do not.
+std::string worse_in_words(const sim::TunedController& c, const sim::TuneResult& result,
+                           const sim::TuneSpec& spec) {
+  for (std::size_t t = 0; t < c.before.size() && t < c.after.size(); ++t) {
+    const double before = c.before[t].mean.max_contour_error;
+    const double after = c.after[t].mean.max_contour_error;
+    if (!(after > before)) continue;
+    const std::string broken = broken_at_start(c, result, spec);
+    return fmt::format(
+        "controller ({}): the tuned gains leave a larger error than its own, {} in place of {} µm at "
+        "{}{}",
+        clean_text(c.start.id), decimals(after * 1e6, 2), decimals(before * 1e6, 2),
+        spec.compare.travels[t].pace_in_words(),
+        broken.empty() ? "; its own gains keep all limits: keep them"
+                       : "; its own gains break a limit: " + broken);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string why_none(const sim::TunedController& c, const sim::TuneSpec& spec) {
@@ -162,6 +201,8 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
     if (!c.before_refused.empty())
       out += fmt::format("({}) at its own gains: {}\n", clean_text(c.start.id), clean_text(c.before_refused));
     if (!c.found()) out += fmt::format("({}): {}\n", clean_text(c.start.id), why_none(c, spec));
+    if (const std::string worse = worse_in_words(c, result, spec); !worse.empty())
+      out += "Warning: " + worse + ".\n";
   }
   return out;
 }
@@ -201,6 +242,8 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     Json one;
     one["controller"] = c.start.id;
     one["label"] = c.start.label;
+    const std::string worse = worse_in_words(c, result, spec);
+    one["worse"] = worse.empty() ? Json(nullptr) : Json(worse);
     one["missed"] = c.found() ? Json(nullptr) : Json(why_none(c, spec));
     one["tries"] = c.tries;
     one["gains"] = Json::array();
