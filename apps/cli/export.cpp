@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -22,8 +23,14 @@ struct Options {
 
 std::vector<std::string> target_names() {
   std::vector<std::string> names;
-  for (const targets::Target* t : targets::all_targets()) names.emplace_back(t->name);
+  for (const targets::Target& t : targets::all_targets()) names.emplace_back(t.name);
   return names;
+}
+
+std::string target_list() {
+  std::string out = "The program or control";
+  for (const targets::Target& t : targets::all_targets()) out += fmt::format("; {}: {}", t.name, t.writes);
+  return out;
 }
 
 int run_export(const Options& o) {
@@ -49,14 +56,15 @@ void add_export(CLI::App& app, Action& action) {
           "Axis files written by identify, to export controllers; or one machine file, to export a whole configuration or its virtual drives")
       ->required()
       ->type_name("FILE.toml");
-  verb->add_option("--to", o->to, "linuxcnc: INI and HAL")->required()->check(one_of(target_names()));
+  verb->add_option("--to", o->to, target_list())->required()->check(one_of(target_names()));
   verb->add_option(
           "-o,--output", o->what.output,
-          "File to write (NAME.hal); for a machine file also a folder, which becomes a whole configuration")
+          "File to write (NAME.hal for linuxcnc); a folder for --to all, and for a machine file, of which it becomes a whole configuration")
       ->required()
-      ->type_name("NAME.hal|FOLDER");
-  verb->add_option("--name", o->what.names,
-                   "HAL name of each axis; left out: ax.x, ax.y, …, or pl.x, … of drives, ff.x, … of tables")
+      ->type_name("FILE|FOLDER");
+  verb->add_option(
+          "--name", o->what.names,
+          "Name of each axis in the target; left out: x, y, …; in HAL ax.x, ax.y, …, or pl.x, … of drives, ff.x, … of tables")
       ->type_name("NAME");
   verb->add_option("--omega", o->what.omega,
                    std::string("Double pole of the position loops; left out: ") + targets::linuxcnc::kOmega +
@@ -70,8 +78,15 @@ void add_export(CLI::App& app, Action& action) {
       "--lincurve", o->what.lincurve,
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
   verb->add_option("--speed", o->what.speed,
-                   "For --lincurve: largest speed of the table; left out: that of the identified range")
+                   "Largest speed of a table or a fit; left out: that of the identified range")
       ->type_name("SPEED");
+  verb->add_option(
+          "--gain", o->what.gain,
+          "For controls that count in a unit of their own: the force of one unit at the axis, e.g. \"12.5 N/%\" or \"140 N/A\"")
+      ->type_name("FORCE/UNIT");
+  verb->add_option("--lead", o->what.lead,
+                   "For controls that count at the motor: travel of the axis per turn of the motor")
+      ->type_name("LENGTH");
   verb->add_option(
           "--parameters", o->what.parameters,
           "For a configuration, parameters of its controllers: identified (from simulated logs of this machine, the default) or commissioning (the rough values of the machine file)")
@@ -85,7 +100,9 @@ void add_export(CLI::App& app, Action& action) {
   verb->footer(
       "Examples:\n  stribeck export machines/triaxial-tool.toml --to linuxcnc -o triaxial\n"
       "  stribeck export x.toml y.toml --to linuxcnc --omega \"60 rad/s\" -o axes.hal\n"
-      "  stribeck export x.toml --to linuxcnc --lincurve --speed \"100 mm/s\" -o lincurve.hal");
+      "  stribeck export x.toml --to linuxcnc --lincurve --speed \"100 mm/s\" -o lincurve.hal\n"
+      "  stribeck export x.toml --to cia402 --gain \"12.5 N/%\" -o x.st\n"
+      "  stribeck export x.toml y.toml --to all -o exports");
   verb->callback([o, &action] { action = [o] { return run_export(*o); }; });
 }
 

@@ -2,10 +2,12 @@
 /// Programs to which parameters can be exported. Each target is one function; targets.cpp lists them.
 ///
 /// A new target is a folder with one source file that defines its Target, and its name in targets.cpp.
+/// A target that holds the steady friction alone is one function in steady/: steady_target.hpp tells how.
 ///
 /// Real time: no.
 /// Errors: InputError naming file or option. A target refuses options that it does not take.
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -25,6 +27,8 @@ struct ExportRequest {
   std::string speed;                    ///< largest speed of the table
   std::string parameters;               ///< parameters of a machine file: identified or commissioning
   std::vector<std::string> axis_files;  ///< AXIS=FILE replaces these parameters
+  std::string gain;                     ///< force of one unit of the target: "12.5 N/%"
+  std::string lead;                     ///< travel per turn of the motor
   std::string command;                  ///< command of the export, for the comment at its head
 };
 
@@ -38,11 +42,11 @@ struct Target {
   std::string_view takes;   ///< input files
   std::string_view writes;  ///< output files
   std::string_view error;   ///< what is lost in the export, and where its size is reported
-  Exported (*write)(const ExportRequest&);
+  std::function<Exported(const ExportRequest&)> write;
 };
 
 /// All targets.
-std::span<const Target* const> all_targets();
+std::span<const Target> all_targets();
 
 /// The target of this name; null when there is none.
 const Target* find_target(std::string_view name);

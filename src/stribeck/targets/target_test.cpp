@@ -17,11 +17,11 @@ constexpr const char* kAxis =
 
 TEST(Target, EveryOneSaysWhatItTakesWritesAndLoses) {
   std::set<std::string_view> names;
-  for (const targets::Target* t : targets::all_targets()) {
-    EXPECT_TRUE(names.insert(t->name).second) << t->name;
-    EXPECT_FALSE(t->takes.empty() || t->writes.empty() || t->error.empty()) << t->name;
-    EXPECT_NE(t->write, nullptr) << t->name;
-    EXPECT_EQ(targets::find_target(t->name), t);
+  for (const targets::Target& t : targets::all_targets()) {
+    EXPECT_TRUE(names.insert(t.name).second) << t.name;
+    EXPECT_FALSE(t.takes.empty() || t.writes.empty() || t.error.empty()) << t.name;
+    EXPECT_TRUE(t.write) << t.name;
+    EXPECT_EQ(targets::find_target(t.name), &t);
   }
   EXPECT_EQ(targets::find_target("none"), nullptr);
 }

@@ -1,25 +1,51 @@
 #include <algorithm>
 #include <array>
+#include <vector>
 
+#include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/targets/target.hpp>
 
 namespace stribeck::targets {
 
-// Each is defined in the folder of its name. To add a target, enter its name in this line and in the list.
+// A target with a writer of its own: its name here and in all_targets(). One that holds the steady friction: its name here and in
+// kSteady.
 extern const Target kLinuxCnc;
+extern const SteadyTarget kCsv, kC, kStructuredText, kCia402, kIsg, kAx8000, kKeba, kMitsubishi, kPmac,
+    kIndraDrive, kMujoco, kModelica, kSimscape;
 
 namespace {
 
-constexpr std::array<const Target*, 1> kTargets{&kLinuxCnc};
+constexpr std::array<const SteadyTarget*, 13> kSteady{
+    &kCsv,        &kC,    &kStructuredText, &kCia402, &kIsg,      &kAx8000,  &kKeba,
+    &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica, &kSimscape};
+
+std::vector<Target> made() {
+  std::vector<Target> out{kLinuxCnc};
+  for (const SteadyTarget* t : kSteady) {
+    out.push_back(
+        {t->name, "axis files of identify", t->what,
+         "nearest to the friction in the form of the target; the largest and the RMS error are printed",
+         [t](const ExportRequest& o) { return write_steady(*t, o); }});
+  }
+  out.push_back({"all", "axis files of identify",
+                 "a folder with each of the others but linuxcnc, and their errors side by side",
+                 "that of each is printed", write_all});
+  return out;
+}
 
 }  // namespace
 
-std::span<const Target* const> all_targets() { return kTargets; }
+std::span<const SteadyTarget* const> steady_targets() { return kSteady; }
+
+std::span<const Target> all_targets() {
+  static const std::vector<Target> all = made();
+  return all;
+}
 
 const Target* find_target(std::string_view name) {
-  const auto found =
-      std::find_if(kTargets.begin(), kTargets.end(), [&](const Target* t) { return t->name == name; });
-  return found == kTargets.end() ? nullptr : *found;
+  const auto all = all_targets();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Target& t) { return t.name == name; });
+  return found == all.end() ? nullptr : &*found;
 }
 
 }  // namespace stribeck::targets

@@ -3,7 +3,7 @@
 /// Real time: no.
 
 #include <stribeck/friction/axis_model.hpp>
-#include <stribeck/targets/linuxcnc/nearest_polyline.hpp>
+#include <stribeck/targets/steady/nearest_polyline.hpp>
 #include <string>
 #include <string_view>
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <stribeck/targets/linuxcnc/nearest_polyline.hpp>
+#include <stribeck/targets/steady/nearest_polyline.hpp>
 
-namespace stribeck::targets::linuxcnc {
+namespace stribeck::targets {
 namespace {
 
 /// y = slope·x + height
@@ -182,4 +182,4 @@ Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, 
   return joined(best, s, x, y);
 }
 
-}  // namespace stribeck::targets::linuxcnc
+}  // namespace stribeck::targets

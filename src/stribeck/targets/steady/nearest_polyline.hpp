@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-namespace stribeck::targets::linuxcnc {
+namespace stribeck::targets {
 
 struct Corner {
   double x = 0.0;
@@ -41,4 +41,4 @@ std::optional<Polyline> polyline_within(std::span<const double> x, std::span<con
 
 Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, std::size_t pieces);
 
-}  // namespace stribeck::targets::linuxcnc
+}  // namespace stribeck::targets

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
-#include <stribeck/targets/linuxcnc/nearest_polyline.hpp>
+#include <stribeck/targets/steady/nearest_polyline.hpp>
 
-namespace stribeck::targets::linuxcnc {
+namespace stribeck::targets {
 namespace {
 
 using ::testing::HasSubstr;
@@ -122,4 +122,4 @@ TEST(NearestPolyline, RefusesWhatIsNoCurve) {
 }
 
 }  // namespace
-}  // namespace stribeck::targets::linuxcnc
+}  // namespace stribeck::targets

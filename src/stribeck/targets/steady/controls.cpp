@@ -1,0 +1,137 @@
+// Friction compensations that controls and drives have of their own. Their parameters are told by the manuals that
+// docs/guides/export.md names.
+#include <fmt/format.h>
+#include <cmath>
+
+#include <stribeck/targets/steady/approximation.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+/// Coulomb friction by direction, in steps of the control's number.
+struct Levels {
+  double positive = 0.0;  ///< [control's unit]
+  double negative = 0.0;
+  std::function<double(double)> held;
+};
+Levels levels_of(const Axis& axis, double step, bool both) {
+  const double unit = axis.gain;
+  const auto rounded = [&](double direction) {
+    return step * std::round(nearest_level(axis, direction) / unit / step);
+  };
+  Levels l;
+  l.positive = rounded(both ? 0.0 : 1.0);
+  l.negative = rounded(both ? 0.0 : -1.0);
+  l.held = [=](double v) { return signed_force(unit * (v < 0.0 ? l.negative : l.positive), v); };
+  return l;
+}
+
+/// Points over the speed for both directions, forces in the control's unit with the given decimals.
+std::vector<Corner> rounded_points(const Axis& axis, std::size_t points, int decimals) {
+  std::vector<Corner> out = nearest_points(axis, points);
+  for (Corner& c : out) c.y = axis.gain * std::stod(fmt::format("{:.{}f}", c.y / axis.gain, decimals));
+  return out;
+}
+
+Form isg(const Axis& axis) {
+  constexpr std::size_t kMost = 20;
+  std::vector<Corner> points = rounded_points(axis, kMost, 3);
+  for (Corner& c : points) c.x = 1e-6 * std::round(1e6 * c.x);
+  Form form;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    form.text += fmt::format("frict_comp.table[{0}].in    {1:.0f}\nfrict_comp.table[{0}].out   {2:.3f}\n", i,
+                             1e6 * points[i].x, points[i].y / axis.gain);
+  }
+  form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
+  form.to_do = fmt::format(
+      "Goes into the axis parameter list, with P-AXIS-00522 on; .in counts µm/s, .out counts {}. Check first in which unit the drive "
+      "takes the additive current. reversal_lookahead and position_delay are found on the circle.",
+      axis.unit);
+  return form;
+}
+
+Form ax8000(const Axis& axis) {
+  // Torque of the motor per angular speed of the motor.
+  const double radius = axis.lead / (2.0 * kPi);
+  const double factor = std::stod(fmt::format("{:.6g}", nearest_slope(axis) * radius * radius));
+  Form form;
+  form.text = fmt::format("3144:03 = {:.6g} (N m s/rad, dynamic friction factor)\n", factor);
+  form.held = [=](double v) { return factor / (radius * radius) * v; };
+  form.to_do =
+      "Goes into object 3144:03 of the AX8000. It holds viscous friction alone: watch the larger error above, and give Coulomb "
+      "friction by the torque offset (--to cia402). 3141:08 shows the feed-forward that acts.";
+  return form;
+}
+
+Form keba(const Axis& axis) {
+  constexpr std::size_t kMost = 5;
+  const std::vector<Corner> points = rounded_points(axis, kMost, 2);
+  Form form;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    form.text += fmt::format("index {}: {:.1f} rpm, {:.2f} {}\n", i, 60.0 * points[i].x / axis.lead,
+                             points[i].y / axis.gain, axis.unit);
+  }
+  form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
+  form.to_do =
+      "Goes into the friction table of the ServoOne (indexes 0 to 4). Check first that the table counts in the unit of --gain; "
+      "indexes 3 and 4 act while accelerating alone.";
+  return form;
+}
+
+Form mitsubishi(const Axis& axis) {
+  // The standard setting is twice the friction torque; the step at the reversal is from −F to F.
+  const Levels l = levels_of(axis, 1.0, false);
+  Form form;
+  form.text = fmt::format("SV027 bit 9 = 1\nSV016 = {:.0f}\nSV041 = {:.0f}\n", 2.0 * l.positive,
+                          l.positive == l.negative ? 0.0 : 2.0 * l.negative);
+  form.held = l.held;
+  form.to_do = fmt::format(
+      "Servo parameters, lost-motion compensation type 2; SV016 counts {} of the stall current, twice the friction. Check first with "
+      "half the value on the circle: too much cuts into the contour.",
+      axis.unit);
+  return form;
+}
+
+Form pmac(const Axis& axis) {
+  const Levels l = levels_of(axis, 1.0, true);
+  Form form;
+  form.text = fmt::format("Ixx68 = {:.0f}\n", l.positive);
+  form.held = l.held;
+  form.to_do = fmt::format(
+      "Ixx68 of the motor xx, in {} of the servo output, by the sign of the commanded velocity.", axis.unit);
+  return form;
+}
+
+Form indradrive(const Axis& axis) {
+  const Levels l = levels_of(axis, 0.1, true);
+  Form form;
+  form.text = fmt::format("S-0-0155 = {:.1f} {}\n", l.positive, axis.unit);
+  form.held = l.held;
+  form.to_do =
+      "S-0-0155, friction torque compensation. Check first what 100 % means in the drive, and compare the circle with half the "
+      "value.";
+  return form;
+}
+
+}  // namespace
+
+extern const SteadyTarget kIsg;
+const SteadyTarget kIsg{"isg", "friction table of the ISG kernel and TwinCAT CNC (TF5200), 20 points", "#",
+                        SteadyNeeds::kGain, isg};
+extern const SteadyTarget kAx8000;
+const SteadyTarget kAx8000{"ax8000", "viscous friction factor of the AX8000", "#", SteadyNeeds::kLead,
+                           ax8000};
+extern const SteadyTarget kKeba;
+const SteadyTarget kKeba{"keba", "friction table of the ServoOne, 5 points", "#", SteadyNeeds::kGainAndLead,
+                         keba};
+extern const SteadyTarget kMitsubishi;
+const SteadyTarget kMitsubishi{"mitsubishi", "lost-motion compensation type 2, SV016 and SV041", "#",
+                               SteadyNeeds::kGain, mitsubishi};
+extern const SteadyTarget kPmac;
+const SteadyTarget kPmac{"pmac", "friction feed-forward Ixx68", "#", SteadyNeeds::kGain, pmac};
+extern const SteadyTarget kIndraDrive;
+const SteadyTarget kIndraDrive{"indradrive", "friction torque compensation S-0-0155", "#", SteadyNeeds::kGain,
+                               indradrive};
+
+}  // namespace stribeck::targets

@@ -1,0 +1,285 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/output_folder.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/steady/steady_target.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+using workflow::option_si;
+using workflow::refuse_option;
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+/// Speeds of one direction at which the error is taken.
+constexpr int kSpeeds = 1000;
+/// Slowest speed of a model that does not say where its data begin, as a share of the fastest.
+constexpr double kSlowest = 1e-3;
+
+/// "12.5 N/%" → 12.5 N and "%".
+std::pair<double, std::string> gain_of(const ExportRequest& o) {
+  if (o.gain.empty()) return {kUnknown, {}};
+  const std::size_t slash = o.gain.rfind('/');
+  if (slash == std::string::npos || slash + 1 == o.gain.size()) {
+    refuse_option(
+        "--gain",
+        fmt::format("got {}, expected the force of one unit of the control, e.g. \"12.5 N/%\" or \"140 N/A\"",
+                    io::in_quotes(o.gain)));
+  }
+  std::string unit = o.gain.substr(slash + 1);
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  constexpr std::string_view kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%\xe2\x80\xb0._-";
+  if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
+    refuse_option("--gain",
+                  fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
+  return {option_si("--gain", o.gain.substr(0, slash), quantity("N", "N").positive()), unit};
+}
+
+std::string refuse_name(const std::string& name) {
+  refuse_option("--name",
+                fmt::format("got {}, expected a letter, then letters, digits and underscores, 16 at most",
+                            io::in_quotes(name)));
+}
+
+std::vector<std::string> names_of(const ExportRequest& o) {
+  constexpr std::string_view kLetters = "xyzabcuvw";
+  if (o.files.size() > kLetters.size()) refuse_option("AXIS.toml", "got more than nine axes");
+  std::vector<std::string> names = o.names;
+  for (std::size_t i = 0; names.size() < o.files.size() && o.names.empty(); ++i)
+    names.emplace_back(1, kLetters[i]);
+  if (names.size() != o.files.size())
+    refuse_option("--name",
+                  fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
+  for (const std::string& name : names) {
+    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    const bool good = !name.empty() && name.size() <= 16 && letter(name.front()) &&
+                      std::all_of(name.begin(), name.end(),
+                                  [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
+    if (!good) refuse_name(name);
+  }
+  if (std::set(names.begin(), names.end()).size() != names.size())
+    refuse_option("--name", "expected names that differ");
+  return names;
+}
+
+Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
+  Axis a;
+  a.name = name;
+  a.file = o.files[i];
+  if (io::load_toml(a.file).find("axes") != nullptr)
+    throw io::InputError({a.file, 0, "axes", "is a machine file, expected an axis file written by identify"});
+  a.model = io::read_toml<friction::AxisModel>(a.file);
+  std::tie(a.gain, a.unit) = gain_of(o);
+  a.lead = o.lead.empty() ? kUnknown : option_si("--lead", o.lead, quantity("m", "mm").positive());
+  const auto range = a.model.friction.identified_range();
+  if (!o.speed.empty()) {
+    a.fastest = option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+  } else if (range) {
+    a.fastest = std::min(-(*range)[0], (*range)[1]);
+  } else {
+    refuse_option("--speed",
+                  fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", a.file));
+  }
+  a.slowest = kSlowest * a.fastest;
+  return a;
+}
+
+void check_needs(const SteadyTarget& t, const ExportRequest& o) {
+  const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
+  const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+  if (gain && o.gain.empty()) {
+    refuse_option(
+        "--gain",
+        fmt::format("missing: {} counts in a unit of its own; say the force of one, e.g. \"12.5 N/%\"",
+                    t.name));
+  }
+  if (lead && o.lead.empty())
+    refuse_option(
+        "--lead",
+        fmt::format("missing: {} counts at the motor; say the travel per turn, e.g. \"10 mm\"", t.name));
+}
+
+struct Error {
+  double largest = 0.0;  ///< [N]
+  double rms = 0.0;
+  double friction = 0.0;  ///< RMS of the friction itself [N]
+};
+
+Error error_of(const Axis& axis, const Form& form) {
+  Error e;
+  double squares = 0.0;
+  double friction = 0.0;
+  for (int i = 0; i <= kSpeeds; ++i) {
+    const double speed = axis.slowest + (axis.fastest - axis.slowest) * i / kSpeeds;
+    for (const double v : {speed, -speed}) {
+      const double f = axis.friction(v);
+      const double off = std::abs(form.held(v) - f);
+      e.largest = std::max(e.largest, off);
+      squares += off * off;
+      friction += f * f;
+    }
+  }
+  e.rms = std::sqrt(squares / (2.0 * (kSpeeds + 1)));
+  e.friction = std::sqrt(friction / (2.0 * (kSpeeds + 1)));
+  return e;
+}
+
+std::vector<std::string> left_out(const Axis& axis, const Form& form) {
+  std::vector<std::string> out;
+  double periodic = 0.0;
+  for (const auto& term : axis.model.friction.eccentric) periodic += term.amplitude;
+  if (periodic > 0.0 && !form.periodic)
+    out.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
+  if (friction::has_pre_sliding(axis.model.friction.dynamics))
+    out.emplace_back("pre-sliding (the force jumps at a reversal)");
+  if (axis.model.load != 0.0 && !form.load)
+    out.push_back(fmt::format("the load of {} N", report::significant(axis.model.load, 4)));
+  return out;
+}
+
+std::string remark(std::string_view comment, const std::string& text) {
+  if (comment == "(*") return "(* " + text + " *)\n";
+  if (comment == "/*") return "/* " + text + " */\n";
+  if (comment == "<!--") return "<!-- " + text + " -->\n";
+  return std::string(comment) + " " + text + "\n";
+}
+
+/// A comment must not be closed by what stands in it.
+std::string harmless(std::string text) {
+  text = report::clean_text(text);
+  for (const std::string_view end : {"*/", "*)", "--", "(*", "/*"}) {
+    for (std::size_t at = text.find(end); at != std::string::npos; at = text.find(end, at))
+      text.replace(at, end.size(), "_");
+  }
+  return text;
+}
+
+struct Written {
+  std::string text;
+  nlohmann::ordered_json json;
+  std::string words;
+};
+
+Written written(const SteadyTarget& target, const ExportRequest& o) {
+  check_needs(target, o);
+  const std::vector<std::string> names = names_of(o);
+  Written w;
+  w.json = nlohmann::ordered_json::array();
+  w.text = remark(target.comment, harmless("Written by: " + o.command));
+  std::string to_do;
+  for (std::size_t i = 0; i < o.files.size(); ++i) {
+    const Axis axis = axis_of(o, i, names[i]);
+    const Form form = target.write(axis);
+    const Error e = error_of(axis, form);
+    const std::vector<std::string> missing = left_out(axis, form);
+    std::string words =
+        fmt::format("up to {} mm/s at most {} N beside the friction of {} N RMS, RMS {} N",
+                    report::significant(1e3 * axis.fastest, 4), report::significant(e.largest, 3),
+                    report::significant(e.friction, 3), report::significant(e.rms, 3));
+    if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
+    w.text +=
+        remark(target.comment, harmless(fmt::format("Axis {} from {}: {}", axis.name, axis.file, words)));
+    w.text += form.text;
+    w.words += fmt::format("{}: {}.\n", axis.name, words);
+    to_do = form.to_do;
+    w.json.push_back({{"name", axis.name},
+                      {"file", axis.file},
+                      {"fastest_m_per_s", axis.fastest},
+                      {"max_error_N", e.largest},
+                      {"rms_error_N", e.rms},
+                      {"rms_friction_N", e.friction},
+                      {"left_out", missing}});
+  }
+  w.words += to_do + "\n";
+  return w;
+}
+
+}  // namespace
+
+double Axis::friction(double v) const noexcept {
+  return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },
+                    model.friction.steady);
+}
+
+namespace {
+
+void refuse_others(const ExportRequest& o) {
+  const auto refuse = [](const char* option) { refuse_option(option, "applies to --to linuxcnc alone"); };
+  if (!o.omega.empty()) refuse("--omega");
+  if (!o.feedforward.empty()) refuse("--feedforward");
+  if (o.lincurve) refuse("--lincurve");
+  if (!o.parameters.empty()) refuse("--parameters");
+  if (!o.axis_files.empty()) refuse("--axis-file");
+}
+
+}  // namespace
+
+Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
+  refuse_others(o);
+  io::check_writable(o.output);
+  const Written w = written(target, o);
+  io::write_atomically(o.output, w.text);
+  Exported out;
+  out.json = {{"schema", "stribeck.export/1"}, {"to", target.name}, {"file", o.output}, {"axes", w.json}};
+  out.text = w.words + fmt::format("Written to {}.\n", o.output);
+  return out;
+}
+
+Exported write_all(const ExportRequest& o) {
+  refuse_others(o);
+  std::error_code ignored;
+  if (std::filesystem::exists(o.output, ignored) && !std::filesystem::is_directory(o.output, ignored))
+    throw io::InputError({o.output, 0, {}, "is a file, expected a folder for one file per target"});
+  std::vector<std::pair<const SteadyTarget*, Written>> all;
+  std::vector<std::string> open;
+  for (const SteadyTarget* t : steady_targets()) {
+    const bool gain = t->needs == SteadyNeeds::kGain || t->needs == SteadyNeeds::kGainAndLead;
+    const bool lead = t->needs == SteadyNeeds::kLead || t->needs == SteadyNeeds::kGainAndLead;
+    if ((gain && o.gain.empty()) || (lead && o.lead.empty())) {
+      open.push_back(fmt::format("{} ({})", t->name,
+                                 gain && lead ? "--gain, --lead"
+                                 : gain       ? "--gain"
+                                              : "--lead"));
+    } else {
+      all.emplace_back(t, written(*t, o));
+    }
+  }
+  const io::OutputFolder folder(o.output);
+  Exported out;
+  out.json = {{"schema", "stribeck.export/1"},
+              {"to", "all"},
+              {"folder", o.output},
+              {"targets", nlohmann::ordered_json::array()}};
+  out.text = fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
+                         report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
+                         report::right_aligned("RMS error", 12), "what is written");
+  for (const auto& [t, w] : all) {
+    const std::string file = (std::filesystem::path(o.output) / (std::string(t->name) + ".txt")).string();
+    io::write_atomically(file, w.text);
+    out.json["targets"].push_back({{"to", t->name}, {"file", file}, {"axes", w.json}});
+    for (const auto& axis : w.json) {
+      out.text +=
+          fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
+                      report::left_aligned(axis["name"].get<std::string>(), 6),
+                      report::right_aligned(report::significant(axis["max_error_N"], 3) + " N", 14),
+                      report::right_aligned(report::significant(axis["rms_error_N"], 3) + " N", 12), t->what);
+    }
+  }
+  out.text += fmt::format("{} files in {}.\n", all.size(), o.output);
+  if (!open.empty())
+    out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
+  return out;
+}
+
+}  // namespace stribeck::targets

@@ -1,0 +1,69 @@
+#pragma once
+/// Targets that hold the steady friction of an axis: tables of a control, source code, models of simulators.
+///
+/// Such a target is one source file with a function that turns an Axis into a Form. What all of them share stands here: reading the
+/// axis files, the options, the error that the form makes, and writing the file.
+///
+///   write(axis)   the text, and the friction that the target will give, held(v), after its rounding
+///   error         |held(v) − F(v)|, largest and RMS, over speeds from the slowest to the fastest in both directions
+///
+/// Forces [N], velocities [m/s]. Load and mass are written where the target has a place for them; periodic terms and pre-sliding only
+/// where the form says so. What it leaves out is told.
+///
+/// Real time: no.
+/// Errors: InputError naming the option or the file.
+
+#include <functional>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/targets/target.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::targets {
+
+/// One axis on its way into another program.
+struct Axis {
+  std::string name;
+  std::string file;
+  friction::AxisModel model;
+  double slowest = 0.0;  ///< smallest speed that counts [m/s]
+  double fastest = 0.0;  ///< [m/s]
+  double gain = 1.0;     ///< force of one unit of the control [N]; NaN: nobody said it
+  std::string unit;      ///< name of that unit: "%", "A"
+  double lead = 0.0;     ///< travel per turn of the motor [m]; NaN: nobody said it
+
+  /// Steady friction without load and periodic terms [N].
+  [[nodiscard]] double friction(double v) const noexcept;
+};
+
+/// What the target was given of one axis.
+struct Form {
+  std::string text;
+  std::function<double(double)> held;  ///< its friction [N] at a velocity [m/s]
+  bool periodic = false;               ///< terms periodic in position are in it
+  bool mass = false;                   ///< the mass is in it
+  bool load = false;
+  std::string to_do;  ///< where it is typed, and what to check first
+};
+
+/// What a target needs beside the axis file.
+enum class SteadyNeeds { kNothing, kGain, kGainAndLead, kLead };
+
+struct SteadyTarget {
+  std::string_view name;
+  std::string_view what;     ///< what is written, in a few words
+  std::string_view comment;  ///< begins a comment line: "#"; "(*" is closed with "*)"
+  SteadyNeeds needs = SteadyNeeds::kNothing;
+  Form (*write)(const Axis&);
+};
+
+/// All of them, in the order of help.
+std::span<const SteadyTarget* const> steady_targets();
+
+/// Writes all axes of the request into one file.
+Exported write_steady(const SteadyTarget& target, const ExportRequest& request);
+
+/// Every steady target that the given options suffice for, each into its own file of a folder, with a table of their errors.
+Exported write_all(const ExportRequest& request);
+
+}  // namespace stribeck::targets

@@ -1,0 +1,224 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/targets/steady/approximation.hpp>
+#include <stribeck/targets/target.hpp>
+#include <string>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kAxis =
+    "mass = \"800 kg\"\nload = \"30 N\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"60 N\"\nalpha2 = \"0.5 N s/mm\"\n"
+    "stribeck = { alpha1 = \"100 N\", v0 = \"5 mm/s\", delta = 1 }\n"
+    "[[friction.eccentric]]\namplitude = \"7 N\"\nperiod = \"5 mm\"\nphase = \"0.4 rad\"\nform = \"proportional\"\n";
+
+/// Truth of kAxis, written down once more: level by Stribeck's law, viscous part, and the load [N].
+double friction_of(double v) {
+  const double s = std::abs(v);
+  const double f = 60.0 + 40.0 * std::exp(-s / 5e-3) + 500.0 * s;
+  return v < 0.0 ? -f : f;
+}
+
+struct Export {
+  Folder folder;
+  targets::ExportRequest request;
+
+  explicit Export(const char* axis = kAxis) {
+    request.files = {folder.write("x.toml", axis)};
+    request.output = folder / "out.txt";
+    request.speed = "100 mm/s";
+    request.command = "test";
+  }
+  targets::Exported to(const char* name) { return targets::find_target(name)->write(request); }
+  std::string text(const char* name) {
+    static_cast<void>(to(name));
+    return text_of(request.output);
+  }
+  std::string refusal(const char* name) {
+    try {
+      static_cast<void>(to(name));
+    } catch (const io::InputError& e) {
+      return e.problems().front().text();
+    }
+    return "accepted";
+  }
+};
+
+double error_of(const targets::Exported& e) { return e.json["axes"][0]["max_error_N"].get<double>(); }
+
+TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
+  Export x;
+  x.request.output = x.folder / "x.h";
+  const targets::Exported written = x.to("c");
+  const std::string main = x.folder.write(
+      "main.c",
+      "#include <stdio.h>\n#include \"x.h\"\nint main(void) {\n  double v, p;\n"
+      "  while (scanf(\"%lf %lf\", &v, &p) == 2) printf(\"%.9g %.9g\\n\", x_friction(v, p), x_force(2.0, v, p));\n  return 0;\n}\n");
+  const std::string program = x.folder / "program";
+  ASSERT_EQ(
+      std::system(("cc -std=c99 -Wall -Wextra -Werror -o '" + program + "' '" + main + "' -lm").c_str()), 0);
+  std::string input;
+  std::vector<std::array<double, 2>> points;
+  for (int i = -20; i <= 20; ++i) {
+    points.push_back({5e-3 * i + (i == 0 ? 0.0 : 1e-4), 1e-3 * i});
+    input += std::to_string(points.back()[0]) + " " + std::to_string(points.back()[1]) + "\n";
+  }
+  const std::string in = x.folder.write("in.txt", input.c_str());
+  const std::string out = x.folder / "values.txt";
+  ASSERT_EQ(std::system(("'" + program + "' < '" + in + "' > '" + out + "'").c_str()), 0);
+  std::istringstream values(text_of(out));
+  for (const auto& [v, p] : points) {
+    double friction = 0.0;
+    double force = 0.0;
+    ASSERT_TRUE(values >> friction >> force);
+    const double ripple =
+        v == 0.0 ? 0.0 : 7.0 * std::sin(2.0 * 3.14159265358979 * p / 5e-3 - 0.4) * (v < 0.0 ? -1.0 : 1.0);
+    const double truth = v == 0.0 ? 0.0 : friction_of(v) + ripple;
+    EXPECT_NEAR(friction, truth, error_of(written) + 1e-6) << v;
+    EXPECT_NEAR(force, 1600.0 + friction + 30.0, 1e-6) << v;
+  }
+  EXPECT_LT(error_of(written), 0.1);
+}
+
+TEST(SteadyTarget, FewerPointsMakeALargerErrorAndItIsPrinted) {
+  Export x;
+  x.request.gain = "12 N/%";
+  x.request.lead = "10 mm";
+  const double many = error_of(x.to("isg"));
+  const double few = error_of(x.to("keba"));
+  const double one = error_of(x.to("pmac"));
+  EXPECT_LT(many, 0.3);  // 12 N in steps of a thousandth, and 20 points
+  EXPECT_LT(many, few);
+  EXPECT_LT(few, one);
+  // The mean level against the largest friction of the range.
+  EXPECT_GT(one, 20.0);
+  EXPECT_THAT(x.to("pmac").text, HasSubstr("beside the friction of"));
+}
+
+TEST(SteadyTarget, TorqueOffsetCountsInPerMille) {
+  Export x;
+  x.request.gain = "12.5 N/%";
+  EXPECT_THAT(x.text("cia402"), HasSubstr("F := F / 1.250000000e+00;"));
+  EXPECT_LT(error_of(x.to("cia402")), 0.625 + 0.1);
+  x.request.gain = "1.25 N/per_mille";
+  EXPECT_THAT(x.text("cia402"), HasSubstr("F := F / 1.250000000e+00;"));
+}
+
+TEST(SteadyTarget, LostMotionIsTwiceTheFrictionByDirection) {
+  Export x(
+      "mass = \"800 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"60 N\"\nalpha2 = \"0 N s/mm\"\n");
+  x.request.gain = "3 N/%";
+  EXPECT_THAT(x.text("mitsubishi"), HasSubstr("SV016 = 40\nSV041 = 0\n"));
+  EXPECT_LT(error_of(x.to("mitsubishi")), 1e-9);
+  EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 20\n"));
+  EXPECT_THAT(x.text("mujoco"), HasSubstr("frictionloss=\"60\" damping=\"0\""));
+}
+
+TEST(SteadyTarget, SpeedsOfTheServoOneAreThoseOfTheMotor) {
+  Export x;
+  x.request.gain = "12 N/%";
+  x.request.lead = "10 mm";
+  // 100 mm/s at 10 mm per turn.
+  EXPECT_THAT(x.text("keba"), HasSubstr(": 600.0 rpm, "));
+}
+
+TEST(SteadyTarget, ViscousFrictionAtTheMotor) {
+  Export x(
+      "mass = \"800 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"1e-6 N\"\nalpha2 = \"0.5 N s/mm\"\n");
+  x.request.lead = "62.83185307 mm";  // a radius of 10 mm: 500 N s/m · (10 mm)²
+  EXPECT_THAT(x.text("ax8000"), HasSubstr("3144:03 = 0.05 "));
+  EXPECT_LT(error_of(x.to("ax8000")), 1e-3);
+}
+
+TEST(SteadyTarget, SimulatorsComeAsNearAsTheirFormPermits) {
+  Export x;
+  EXPECT_LT(error_of(x.to("modelica")), 1.0);
+  const double simscape = x.to("simscape").json["axes"][0]["rms_error_N"].get<double>();
+  EXPECT_LT(simscape, 4.0);
+  EXPECT_LT(simscape, x.to("mujoco").json["axes"][0]["rms_error_N"].get<double>());
+}
+
+TEST(SteadyTarget, WhatAFormCannotHoldIsSaid) {
+  Export x;
+  EXPECT_THAT(x.to("mujoco").text, HasSubstr("not in it: 7 N periodic in position, the load of 30 N"));
+  EXPECT_THAT(x.to("structured-text").text, Not(HasSubstr("not in it")));
+}
+
+TEST(SteadyTarget, AllSideBySide) {
+  Export x;
+  x.request.output = x.folder / "all";
+  const targets::Exported written = x.to("all");
+  EXPECT_TRUE(std::filesystem::exists(x.folder / "all/structured-text.txt"));
+  EXPECT_FALSE(std::filesystem::exists(x.folder / "all/cia402.txt"));
+  EXPECT_THAT(written.text, HasSubstr("cia402 (--gain)"));
+  EXPECT_THAT(written.text, HasSubstr("keba (--gain, --lead)"));
+  EXPECT_EQ(written.json["targets"].size(), 6U);
+}
+
+TEST(SteadyTarget, NoNameLeavesItsComment) {
+  Export x;
+  x.request.files = {x.folder.write("a\n*) evil := 1; (*.toml", kAxis)};
+  x.request.command = "export a\n*) evil := 2; (*.toml --> */";
+  const std::string text = x.text("structured-text");
+  const std::string head = text.substr(0, text.find("FUNCTION"));
+  // Two comments of one line each.
+  EXPECT_EQ(std::count(head.begin(), head.end(), '\n'), 2);
+  std::istringstream lines(head);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_EQ(line.find("*)"), line.size() - 2) << line;
+    EXPECT_EQ(line.rfind("(*"), 0U) << line;
+  }
+}
+
+TEST(SteadyTarget, RefusesWithAWayOut) {
+  Export x;
+  EXPECT_THAT(x.refusal("isg"), HasSubstr("--gain: missing"));
+  x.request.gain = "12 N";
+  EXPECT_THAT(x.refusal("isg"), HasSubstr("expected the force of one unit of the control"));
+  x.request.gain = "12 N/\n%";
+  EXPECT_THAT(x.refusal("isg"), HasSubstr("expected letters, digits, % or ‰"));
+  x.request.gain = "0 N/%";
+  EXPECT_THAT(x.refusal("isg"), HasSubstr("--gain"));
+  x.request.gain = "12 N/%";
+  EXPECT_THAT(x.refusal("keba"), HasSubstr("--lead: missing"));
+  x.request.omega = "40 rad/s";
+  EXPECT_THAT(x.refusal("isg"), HasSubstr("applies to --to linuxcnc alone"));
+  x.request.omega.clear();
+  x.request.names = {"x y"};
+  EXPECT_THAT(x.refusal("csv"), HasSubstr("expected a letter, then letters, digits and underscores"));
+  x.request.names.clear();
+  x.request.speed.clear();
+  EXPECT_THAT(x.refusal("csv"), HasSubstr("--speed: missing"));
+}
+
+TEST(Approximation, ALineIsFoundAgain) {
+  targets::Axis axis;
+  axis.model.friction.steady = friction::Conventional<double>{20.0, 400.0, {}};
+  axis.slowest = 1e-4;
+  axis.fastest = 0.1;
+  const targets::Line line = targets::nearest_line(axis);
+  EXPECT_NEAR(line.level, 20.0, 1e-9);
+  EXPECT_NEAR(line.viscous, 400.0, 1e-7);
+  // Friction that falls with the speed has no slope below zero, but a level.
+  axis.model.friction.steady =
+      friction::Conventional<double>{20.0, 0.0, friction::Stribeck<double>{30.0, 0.05, 1.0}};
+  const targets::Line falling = targets::nearest_line(axis);
+  EXPECT_EQ(falling.viscous, 0.0);
+  EXPECT_GT(falling.level, 20.0);
+  EXPECT_LT(falling.level, 30.0);
+}
+
+}  // namespace
+}  // namespace stribeck::test

@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+#include <cmath>
+
+#include <stribeck/targets/steady/table_source.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+std::vector<Corner> rounded(std::vector<Corner> points) {
+  for (Corner& c : points) {
+    c.x = std::stod(fmt::format("{:.9e}", c.x));
+    c.y = std::stod(fmt::format("{:.9e}", c.y));
+  }
+  return points;
+}
+
+std::string numbers(const std::vector<Corner>& points, double Corner::*which) {
+  std::string out;
+  for (const Corner& c : points) out += fmt::format("{}{:.9e}", out.empty() ? "" : ", ", c.*which);
+  return out;
+}
+
+}  // namespace
+
+SourceTables::SourceTables(const Axis& axis)
+    : positive(rounded(nearest_points(axis, kSourcePoints, 1.0))),
+      negative(rounded(nearest_points(axis, kSourcePoints, -1.0))) {}
+
+double SourceTables::at(double v) const noexcept {
+  return signed_force(interpolated(v < 0.0 ? negative : positive, std::abs(v)), v);
+}
+
+std::string speeds_of(const std::vector<Corner>& points) { return numbers(points, &Corner::x); }
+std::string forces_of(const std::vector<Corner>& points) { return numbers(points, &Corner::y); }
+
+}  // namespace stribeck::targets

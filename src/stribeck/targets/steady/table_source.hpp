@@ -1,0 +1,28 @@
+#pragma once
+/// The friction of an axis as source code holds it: a table for each direction, and terms periodic in position.
+/// Real time: no.
+
+#include <stribeck/targets/steady/approximation.hpp>
+#include <string>
+
+namespace stribeck::targets {
+
+/// Points of each direction.
+inline constexpr std::size_t kSourcePoints = 24;
+
+/// Tables of both directions with the digits that the source code has.
+struct SourceTables {
+  std::vector<Corner> positive;  ///< speed [m/s], friction against the motion [N]
+  std::vector<Corner> negative;
+
+  explicit SourceTables(const Axis& axis);
+
+  /// Without periodic terms [N].
+  [[nodiscard]] double at(double v) const noexcept;
+};
+
+/// "0.001, 0.002, …": speeds or forces of a table.
+std::string speeds_of(const std::vector<Corner>& points);
+std::string forces_of(const std::vector<Corner>& points);
+
+}  // namespace stribeck::targets
