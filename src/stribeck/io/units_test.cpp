@@ -113,6 +113,8 @@ TEST(Units, AcceptsOnlyProportionalConversions) {
 
 TEST(Units, ShowsTheShortestText) {
   EXPECT_EQ(from_si(57650.0, kMass), "57.65 N s2/mm");
+  EXPECT_EQ(from_si(45.0, kMass), "45 kg");
+  EXPECT_EQ(from_si(0.0, kMass), "0 N s2/mm");
   EXPECT_EQ(from_si(0.005, quantity("s", "ms")), "5 ms");
   EXPECT_EQ(from_si(25e-9, quantity("m", "nm")), "25 nm");
   EXPECT_EQ(from_si(0.035, kLength), "35 mm");

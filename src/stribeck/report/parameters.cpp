@@ -91,7 +91,8 @@ std::optional<Range> close_range(const std::vector<Series>& series, double room)
 ShownUnits units_of(const ident::Result& result) { return {result.force_unit, result.position_unit}; }
 
 ShownParameter shown(const ident::Parameter& p, const ShownUnits& units) {
-  const std::string unit(units.chosen(p.unit, p.shown));
+  const std::string unit(units.chosen(
+      p.unit, units.physical() ? io::shown_unit(p.value, {p.unit, p.shown}) : std::string_view(p.shown)));
   const io::Conversion to_shown = io::conversion(p.unit, unit);
   return {to_shown(p.value), to_shown(p.ci_low), to_shown(p.ci_high), units.named(unit)};
 }

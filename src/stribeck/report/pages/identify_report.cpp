@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/units.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
@@ -19,11 +20,13 @@ std::string summary(const ident::Result& r, std::string_view axis) {
     text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
                         significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
   }
-  const double low = r.mass_interval.low * units.per_mass;
-  const double high = r.mass_interval.high * units.per_mass;
+  const bool kilograms = units.physical() && io::shown_unit(r.mass, quantity("kg", "N s2/mm")) == "kg";
+  const double per_mass = kilograms ? 1.0 : units.per_mass;
+  const double low = r.mass_interval.low * per_mass;
+  const double high = r.mass_interval.high * per_mass;
   if (std::isfinite(r.mass)) {
-    text += fmt::format(". Mass {} {}", shown_number(r.mass * units.per_mass, low, high),
-                        printed_unit(units.mass));
+    text += fmt::format(". Mass {} {}", shown_number(r.mass * per_mass, low, high),
+                        kilograms ? "kg" : printed_unit(units.mass));
   }
   if (std::isfinite(r.mass) && std::isfinite(low) && std::isfinite(high)) {
     text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));
