@@ -53,6 +53,7 @@ void check_inspect(const Options& o) {
   none(o.identify.terms.has_value(), "--terms");
   none(!o.identify.mass.empty(), "--mass");
   none(!o.identify.cut_off.empty(), "--cut-off");
+  none(!o.identify.force_shift.empty(), "--force-shift");
   none(!o.identify.turn.empty(), "--turn");
   none(o.solver != "derivatives", "--solver");
   none(!o.output.empty(), "--output");
@@ -144,6 +145,11 @@ void add_identify(CLI::App& app, Action& action) {
   verb->add_option("--mass", o->identify.mass,
                    "Known equivalent mass, e.g. \"57.65 N s2/mm\"; left out: identified")
       ->type_name("MASS");
+  verb->add_option(
+          "--force-shift", o->identify.force_shift,
+          "Known time by which the force is later in the log than its motion, e.g. \"-1.5 ms\"; a force that is commanded and held "
+          "stands half a period early by itself; left out: identified")
+      ->type_name("TIME");
   verb->add_option("--cut-off", o->identify.cut_off,
                    "Low-pass filter at this frequency; left out: chosen from the noise")
       ->type_name("HZ");

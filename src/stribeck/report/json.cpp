@@ -204,6 +204,9 @@ nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axi
   const auto& range = result.velocity_range;
   put(out, "velocity_range", "mm_per_s", units.linear(), interval(range[0] * kMilli, range[1] * kMilli),
       interval(range[0], range[1]));
+  const auto begin = curve_begin(result);
+  put(out, "curve_from", "mm_per_s", units.linear(), interval(begin[0] * kMilli, begin[1] * kMilli),
+      interval(begin[0], begin[1]));
   out["rows"] = result.rows;
   Json parameters = Json::array();
   for (const ident::Parameter& p : result.parameters) {

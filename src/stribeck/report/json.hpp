@@ -11,7 +11,8 @@
 ///              mechanical_power_W, input_variation_V, mean_abs_tracking_um: [x, y], max_orientation_error_urad,
 ///              mean_orientation_error_urad (of the tool axis; null without one)
 ///   identify   {"schema": "stribeck.identify/1", "axis", "method", "model", "force_unit", "position_unit", "mass_kg",
-///              "mass_ci95_kg", "load_N", "velocity_range_mm_per_s", "rows",
+///              "mass_ci95_kg", "load_N", "velocity_range_mm_per_s",
+///              "curve_from_mm_per_s", "rows",
 ///              "parameters": [{"name", "value", "unit", "ci95", "identifiable"}],
 ///              "curve": [{"velocity_mm_per_s", "friction_N", "ci95_N"}], "held_out_rms_N",
 ///              "models": [{"name", "terms", "parameters", "held_out_rms_N", "standard_error_N", "chosen"}],

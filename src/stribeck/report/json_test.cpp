@@ -149,6 +149,10 @@ TEST(IdentifyJson, IsAsDescribed) {
     -9.5,
     9.5
   ],
+  "curve_from_mm_per_s": [
+    -9.5,
+    null
+  ],
   "rows": 1234,
   "parameters": [
     {

@@ -41,10 +41,12 @@ Force interpolated(const std::vector<ident::CurvePoint>& curve, double ident::Cu
 /// Velocities from low to high without zero; there is a gap at zero.
 std::vector<double> velocities(double low, double high) {
   constexpr int kEach = 160;
+  // Ever closer towards rest, where a Stribeck part is a few per cent of the range wide.
+  const auto share = [](int i) { return std::pow(static_cast<double>(i) / kEach, 2.0); };
   std::vector<double> v;
-  for (int i = kEach; i >= 1; --i) v.push_back(low * i / kEach);
+  for (int i = kEach; i >= 1; --i) v.push_back(low * share(i));
   v.push_back(kNaN);
-  for (int i = 1; i <= kEach; ++i) v.push_back(high * i / kEach);
+  for (int i = 1; i <= kEach; ++i) v.push_back(high * share(i));
   return v;
 }
 
@@ -95,6 +97,15 @@ ShownParameter shown(const ident::Parameter& p, const ShownUnits& units) {
       p.unit, units.physical() ? io::shown_unit(p.value, {p.unit, p.shown}) : std::string_view(p.shown)));
   const io::Conversion to_shown = io::conversion(p.unit, unit);
   return {to_shown(p.value), to_shown(p.ci_low), to_shown(p.ci_high), units.named(unit)};
+}
+
+std::array<double, 2> curve_begin(const ident::Result& result) {
+  std::array<double, 2> begin{kNaN, kNaN};
+  for (const ident::CurvePoint& p : result.curve) {
+    if (p.velocity < 0.0) begin[0] = p.velocity;
+    if (p.velocity > 0.0 && !(begin[1] <= p.velocity)) begin[1] = p.velocity;
+  }
+  return begin;
 }
 
 std::string shown_number(double value, double low, double high) {

@@ -2,6 +2,7 @@
 /// Identified parameters as text for people, and the sentences and tables about them that several reports share.
 /// Real time: no.
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <stribeck/ident/result.hpp>
@@ -23,7 +24,10 @@ struct ShownParameter {
 ShownParameter shown(const ident::Parameter& parameter, const ShownUnits& units = {});
 ShownUnits units_of(const ident::Result& result);
 
-/// With as many decimals as its interval justifies: 57.65 for 57.18 … 58.14.
+/// Where the curve begins: its velocities next to rest, backward (< 0) and forward [m/s]; NaN where there is none.
+std::array<double, 2> curve_begin(const ident::Result& result);
+
+/// With the decimals that the interval deserves: 57.65 for 57.18 … 58.14.
 std::string shown_number(double value, double low, double high);
 
 Table parameter_table(const ident::Result& result);

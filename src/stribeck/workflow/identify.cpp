@@ -27,22 +27,22 @@ using Records = std::vector<ident::log::Record>;
 struct Takes {
   Method method;
   std::vector<ModelChoice> models;
-  bool terms, mass, cut_off, turn, solver;
+  bool terms, mass, cut_off, turn, solver, force_shift;
 };
 
 const Takes& takes_of(Method method) {
   using enum ModelChoice;
   using M = Method;
   static const std::vector<Takes> all{
-      {M::kAuto, {kAuto, kConventional, kGaussian}, true, true, true, false, false},
-      {M::kVelocityMap, {kAuto, kGaussian}, true, true, false, false, false},
-      {M::kPositionMap, {kAuto}, false, true, false, true, false},
-      {M::kJog, {kAuto, kConventional, kGaussian}, true, true, false, false, true},
-      {M::kLeastSquares, {kAuto, kConventional}, false, false, false, false, true},
-      {M::kIdimLs, {kAuto, kConventional, kAsymmetric}, false, false, false, false, false},
-      {M::kBreakAway, {kAuto}, false, true, false, false, false},
-      {M::kGravity, {kAuto}, false, false, false, false, false},
-      {M::kConstantAcceleration, {kAuto}, false, false, false, false, false}};
+      {M::kAuto, {kAuto, kConventional, kGaussian}, true, true, true, false, false, true},
+      {M::kVelocityMap, {kAuto, kGaussian}, true, true, false, false, false, false},
+      {M::kPositionMap, {kAuto}, false, true, false, true, false, false},
+      {M::kJog, {kAuto, kConventional, kGaussian}, true, true, false, false, true, false},
+      {M::kLeastSquares, {kAuto, kConventional}, false, false, false, false, true, false},
+      {M::kIdimLs, {kAuto, kConventional, kAsymmetric}, false, false, false, false, false, false},
+      {M::kBreakAway, {kAuto}, false, true, false, false, false, false},
+      {M::kGravity, {kAuto}, false, false, false, false, false, false},
+      {M::kConstantAcceleration, {kAuto}, false, false, false, false, false, false}};
   return *std::find_if(all.begin(), all.end(), [&](const Takes& t) { return t.method == method; });
 }
 
@@ -55,6 +55,7 @@ void check_taken(const IdentifyOptions& o, Method method, const std::string& whi
   takes(o.terms.has_value(), m.terms, "--terms");
   takes(!o.mass.empty(), m.mass, "--mass");
   takes(!o.cut_off.empty(), m.cut_off, "--cut-off");
+  takes(!o.force_shift.empty(), m.force_shift, "--force-shift");
   takes(!o.turn.empty(), m.turn, "--turn");
   takes(o.solver != ident::methods::Solver::kDerivatives, m.solver, "--solver");
   if (std::find(m.models.begin(), m.models.end(), o.model) == m.models.end()) {
@@ -100,7 +101,30 @@ double given_cut_off(const IdentifyOptions& o, const Records& records) {
   return *f;
 }
 
-/// A known travel of one turn that the log can resolve.
+/// A known shift of the force [rows].
+std::optional<double> given_shift(const IdentifyOptions& o, const Records& records) {
+  const auto shift = optional_si(o.force_shift, quantity("s", "ms"), "--force-shift");
+  if (!shift) return shift;
+  const double T = records.front().sample_time;
+  for (const ident::log::Record& r : records) {
+    if (std::abs(r.sample_time - T) > 0.01 * T) {
+      refuse_option(
+          "--force-shift",
+          fmt::format("got {}, but the logs have sample times of {:.4g} and {:.4g} ms: expected one, "
+                      "so identify them apart",
+                      io::in_quotes(o.force_shift), 1e3 * T, 1e3 * r.sample_time));
+    }
+  }
+  constexpr double kMost = 99.0;  // rows
+  if (!(std::abs(*shift) <= kMost * T)) {
+    refuse_option("--force-shift",
+                  fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
+                              io::in_quotes(o.force_shift), 1e3 * kMost * T, kMost));
+  }
+  return *shift / T;
+}
+
+/// A known travel of one turn that this log can show.
 std::optional<double> given_turn(const IdentifyOptions& o, const Records& records) {
   const bool turns = records.front().position_unit == "rad";
   const auto turn =
@@ -213,6 +237,7 @@ Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   if (o.model == ModelChoice::kConventional) options.most_terms = 0;
   if (o.model == ModelChoice::kGaussian) options.symmetric = false;
   options.mass = given_mass(o);
+  options.shift = given_shift(o, records);
   options.cut_off = given_cut_off(o, records);
   Records with_positions;
   for (const ident::log::Record& r : records) with_positions.push_back(ident::map::with_positions(r));

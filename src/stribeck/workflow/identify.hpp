@@ -50,6 +50,7 @@ struct IdentifyOptions {
   ident::methods::Solver solver = ident::methods::Solver::kDerivatives;
   std::optional<int> terms{};  ///< Gaussians of each direction
   std::string mass{};          ///< known equivalent mass, "57.65 N s2/mm"
+  std::string force_shift{};   ///< known time by which the force is later in the log than its motion, "2 ms"
   std::string cut_off{};       ///< of the low-pass filter, "50 Hz"
   std::string turn{};          ///< known travel of one turn, "10 mm"
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <string>
 
@@ -10,17 +11,20 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
-constexpr double kApart = 0.1;  ///< share of friction: a larger difference of the directions is reported
+constexpr double kVagueShift = 0.3;  ///< [rows] half width of a shift that is worth a word
+constexpr double kApart = 0.1;       ///< of friction: difference of the directions that is worth a word
 constexpr double kMostUnseen =
     0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
 
 class Description {
  public:
   Description(const Found& found, const DriveFitOptions& options, Notes& notes)
-      : found_(found), options_(options), notes_(notes), terms_(found.terms.count()) {}
+      : found_(found), options_(options), notes_(notes), terms_(found.intervals.linear) {}
 
   Result write() {
     write_head();
+    for (int s = 0; s < map::kSides; ++s) write_summary(s);
+    for (int s = 0; s < map::kSides; ++s) write_speeds(s);
     write_shift();
     write_map();
     write_periodic();
@@ -57,6 +61,10 @@ class Description {
   }
 
   void write_head();
+  void write_summary(int s);
+  void write_speeds(int s);
+  /// Standard error of a figure of one direction.
+  [[nodiscard]] double error_of(const Figure& figure, int s) const;
   void write_shift();
   void write_map();
   void write_symmetric();
@@ -64,6 +72,7 @@ class Description {
   std::size_t write_branch(std::size_t s, friction::GaussianBranch<double>& branch);
   void write_periodic();
   void write_curve(int s);
+  [[nodiscard]] double model_spread(int s, double speed) const;
   void write_points();
 
   const Found& found_;
@@ -97,14 +106,61 @@ void Description::write_head() {
   }
 }
 
+double Description::error_of(const Figure& figure, int s) const {
+  VectorXd h = found_.intervals.zero();
+  h.segment(at(map().span(s).first), figure.slope.size()) = figure.slope;
+  return found_.intervals.error_of(h);
+}
+
+void Description::write_summary(int s) {
+  const auto side = static_cast<std::size_t>(s);
+  const Summary summary = summary_of(map(), s, found_.rows.grid[side]);
+  const std::string tail = std::string("_") + map::kSideName[side];
+  const double d = map::kDirection[side];
+  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", error_of(summary.coulomb, s), true);
+  add("static" + tail, d * summary.at_rest.value, "N", "N", error_of(summary.at_rest, s), true);
+  const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s);
+  if (rises && summary.stribeck_speed) {
+    add("stribeck_speed" + tail, summary.stribeck_speed->value, "m/s", "mm/s",
+        error_of(*summary.stribeck_speed, s), true);
+  }
+  add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s), true);
+}
+
+void Description::write_speeds(int s) {
+  const auto side = static_cast<std::size_t>(s);
+  const double d = map::kDirection[side];
+  const bool metres = result_.position_unit == "m";
+  for (const double speed : shown_speeds(found_.rows.grid[side])) {
+    const Figure f = friction_at(map(), s, speed);
+    add(text("friction_at_%+.3g_%s", d * speed * (metres ? 1e3 : 1.0), metres ? "mm_per_s" : "rad_per_s"),
+        d * f.value, "N", "N", std::hypot(error_of(f, s), model_spread(s, speed)), true);
+  }
+}
+
 void Description::write_shift() {
-  if (!found_.terms.shift) return;
-  const double shift = found_.log.shift;
   const double T = found_.log.records.front().sample_time;
-  // A held force belongs to the motion half a row later, without any delay (motion.hpp). A measured force acts at once, and is at
-  // most logged late.
-  result_.delay = std::max(0.0, (-shift - 0.5) * T);
-  add("force_shift", shift * T, "s", "ms", found_.intervals.error_at(terms_ - 1) * T, true);
+  const double half = found_.intervals.factor * found_.intervals.shift_error;
+  const auto say = [&](const char* what) {
+    notes_.cannot_tell.push_back(text(
+        "the shift between force and motion: %s any from %.2g ms earlier to %.2g ms later is possible; the "
+        "intervals of mass, friction and pre-sliding allow for it; record the commanded position too, or "
+        "give --force-shift",
+        what, 1e3 * half * T, 1e3 * half * T));
+  };
+  if (!found_.terms.shift) {
+    if (half > kVagueShift) say("the force is taken as commanded, but");
+    return;
+  }
+  const double shift = found_.log.shift;
+  // A held force belongs to the motion half a row later without any delay (motion.hpp). One that was measured stands late, if
+  // at all, and acts at once.
+  // A number that the data do not tell is none for a controller.
+  const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
+  result_.delay = told ? std::max(0.0, (-shift - 0.5) * T) : 0.0;
+  add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
+  result_.parameters.back().identifiable = told;
+  if (!told) say("that of least residual is removed, but beside it");
   notes_.warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
                    std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier"));
 }
@@ -221,32 +277,25 @@ void Description::write_periodic() {
   notes_.warn("the phase of the periodic terms belongs to the homing position of this log");
 }
 
-void Description::write_curve(int s) {
-  const map::StaticFit& fit = map();
+/// What the models differ in that the data cannot tell apart is part of the uncertainty (Buckland et al. 1997).
+double Description::model_spread(int s, double speed) const {
   const std::vector<map::StaticFit>& rivals = found_.choice.map.rivals;
-  const auto side = static_cast<std::size_t>(s);
-  const map::Grid& grid = found_.rows.grid[side];
-  const auto [first, count] = fit.span(s);
-  const int points = std::max(21, options_.curve_points);
-  std::vector<double> g(count);
-  for (int i = 0; i < points; ++i) {
-    const int place = s == 0 ? i : points - 1 - i;
-    const double speed = grid.low + (grid.high - grid.low) * place / (points - 1);
-    fit.gradient(s, speed, g.data());
-    VectorXd h = found_.intervals.zero();
-    for (std::size_t j = 0; j < count; ++j) h(at(first + j)) = g[j];
-    // In the symmetric families the load is a separate parameter; friction is shown without it.
-    const double own = fit.force(s, speed) - map::kDirection[side] * fit.load;
-    if (fit.family != map::StaticFit::Family::kByDirection) h(at(0)) = 0.0;
-    // Differences between models that the data cannot tell apart are part of the uncertainty (Buckland et al.
-    // 1997).
-    double spread = 0.0;
-    for (const map::StaticFit& r : rivals) spread += std::pow(r.force(s, speed) - fit.force(s, speed), 2.0);
-    if (!rivals.empty()) spread /= static_cast<double>(rivals.size() + 1);
-    const double error = found_.intervals.error_of(h);
-    const double half = found_.intervals.factor * std::sqrt(error * error + spread);
-    const double f = map::kDirection[side] * own;
-    result_.curve.push_back({map::kDirection[side] * speed, f, f - half, f + half});
+  if (rivals.empty()) return 0.0;
+  double square = 0.0;
+  for (const map::StaticFit& r : rivals) square += std::pow(r.force(s, speed) - map().force(s, speed), 2.0);
+  return std::sqrt(square / static_cast<double>(rivals.size() + 1));
+}
+
+void Description::write_curve(int s) {
+  const double d = map::kDirection[static_cast<std::size_t>(s)];
+  std::vector<double> speeds =
+      curve_speeds(found_.rows.grid[static_cast<std::size_t>(s)], std::max(21, options_.curve_points));
+  if (s == 1) std::reverse(speeds.begin(), speeds.end());
+  for (const double speed : speeds) {
+    const Figure own = friction_at(map(), s, speed);
+    const double half = found_.intervals.factor * std::hypot(error_of(own, s), model_spread(s, speed));
+    const double f = d * own.value;
+    result_.curve.push_back({d * speed, f, f - half, f + half});
   }
 }
 

@@ -25,7 +25,8 @@ Result describe(const Found& found, const DriveFitOptions& options, Notes& notes
 
 /// Adds pre-sliding from the reversals. Uses the closed-loop records where there are any: their slow reversals tell more than
 /// the ringing after a pulse.
-void add_bristle(Result& result, const AlignedLog& log, Notes& notes);
+/// A shift that is known in its interval only widens theirs.
+void add_bristle(Result& result, const Found& found, Notes& notes);
 
 /// Warns of friction or an offset that changes with time, judged on the longest record.
 void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes);

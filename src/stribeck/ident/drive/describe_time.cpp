@@ -11,11 +11,35 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kFewestForDrift = 500;  // rows
-constexpr double kWorthSaying = 0.02;         // share of the friction
+constexpr double kWorthSaying = 0.02;         // of the friction
+constexpr double kExactShift = 0.01;          // [rows] standard error that moves nothing
+
+/// The same fit with the force a standard error of the shift earlier: what changes is uncertain by as much.
+void widen(std::vector<Parameter>& parameters, const std::vector<Parameter>& moved, double factor) {
+  for (Parameter& p : parameters) {
+    const auto other =
+        std::find_if(moved.begin(), moved.end(), [&](const Parameter& m) { return m.name == p.name; });
+    if (other == moved.end() || !(p.value > 0.0) || !(other->value > 0.0) || !(p.ci_low > 0.0)) {
+      p.identifiable = false;
+      continue;
+    }
+    const double half =
+        std::hypot(0.5 * std::log(p.ci_high / p.ci_low), factor * std::log(other->value / p.value));
+    p.ci_low = p.value * std::exp(-half);
+    p.ci_high = p.value * std::exp(half);
+  }
+}
+
+Interval widened(double value, Interval own, double moved, double factor) {
+  if (!(value > 0.0) || !(moved > 0.0) || !(own.low > 0.0)) return own;
+  const double half = std::hypot(0.5 * std::log(own.high / own.low), factor * std::log(moved / value));
+  return {value * std::exp(-half), value * std::exp(half)};
+}
 
 }  // namespace
 
-void add_bristle(Result& result, const AlignedLog& log, Notes& notes) {
+void add_bristle(Result& result, const Found& found, Notes& notes) {
+  const AlignedLog& log = found.log;
   if (!(result.mass > 0.0) || result.position_unit != "m") return;
   const friction::AxisModel known{result.mass, result.load, result.friction};
   std::vector<log::Record> closed;
@@ -35,6 +59,19 @@ void add_bristle(Result& result, const AlignedLog& log, Notes& notes) {
   if (!fit.determinable) {
     notes.cannot_tell.push_back(fit.reason);
     return;
+  }
+  const double shift_error = found.intervals.shift_error;
+  if (shift_error > kExactShift) {
+    options.shift -= shift_error;
+    try {
+      const bristle::BristleFit moved = bristle::fit_bristle(closed, known, options);
+      const double factor = found.intervals.factor;
+      widen(fit.lugre_parameters, moved.lugre_parameters, factor);
+      widen(fit.gms_parameters, moved.gms_parameters, factor);
+      fit.break_away_interval = widened(fit.break_away, fit.break_away_interval, moved.break_away, factor);
+    } catch (const Refused&) {
+      // The motion is the same: what was refused now is no statement about the parameters.
+    }
   }
   const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);
   result.friction.dynamics = fit.best;

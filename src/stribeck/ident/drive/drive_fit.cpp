@@ -19,6 +19,8 @@ constexpr double kSmallSpeed =
     0.04;  // share of the largest speed; below it only the lag and the bristle show
 /// Ratio of held-out errors below which another explanation is accepted.
 constexpr double kBetter = 0.9;
+constexpr double kMovedShift = 0.05;  ///< [rows] beside the periodic terms: everything is fitted again
+constexpr double kWellTold = 0.1;     ///< [rows] half width of a shift that nothing else explains
 
 Level level_of(const LinearFit& fit) {
   Level level;
@@ -107,7 +109,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
     find_lags();
   }
   solve_again();
-  if (!options.shift) stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit), notes);
+  if (!options.shift) stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit));
   if (stage.rows.sampled) {
     stage.rows = std::move(all);
     align_all(log, log.shift);
@@ -122,7 +124,63 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
 struct Fitted {
   Result result;
   double shift = 0.0;
+  double shift_half = 0.0;  ///< of its interval [rows]
 };
+
+/// Map and periodic terms.
+struct Steady {
+  MapChoice map;
+  std::vector<SpectrumLine> spectrum;
+};
+
+Steady choose_steady(Stage& stage, const DriveFitOptions& options, Notes& notes) {
+  Steady out{choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), {}};
+  if (!options.periodic) return out;
+  PeriodicChoice periodic =
+      choose_periodic(stage.log, stage.rows, stage.terms, stage.fit, std::move(out.map), options, notes);
+  note_weak_instrument(stage.fit, periodic.fit, notes);
+  stage.terms = std::move(periodic.terms);
+  stage.fit = std::move(periodic.fit);
+  return {std::move(periodic.map), std::move(periodic.spectrum)};
+}
+
+/// Judges the shift again beside the periodic terms, from the commanded force on; true when it is another one.
+bool shift_moves(Stage& stage) {
+  AlignedLog& log = stage.log;
+  const double before = log.shift;
+  Terms terms_before = stage.terms;
+  LinearFit fit_before = stage.fit;
+  stage.terms.shift = true;
+  align(log, kHeldForce, stage.rows);
+  ask_reference(log, stage.rows, stage.fit);
+  stage.fit = solve(log, stage.rows, stage.terms, &stage.fit);
+  stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit));
+  if (std::abs(log.shift - before) > kMovedShift) return true;
+  align(log, before, stage.rows);
+  stage.terms = std::move(terms_before);
+  stage.fit = std::move(fit_before);
+  if (stage.terms.shift) ask_reference(log, stage.rows, stage.fit);
+  return false;
+}
+
+/// Terms that the data do not tell from nothing go.
+bool drop_uncertain_terms(Stage& stage, const Intervals& found) {
+  std::vector<PeriodicColumns> kept;
+  for (std::size_t n = 0; n < stage.terms.periodic.size(); ++n) {
+    const std::size_t i = stage.terms.first_periodic() + 2 * n;
+    const double amplitude =
+        std::hypot(stage.fit.value(static_cast<Index>(i)), stage.fit.value(static_cast<Index>(i) + 1));
+    const double half = found.factor * std::max(found.error_at(i), found.error_at(i + 1));
+    if (amplitude > half) kept.push_back(std::move(stage.terms.periodic[n]));
+  }
+  if (kept.size() == stage.terms.periodic.size()) {
+    stage.terms.periodic = std::move(kept);
+    return false;
+  }
+  stage.terms.periodic = std::move(kept);
+  stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
+  return true;
+}
 
 Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options) {
   Notes notes;
@@ -130,29 +188,35 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   stage.log = reconstruct_all(records, options.cut_off, options.shift, notes);
   stage.extent = extent_of(stage.log);
   stage.terms.known_mass = options.mass;
+  const bool shift_known = options.shift || !one_sample_time(records);
   fit_first(stage, options, notes);
-  if (!options.shift) take_out_shift(stage, notes);
+  if (!options.shift && options.search_shift) take_out_shift(stage, notes);
   settle(stage, options, notes);
-  MapChoice choice = choose_map(stage.log, stage.rows, stage.terms, stage.fit, options);
-  std::vector<SpectrumLine> spectrum;
-  if (options.periodic) {
-    PeriodicChoice periodic =
-        choose_periodic(stage.log, stage.rows, stage.terms, stage.fit, std::move(choice), options, notes);
-    note_weak_instrument(stage.fit, periodic.fit, notes);
-    choice = std::move(periodic.map);
-    stage.terms = std::move(periodic.terms);
-    stage.fit = std::move(periodic.fit);
-    spectrum = std::move(periodic.spectrum);
+  const Notes until_here = notes;
+  Steady steady = choose_steady(stage, options, notes);
+  if (!shift_known && !stage.terms.periodic.empty() && shift_moves(stage)) {
+    stage.terms.periodic.clear();
+    stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
+    notes = until_here;
+    steady = choose_steady(stage, options, notes);
   }
-  const LinearFit fit = with_terms_of(choice, stage.terms, std::move(stage.fit));
-  const Intervals found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, choice);
-  const Found found{stage.log, stage.rows, stage.terms, fit, choice, found_intervals};
+  LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
+  Intervals found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);
+  stage.fit = fit;
+  if (drop_uncertain_terms(stage, found_intervals)) {
+    steady.map =
+        with_joint_fits(choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), stage.fit);
+    fit = with_terms_of(steady.map, stage.terms, stage.fit);
+    found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);
+  }
+  const Found found{stage.log, stage.rows, stage.terms, fit, steady.map, found_intervals};
   Fitted out{describe(found, options, notes),
-             stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0};
+             stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
+             found_intervals.factor * found_intervals.shift_error};
   Result& result = out.result;
-  result.spectrum = std::move(spectrum);
+  result.spectrum = std::move(steady.spectrum);
   result.break_away_distance = stage.break_away;
-  if (options.dynamics) add_bristle(result, stage.log, notes);
+  if (options.dynamics) add_bristle(result, found, notes);
   warn_of_drift(found, result.force_unit, notes);
   result.warnings = std::move(notes.warnings);
   result.cannot_tell = std::move(notes.cannot_tell);
@@ -164,17 +228,20 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
 Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
   Fitted found = fit_drive(records, options);
   Result& result = found.result;
-  if (found.shift == 0.0 || !result.friction.eccentric.empty() || !options.periodic) return std::move(result);
-  // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the periodic term.
+  const bool well_told = found.shift_half < kWellTold && !result.friction.eccentric.empty();
+  if (found.shift == 0.0 || well_told || options.shift || !options.periodic) return std::move(result);
+  // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the term.
   DriveFitOptions without = options;
-  without.shift = kHeldForce;
-  Result other = fit_drive(records, without).result;
+  without.search_shift = false;
+  Fitted second = fit_drive(records, without);
+  Result& other = second.result;
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms))
     return std::move(result);
   other.warnings.push_back(text(
-      "the force seemed to be %.3g ms %s than its motion; with periodic terms instead, the residual is %.3g in place of %.3g %s, so no shift is removed",
+      "the force seemed to be %.3g ms %s than its motion; with periodic terms beside it, the residual is %.3g in place of %.3g %s, and the shift removed is %.3g ms",
       1e3 * std::abs(found.shift), found.shift > 0.0 ? "later" : "earlier", other.held_out_rms,
-      result.held_out_rms, other.force_unit.c_str()));
+      result.held_out_rms, other.force_unit.c_str(),
+      1e3 * (second.shift == 0.0 ? 0.0 : std::abs(second.shift))));
   return other;
 }
 

@@ -35,15 +35,16 @@ namespace stribeck::ident::drive {
 struct DriveFitOptions {
   std::optional<double> mass;   ///< known mass [kg]; absent: estimated
   std::optional<double> shift;  ///< known shift of the force [rows]; absent: estimated
+  bool search_shift = true;     ///< false: as commanded at first, judged beside periodic terms only
   std::optional<int> terms;     ///< Gaussians of each branch; absent: chosen from the data
   int most_terms = 6;           ///< largest number that is tried
   bool symmetric = true;        ///< try symmetric families, which separate a load from friction
   bool periodic = true;         ///< search for terms periodic in position
   bool dynamics = true;         ///< estimate pre-sliding from reversals
   double cut_off = 0.0;         ///< Butterworth filter instead of the chosen window [Hz]; 0: window
-  int bins = 160;               ///< bins of velocity in each direction
-  int curve_points = 24;        ///< points in each direction
-  int map_points = 600;         ///< points for plots in each direction
+  int bins = 160;               ///< of velocity, each direction
+  int curve_points = 40;        ///< each direction
+  int map_points = 600;         ///< for plots, each direction
 };
 
 Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options = {});

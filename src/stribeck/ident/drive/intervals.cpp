@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -73,18 +74,25 @@ std::vector<double> residuals(const AlignedLog& log, const Rows& rows, const Ter
   return out;
 }
 
-/// Long-run covariance of multiplier·residual.
-MatrixXd long_run_of(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
-                     const MapChoice& choice, const MapMoments& map, const std::vector<double>& residual,
-                     const stats::Memory& memory) {
+/// Sums of multiplier·residual: their long-run covariance, and each record's.
+struct Scores {
+  MatrixXd long_run;
+  MatrixXd of_record;  ///< a column for each record
+};
+Scores scores_of(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
+                 const MapChoice& choice, const MapMoments& map, const std::vector<double>& residual,
+                 const stats::Memory& memory) {
   const SumsLayout& at = fit.sums.layout;
   const std::size_t q = at.terms, p = choice.map.fit.parameters();
   stats::LongRun moments(q + p, memory);
   std::vector<double> c(q + 1);
+  Scores out;
+  out.of_record = MatrixXd::Zero(static_cast<Index>(q + p), static_cast<Index>(log.records.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t s = rows.side[i];
     const double e = residual[i];
     double* row = moments.row(rows.record[i], rows.at[i]);
+    double* of_record = out.of_record.col(rows.record[i]).data();
     terms.fill(log, rows, i, c.data());
     const BinSums t = fit.sums.of(s, static_cast<std::size_t>(rows.bin[i]));
     // When fitted together with the map, the linear terms are not centred.
@@ -94,16 +102,43 @@ MatrixXd long_run_of(const AlignedLog& log, const Rows& rows, const Terms& terms
       const double z = by == at.mass_instrument()    ? mass_instrument(log, rows, fit, i)
                        : by == at.shift_instrument() ? shift_instrument(log, rows, i, c[j])
                                                      : c[j];
-      row[j] += (z - t.column(by) * centre) * e;
+      const double score = (z - t.column(by) * centre) * e;
+      row[j] += score;
+      of_record[j] += score;
     }
     const auto [first, count] = choice.map.fit.span(static_cast<int>(s));
     const double signed_e = map::kDirection[s] * e;
-    for (std::size_t j = 0; j < count; ++j)
-      row[q + first + j] += map.slope[s](rows.bin[i], static_cast<Index>(j)) * signed_e;
+    for (std::size_t j = 0; j < count; ++j) {
+      const double score = map.slope[s](rows.bin[i], static_cast<Index>(j)) * signed_e;
+      row[q + first + j] += score;
+      of_record[q + first + j] += score;
+    }
   }
   const std::vector<double> raw = moments.covariance();
   const auto size = static_cast<Index>(q + p);
-  return Eigen::Map<const MatrixXd>(raw.data(), size, size);
+  out.long_run = Eigen::Map<const MatrixXd>(raw.data(), size, size);
+  return out;
+}
+
+/// Records that differ by more than their noise says: covariance of the mean from the scores of the records.
+MatrixXd between_records(const MatrixXd& of_record) {
+  const auto records = static_cast<double>(of_record.cols());
+  if (records < 2.0) return MatrixXd::Zero(of_record.rows(), of_record.rows());
+  return records / (records - 1.0) * of_record * of_record.transpose();
+}
+
+/// Terms and fit with the column of the shift, whose value is 0.
+std::pair<Terms, LinearFit> with_shift(const AlignedLog& log, Rows& rows, const Terms& terms,
+                                       const LinearFit& fit) {
+  Terms wide = terms;
+  wide.shift = true;
+  ask_reference(log, rows, fit);
+  LinearFit out = solve(log, rows, wide, &fit);
+  out.value = VectorXd::Zero(static_cast<Index>(wide.count()));
+  out.value.head(fit.value.size()) = fit.value;
+  out.curve = fit.curve;
+  out.mass = fit.mass;
+  return {std::move(wide), std::move(out)};
 }
 
 /// Inverse of the map's moments without the directions that the data do not determine; their shares are written to `unseen`.
@@ -125,57 +160,73 @@ MatrixXd inverse_seen(const MatrixXd& normal, std::vector<double>& unseen) {
          scale.asDiagonal();
 }
 
-/// Derivative of θ with respect to the moments of the residual, and the moments' covariance under white noise of variance 1.
+/// Moments whose inverse says how θ moves with the scores, and the scores' covariance under white noise of one unit.
 struct Bread {
-  MatrixXd inverse, white;
+  MatrixXd moments, white;
+  bool together = false;  ///< map and linear terms were fitted together
+
+  [[nodiscard]] MatrixXd inverse(const MatrixXd& map_inverse) const;
 };
 
-/// The case of map and linear terms fitted together.
-Bread joint_bread(const LinearFit& fit, const MapMoments& map) {
+Bread bread_of(const LinearFit& fit, const MapMoments& map, bool together) {
   const auto Q = static_cast<Index>(fit.sums.layout.terms), P = map.normal.rows();
+  Bread out{MatrixXd::Zero(Q + P, Q + P), MatrixXd::Zero(Q + P, Q + P), together};
+  out.moments.bottomRightCorner(P, P) = out.white.bottomRightCorner(P, P) = map.normal;
+  out.moments.bottomLeftCorner(P, Q) = map.with_columns;
+  if (!together) {
+    out.moments.topLeftCorner(Q, Q) = fit.moments;
+    out.white.topLeftCorner(Q, Q) = fit.instrument_moments;
+    return out;
+  }
   const auto W = static_cast<Index>(fit.sums.layout.columns());
   MatrixXd all = MatrixXd::Zero(W, W);
   for (const MatrixXd& block : fit.sums.products) all += block;
-  MatrixXd white = MatrixXd::Zero(Q + P, Q + P);
-  white.bottomRightCorner(P, P) = map.normal;
-  MatrixXd A = white;
   for (Index i = 0; i < Q; ++i) {
     const auto zi = static_cast<Index>(fit.multiplier[static_cast<std::size_t>(i)]);
     for (Index j = 0; j < Q; ++j) {
-      A(i, j) = all(zi, j);
-      white(i, j) = all(zi, static_cast<Index>(fit.multiplier[static_cast<std::size_t>(j)]));
+      out.moments(i, j) = all(zi, j);
+      out.white(i, j) = all(zi, static_cast<Index>(fit.multiplier[static_cast<std::size_t>(j)]));
     }
   }
-  A.bottomLeftCorner(P, Q) = map.with_columns;
-  A.topRightCorner(Q, P) = map.with_multipliers.transpose();
-  white.bottomLeftCorner(P, Q) = map.with_multipliers;
-  white.topRightCorner(Q, P) = map.with_multipliers.transpose();
-  const VectorXd size = A.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  return {size.asDiagonal() *
-              (size.asDiagonal() * A * size.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse() *
-              size.asDiagonal(),
-          white};
+  out.moments.topRightCorner(Q, P) = map.with_multipliers.transpose();
+  out.white.bottomLeftCorner(P, Q) = map.with_multipliers;
+  out.white.topRightCorner(Q, P) = map.with_multipliers.transpose();
+  return out;
 }
 
-/// The linear terms depend on their own moments; the map on its own moments less the part that the linear terms take.
-Bread bread_in_turn(const LinearFit& fit, const MapMoments& map, const MatrixXd& map_inverse) {
-  const auto Q = static_cast<Index>(fit.sums.layout.terms), P = map.normal.rows();
-  Bread out{MatrixXd::Zero(Q + P, Q + P), MatrixXd::Zero(Q + P, Q + P)};
-  out.white.bottomRightCorner(P, P) = map.normal;
-  if (Q > 0) {
-    const MatrixXd gain = fit.moments.fullPivLu().inverse();
-    out.inverse.topLeftCorner(Q, Q) = gain;
-    out.inverse.bottomLeftCorner(P, Q) = -map_inverse * map.with_columns * gain;
-    out.white.topLeftCorner(Q, Q) = fit.instrument_moments;
+MatrixXd Bread::inverse(const MatrixXd& map_inverse) const {
+  const Index P = map_inverse.rows(), Q = moments.rows() - P;
+  if (together) {
+    const VectorXd size = moments.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    return size.asDiagonal() *
+           (size.asDiagonal() * moments * size.asDiagonal())
+               .completeOrthogonalDecomposition()
+               .pseudoInverse() *
+           size.asDiagonal();
   }
-  out.inverse.bottomRightCorner(P, P) = map_inverse;
+  // The linear terms move by their own moments, the map by its own less what the linear terms take along.
+  MatrixXd out = MatrixXd::Zero(Q + P, Q + P);
+  out.bottomRightCorner(P, P) = map_inverse;
+  if (Q > 0) {
+    const MatrixXd gain = moments.topLeftCorner(Q, Q).fullPivLu().inverse();
+    out.topLeftCorner(Q, Q) = gain;
+    out.bottomLeftCorner(P, Q) = -map_inverse * moments.bottomLeftCorner(P, Q) * gain;
+  }
   return out;
+}
+
+/// What is known of the shift before, as if it were a row more.
+void add_prior(Index shift, double noise, Bread& bread, MatrixXd& meat) {
+  const double precision = noise / (kDelayDeviation * kDelayDeviation);
+  bread.moments(shift, shift) += std::copysign(precision, bread.moments(shift, shift));
+  bread.white(shift, shift) += precision;
+  meat(shift, shift) += noise * precision;
 }
 
 }  // namespace
 
 double Intervals::error_of(const VectorXd& h) const {
-  return std::sqrt(std::max({0.0, h.dot(long_run * h), h.dot(stationary * h)}));
+  return std::sqrt(std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h)}));
 }
 
 double Intervals::error_at(std::size_t i) const {
@@ -189,25 +240,34 @@ LinearFit with_terms_of(const MapChoice& choice, const Terms& terms, LinearFit f
   return fit;
 }
 
-Intervals intervals(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
-                    const MapChoice& choice) {
+Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow, const LinearFit& found,
+                    const MapChoice& choice, bool shift_known) {
+  const bool nuisance = !shift_known && !narrow.shift;
+  Rows rows = used;
+  const auto [terms, fit] = nuisance ? with_shift(log, rows, narrow, found) : std::pair{narrow, found};
   const MapMoments map = moments_of(choice.map.fit, rows, fit);
   Intervals out;
+  out.linear = terms.count();
   out.residual = residuals(log, rows, terms, fit, choice.map.fit);
   const stats::Memory memory = stats::memory_of(out.residual, rows.record, rows.at);
-  const MatrixXd meat = long_run_of(log, rows, terms, fit, choice, map, out.residual, memory);
+  Scores scores = scores_of(log, rows, terms, fit, choice, map, out.residual, memory);
   const MatrixXd map_inverse = inverse_seen(map.normal, out.unseen);
-  const Bread bread = choice.joint ? joint_bread(fit, map) : bread_in_turn(fit, map, map_inverse);
   double square = 0.0;
   for (const double e : out.residual) square += e * e;
   const auto n = static_cast<double>(rows.size());
+  const double noise = 2.0 * memory.rows * square / n;
+  Bread bread = bread_of(fit, map, choice.joint.has_value());
+  const auto shift = static_cast<Index>(out.linear) - 1;
+  if (nuisance) add_prior(shift, noise, bread, scores.long_run);
+  const MatrixXd inverse = bread.inverse(map_inverse);
   const double independent = n / (2.0 * memory.rows);
-  const double freedom = std::max(3.0, independent - static_cast<double>(meat.rows()));
+  const double freedom = std::max(3.0, independent - static_cast<double>(scores.long_run.rows()));
   const double correction = std::max(1.0, independent / freedom);
-  out.long_run = correction * bread.inverse * meat * bread.inverse.transpose();
-  const double noise = 2.0 * memory.rows * square / n * correction;
-  out.stationary = noise * bread.inverse * bread.white * bread.inverse.transpose();
+  out.long_run = correction * inverse * scores.long_run * inverse.transpose();
+  out.stationary = noise * correction * inverse * bread.white * inverse.transpose();
+  out.between = inverse * between_records(scores.of_record) * inverse.transpose();
   out.factor = stats::student_factor(freedom);
+  if (terms.shift) out.shift_error = out.error_at(static_cast<std::size_t>(shift));
   return out;
 }
 

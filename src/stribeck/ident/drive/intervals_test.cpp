@@ -29,7 +29,7 @@ Fitted fitted(unsigned seed, double noise, double scale = 1.0) {
   const LinearFit first = solve(out.log.log, out.rows, {});
   out.fit = solve(out.log.log, out.rows, {}, &first);
   out.choice = choose_map(out.log.log, out.rows, {}, out.fit, {});
-  out.intervals = intervals(out.log.log, out.rows, {}, out.fit, out.choice);
+  out.intervals = intervals(out.log.log, out.rows, {}, out.fit, out.choice, true);
   return out;
 }
 
@@ -83,7 +83,7 @@ TEST(Intervals, ADirectionWithoutDataIsUnseen) {
   fit.top = {f.rows.grid[0].high, f.rows.grid[1].high};
   for (std::size_t s = 0; s < map::kSides; ++s)
     fit.branch[s] = {40.0, 900.0 * fit.top[s], {{1.0, 9.0, 0.1}}, false, 0.0};
-  const Intervals wide = intervals(f.log.log, f.rows, {}, f.fit, f.choice);
+  const Intervals wide = intervals(f.log.log, f.rows, {}, f.fit, f.choice, true);
   ASSERT_EQ(wide.unseen.size(), 10u);
   for (const std::size_t i : {0u, 1u, 5u, 6u}) EXPECT_LT(wide.unseen[i], 1e-6) << i;
   for (const std::size_t i : {2u, 3u, 4u, 7u, 8u, 9u}) EXPECT_GT(wide.unseen[i], 0.9) << i;
@@ -96,7 +96,7 @@ TEST(Intervals, AJointFitTakesItsOwnLinearTerms) {
   joint.joint = VectorXd::Constant(1, 251.0);
   EXPECT_EQ(with_terms_of(joint, {}, f.fit).mass, 251.0);
   EXPECT_EQ(with_terms_of(f.choice, {}, f.fit).mass, f.fit.mass);
-  const Intervals i = intervals(f.log.log, f.rows, {}, with_terms_of(joint, {}, f.fit), joint);
+  const Intervals i = intervals(f.log.log, f.rows, {}, with_terms_of(joint, {}, f.fit), joint, true);
   // Fitted together, the mass is told apart from a whole map instead of from free bins: no worse.
   EXPECT_GT(i.error_at(0), 0.0);
   EXPECT_LT(i.error_at(0), 1.5 * f.intervals.error_at(0));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/text.hpp>
 
@@ -35,6 +36,16 @@ Gain gain_of(const std::vector<double>& without, const std::vector<double>& with
   return {gain, std::sqrt(square * blocks / (blocks - 1.0))};
 }
 
+using Complex = std::complex<double>;
+
+/// ∫ (1 − s)·exp(i·angle·s) ds over a row.
+Complex falling_mean(double angle) {
+  constexpr double kSmall = 1e-3;
+  const Complex a(0.0, angle);
+  if (std::abs(angle) < kSmall) return 0.5 + a / 6.0;
+  return (std::exp(a) - 1.0 - a) / (a * a);
+}
+
 }  // namespace
 
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
@@ -62,10 +73,15 @@ map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, con
 PeriodicColumns columns_of(const AlignedLog& log, const map::PeriodicTerm& term) {
   PeriodicColumns out{term.term.period, term.term.form, term.period, {}, {}};
   for (std::size_t r = 0; r < log.motions.size(); ++r) {
+    const std::vector<double>& x = log.records[r].x;
     std::vector<double> sine, cosine;
-    for (const double x : log.records[r].x) {
-      sine.push_back(std::sin(2.0 * kPi * x / out.period));
-      cosine.push_back(std::cos(2.0 * kPi * x / out.period));
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const double turn = 2.0 * kPi / out.period;
+      const double ahead = k + 1 < x.size() ? turn * (x[k + 1] - x[k]) : 0.0;
+      const double behind = k > 0 ? turn * (x[k - 1] - x[k]) : 0.0;
+      const Complex mean = std::polar(1.0, turn * x[k]) * (falling_mean(ahead) + falling_mean(behind));
+      sine.push_back(mean.imag());
+      cosine.push_back(mean.real());
     }
     out.sine.push_back(log::smooth_like(log.motions[r], sine));
     out.cosine.push_back(log::smooth_like(log.motions[r], cosine));

@@ -19,7 +19,8 @@ namespace stribeck::ident::drive {
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
                                     const LinearFit& fit);
 
-/// The columns of a term.
+/// The columns of a term: its mean over the triangle of two rows that a second difference of the position is (motion.hpp). At
+/// a third of a period a row, the value at the row itself would be larger by 20 %, and the amplitude smaller.
 PeriodicColumns columns_of(const AlignedLog& log, const map::PeriodicTerm& term);
 
 /// The map with the linear terms beside which it was chosen.

@@ -56,6 +56,29 @@ TEST(PeriodicChoice, WithoutATermNothingChanges) {
   EXPECT_FALSE(c.choice.map.joint);
 }
 
+// Against a sum over a hundredth of a row: steps of a third of a period.
+TEST(PeriodicChoice, ColumnsAreTheMeanOverTheTriangle) {
+  const testing::SyntheticLog s = with_screw(0.0);
+  const std::vector<double>& x = s.log.records[0].x;
+  double fastest = 0.0;
+  std::size_t k = 1;
+  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+    if (std::abs(x[i + 1] - x[i]) > fastest) fastest = std::abs(x[i + 1] - x[i]), k = i;
+  }
+  map::PeriodicTerm term;
+  term.term.period = 3.0 * fastest;
+  ASSERT_EQ(s.log.motions[0].window, 0);
+  const PeriodicColumns columns = columns_of(s.log, term);
+  double sum = 0.0;
+  constexpr int kParts = 1000;
+  for (int i = -kParts; i < kParts; ++i) {
+    const double t = (i + 0.5) / kParts;
+    const double place = t < 0.0 ? x[k] + t * (x[k] - x[k - 1]) : x[k] + t * (x[k + 1] - x[k]);
+    sum += (1.0 - std::abs(t)) * std::sin(2.0 * kPi * place / term.term.period) / kParts;
+  }
+  EXPECT_NEAR(columns.sine[0][k], sum, 1e-5);
+}
+
 // The search sees the force less everything else, so the term is in it with its own amplitude.
 TEST(PeriodicChoice, TheSearchSeesTheTermAlone) {
   const testing::SyntheticLog s = with_screw(6.0);

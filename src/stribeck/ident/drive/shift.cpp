@@ -178,7 +178,7 @@ LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFi
   return solve(log, rows, terms, &fit);
 }
 
-LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, Notes& notes) {
+LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) {
   double half_width = 0.0;
   double gain = 1.0;
   bool told = false;
@@ -194,13 +194,8 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, 
     fit = solve(log, rows, terms, &fit);
     gain = squares_left(log, rows, terms, fit) / std::max(with, 1e-300);
   }
-  if (!told) {
-    notes.cannot_tell.emplace_back(
-        "the shift between force and motion: the force changes too little or too seldom; taken as a "
-        "commanded force under its zero-order hold");
-  }
-  // A shift that does not reduce the residual of the force is not believed. One that reduces it much needs no further evidence: its
-  // half width follows from the residual, whose correlation is longer than that of the motion.
+  // A shift that leaves as much of the force as none has no reason to be believed; one that leaves much less needs
+  // no further witness: its half width is taken from the residual, which remembers longer than what moves it.
   const double away = std::abs(found - kHeldForce);
   const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
   const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);

@@ -6,6 +6,9 @@
 ///   judge    a shift is accepted when it differs by more than its interval from the shift of a held force, and the residual is
 ///            smaller with it. A commanded force acts under its hold exactly: to estimate what is known gains nothing
 ///
+/// A loop that works against a force periodic in position looks like a shift: where such terms are found, the shift is
+/// refined and judged anew beside them.
+///
 /// Inside ident only. Real time: no.
 
 #include <optional>
@@ -24,8 +27,8 @@ void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit);
 /// Needs terms.shift; aligns the log again.
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit);
 
-/// Sets terms.shift, aligns the log and returns the fit for both.
-LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit, Notes& notes);
+/// Sets terms.shift and aligns the log; the fit that belongs to both.
+LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit);
 
 /// 95 % half width of the shift [rows], estimated together with the other terms.
 double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit);

@@ -1,4 +1,3 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,12 +76,10 @@ TEST(Shift, IsKeptWhenTheResidualIsSmallerForIt) {
   Terms terms;
   const LinearFit before = second_pass(s, rows, terms);
   terms.shift = true;
-  Notes notes;
-  const LinearFit fit = judge_shift(s.log, rows, terms, before, notes);
+  const LinearFit fit = judge_shift(s.log, rows, terms, before);
   EXPECT_TRUE(terms.shift);
   EXPECT_NEAR(s.log.shift, 4.0, 0.1);
   EXPECT_EQ(fit.value.size(), 2);
-  EXPECT_TRUE(notes.cannot_tell.empty());
 }
 
 // A force under its hold belongs to −½: nothing is estimated there.
@@ -93,22 +90,10 @@ TEST(Shift, IsDroppedWhereTheForceActsUnderItsHold) {
   Terms terms;
   const LinearFit before = second_pass(s, rows, terms);
   terms.shift = true;
-  Notes notes;
-  const LinearFit fit = judge_shift(s.log, rows, terms, before, notes);
+  const LinearFit fit = judge_shift(s.log, rows, terms, before);
   EXPECT_FALSE(terms.shift);
   EXPECT_EQ(s.log.shift, kHeldForce);
   EXPECT_EQ(fit.value.size(), 1);
-  EXPECT_TRUE(notes.cannot_tell.empty());
-}
-
-TEST(Shift, WithoutASearchTheLogCannotTellIt) {
-  testing::SyntheticLog s = late_log(0.0);
-  Rows rows = rows_of(s);
-  Terms terms;
-  Notes notes;
-  judge_shift(s.log, rows, terms, second_pass(s, rows, terms), notes);
-  EXPECT_THAT(notes.cannot_tell,
-              ::testing::ElementsAre(::testing::HasSubstr("the shift between force and motion")));
 }
 
 // m·a + F of the predicted motion, differenced over two rows.

@@ -28,11 +28,12 @@ struct Problem {
   }
 };
 
-VectorXd nonlinear(const std::vector<FitTerm>& terms, double narrowest) {
+VectorXd nonlinear(const std::vector<FitTerm>& terms, const FitSettings& settings) {
   VectorXd p(2 * static_cast<Index>(terms.size()));
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    p(2 * static_cast<Index>(i)) = out_of(terms[i].b, kLowestCentre, kHighestCentre);
-    p(2 * static_cast<Index>(i) + 1) = out_of(std::log(terms[i].c), std::log(narrowest), std::log(kWidest));
+    p(2 * static_cast<Index>(i)) = out_of(terms[i].b, settings.lowest_centre, kHighestCentre);
+    p(2 * static_cast<Index>(i) + 1) =
+        out_of(std::log(terms[i].c), std::log(settings.narrowest), std::log(kWidest));
   }
   return p;
 }
@@ -44,6 +45,26 @@ bool opposes(const BranchFit& fit) {
     if (!(fit.force(u) - fit.eta1 * u > kLeastLevel * std::abs(fit.eta0 + fit.eta1))) return false;
   }
   return fit.eta1 >= 0.0 && fit.eta0 > 0.0;
+}
+
+/// Neither F nor a term is larger than the data carry.
+bool bounded(const BranchFit& fit, const FitSettings& settings) {
+  const auto good = [&](double u) {
+    return fit.force(u) <= settings.most_force &&
+           std::all_of(fit.terms.begin(), fit.terms.end(), [&](const FitTerm& g) {
+             return std::abs(friction::GaussianTerm<double>{g.a, g.b, g.c}.value(u)) <= settings.most_height;
+           });
+  };
+  for (int i = 0; i <= 50; ++i) {
+    if (!good(i / 50.0)) return false;
+  }
+  // A narrow term stands between two of these places.
+  return std::all_of(fit.terms.begin(), fit.terms.end(),
+                     [&](const FitTerm& g) { return !(g.b > 0.0 && g.b < 1.0) || good(g.b); });
+}
+
+bool physical(const BranchFit& fit, const FitSettings& settings) {
+  return opposes(fit) && bounded(fit, settings);
 }
 
 constexpr int kIterations = 40;
@@ -67,25 +88,37 @@ Outcome descend(const Projected& problem, VectorXd p, int iterations, double tol
   return {std::move(p), solver.summary.final_cost};
 }
 
+/// How often the pulls were made firmer.
+struct Firmness {
+  int line = 0;
+  int heights = 0;
+};
+
 struct Polished {
   BranchFit fit;
   VectorXd p;
-  int firmed = 0;  // number of times the pull was strengthened
+  Firmness firmed;
 };
 
-FitSettings firmed(FitSettings settings, int times) {
-  settings.slope_scale *= std::pow(kFirmer, times);
+FitSettings firmed(FitSettings settings, const Firmness& times) {
+  settings.slope_scale *= std::pow(kFirmer, times.line);
+  settings.height_scale *= std::pow(kFirmer, times.heights);
   return settings;
 }
 
-/// From a start to a fit that opposes the motion; the pull of η1 to the straight line is strengthened as far as necessary.
-Polished polish(const Bins& bins, VectorXd p, const FitSettings& settings, double tolerance, int times = 0) {
+/// From a start to a physical fit; η1 is pulled to the straight line and the heights to zero as firmly as they must be.
+Polished polish(const Bins& bins, VectorXd p, const FitSettings& settings, double tolerance,
+                Firmness times = {}) {
   const auto terms = static_cast<int>(p.size() / 2);
-  for (;; ++times) {
+  for (;;) {
     const Projected problem(bins, terms, firmed(settings, times));
     if (terms > 0) p = descend(problem, std::move(p), kIterations, tolerance).p;
     BranchFit fit = problem.result(p.data());
-    if (terms == 0 || times == kPulls || opposes(fit)) return {std::move(fit), std::move(p), times};
+    const bool with_motion = !opposes(fit) && times.line < kPulls;
+    const bool too_high = !bounded(fit, settings) && times.heights < kPulls;
+    if (terms == 0 || (!with_motion && !too_high)) return {std::move(fit), std::move(p), times};
+    times.line += with_motion ? 1 : 0;
+    times.heights += too_high ? 1 : 0;
   }
 }
 
@@ -115,7 +148,8 @@ std::vector<Place> best_places(const Projected& others, const VectorXd& p, int w
   std::vector<Place> all;
   for (const double c : {0.04, 0.08, 0.16, 0.35, 0.8}) {
     const double step = std::clamp(0.7 * c, 0.05, 0.25);
-    for (double b = -0.1; b < 1.2; b += step) all.push_back({others.gain(b, c, residual), b, c});
+    for (double b = std::max(-0.1, others.low_centre()); b < 1.2; b += step)
+      all.push_back({others.gain(b, c, residual), b, c});
   }
   std::stable_sort(all.begin(), all.end(), [](const Place& x, const Place& y) { return x.gain > y.gain; });
   std::vector<Place> chosen;
@@ -134,7 +168,7 @@ std::vector<std::vector<FitTerm>> with_one_more(const Bins& bins, const std::vec
                                                 const FitSettings& settings, int places) {
   const Projected rest(bins, static_cast<int>(terms.size()), settings);
   std::vector<std::vector<FitTerm>> out;
-  for (const Place& s : best_places(rest, nonlinear(terms, settings.narrowest), places)) {
+  for (const Place& s : best_places(rest, nonlinear(terms, settings), places)) {
     out.push_back(terms);
     out.back().push_back({0.0, s.b, s.c});
   }
@@ -212,7 +246,7 @@ Polished exchanged(const Bins& bins, Polished best, const FitSettings& settings)
     const Projected all(bins, static_cast<int>(best.fit.terms.size()), same);
     std::vector<Outcome> tries;
     for (const std::vector<FitTerm>& terms : neighbours(bins, best.fit.terms, same)) {
-      tries.push_back(descend(all, nonlinear(terms, settings.narrowest), kIterations, kSearchTolerance));
+      tries.push_back(descend(all, nonlinear(terms, settings), kIterations, kSearchTolerance));
     }
     sort(tries);
     const double goal = (1.0 - kExchangeGain) * best.fit.cost;
@@ -303,7 +337,7 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
       if (f.cost < best.cost) best = std::move(f), at = p;
     }
   }
-  return opposes(best) ? std::optional(best) : std::nullopt;
+  return physical(best, settings) ? std::optional(best) : std::nullopt;
 }
 
 BranchFit fit_line(const Bins& bins, const FitSettings& settings) {
@@ -321,8 +355,7 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
   const Projected problem(search, n, settings);
   std::vector<Outcome> tries;
   const auto start = [&](const std::vector<FitTerm>& terms) {
-    tries.push_back(
-        descend(problem, nonlinear(terms, settings.narrowest), kFirstIterations, kSearchTolerance));
+    tries.push_back(descend(problem, nonlinear(terms, settings), kFirstIterations, kSearchTolerance));
   };
   // One more term at the place where it explains most.
   for (const std::vector<FitTerm>& terms : with_one_more(search, before.terms, settings, settings.polished))
@@ -358,7 +391,9 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
     if (i == 0 || trial.fit.cost < best.fit.cost) best = std::move(trial);
   }
   if (n > 1 && settings.exchange) best = exchanged(search, std::move(best), settings);
-  return polish(bins, best.p, settings, kTolerance, best.firmed).fit;
+  BranchFit fit = polish(bins, best.p, settings, kTolerance, best.firmed).fit;
+  if (!physical(fit, settings)) return std::nullopt;
+  return fit;
 }
 
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings) {

@@ -16,11 +16,16 @@
 /// then have the wrong sign. A weak pull of the heights to zero prevents terms of thousands of newtons that cancel; its share
 /// of the cost is below the noise.
 ///
+/// A fit is kept when it is physical (FitSettings): no centre below the first bin, where nothing was measured and a
+/// term would be free to take any value; from rest to the end of the range no more than `most_force`, no term of more than
+/// `most_height`, and F − η1·v opposing the motion. The pulls are made firmer until that holds.
+///
 /// Source: Golub, Pereyra 1973, doi:10.1137/0710036; Kaufman 1975, doi:10.1007/BF01932995.
-/// Not modelled: bounds on the heights.
+/// Not modelled: an exponent other than 2 in a term.
 /// Real time: no.
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -60,11 +65,12 @@ struct FitSettings {
   double slope_scale = 1e5;   ///< deviations of η0, η1 from the straight line beyond it are pulled back [N]
   int polished = 3;           ///< number of places tried for each added term
   int scattered = 96;         ///< further starts with centres and widths spread over the range
-  bool exchange =
-      true;  ///< terms of the best fit are removed and placed anew until the fit no longer improves
-  double narrowest = 0.015;  ///< bound of c [-]
-  unsigned first_start =
-      1;  ///< first number of the sequence of scattered starts; another number gives other starts
+  bool exchange = true;       ///< terms of the best fit are taken out and set anew until it gets no better
+  double narrowest = 0.015;   ///< bound of c [-]
+  double lowest_centre = -0.6;  ///< bound of b [-]: the first bin, where a term may not be centred below it
+  double most_force = std::numeric_limits<double>::infinity();   ///< of the branch anywhere from rest on [N]
+  double most_height = std::numeric_limits<double>::infinity();  ///< of a term within the range [N]
+  unsigned first_start = 1;  ///< of the sequence of scattered starts: another number, other starts
 };
 
 /// The fit without terms: the straight line.

@@ -18,8 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
 
-// Centres may lie beyond the range on both sides (Table 2.3 has one at 1.47 of it).
-inline constexpr double kLowestCentre = -0.6;
+// Centres may lie beyond the end of the range (Table 2.3 has one at 1.47 of it): the value at the border is held there.
 inline constexpr double kHighestCentre = 1.7;
 inline constexpr double kWidest = 2.0;
 /// Largest slope of the straight line, as a share of the smallest friction divided by its speed.
@@ -70,6 +69,7 @@ class Projected {
 
   [[nodiscard]] int parameters() const { return 2 * terms_; }
 
+  [[nodiscard]] double low_centre() const { return settings_.lowest_centre; }
   [[nodiscard]] double low_width() const { return std::log(settings_.narrowest); }
   [[nodiscard]] static double high_width() { return std::log(kWidest); }
 
@@ -83,12 +83,12 @@ class Projected {
       auto by_centre = j.col(2 * i), by_width = j.col(2 * i + 1);
       by_centre.tail(pulls_).setZero();
       by_width.tail(pulls_).setZero();
-      const double by = -2.0 * linear_(2 + i) / c * slope(p[2 * i], kLowestCentre, kHighestCentre);
+      const double by = -2.0 * linear_(2 + i) / c * slope(p[2 * i], low_centre(), kHighestCentre);
       by_centre.head(rows_).array() =
           by / c * design_.col(2 + i).head(rows_).array() * (u_.array() - centre_[i]);
       // c = exp(q): ∂c/∂q = c.
       const double ratio =
-          slope(p[2 * i + 1], low_width(), high_width()) / slope(p[2 * i], kLowestCentre, kHighestCentre);
+          slope(p[2 * i + 1], low_width(), high_width()) / slope(p[2 * i], low_centre(), kHighestCentre);
       by_width.head(rows_).array() = ratio * by_centre.head(rows_).array() * (u_.array() - centre_[i]);
       // Column by column: Eigen's general product first packs its operands, which costs more than these few columns.
       for (Index k = 0; k < thin_.cols(); ++k) {
@@ -133,7 +133,7 @@ class Projected {
     fresh_ = true;
     std::copy(p, p + 2 * terms_, at_);
     for (int i = 0; i < terms_; ++i) {
-      centre_[i] = into(p[2 * i], kLowestCentre, kHighestCentre);
+      centre_[i] = into(p[2 * i], low_centre(), kHighestCentre);
       width_[i] = std::exp(into(p[2 * i + 1], low_width(), high_width()));
       design_.col(2 + i).head(rows_) = column(centre_[i], width_[i]);
     }

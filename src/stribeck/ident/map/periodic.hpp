@@ -10,7 +10,7 @@
 /// 2. The least-squares spectrum is computed for both forms: the same sign in both directions (additive), or a sign that
 ///    changes with the direction (proportional).
 /// 3. The strongest line is tried as a term. It counts when it stands out of the background at neighbouring periods
-///    (chance below 1e-3 over all lines), also after it has been taken out. All terms are then refined together by
+///    (chance below 1e-3 over all lines), also after it has been taken out, and holds in passes that it was not fitted to. All terms are then refined together by
 ///    Gauss–Newton, far below the resolution λ²/stroke. The search ends when no line stands out.
 ///
 /// Intervals and significance come from the residual spectrum beside the term itself, so that they hold under noise

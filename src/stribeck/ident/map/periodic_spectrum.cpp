@@ -85,6 +85,39 @@ double taken_by_passes(const Data& data, const Line& line) {
   return whole / B.squaredNorm();
 }
 
+/// What the term takes off the residual of each pass when it is fitted to the other passes [N²], B its columns, e the residual
+/// with the term still in it. A disturbance in time is a line over the position in a pass of steady speed, and in that pass only.
+std::vector<double> gain_by_pass(const Data& data, const MatrixXd& B, const VectorXd& e) {
+  const Eigen::Matrix2d gram = B.transpose() * B;
+  const Eigen::Vector2d moment = B.transpose() * e;
+  std::vector<double> gain;
+  for (const Pass& p : data.passes) {
+    const auto first = static_cast<Index>(p.first);
+    const auto rows = static_cast<Index>(p.last - p.first);
+    const auto own = B.middleRows(first, rows);
+    const auto left = e.segment(first, rows);
+    const Eigen::Matrix2d others = gram - own.transpose() * own;
+    if (!(others.determinant() > 1e-6 * gram.determinant())) continue;
+    const VectorXd y = own * others.ldlt().solve(moment - own.transpose() * left);
+    gain.push_back(y.dot(2.0 * left - y));
+  }
+  return gain;
+}
+
+/// The passes tell of each other: the term holds in those that it was not fitted to.
+bool holds_in_other_passes(const Data& data, const Line& line, const MatrixXd& B, const VectorXd& left) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kErrors = 2.0;  // standard errors of the sum
+  if (data.standstill) return true;
+  const std::vector<double> gain = gain_by_pass(data, B, left + line.a * B.col(0) + line.b * B.col(1));
+  if (gain.size() < kFewest) return true;
+  const auto n = static_cast<double>(gain.size());
+  double sum = 0.0, square = 0.0;
+  for (const double g : gain) sum += g;
+  for (const double g : gain) square += std::pow(g - sum / n, 2.0);
+  return sum > kErrors * std::sqrt(square * n / (n - 1.0));
+}
+
 }  // namespace
 
 Grid frequencies(const Data& data) {
@@ -222,6 +255,7 @@ std::pair<double, double> local(const Data& data, const Grid& grid, const Residu
 bool stands(const Data& data, const Grid& grid, const Residual& left, const Line& line) {
   MatrixXd B(static_cast<Index>(data.groups.size()), 2);
   columns(data, line, B, false);
+  if (!holds_in_other_passes(data, line, B, left.e)) return false;
   const double power = (line.a * B.col(0) + line.b * B.col(1)).squaredNorm();
   const auto [noise, lines] = local(data, grid, left, line, line.form);
   return all_lines(data, grid) * chance(power / noise, lines) < kFalseAlarm;

@@ -150,6 +150,19 @@ TEST(Periodic, DriftTransientsAndUnequalStrokesAreNoTerm) {
 }
 
 // A place of the way that rings (a worn spot, a resonance) has a line in the spectrum but not over the way.
+// Hum is a line over the position in each pass of one speed, with another period in the passes of the next.
+TEST(Periodic, AToneInTimeIsNoTerm) {
+  std::size_t terms = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    PeriodicRows rows = strokes({.speeds = {0.03, 0.045, 0.06, 0.08, 0.1}, .noise = 0.3}, seed);
+    const double frequency = 40.0 + 1.7 * static_cast<double>(seed);
+    for (std::size_t i = 0; i < rows.e.size(); ++i)
+      rows.e[i] += std::sin(2.0 * kPi * frequency * 1e-3 * static_cast<double>(rows.at[i]));
+    terms += find_periodic(rows).terms.size();
+  }
+  EXPECT_EQ(terms, 0u);
+}
+
 TEST(Periodic, ARingingPlaceIsNoTerm) {
   PeriodicRows rows = strokes({.noise = 0.3}, 8);
   for (std::size_t i = 0; i < rows.x.size(); ++i) {

@@ -18,7 +18,11 @@ using Family = StaticFit::Family;
 constexpr std::size_t kFoldBins = 80;
 /// Repeated motion makes paired differences exact: a gain of less than this share of the error does not count.
 constexpr double kWorthwhile = 0.01;
-constexpr double kLeastLevel = 0.05;  ///< share of the mean; below it a branch would drive the motion
+constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
+// Of the largest friction measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third of what
+// is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
+constexpr double kMostForce = 1.3;
+constexpr double kMostHeight = 1.5;
 
 /// All blocks except one.
 Bins bins_without(const SideSums& side, std::size_t without, std::vector<char>* filled = nullptr) {
@@ -105,6 +109,8 @@ FitSettings settings_of(const SideSums& side) {
   settings.noise = std::max({std::sqrt(std::max(0.0, within) / rows), 1e-7 * highest, 1e-300});
   settings.height_scale = std::max(10.0 * highest, 1e-300);
   settings.slope_scale = std::max(0.2 * highest, 1e-300);
+  settings.most_force = kMostForce * highest;
+  settings.most_height = kMostHeight * highest;
   return settings;
 }
 
@@ -113,7 +119,8 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
   const std::size_t blocks = side.block.size();
   const double top = side.grid.high;
   const Bins all = bins_without(side, blocks);
-  const FitSettings settings = settings_of(side);
+  FitSettings settings = settings_of(side);
+  settings.lowest_centre = all.u.front();
   FitSettings quick = settings;
   quick.polished = 2;
   quick.scattered = 4;
@@ -368,6 +375,8 @@ std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
     if (all.speed.size() < (stribeck ? 12u : 8u)) continue;
     StaticFit fit = fit_symmetric(all, stribeck);
     fit.top = top;
+    const double highest = *std::max_element(all.force.begin(), all.force.end());
+    if (fit.coulomb + fit.rise > kMostForce * highest) continue;
     if (fit.coulomb > 0.0 && fit.coulomb + fit.rise > 0.0 && fit.viscous >= 0.0)
       out.push_back(std::move(fit));
   }

@@ -85,8 +85,8 @@ double StaticFit::move(const Eigen::VectorXd& step) noexcept {
 
 bool StaticFit::plausible() const noexcept {
   if (family != Family::kByDirection)
-    return coulomb > 0.0 && coulomb + rise > 0.0 && viscous >= 0.0 && v0 > 0.0 &&
-           v0 < 2.0 * std::max(top[0], top[1]);
+    return coulomb > 0.0 && coulomb + rise > 0.0 && viscous >= 0.0 &&
+           (family == Family::kSymmetric || (v0 > 0.0 && v0 < 2.0 * std::max(top[0], top[1])));
   constexpr int kPoints = 50;
   for (const BranchFit& b : branch) {
     for (int i = 0; i <= kPoints; ++i) {

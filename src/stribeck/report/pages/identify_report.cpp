@@ -19,6 +19,11 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
     text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
                         significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
+    const auto [back, forward] = curve_begin(r);
+    if (std::isfinite(back) && std::isfinite(forward)) {
+      text += fmt::format(" and measured beyond {} and {} {}", significant(back * units.per_velocity, 2),
+                          significant(forward * units.per_velocity, 2), units.velocity);
+    }
   }
   const bool kilograms = units.physical() && io::shown_unit(r.mass, quantity("kg", "N s2/mm")) == "kg";
   const double per_mass = kilograms ? 1.0 : units.per_mass;

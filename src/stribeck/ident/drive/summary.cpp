@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/drive/summary.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+
+/// A Stribeck part has faded above this share of the top speed.
+constexpr double kFaded = 0.2;
+/// Of the top speed: points of a curve lie closer below it.
+constexpr double kKnee = 0.1;
+constexpr int kLinePoints = 21;
+constexpr int kShownSpeeds = 9;
+
+Figure sum_of(double a, const Figure& x, double b, const Figure& y) {
+  return {a * x.value + b * y.value, a * x.slope + b * y.slope};
+}
+
+/// Level at rest and slope of the straight line through the curve.
+std::array<Figure, 2> line_of(const map::StaticFit& map, int side, const map::Grid& grid) {
+  const double from = std::max(grid.low, kFaded * grid.high);
+  std::array<Figure, 2> out;
+  const double middle = 0.5 * (from + grid.high);
+  double squares = 0.0;
+  for (int i = 0; i < kLinePoints; ++i)
+    squares += std::pow((grid.high - from) * i / (kLinePoints - 1) + from - middle, 2.0);
+  for (int i = 0; i < kLinePoints; ++i) {
+    const double speed = from + (grid.high - from) * i / (kLinePoints - 1);
+    const Figure f = friction_at(map, side, speed);
+    const double slope = (speed - middle) / squares;
+    const double level = 1.0 / kLinePoints - middle * slope;
+    for (const auto& [k, weight] : {std::pair{std::size_t{0}, level}, std::pair{std::size_t{1}, slope}}) {
+      out[k].value += weight * f.value;
+      out[k].slope = i == 0 ? VectorXd(weight * f.slope) : VectorXd(out[k].slope + weight * f.slope);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Figure friction_at(const map::StaticFit& map, int side, double speed) {
+  Figure out;
+  out.value = map.force(side, speed) - map::kDirection[static_cast<std::size_t>(side)] * map.load;
+  out.slope.resize(static_cast<Index>(map.span(side).second));
+  map.gradient(side, speed, out.slope.data());
+  // The load is a parameter of its own in the symmetric families.
+  if (map.family != map::StaticFit::Family::kByDirection) out.slope(0) = 0.0;
+  return out;
+}
+
+Summary summary_of(const map::StaticFit& map, int side, const map::Grid& grid) {
+  const auto [level, viscous] = line_of(map, side, grid);
+  Summary out{level, viscous, friction_at(map, side, 0.0), {}, std::nullopt};
+  out.rise = sum_of(1.0, out.at_rest, -1.0, level);
+  if (!(out.rise.value > 0.0)) return out;
+  const auto above = [&](double speed) {
+    const Figure line = sum_of(1.0, level, speed, viscous);
+    return sum_of(1.0, friction_at(map, side, speed), -1.0, line);
+  };
+  const double left = std::exp(-1.0);
+  constexpr int kSteps = 400;
+  const double step = grid.high / kSteps;
+  double low = 0.0;
+  while (low < grid.high && above(low + step).value > left * out.rise.value) low += step;
+  if (!(low < grid.high)) return out;
+  double high = low + step;
+  for (int i = 0; i < 50; ++i) {
+    const double speed = 0.5 * (low + high);
+    (above(speed).value > left * out.rise.value ? low : high) = speed;
+  }
+  // Where the fall crosses the level: its shift follows from that of both.
+  const double near = 1e-4 * grid.high;
+  const double fall = (above(high + near).value - above(high - near).value) / (2.0 * near);
+  if (!(fall < 0.0)) return out;
+  const Figure crossing = sum_of(1.0, above(high), -left, out.rise);
+  out.stribeck_speed = Figure{high, crossing.slope / -fall};
+  return out;
+}
+
+std::vector<double> shown_speeds(const map::Grid& grid) {
+  std::vector<double> out;
+  for (const double speed : curve_speeds(grid, kShownSpeeds)) {
+    const double unit = std::pow(10.0, std::floor(std::log10(speed)) - 2.0);
+    out.push_back(std::clamp(std::round(speed / unit) * unit, grid.low, grid.high));
+  }
+  return out;
+}
+
+std::vector<double> curve_speeds(const map::Grid& grid, int points) {
+  const double knee = std::max(0.5 * grid.low, kKnee * grid.high);
+  const double from = std::asinh(grid.low / knee), to = std::asinh(grid.high / knee);
+  std::vector<double> out;
+  for (int i = 0; i < points; ++i)
+    out.push_back(std::clamp(knee * std::sinh(from + (to - from) * i / (points - 1)), grid.low, grid.high));
+  out.front() = grid.low;
+  out.back() = grid.high;
+  return out;
+}
+
+}  // namespace stribeck::ident::drive

@@ -1,0 +1,45 @@
+#pragma once
+/// What a person asks of a friction curve, as functions of the map: numbers with their derivatives.
+///
+///   Coulomb, viscous   intercept and slope of the straight line through the curve above a fifth of the top speed
+///   static             the curve at rest
+///   Stribeck speed     where the rise above that line has fallen to 1/e of what it is at rest
+///   friction           at nine speeds from the slowest to the fastest that was measured, closer towards rest
+///
+/// They mean the same for every family, while η0 or a height of a Gaussian depends on what the other terms take.
+///
+/// Inside ident only. Real time: no.
+
+#include <array>
+#include <optional>
+#include <stribeck/ident/map/static_fit.hpp>
+#include <vector>
+
+namespace stribeck::ident::drive {
+
+/// φ(map) and ∂φ/∂(parameters of map.span(side)), the load left out.
+struct Figure {
+  double value = 0.0;
+  Eigen::VectorXd slope;
+};
+
+struct Summary {
+  Figure coulomb;                        ///< [N]
+  Figure viscous;                        ///< [N·s/m]
+  Figure at_rest;                        ///< [N]
+  Figure rise;                           ///< of the friction at rest above the line [N]
+  std::optional<Figure> stribeck_speed;  ///< [m/s]; absent where nothing rises towards rest
+};
+
+/// Friction against the motion at a speed [N].
+Figure friction_at(const map::StaticFit& map, int side, double speed);
+
+Summary summary_of(const map::StaticFit& map, int side, const map::Grid& grid);
+
+/// Nine speeds of the grid [m/s], ascending, of three digits.
+std::vector<double> shown_speeds(const map::Grid& grid);
+
+/// `points` speeds from the slowest to the fastest, ever closer towards rest [m/s].
+std::vector<double> curve_speeds(const map::Grid& grid, int points);
+
+}  // namespace stribeck::ident::drive

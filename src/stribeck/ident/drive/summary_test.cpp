@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <stribeck/ident/drive/summary.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+/// Coulomb 40 N, viscous 500 N·s/m up to 0.1 m/s; a Stribeck part of 12 N that fades over 3 mm/s.
+map::StaticFit with_stribeck() {
+  map::StaticFit fit;
+  fit.top = {0.1, 0.1};
+  for (map::BranchFit& b : fit.branch) b = {40.0, 50.0, {{12.0, 0.0, 0.03}}, true, 0.0};
+  return fit;
+}
+constexpr map::Grid kGrid{0.002, 0.1, 50};
+
+TEST(Summary, IsThatOfTheLaw) {
+  const Summary s = summary_of(with_stribeck(), 0, kGrid);
+  EXPECT_NEAR(s.coulomb.value, 40.0, 1e-9);
+  EXPECT_NEAR(s.viscous.value, 500.0, 1e-6);
+  EXPECT_NEAR(s.at_rest.value, 52.0, 1e-12);
+  EXPECT_NEAR(s.rise.value, 12.0, 1e-9);
+  ASSERT_TRUE(s.stribeck_speed);
+  EXPECT_NEAR(s.stribeck_speed->value, 0.003, 1e-7);  // exp(−(v/c)²) is 1/e at v = c
+}
+
+// Each derivative against the difference of the figure when its parameter moves.
+TEST(Summary, DerivativesAreThoseOfTheFigures) {
+  const map::StaticFit fit = with_stribeck();
+  const Summary s = summary_of(fit, 1, kGrid);
+  const std::array<double, 4> steps{1e-3, 1e-3, 1e-3, 1e-6};
+  for (std::size_t j = 0; j < steps.size(); ++j) {
+    const auto moved = [&](double by) {
+      map::StaticFit other = fit;
+      map::BranchFit& b = other.branch[1];
+      double* const parameters[] = {&b.eta0, &b.eta1, &b.terms[0].a, &b.terms[0].c};
+      *parameters[j] += by;
+      return summary_of(other, 1, kGrid);
+    };
+    const Summary up = moved(steps[j]), down = moved(-steps[j]);
+    const auto k = static_cast<Eigen::Index>(j);
+    const auto expect = [&](const Figure& f, double a, double b, double scale) {
+      EXPECT_NEAR(f.slope(k), (a - b) / (2.0 * steps[j]), 1e-3 * scale) << "parameter " << j;
+    };
+    expect(s.coulomb, up.coulomb.value, down.coulomb.value, 1.0);
+    expect(s.viscous, up.viscous.value, down.viscous.value, 10.0);
+    expect(s.at_rest, up.at_rest.value, down.at_rest.value, 1.0);
+    expect(*s.stribeck_speed, up.stribeck_speed->value, down.stribeck_speed->value, 0.1);
+  }
+}
+
+TEST(Summary, AStraightLineHasNoStribeckSpeed) {
+  map::StaticFit fit = with_stribeck();
+  for (map::BranchFit& b : fit.branch) b = {40.0, 50.0, {}, false, 0.0};
+  EXPECT_FALSE(summary_of(fit, 0, kGrid).stribeck_speed);
+}
+
+TEST(Summary, SpeedsBeginWhereTheDataBeginAndLieCloserTowardsRest) {
+  const std::vector<double> speeds = curve_speeds(kGrid, 40);
+  ASSERT_EQ(speeds.size(), 40u);
+  EXPECT_EQ(speeds.front(), kGrid.low);
+  EXPECT_EQ(speeds.back(), kGrid.high);
+  for (std::size_t i = 1; i < speeds.size(); ++i) EXPECT_GT(speeds[i], speeds[i - 1]);
+  EXPECT_LT(speeds[1] - speeds[0], 0.3 * (speeds[39] - speeds[38]));
+  const std::vector<double> shown = shown_speeds(kGrid);
+  ASSERT_EQ(shown.size(), 9u);
+  for (const double v : shown) {
+    EXPECT_GE(v, kGrid.low);
+    EXPECT_LE(v, kGrid.high);
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::ident::drive
