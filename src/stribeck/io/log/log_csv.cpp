@@ -8,6 +8,7 @@
 #include <optional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log_formats.hpp>
+#include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <utility>
 
@@ -81,18 +82,10 @@ class CsvReader {
                                as_utf8(trimmed(text.substr(colon + 1))));
   }
 
-  /// First line of the text that is neither blank nor comment.
-  static std::string_view first_row(std::string_view text) {
-    while (!text.empty()) {
-      const auto line = take_line(text);
-      if (!trimmed(line).empty() && !is_comment(line)) return line;
-    }
-    return {};
-  }
-
   void read_header(std::string_view& body) {
     if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
     for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
+    told_separator_ = take_separator_line(body);
 
     std::string_view header;
     std::string_view last_comment;
@@ -111,7 +104,7 @@ class CsvReader {
     if (header.empty()) fail(0, "has no header line, expected names of columns");
     const std::size_t line = line_number(header.data());
     if (!options_.names.empty()) {
-      separator_ = best_separator(header, header);
+      separator_ = separator_of(header, header);
       const auto cells = split(header, separator_).size();
       if (cells != options_.names.size()) {
         fail(line, "got " + std::to_string(cells) + " columns, expected " +
@@ -119,7 +112,7 @@ class CsvReader {
       }
       if (!is_data(header)) {
         body = rest;
-        separator_ = best_separator(header, first_row(rest));
+        separator_ = separator_of(header, first_row(rest));
         note("the given names of the columns replace those in line " + std::to_string(line));
       }
       std::vector<std::string> names;
@@ -127,14 +120,14 @@ class CsvReader {
       set_columns(names, line);
     } else if (is_data(header)) {
       // "# t,x" directly above the numbers.
-      separator_ = best_separator(header, header);
+      separator_ = separator_of(header, header);
       const auto cells = split(header, separator_).size();
       std::vector<std::string_view> names;
       if (!last_comment.empty()) {
         const auto text = trimmed(
             last_comment.substr(std::min(last_comment.find_first_not_of("#% \t"), last_comment.size())));
         names = split(text, separator_);
-        if (names.size() != cells) names = split(text, best_separator(text, header));
+        if (names.size() != cells) names = split(text, separator_of(text, header));
       }
       if (names.size() != cells || cells < 2) {
         fail(line,
@@ -152,36 +145,37 @@ class CsvReader {
         }
       }
       body = rest;
-      separator_ = best_separator(header, first_row(rest));
+      separator_ = separator_of(header, first_row(rest));
       const auto names = split(header, separator_);
       set_columns({names.begin(), names.end()}, line);
     }
+    take_units(body);
     decimal_ = decimal_mark(body);
   }
 
-  static bool is_data(std::string_view line) {
-    for (const char separator : {'\t', ';', ',', ' '}) {
-      const auto cells = split(line, separator);
-      if (std::all_of(cells.begin(), cells.end(), looks_like_number)) return true;
-    }
-    return false;
+  [[nodiscard]] char separator_of(std::string_view header, std::string_view row) const {
+    return told_separator_ ? *told_separator_ : best_separator(header, row);
   }
 
-  /// The separator under which header and first row have the same number of cells; else one that both
-  /// contain.
-  static char best_separator(std::string_view header, std::string_view row) {
-    constexpr std::array kSeparators{'\t', ';', ',', ' '};
-    for (const char s : kSeparators) {
-      const auto n = split(header, s).size();
-      if (n > 1 && n == split(row, s).size()) return s;
+  /// Units in the row below the names.
+  void take_units(std::string_view& body) {
+    const std::string_view row = first_row(body);
+    const std::vector<std::string> units = units_in_row(row, separator_, log_.columns.size(), log_.notes);
+    if (units.empty()) return;
+    const std::size_t line = line_number(row.data());
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      Column& column = log_.columns[c];
+      if (units[c].empty()) continue;
+      if (!column.unit_text.empty() && !column.unit_assumed && column.unit_text != units[c]) {
+        fail(line, "column " + in_quotes(column.header) + ": the row of units says " + in_quotes(units[c]) +
+                       ", the name " + in_quotes(column.unit_text) + " (mend the one that is wrong)");
+      }
+      if (column.unit_assumed && column.unit_text != units[c]) column.name = column.header;
+      column.unit_text = units[c];
+      column.unit_assumed = false;
     }
-    for (const char s : kSeparators) {
-      if (split(header, s).size() > 1 && split(row, s).size() > 1) return s;
-    }
-    for (const char s : {'\t', ';', ','}) {
-      if (split(header, s).size() > 1) return s;
-    }
-    return ',';
+    body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
+    note("the units are taken from the row below the names (line " + std::to_string(line) + ")");
   }
 
   void set_columns(const std::vector<std::string>& headers, std::size_t line) {
@@ -247,8 +241,19 @@ class CsvReader {
     if (log_.columns.empty()) fail(0, "has no column of numbers");
   }
 
+  /// Times of day become seconds where no other column tells the time.
+  void read_clock() {
+    for (std::size_t c = 0; c < is_text_.size() && time_column(log_) < 0; ++c) {
+      if (is_text_[c] == 0 || !read_times_of_day(log_.columns[c])) continue;
+      is_text_[c] = 0;
+      note("column " + in_quotes(log_.columns[c].header) +
+           " holds times of day; taken as seconds since its first row");
+    }
+  }
+
   /// A column is text by its first cell; one damaged cell shall not turn numbers into text.
   void keep_text_columns() {
+    read_clock();
     bool utf8 = true;
     std::size_t kept = 0;
     for (std::size_t c = 0; c < is_text_.size(); ++c) {
@@ -475,6 +480,7 @@ class CsvReader {
   const CsvDialect& options_;
   Log log_;
   char separator_ = ',';
+  std::optional<char> told_separator_;  ///< in the first line
   char decimal_ = '.';
   std::vector<char> is_text_;  ///< 1 for columns of text; empty when there are none
   std::vector<std::string_view> row_texts_;

@@ -1,0 +1,90 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/io/log/log_spreadsheet.hpp>
+#include <string>
+
+namespace stribeck::io {
+namespace {
+
+using detail::time_of_day;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Log parse(const std::string& text) { return parse_log(text, "log.csv"); }
+
+TEST(Spreadsheet, UnitsInTheRowBelowTheNames) {
+  const Log log = parse("t;x;i\ns;mm;A\n0.0;1.5;2\n0.1;1.6;3\n");
+  EXPECT_EQ(log.rows, 2U);
+  EXPECT_EQ(log.columns.at(0).unit_text, "s");
+  EXPECT_EQ(log.columns.at(1).unit_text, "mm");
+  EXPECT_EQ(log.columns.at(2).unit_text, "A");
+  EXPECT_THAT(log.columns.at(1).values, ElementsAre(1.5, 1.6));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("line 2")));
+  // Brackets, spellings of drives, a column without a unit, a decimal comma below.
+  const Log other =
+      parse("Zeit\tn\tI\tstate\n[ms]\t(U/min)\t[Ampere]\t\n0,5\t1,5\t2,0\t1\n1,5\t1,6\t3,0\t1\n");
+  EXPECT_EQ(other.columns.at(1).unit_text, "rpm");
+  EXPECT_EQ(other.columns.at(2).unit_text, "A");
+  EXPECT_EQ(other.columns.at(3).unit_text, "");
+  EXPECT_THAT(other.columns.at(0).values, ElementsAre(0.5, 1.5));
+}
+
+TEST(Spreadsheet, UnitsThatContradictTheNamesAreRefused) {
+  EXPECT_THAT([] { parse("t_s,x_mm\ns,m\n0,1\n1,2\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("the row of units says \"m\"")));
+  // The same unit in both is none.
+  EXPECT_EQ(parse("t_s,x_mm\ns,mm\n0,1\n1,2\n").rows, 2U);
+}
+
+TEST(Spreadsheet, WordsAreNoUnits) {
+  EXPECT_THAT([] { parse("t_s,x_mm\nstart,stop\n0,1\n1,2\n"); }, ::testing::Throws<InputError>());
+}
+
+TEST(Spreadsheet, SeparatorOfExcel) {
+  const Log log = parse("sep=;\r\nt_s;x_mm\r\n0,0;1,5\r\n0,1;1,6\r\n");
+  ASSERT_EQ(log.columns.size(), 2U);
+  EXPECT_THAT(log.columns[1].values, ElementsAre(1.5, 1.6));
+  EXPECT_EQ(parse("\"sep=,\"\nt_s,x_mm\n0,1\n1,2\n").columns.size(), 2U);
+}
+
+TEST(Spreadsheet, TimesOfDay) {
+  const Log log = parse("time,x_mm\n07:15:23.123,1\n07:15:23.124,2\n07:15:24,3\n");
+  ASSERT_EQ(time_column(log), 0);
+  EXPECT_EQ(log.columns[0].unit_text, "s");
+  EXPECT_NEAR(log.columns[0].values[1], 0.001, 1e-11);
+  EXPECT_NEAR(log.columns[0].values[2], 0.877, 1e-11);
+  // Past midnight it goes on.
+  const Log night = parse("Uhrzeit;x_mm\n2024-03-05T23:59:59,9Z;1\n2024-03-06T00:00:00,1Z;2\n");
+  ASSERT_EQ(time_column(night), 0);
+  EXPECT_NEAR(night.columns[0].values[1], 0.2, 1e-10);
+}
+
+TEST(Spreadsheet, TimesOfDayBesideATimeStayText) {
+  const Log log = parse("clock,t_s,x_mm\n07:15:23,0,1\n07:15:24,1,2\n");
+  EXPECT_EQ(log.columns[0].texts.size(), 2U);
+  EXPECT_EQ(time_column(log), 1);
+}
+
+TEST(Spreadsheet, WhatIsATimeOfDay) {
+  EXPECT_EQ(time_of_day("00:00:01"), 1.0);
+  EXPECT_EQ(time_of_day("1:02:03.5"), 3723.5);
+  EXPECT_EQ(time_of_day("2024-03-05T01:00:00.25+01:00"), 3600.25);
+  EXPECT_EQ(time_of_day("05.03.2024 01:00:00,25"), 3600.25);
+  EXPECT_EQ(time_of_day("12:00:01 AM"), 1.0);
+  EXPECT_EQ(time_of_day("1:00:00 pm"), 46800.0);
+  for (const char* text :
+       {"", "12", "12:30", "25:00:00", "12:61:00", "12:00:00 x", "a 12:00:00", "1-2T3:4:5"})
+    EXPECT_FALSE(time_of_day(text)) << text;
+}
+
+TEST(Spreadsheet, PerMilleIsAUnit) {
+  const Log log = parse("t_s,torque [\u2030]\n0,1\n1,2\n");
+  EXPECT_DOUBLE_EQ(in_si(log.at("torque"), quantity("", "")).at(1), 0.002);
+}
+
+}  // namespace
+}  // namespace stribeck::io
