@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <iterator>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -65,7 +67,9 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
     if (is_axis) out.push_back({name.substr(bar + 1), prefix});
   }
   const auto digit = name.find_last_not_of("0123456789");
-  if (digit != std::string::npos && digit + 1 < name.size())
+  // "r0078" is a parameter of a drive.
+  if (digit != std::string::npos && digit + 1 < name.size() &&
+      (name[digit + 1] != '0' || digit + 2 == name.size()))
     out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
   const auto last = name.rfind('_');
   if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower(axis))
@@ -90,6 +94,21 @@ bool same_axis(const io::Log& log, const std::string& wanted, const std::string&
   return false;
 }
 
+/// Several logs share one --map, but need not share their columns.
+[[noreturn]] void refuse_unknown_column(const io::Log& log, const std::string& text) {
+  try {
+    static_cast<void>(log.at(text));  // throws with the columns there are
+  } catch (const io::InputError& e) {
+    io::Problem p = e.problems().front();
+    p.message += fmt::format(
+        "; where logs of one command have different columns, name those of each in a side file of its own: {}.toml "
+        "with columns = [\"t s\", \"x mm\", \u2026] in the order of the file",
+        log.source);
+    throw io::InputError(p);
+  }
+  std::abort();
+}
+
 struct Candidate {
   const io::Column* column = nullptr;
   std::string axis;
@@ -111,6 +130,13 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
       }
       if (done) break;
     }
+  }
+  if (!out.empty()) return out;
+  // Names that no notation has are read word by word.
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty()) continue;
+    if (auto meaning = meaning_of(c.name); meaning && meaning->what == k.what)
+      out.push_back({&c, std::move(meaning->axis), 0, meaning->rank});
   }
   return out;
 }
@@ -218,6 +244,35 @@ std::optional<NamedColumn> AxisColumns::find(LogQuantity what) const {
   return NamedColumn{c, c->unit_text};
 }
 
+std::vector<std::string> AxisColumns::rescaled() const {
+  std::vector<std::string> out;
+  for (const auto& [what, named] : maps_) {
+    const std::string& own = named.column->unit_text;
+    if (own.empty() || named.column->unit_assumed) continue;
+    const auto factor = conversion_between(named.unit, own);
+    if (!factor || factor->factor == 1.0) continue;
+    out.push_back(
+        fmt::format("column {} has the unit {} in the file; --map gives {} instead, {:.6g} times as much",
+                    io::in_quotes(header_of(*named.column)), own, named.unit, factor->factor));
+  }
+  return out;
+}
+
+std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string_view>& units) const {
+  std::vector<NamedColumn> out;
+  for (const io::Column& c : log_.columns) {
+    if (c.values.empty() || c.unit_assumed || c.unit_text == "1") continue;
+    const bool used =
+        std::any_of(maps_.begin(), maps_.end(), [&](const auto& m) { return m.second.column == &c; });
+    if (used) continue;
+    const bool fits = std::any_of(units.begin(), units.end(), [&](std::string_view unit) {
+      return conversion_between(c.unit_text, unit).has_value();
+    });
+    if (fits) out.push_back({&c, c.unit_text});
+  }
+  return out;
+}
+
 NamedColumn named_column(const io::Log& log, const std::string& text) {
   NamedColumn named{log.find(text), {}};
   // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
@@ -228,7 +283,7 @@ NamedColumn named_column(const io::Log& log, const std::string& text) {
       named.unit = text.substr(blank + 1);
     }
   }
-  if (named.column == nullptr) static_cast<void>(log.at(text));  // throws with the names of the columns
+  if (named.column == nullptr) refuse_unknown_column(log, text);
   if (named.column->values.empty()) {
     refuse_option("--map", fmt::format("column {} holds text, expected numbers",
                                        io::in_quotes(header_of(*named.column))));

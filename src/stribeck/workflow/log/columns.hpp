@@ -70,6 +70,10 @@ class AxisColumns {
   [[nodiscard]] std::optional<NamedColumn> mapped(LogQuantity what) const;
   /// The same, else found by its name.
   [[nodiscard]] std::optional<NamedColumn> find(LogQuantity what) const;
+  /// Columns that --map does not name and whose unit is one of these.
+  [[nodiscard]] std::vector<NamedColumn> with_unit_of(const std::vector<std::string_view>& units) const;
+  /// Columns whose unit --map replaces by one of another scale, one sentence each.
+  [[nodiscard]] std::vector<std::string> rescaled() const;
 
  private:
   const io::Log& log_;

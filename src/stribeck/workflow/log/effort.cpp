@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <string_view>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>
@@ -14,11 +16,14 @@ namespace {
 constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuantity::kTorque,
                              LogQuantity::kPercent, LogQuantity::kVoltage};
 
+/// Units of a share of the rated torque; CiA 402 has per mille.
+constexpr std::array<std::string_view, 5> kShares{"%", "pct", "percent", "\u2030", "permille"};
+
 /// Kind of effort by its unit, whatever its name: a torque in percent is a percentage.
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent
-                          ? unit == "%" || unit == "pct" || unit == "percent"
+                          ? std::find(kShares.begin(), kShares.end(), unit) != kShares.end()
                           : conversion_between(unit, known_column(what).quantity.unit).has_value();
     if (fits) return what;
   }
@@ -31,7 +36,7 @@ struct Candidates {
   std::optional<io::InputError> ambiguous;
 };
 
-Candidates find_candidates(const AxisColumns& columns, bool with_gain) {
+Candidates find_candidates(const AxisColumns& columns, bool with_gain, std::vector<std::string>& notes) {
   Candidates found;
   for (const bool by_map : {true, false}) {
     for (const LogQuantity what : kForces) {
@@ -55,6 +60,18 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain) {
   }
   if (!found.efforts.empty()) return found;
   if (found.ambiguous) throw *found.ambiguous;
+  const std::vector<NamedColumn> some = columns.with_unit_of({"N", "N m", "A", "V", "%"});
+  if (some.size() == 1) {
+    Effort e;
+    e.from = some.front();
+    e.what = kind_by_unit(e.from.unit, LogQuantity::kForce);
+    notes.push_back(fmt::format(
+        "column {} is taken as the force: no other has a unit of force, torque, current, voltage or "
+        "a share of them",
+        io::in_quotes(header_of(*e.from.column))));
+    found.efforts.push_back(std::move(e));
+    return found;
+  }
   throw io::InputError(
       {columns.log().source, 0, "force",
        fmt::format("no column for the force, nor for torque, current, voltage or percent; the log has {} "
@@ -121,7 +138,7 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
       case LogQuantity::kCurrent:
         return "N/A";
       case LogQuantity::kPercent:
-        return "N (at 100 %)";
+        return "N or N m (at 100 %), N/%";
       case LogQuantity::kTorque:
         return "1/mm";
       default:
@@ -183,7 +200,7 @@ void set_conversion(Effort& e, const io::Log& log) {
 
 Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const std::string& gain,
                    std::vector<std::string>& notes) {
-  Candidates found = find_candidates(columns, !gain.empty());
+  Candidates found = find_candidates(columns, !gain.empty(), notes);
   Effort effort = gain.empty() ? found.efforts.front() : with_gain(std::move(found), gain, motion);
   if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
     scale(effort, 1.0, true, motion.per_radian);

@@ -92,6 +92,7 @@ void note_unmarked_runs(const io::Log& log, int base_time, std::vector<std::stri
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   LoggedAxis out;
   const AxisColumns columns(log, options);
+  out.notes = columns.rescaled();
   const MotionColumns motion = find_motion(columns, options.lead, out.notes);
   const Effort effort = find_effort(columns, motion, options.gain, out.notes);
   if (motion.per_radian != 0.0 && !motion.turns() && !effort.by_lead)

@@ -1,0 +1,261 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <stribeck/workflow/log/column_words.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+enum class Word : std::uint8_t {
+  kPosition,
+  kVelocity,
+  kAcceleration,
+  kForce,
+  kTorque,
+  kCurrent,
+  kVoltage,
+  kActual,
+  kCommanded,
+  kNothing
+};
+
+using Entry = std::pair<std::string_view, Word>;
+
+/// Longer words of one beginning come first: the first that leads to the end of the name is taken.
+constexpr std::array kWords{Entry{"position", Word::kPosition},
+                            Entry{"positions", Word::kPosition},
+                            Entry{"pos", Word::kPosition},
+                            Entry{"lage", Word::kPosition},
+                            Entry{"velocity", Word::kVelocity},
+                            Entry{"velo", Word::kVelocity},
+                            Entry{"vel", Word::kVelocity},
+                            Entry{"speed", Word::kVelocity},
+                            Entry{"geschwindigkeits", Word::kVelocity},
+                            Entry{"geschwindigkeit", Word::kVelocity},
+                            Entry{"drehzahl", Word::kVelocity},
+                            Entry{"acceleration", Word::kAcceleration},
+                            Entry{"beschleunigungs", Word::kAcceleration},
+                            Entry{"beschleunigung", Word::kAcceleration},
+                            Entry{"force", Word::kForce},
+                            Entry{"kraft", Word::kForce},
+                            Entry{"torque", Word::kTorque},
+                            Entry{"drehmoment", Word::kTorque},
+                            Entry{"momenten", Word::kTorque},
+                            Entry{"moment", Word::kTorque},
+                            Entry{"current", Word::kCurrent},
+                            Entry{"strom", Word::kCurrent},
+                            Entry{"iq", Word::kCurrent},
+                            Entry{"voltage", Word::kVoltage},
+                            Entry{"spannungs", Word::kVoltage},
+                            Entry{"spannung", Word::kVoltage},
+                            Entry{"actual", Word::kActual},
+                            Entry{"act", Word::kActual},
+                            Entry{"istwert", Word::kActual},
+                            Entry{"ist", Word::kActual},
+                            Entry{"measured", Word::kActual},
+                            Entry{"meas", Word::kActual},
+                            Entry{"feedback", Word::kActual},
+                            Entry{"fbk", Word::kActual},
+                            Entry{"encoder", Word::kActual},
+                            Entry{"commanded", Word::kCommanded},
+                            Entry{"command", Word::kCommanded},
+                            Entry{"cmd", Word::kCommanded},
+                            Entry{"setpoint", Word::kCommanded},
+                            Entry{"set", Word::kCommanded},
+                            Entry{"sollwert", Word::kCommanded},
+                            Entry{"soll", Word::kCommanded},
+                            Entry{"reference", Word::kCommanded},
+                            Entry{"ref", Word::kCommanded},
+                            Entry{"demand", Word::kCommanded},
+                            Entry{"target", Word::kCommanded},
+                            Entry{"desired", Word::kCommanded},
+                            Entry{"nominal", Word::kCommanded},
+                            Entry{"motor", Word::kNothing},
+                            Entry{"drive", Word::kNothing},
+                            Entry{"antriebs", Word::kNothing},
+                            Entry{"antrieb", Word::kNothing},
+                            Entry{"axis", Word::kNothing},
+                            Entry{"achse", Word::kNothing},
+                            Entry{"value", Word::kNothing},
+                            Entry{"wert", Word::kNothing},
+                            Entry{"signal", Word::kNothing}};
+
+/// One letter for a quantity, beside a word that tells actual from commanded: "xist".
+constexpr std::array<std::pair<char, Word>, 9> kLetters{{{'x', Word::kPosition},
+                                                         {'s', Word::kPosition},
+                                                         {'q', Word::kPosition},
+                                                         {'v', Word::kVelocity},
+                                                         {'n', Word::kVelocity},
+                                                         {'i', Word::kCurrent},
+                                                         {'m', Word::kTorque},
+                                                         {'f', Word::kForce},
+                                                         {'u', Word::kVoltage}}};
+
+struct Parameter {
+  int number;
+  LogQuantity what;
+  std::size_t rank;
+};
+
+/// SINAMICS list manual: actual values and set-points of drive and position controller.
+constexpr std::array<Parameter, 12> kSinamics{{{482, LogQuantity::kPosition, 1},
+                                               {2521, LogQuantity::kPosition, 0},
+                                               {2665, LogQuantity::kReference, 0},
+                                               {61, LogQuantity::kVelocity, 1},
+                                               {63, LogQuantity::kVelocity, 0},
+                                               {62, LogQuantity::kReferenceVelocity, 0},
+                                               {60, LogQuantity::kReferenceVelocity, 1},
+                                               {68, LogQuantity::kCurrent, 2},
+                                               {77, LogQuantity::kCurrent, 1},
+                                               {78, LogQuantity::kCurrent, 0},
+                                               {79, LogQuantity::kTorque, 1},
+                                               {80, LogQuantity::kTorque, 0}}};
+
+bool is_letter(unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; }
+bool is_digit(unsigned char c) { return std::isdigit(c) != 0; }
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::optional<NameMeaning> sinamics(std::string_view name) {
+  if (name.size() < 3 || name[0] != 'r') return std::nullopt;
+  name.remove_prefix(1);
+  name = name.substr(0, name.find('['));  // r0482[0]
+  if (name.size() > 5 || !std::all_of(name.begin(), name.end(), is_digit)) return std::nullopt;
+  int number = 0;
+  for (const char c : name) number = 10 * number + (c - '0');
+  const auto found = std::find_if(kSinamics.begin(), kSinamics.end(),
+                                  [&](const Parameter& p) { return p.number == number; });
+  if (found == kSinamics.end()) return std::nullopt;
+  return NameMeaning{found->what, found->rank, {}};
+}
+
+/// Parts of letters and digits between other characters.
+std::vector<std::string> parts_of(std::string_view name) {
+  std::vector<std::string> parts;
+  bool inside = false;
+  for (const char c : name) {
+    const auto u = static_cast<unsigned char>(c);
+    if (!is_letter(u) && !is_digit(u)) {
+      inside = false;
+      continue;
+    }
+    if (!inside) parts.emplace_back();
+    inside = true;
+    parts.back() += c;
+  }
+  return parts;
+}
+
+/// "x", "z2", "4".
+bool is_axis(const std::string& part) {
+  constexpr std::string_view kAxes = "xyzabcuvws";
+  const bool letter = kAxes.find(part[0]) != std::string_view::npos;
+  return part.size() <= 3 && std::all_of(part.begin() + (letter ? 1 : 0), part.end(), is_digit);
+}
+
+/// Reads the whole of `text` as words; the first way that succeeds.
+bool read_words(std::string_view text, std::vector<Word>& words) {
+  if (text.empty()) return true;
+  for (const auto& [word, meaning] : kWords) {
+    if (!text.starts_with(word)) continue;
+    words.push_back(meaning);
+    if (read_words(text.substr(word.size()), words)) return true;
+    words.pop_back();
+  }
+  return false;
+}
+
+bool role(Word w) { return w == Word::kActual || w == Word::kCommanded; }
+
+std::optional<NameMeaning> from_words(const std::vector<Word>& words) {
+  std::optional<Word> quantity;
+  std::optional<Word> kind;
+  for (const Word w : words) {
+    if (w == Word::kNothing) continue;
+    std::optional<Word>& slot = role(w) ? kind : quantity;
+    if (slot && *slot != w) return std::nullopt;
+    slot = w;
+  }
+  if (!quantity) return std::nullopt;
+  const bool commanded = kind == Word::kCommanded;
+  const std::size_t rank = kind == Word::kActual ? 0 : commanded ? 2 : 1;
+  switch (*quantity) {
+    case Word::kPosition:
+      return NameMeaning{commanded ? LogQuantity::kReference : LogQuantity::kPosition, rank, {}};
+    case Word::kVelocity:
+      return NameMeaning{commanded ? LogQuantity::kReferenceVelocity : LogQuantity::kVelocity, rank, {}};
+    case Word::kAcceleration:
+      if (commanded) return std::nullopt;
+      return NameMeaning{LogQuantity::kAcceleration, rank, {}};
+    case Word::kForce:
+      return NameMeaning{LogQuantity::kForce, rank, {}};
+    case Word::kTorque:
+      return NameMeaning{LogQuantity::kTorque, rank, {}};
+    case Word::kCurrent:
+      return NameMeaning{LogQuantity::kCurrent, rank, {}};
+    default:
+      return NameMeaning{LogQuantity::kVoltage, rank, {}};
+  }
+}
+
+/// Words of all parts; a letter alone, or in front of actual or commanded, may stand for a quantity.
+std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts) {
+  std::vector<Word> words;
+  for (const std::string& part : parts) {
+    if (read_words(part, words)) continue;
+    const auto letter =
+        std::find_if(kLetters.begin(), kLetters.end(), [&](const auto& l) { return l.first == part[0]; });
+    std::vector<Word> rest;
+    if (letter == kLetters.end() || !read_words(std::string_view(part).substr(1), rest)) return std::nullopt;
+    if (!std::all_of(rest.begin(), rest.end(), role)) return std::nullopt;
+    words.push_back(letter->second);
+    words.insert(words.end(), rest.begin(), rest.end());
+  }
+  // A letter alone is in known_columns.cpp, or an axis.
+  const bool told = parts.size() > 1 || parts.front().size() > 1;
+  return told ? from_words(words) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<NameMeaning> meaning_of(const std::string& header) {
+  constexpr std::size_t kLongest = 100;
+  if (header.size() > kLongest) return std::nullopt;
+  std::string name = lower(header);
+  std::string axis;
+  // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
+  if (const auto dot = name.rfind('.'); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
+    axis = name.substr(0, dot);
+    name.erase(0, dot + 1);
+  }
+  if (auto found = sinamics(name)) {
+    found->axis = axis;
+    return found;
+  }
+  std::vector<std::string> parts = parts_of(name);
+  if (parts.empty()) return std::nullopt;
+  for (const bool at_end : {true, false}) {
+    if (parts.size() < 2) break;
+    const auto at = at_end ? parts.end() - 1 : parts.begin();
+    if (!is_axis(*at)) continue;
+    std::vector<std::string> others = parts;
+    others.erase(others.begin() + (at - parts.begin()));
+    if (auto found = from_parts(others)) {
+      found->axis = *at;
+      return found;
+    }
+  }
+  auto found = from_parts(parts);
+  if (found) found->axis = axis;
+  return found;
+}
+
+}  // namespace stribeck::workflow

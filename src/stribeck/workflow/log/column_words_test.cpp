@@ -1,0 +1,134 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using workflow::LogOptions;
+using workflow::LogQuantity;
+using workflow::meaning_of;
+
+TEST(ColumnWords, NamesOfDriveTools) {
+  const std::vector<std::tuple<std::string, LogQuantity, std::string>> all{
+      {"Position Actual", LogQuantity::kPosition, ""},
+      {"Actual_Position", LogQuantity::kPosition, ""},
+      {"Lageistwert", LogQuantity::kPosition, ""},
+      {"Istposition X", LogQuantity::kPosition, "x"},
+      {"MC_Axis.ActPos", LogQuantity::kPosition, "mc_axis"},
+      {"xist", LogQuantity::kPosition, ""},
+      {"r0482[0]", LogQuantity::kPosition, ""},
+      {"Lagesollwert", LogQuantity::kReference, ""},
+      {"Position Setpoint", LogQuantity::kReference, ""},
+      {"xsoll", LogQuantity::kReference, ""},
+      {"Motor Speed", LogQuantity::kVelocity, ""},
+      {"Drehzahlistwert", LogQuantity::kVelocity, ""},
+      {"r0063", LogQuantity::kVelocity, ""},
+      {"Velocity command", LogQuantity::kReferenceVelocity, ""},
+      {"Motor Current", LogQuantity::kCurrent, ""},
+      {"Stromistwert", LogQuantity::kCurrent, ""},
+      {"Strom Motor X", LogQuantity::kCurrent, "x"},
+      {"iq", LogQuantity::kCurrent, ""},
+      {"r0078", LogQuantity::kCurrent, ""},
+      {"TorqueFeedback", LogQuantity::kTorque, ""},
+      {"Drehmoment", LogQuantity::kTorque, ""},
+      {"Momentenistwert", LogQuantity::kTorque, ""},
+      {"Kraftistwert", LogQuantity::kForce, ""},
+      {"Spannungsistwert", LogQuantity::kVoltage, ""}};
+  for (const auto& [name, what, axis] : all) {
+    const auto found = meaning_of(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->what, what) << name;
+    EXPECT_EQ(found->axis, axis) << name;
+  }
+}
+
+TEST(ColumnWords, OtherNamesHaveNoMeaning) {
+  for (const char* name : {"", "PosError", "following error", "Position Velocity", "actual", "motor", "x",
+                           "state", "r0002", "run", "temperature", "current limit", "..."})
+    EXPECT_FALSE(meaning_of(name)) << name;
+  EXPECT_FALSE(meaning_of(std::string(100000, 'v')));
+}
+
+/// A log of three columns whose law is known.
+std::string log_with(const std::string& header, double scale = 1.0) {
+  std::string out = header + "\n";
+  for (int k = 0; k < 3000; ++k) {
+    const double t = 1e-3 * k, w = 2.0 * std::numbers::pi;
+    const double v = 0.05 * w * std::cos(w * t);
+    const double f =
+        -50.0 * 0.05 * w * w * std::sin(w * t) + (v > 0.0 ? 10.0 : -10.0) + 0.3 * std::sin(997.0 * t * t);
+    out += std::to_string(t) + "," + std::to_string(50.0 * std::sin(w * t)) + "," +
+           std::to_string(scale * f) + "\n";
+  }
+  return out;
+}
+
+double mass_of(const std::string& text, const LogOptions& options,
+               std::vector<std::string>* notes = nullptr) {
+  return workflow::condition_log(io::parse_log(text, "log.csv"), options, notes).rough.mass;
+}
+
+TEST(ColumnWords, LogsAreReadWithoutMap) {
+  for (const char* header :
+       {"Time (s),Position Actual (mm),Motor Force (N)", "Zeit [s],Lageistwert [mm],Kraftistwert [N]",
+        "Time [s],MC_Axis.ActPos [mm],MC_Axis.Force [N]"})
+    EXPECT_NEAR(mass_of(log_with(header), {}), 50.0, 1.0) << header;
+  LogOptions gain;
+  gain.gain = "10 N/A";
+  for (const char* header : {"t [s],xist [mm],iq [A]", "t [s],r0482 [mm],r0078 [A]",
+                             "Zeit [s],Istposition X (mm),Strom Motor X (A)"})
+    EXPECT_NEAR(mass_of(log_with(header, 0.1), gain), 50.0, 1.0) << header;
+}
+
+TEST(ColumnWords, UnitAloneTellsTheForce) {
+  std::vector<std::string> notes;
+  EXPECT_NEAR(mass_of(log_with("t [s],length [mm],AI3 [N]"), {}, &notes), 50.0, 1.0);
+  EXPECT_THAT(notes, Contains(HasSubstr("\"AI3 [N]\" is taken as the force")));
+  EXPECT_THAT(notes, Contains(HasSubstr("\"length [mm]\" is taken as the position")));
+}
+
+TEST(ColumnWords, SharesOfTheRatedTorque) {
+  // 100 % are 500 N.
+  LogOptions o;
+  for (const char* gain : {"500 N", "5 N/%", "0.5 N/\u2030"}) {
+    o.gain = gain;
+    EXPECT_NEAR(mass_of(log_with("t [s],x [mm],torque [%]", 0.2), o), 50.0, 1.0) << gain;
+    EXPECT_NEAR(mass_of(log_with("t [s],x [mm],torque [\u2030]", 2.0), o), 50.0, 1.0) << gain;
+  }
+  // 2.5 N m at 100 % behind 5 mm per turn are 3141.6 N.
+  o.gain = "2.5 N m";
+  o.lead = "5 mm";
+  const double percent = 100.0 / (2.5 * 2.0 * std::numbers::pi / 5e-3);
+  std::string text = log_with("t [s],x [deg],torque [%]", percent);
+  EXPECT_GT(mass_of(text, o), 0.0);
+}
+
+TEST(ColumnWords, OtherScaleOfMapIsSaid) {
+  LogOptions o;
+  o.maps = {"x=x m"};
+  std::vector<std::string> notes;
+  const io::Log log = io::parse_log(log_with("t [s],x [mm],f [N]"), "log.csv");
+  notes = workflow::logged_axis(log, o).notes;
+  EXPECT_THAT(notes, Contains(HasSubstr("has the unit mm in the file; --map gives m instead, 1000 times")));
+}
+
+TEST(ColumnWords, MapWithoutItsColumnNamesTheSideFile) {
+  LogOptions o;
+  o.maps = {"r=ref mm"};
+  EXPECT_THAT([&] { workflow::logged_axis(io::parse_log(log_with("t [s],x [mm],f [N]"), "log.csv"), o); },
+              ::testing::ThrowsMessage<io::InputError>(HasSubstr("log.csv.toml with columns")));
+}
+
+}  // namespace
+}  // namespace stribeck::test
