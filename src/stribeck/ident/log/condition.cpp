@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
+#include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>
@@ -165,7 +166,9 @@ std::vector<Table> without_faults(std::vector<Table> tables, bool position, cons
   mend_spikes(tables, std::max(s.x_quantum_large, 3.0 * s.x_noise), &Table::x, "position", notes);
   if (position) mend_spikes(tables, s.v_quantum, &Table::v, "velocity", notes);
   mend_spikes(tables, s.f_quantum, &Table::f, "force", notes);
+  if (position) mend_force_spikes(tables, notes);
   if (position) {
+    mend_lost_rows(tables, s, notes);
     tables = cut_at_jumps(std::move(tables), s, notes);
     check_velocity(tables, s, notes);
   }
@@ -224,10 +227,11 @@ void hand_over(Table m, const RawLog& raw, Conditioned& out) {
 
 const std::vector<std::string>& finding_kinds() {
   static const std::vector<std::string> kinds{
-      "double-time", "rounded-time", "time-back",     "jitter",    "gap",       "time-bases",
-      "held",        "frozen",       "stuck",         "velocity",  "spike",     "jump",
-      "reference",   "drive-off",    "unsigned",      "inverted",  "saturated", "short",
-      "irregular",   "no-position",  "contradiction", "mixed-runs"};
+      "double-time", "rounded-time", "time-back",     "jitter",     "gap",       "time-bases",
+      "held",        "frozen",       "stuck",         "velocity",   "spike",     "jump",
+      "reference",   "drive-off",    "unsigned",      "inverted",   "saturated", "short",
+      "irregular",   "no-position",  "contradiction", "mixed-runs", "lost",      "stale",
+      "repeated",    "wrapped",      "exchanged",     "smoothed",   "line",      "scale"};
   return kinds;
 }
 
@@ -249,6 +253,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   refuse_differing_runs(runs);
   notes.turns(turning(unit));
 
+  unwrap_positions(runs, notes);
   std::vector<Table> tables = tables_of(runs, s, notes);
   drop_partial_columns(tables, position);
   refuse_constant(tables, source, position);
@@ -266,6 +271,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   if (integrate_reference && !tables.front().r.empty()) integrate_velocity(tables, true);
   measure(tables, s);
   tables = without_faults(std::move(tables), position, s, notes);
+  if (position && !integrate_reference) mend_exchanged(tables, notes);
   tables = long_enough(std::move(tables), source, noted, notes);
   measure(tables, s);
   recover_signs(tables, notes);
@@ -277,6 +283,10 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   for (const Table& m : tables) times.push_back(m.sample_time);
   s.sample_time = stats::thinned_quantile(times, 0.5);
   out.coverage = cover(tables, s, unit);
+  if (!notes.has("irregular")) {
+    refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit, unit, notes);
+    if (position) name_smoothed_force(tables, notes);
+  }
   judge(out, unit);
   restrict_verdict(out, position, notes.has("irregular"));
   for (Table& m : tables) {

@@ -104,8 +104,6 @@ void check_reference(std::vector<Table>& tables, Notes& notes);
 /// Replaces single samples that are far off neighbours which agree with each other.
 void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<double> Table::*column,
                  const char* name, Notes& notes);
-/// Cuts where the position jumps between two rows although the speed before and after is the same.
-std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes);
 /// Cuts out rows in which the force keeps its value to the last bit although the axis accelerates.
 std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes& notes);
 

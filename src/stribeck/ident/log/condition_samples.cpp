@@ -108,55 +108,6 @@ void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<doub
       {first_value, first_mended, static_cast<double>(found.size())});
 }
 
-/// Positions that jump between two rows although the speed before and after is the same.
-std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes) {
-  if (!notes.wanted("jump")) return tables;
-  const auto off_step = [](const std::vector<double>& x, std::size_t k, double& change) {
-    const double before = 0.5 * (x[k - 1] - x[k - 3]);
-    const double after = 0.5 * (x[k + 2] - x[k]);
-    change = after - before;
-    return x[k] - x[k - 1] - 0.5 * (before + after);
-  };
-  std::vector<double> offs;
-  for (const Table& m : tables) {
-    const std::size_t stride = std::max<std::size_t>(1, m.rows() / 20000);
-    for (std::size_t k = 3; k + 2 < m.rows(); k += stride) {
-      double change = 0.0;
-      const double off = off_step(m.x, k, change);
-      if (off != 0.0) offs.push_back(std::abs(off));
-    }
-  }
-  if (offs.size() < 50) return tables;
-  const double limit = std::max({kWild * stats::thinned_quantile(offs, 0.995), 5.0 * sampling.x_quantum_large,
-                                 20.0 * sampling.x_noise});
-  std::vector<Table> out;
-  for (Table& m : tables) {
-    std::size_t from = 0;
-    std::size_t found = 0;
-    for (std::size_t k = 3; k + 2 < m.rows(); ++k) {
-      double change = 0.0;
-      const double jump = off_step(m.x, k, change);
-      if (std::abs(jump) <= limit || std::abs(change) > 0.3 * std::abs(jump)) continue;
-      // If the reference jumps too, the jump was programmed.
-      if (!m.r.empty() && std::abs(m.r[k] - m.r[k - 1]) > 0.5 * std::abs(jump)) continue;
-      if (found++ == 0) {
-        notes.add("jump", m, k, true,
-                  fmt::format("the position jumps by {} without any change of speed: rows are missing or the "
-                              "encoder was set; cut there",
-                              notes.travel(jump)),
-                  {jump});
-      }
-      out.push_back(slice(m, from, k));
-      out.back().gap_before = m.gap_before || from > 0;
-      from = k;
-    }
-    const bool whole = from == 0;
-    out.push_back(whole ? std::move(m) : slice(m, from, m.rows()));
-    if (from > 0) out.back().gap_before = true;
-  }
-  return out;
-}
-
 /// Force that keeps its value to the last bit while the axis accelerates.
 std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes& notes) {
   if (!notes.wanted("stuck")) return tables;

@@ -1,0 +1,43 @@
+#pragma once
+/// Faults of logs that neither their time stamps nor one channel alone tell of. Steps of condition(), inside of it only.
+///
+/// Real time: no.
+
+#include <stribeck/ident/log/condition_parts.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::log::parts {
+
+// lost_rows.cpp
+/// Puts in rows that a logger lost, takes out those that it wrote twice, and mends those that it did not renew,
+/// where the time stamps were numbered afterwards and say nothing of it.
+void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes& notes);
+
+// jumps.cpp
+/// Cuts where the position jumps between two rows while the speed before and after is the same, and where the speed
+/// itself jumps.
+std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes);
+
+// wrapped.cpp
+/// Makes positions continuous that begin again at each turn or at each period of a counter.
+void unwrap_positions(std::vector<RawLog>& runs, Notes& notes);
+
+// force_spikes.cpp
+/// Replaces single wild values of the force to which the motion does not answer.
+void mend_force_spikes(std::vector<Table>& tables, Notes& notes);
+
+// exchanged.cpp
+/// Changes position and reference back where the position leads and only the reference has noise.
+void mend_exchanged(std::vector<Table>& tables, Notes& notes);
+
+// plausible.cpp
+/// Refuses a speed or a mass that no machine has, and doubts one that few have.
+void refuse_implausible_drive(const Coverage& coverage, const RoughFit& rough, const std::string& source,
+                              const std::string& force_unit, const std::string& position_unit, Notes& notes);
+
+// smoothed_force.cpp
+/// Says where the force was smoothed before it was logged, and where it swings at one frequency.
+void name_smoothed_force(const std::vector<Table>& tables, Notes& notes);
+
+}  // namespace stribeck::ident::log::parts

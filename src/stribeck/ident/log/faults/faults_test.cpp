@@ -1,0 +1,153 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/log/faults/test_faults.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <utility>
+
+namespace stribeck::ident::log {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::kinds;
+using testing::strokes;
+using testing::texts;
+
+std::string refusal(const RawLog& log) {
+  try {
+    static_cast<void>(condition(log));
+  } catch (const Refused& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(LogFaults, StrokesHaveNone) {
+  for (const bool reference : {true, false}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Conditioned c = condition(strokes(seed, reference));
+      EXPECT_TRUE(c.findings.empty()) << texts(c);
+      EXPECT_NEAR(c.rough.mass, 100.0, 1.0);
+    }
+  }
+}
+
+TEST(LogFaults, WrappedPositionBecomesContinuous) {
+  for (const double period : {0.02, 2.5e-3}) {
+    const RawLog truth = strokes(1, true);
+    RawLog log = truth;
+    for (double& x : log.x.y) x -= period * std::floor(x / period);
+    for (double& r : log.r.y) r -= period * std::floor(r / period);
+    const Conditioned c = condition(log);
+    EXPECT_THAT(kinds(c), ElementsAre("wrapped")) << texts(c);
+    EXPECT_NEAR(c.findings.at(0).values.at(0), period, 1e-3 * period);
+    EXPECT_NEAR(c.coverage.x_max - c.coverage.x_min, 0.1, 1e-3);
+    EXPECT_NEAR(c.rough.mass, 100.0, 1.0);
+  }
+}
+
+TEST(LogFaults, SquareWaveIsNotWrapped) {
+  RawLog log = strokes(1, true);
+  for (std::size_t k = 0; k < log.r.y.size(); ++k) log.r.y[k] = k / 500 % 2 == 0 ? 0.0 : 0.1;
+  for (const std::string& kind : kinds(condition(log))) EXPECT_NE(kind, "wrapped");
+}
+
+TEST(LogFaults, SpikesOfTheForceAreReplaced) {
+  RawLog log = strokes(2, true);
+  std::size_t count = 0;
+  for (std::size_t k = 200; k + 200 < log.f.y.size(); k += 300, ++count)
+    log.f.y[k] = count % 2 == 0 ? 350.0 : -350.0;
+  const Conditioned c = condition(log);
+  ASSERT_THAT(kinds(c), ElementsAre("spike")) << texts(c);
+  EXPECT_EQ(c.findings[0].values.at(2), static_cast<double>(count));
+  EXPECT_NEAR(c.rough.coulomb, 20.0, 0.5);
+}
+
+TEST(LogFaults, PushToWhichTheMotionAnswersStays) {
+  // One row of 2 kN gives 100 kg a speed of 20 mm/s.
+  RawLog log = strokes(2, false);
+  double added = 0.0;
+  for (std::size_t k = 0; k < log.x.y.size(); ++k) {
+    if (k == 2500) log.f.y[k] = 2000.0;
+    if (k > 2500 && k < 2600) added += 20e-6;
+    log.x.y[k] += added;
+  }
+  for (const std::string& kind : kinds(condition(log))) EXPECT_NE(kind, "spike");
+}
+
+TEST(LogFaults, ExchangedColumnsAreChangedBack) {
+  const RawLog truth = strokes(3, true);
+  RawLog log = truth;
+  std::swap(log.x.y, log.r.y);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), ElementsAre("exchanged")) << texts(c);
+  EXPECT_TRUE(c.findings.at(0).repaired);
+  EXPECT_NEAR(c.findings.at(0).values.at(0), -6e-3, 1e-3);
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_EQ(c.records[0].x, truth.x.y);
+}
+
+TEST(LogFaults, WrongScalesAreRefused) {
+  RawLog log = strokes(4, false);
+  for (double& x : log.x.y) x *= 1e3;
+  EXPECT_THAT(refusal(log), ::testing::AllOf(HasSubstr("a speed of 1"), HasSubstr("mm for m")));
+  for (double& x : log.x.y) x *= 1e-6;
+  const Conditioned small = condition(log);
+  EXPECT_THAT(kinds(small), ElementsAre("scale")) << texts(small);
+  log = strokes(4, false);
+  for (double& t : log.x.t) t *= 1e3;
+  EXPECT_THAT(refusal(log), HasSubstr("mass of"));
+  log = strokes(4, false);
+  for (double& t : log.x.t) t *= 1e-3;
+  EXPECT_THAT(refusal(log), HasSubstr("a speed of"));
+}
+
+TEST(LogFaults, SmoothedForceIsNamed) {
+  RawLog log = strokes(5, true);
+  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * 20.0 * 1e-3);
+  double y = 0.0;
+  for (double& f : log.f.y) f = y += share * (f - y);
+  const Conditioned c = condition(log);
+  ASSERT_THAT(kinds(c), ElementsAre("smoothed")) << texts(c);
+  EXPECT_FALSE(c.findings[0].repaired);
+  EXPECT_NEAR(c.findings[0].values.at(0), 8e-3, 2e-3);  // 1/(2 pi 20 Hz)
+}
+
+TEST(LogFaults, LateForceIsNotSmoothed) {
+  for (const std::size_t rows : {3, 8, 20}) {
+    RawLog log = strokes(5, true);
+    log.f.y.insert(log.f.y.begin(), rows, log.f.y.front());
+    log.f.y.resize(log.x.y.size());
+    const Conditioned c = condition(log);
+    EXPECT_TRUE(c.findings.empty()) << rows << "\n" << texts(c);
+  }
+}
+
+TEST(LogFaults, LineIsNamed) {
+  for (const double hertz : {50.0, 37.0}) {
+    RawLog log = strokes(6, true);
+    for (std::size_t k = 0; k < log.f.y.size(); ++k)
+      log.f.y[k] += 15.0 * std::sin(2.0 * std::numbers::pi * hertz * log.x.t[k] + 0.3);
+    const Conditioned c = condition(log);
+    ASSERT_THAT(kinds(c), ElementsAre("line")) << texts(c);
+    EXPECT_NEAR(c.findings[0].values.at(0), hertz, 0.5);
+    EXPECT_NEAR(c.findings[0].values.at(1), 15.0, 3.0);
+    EXPECT_EQ(c.findings[0].text.find("mains") != std::string::npos, hertz == 50.0);
+  }
+}
+
+TEST(LogFaults, RippleOfAScrewIsNoLine) {
+  RawLog log = strokes(7, true);
+  for (std::size_t k = 0; k < log.f.y.size(); ++k)
+    log.f.y[k] += 8.0 * std::sin(2.0 * std::numbers::pi * log.x.y[k] / 2.5e-3);
+  const Conditioned c = condition(log);
+  EXPECT_TRUE(c.findings.empty()) << texts(c);
+}
+
+}  // namespace
+}  // namespace stribeck::ident::log

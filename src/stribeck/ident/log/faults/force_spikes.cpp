@@ -1,0 +1,90 @@
+// Single wild values of the force to which the motion does not answer.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/log/faults/faults.hpp>
+#include <stribeck/ident/stats/order.hpp>
+
+namespace stribeck::ident::log::parts {
+namespace {
+
+constexpr std::size_t kBefore = 2;  // rows in which the motion may answer
+constexpr std::size_t kAfter = 10;
+constexpr double kWild = 10.0;  // times what 97 % of the samples stand off their neighbours
+constexpr double kShareOfRange = 0.75;
+
+double off(const std::vector<double>& f, std::size_t k) { return f[k] - 0.5 * (f[k - 1] + f[k + 1]); }
+
+double bend(const std::vector<double>& x, std::size_t k) {
+  return std::abs(x[k + 1] - 2.0 * x[k] + x[k - 1]);
+}
+
+struct Limits {
+  double off = 0.0;   ///< of the force
+  double bend = 0.0;  ///< second difference of the position that is usual
+};
+
+Limits limits_of(const std::vector<Table>& tables) {
+  std::vector<double> offs;
+  std::vector<double> bends;
+  std::vector<double> all;
+  std::size_t rows = 0;
+  for (const Table& m : tables) rows += m.rows();
+  const std::size_t stride = std::max<std::size_t>(1, rows / 40000);
+  for (const Table& m : tables) {
+    for (std::size_t k = 1; k + 1 < m.rows(); k += stride) {
+      all.push_back(m.f[k]);
+      offs.push_back(std::abs(off(m.f, k)));
+      bends.push_back(bend(m.x, k));
+    }
+  }
+  if (offs.size() < 200) return {};
+  const double range = stats::quantile(all, 0.98) - stats::quantile(all, 0.02);
+  return {std::max(kWild * stats::quantile(std::move(offs), 0.97), kShareOfRange * range),
+          stats::quantile(std::move(bends), 0.99)};
+}
+
+/// The acceleration around row k is one that often occurs.
+bool motion_is_even(const Table& m, std::size_t k, double usual) {
+  const std::size_t first = k > kBefore ? k - kBefore : 1;
+  const std::size_t last = std::min(k + kAfter, m.rows() - 2);
+  for (std::size_t i = std::max<std::size_t>(1, first); i <= last; ++i) {
+    if (bend(m.x, i) > 1.5 * usual) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void mend_force_spikes(std::vector<Table>& tables, Notes& notes) {
+  if (!notes.wanted("spike") || tables.front().x.empty()) return;
+  const Limits limits = limits_of(tables);
+  if (!(limits.off > 0.0) || !(limits.bend > 0.0)) return;
+  std::size_t rows = 0;
+  std::vector<std::pair<Table*, std::size_t>> found;
+  for (Table& m : tables) {
+    rows += m.rows();
+    for (std::size_t k = 1; k + 1 < m.rows(); ++k) {
+      const double height = off(m.f, k);
+      if (std::abs(height) <= limits.off) continue;
+      if (std::abs(m.f[k + 1] - m.f[k - 1]) > 0.3 * std::abs(height)) continue;
+      if (motion_is_even(m, k, limits.bend)) found.emplace_back(&m, k);
+    }
+  }
+  if (found.empty() || found.size() * 50 > rows) return;
+  const auto [table, row] = found.front();
+  const double value = table->f[row];
+  for (const auto& [m, k] : found) {
+    m->f[k] = 0.5 * (m->f[k - 1] + m->f[k + 1]);
+    m->mark[k] |= kRepairedRow;
+  }
+  notes.add("spike", *table, row, true,
+            fmt::format("the force is {:.6g} between neighbours of {:.6g}, and the motion does not answer: "
+                        "disturbed{}; replaced by its neighbours",
+                        value, table->f[row],
+                        found.size() > 1 ? fmt::format(", the first of {} such samples", found.size()) : ""),
+            {value, table->f[row], static_cast<double>(found.size())});
+}
+
+}  // namespace stribeck::ident::log::parts
