@@ -56,6 +56,19 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result) {
   return all;
 }
 
+namespace {
+
+/// A verdict in words. What looks like a change may be a model that does not cover this motion, and that comes first: nobody
+/// should grease a machine because of a fit.
+std::string in_words(control::DriftVerdict verdict) {
+  using enum control::DriftVerdict;
+  const std::string words(control::describe(verdict));
+  if (verdict == kNotYet || verdict == kAsCommissioned || verdict == kWarmingUp) return words;
+  return "the model may not cover this motion (identify at these speeds first); if it does, " + words;
+}
+
+}  // namespace
+
 std::vector<std::string> drift_words(const sim::CompareResult& result) {
   std::vector<std::string> all;
   for (const sim::CompareRow& r : result.rows) {
@@ -67,7 +80,7 @@ std::vector<std::string> drift_words(const sim::CompareResult& result) {
           r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i], 100.0 * d.level,
           100.0 * d.level_deviation, 100.0 * d.viscous, 100.0 * d.viscous_deviation, 100.0 * d.break_away,
           100.0 * d.break_away_deviation, 100.0 * d.mass, 100.0 * d.mass_deviation, 1e3 * d.delay,
-          1e3 * d.delay_deviation, describe(d.verdict)));
+          1e3 * d.delay_deviation, in_words(d.verdict)));
     }
   }
   return all;
