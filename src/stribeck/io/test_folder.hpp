@@ -10,7 +10,7 @@
 
 namespace stribeck::test {
 
-/// A folder of its own, gone afterwards.
+/// A new folder, deleted afterwards.
 class Folder {
  public:
   Folder() {

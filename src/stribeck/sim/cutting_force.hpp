@@ -6,13 +6,12 @@
 ///   f_across(t) = w(t)·F_n·(1 + r cos Ωt + p sin zΩt + h sin 2zΩt)                 towards minus the path's first normal
 ///
 ///   F_t, F_n means [N], r, p, h shares [1], z teeth, Ω = 2π·spindle speed [rad/s], w rises and falls linearly over the ramp.
-///   An axis feels f_along·t_i + f_across·n_i; positive brakes a motion in +x, as friction does. On a path with a tool axis the
-///   normal is o×t in the workpiece, and Jᵀ brings the force to the axes.
+///   An axis gets f_along·t_i + f_across·n_i; a positive force brakes a motion in +x, as friction does. On a path with a tool axis
+///   the normal is o×t in the workpiece, and Jᵀ transforms the force to the axes.
 ///
-/// It depends on time alone, hence is the same in every trial and for every controller. A plant gets its exact mean over each
-/// control period, held: that leaves the momentum at every tick right, also of what is faster than half the sampling rate
-/// (there the encoder aliases, as a real one does). The ripple inside a period is lost: F/(m·ω²), 8 nm for 50 N at 400 Hz on
-/// 1000 kg.
+/// The force depends on time alone, so it is the same in every trial and for every controller. A plant gets its exact mean over
+/// each control period, held. The momentum at every tick is then exact, even of parts faster than half the sampling rate (there the
+/// encoder aliases, as a real one does). The ripple inside a period is lost: F/(m·ω²), 8 nm for 50 N at 400 Hz on 1000 kg.
 /// Source: Altintas, Manufacturing Automation, 2nd ed., 2012, chapter 2 (means and tooth-passing harmonics).
 /// Not modelled: regeneration (chatter), feed per tooth, engagement that follows the path.
 /// Real time: no.
@@ -63,7 +62,7 @@ struct CuttingForce {
 
   [[nodiscard]] double turn_frequency() const noexcept { return 2.0 * kPi * spindle_speed; }  ///< Ω [rad/s]
 
-  /// Mean of (f_along, f_across) from t to t + period [N]; w is taken in the middle.
+  /// Mean of (f_along, f_across) from t to t + period [N]; w is evaluated in the middle.
   [[nodiscard]] std::array<double, 2> mean_over(double t, double period) const noexcept;
 };
 

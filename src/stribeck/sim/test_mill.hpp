@@ -27,7 +27,7 @@ inline Machine mill(bool quantised = true) {
   return m;
 }
 
-/// Everything known exactly, but for the bristles.
+/// Everything is known exactly except the bristles.
 inline std::vector<AxisKnowledge> known(const Machine& m) {
   std::vector<AxisKnowledge> all;
   for (const auto& [name, axis] : m.axes) {

@@ -142,7 +142,7 @@ class DriftMonitor {
   static constexpr double kSlow = 100.0;    ///< [s]
   static constexpr double kUnsure = 0.1;    ///< standard deviation of the level
   static constexpr double kWatch = 0.1;     ///< change of the level
-  static constexpr double kAct = 0.25;      ///< change of the level that asks for action
+  static constexpr double kAct = 0.25;      ///< change of the level from which the user must act
   static constexpr double kWarming = 0.02;  ///< fall of the level within kSlow
   static constexpr double kViscous = 0.25;  ///< change of viscous friction
   static constexpr double kMass = 0.15;     ///< share of the mass

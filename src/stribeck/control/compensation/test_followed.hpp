@@ -66,7 +66,7 @@ Followed follow(const CompensationParams& params, double level, double sigma0, d
   Followed result;
   const int steps = static_cast<int>(seconds / kFollowPeriod);
   for (int k = 0; k < steps; ++k) {
-    // Starts at rest with no jump in velocity or acceleration worth speaking of.
+    // Starts at rest; the jump of the acceleration is negligible.
     const double t = k * kFollowPeriod;
     path::PathPoint<1> r;
     const double ramp = t < 1.0 ? 0.5 - 0.5 * std::cos(kPi * t) : 1.0;

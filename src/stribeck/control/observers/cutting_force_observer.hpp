@@ -6,7 +6,7 @@
 ///
 ///   Stationary Kalman filter, exact over a period with f held. d₀, c_k, s_k are random walks; the ratios of their densities to
 ///   the encoder's r are  q₀ = m²ω₀⁶ r,  q_k = 2σ²ω_k⁴ m² r:  slow poles on Butterworth's circle of radius ω₀, poles of the
-///   oscillations near −σ ± jω_k. Only ω₀ [rad/s] and σ [1/s] are to be chosen: d₀ follows with a lag of 2/ω₀, an oscillation
+///   oscillations near −σ ± jω_k. Only ω₀ [rad/s] and σ [1/s] must be chosen: d₀ follows with a lag of 2/ω₀, an oscillation
 ///   with 1/σ. f force on the axis [N], m mass [kg], ω_k [rad/s]. d > 0 brakes a motion in +x; a controller may add it.
 ///
 /// It cannot separate slow errors of the friction model from the mean cutting force (10 % of Coulomb friction adds 10 % of it
@@ -25,7 +25,7 @@ namespace stribeck::control {
 template <std::size_t Waves>
 class CuttingForceObserver {
  public:
-  /// x, v, d₀, then (c, s) of each wave.
+  /// x, v, d₀, then (c, s) of each oscillation.
   static constexpr std::size_t kStates = 3 + 2 * Waves;
 
   struct Params {
@@ -35,7 +35,7 @@ class CuttingForceObserver {
     double wave_bandwidth = 5.0;            ///< σ [1/s]
     double period = 1e-3;                   ///< T [s]
 
-    /// Whether the waves can be seen and told apart: ω₀ < ω_k < π/T − ω₀, neighbours at least 4σ apart.
+    /// Whether the oscillations can be seen and separated: ω₀ < ω_k < π/T − ω₀, neighbours at least 4σ apart.
     [[nodiscard]] bool determinable() const noexcept {
       if (!(slow_bandwidth > 0.0 && wave_bandwidth > 0.0 && period > 0.0 && model.mass > 0.0)) return false;
       if (!(slow_bandwidth * period < 1.0)) return false;
@@ -67,7 +67,7 @@ class CuttingForceObserver {
       a_[c][c] = a_[c + 1][c + 1] = cosine;
       a_[c][c + 1] = -sine;
       a_[c + 1][c] = sine;
-      // A wave integrated once and twice over the period.
+      // An oscillation integrated once and twice over the period.
       mean_[k] = {{sine / turn, -(1.0 - cosine) / turn}};
       a_[1][c] = -mean_[k][0];
       a_[1][c + 1] = -mean_[k][1];
@@ -100,7 +100,7 @@ class CuttingForceObserver {
     s.estimate = next + (position - next[0]) * gain_;
   }
 
-  /// Mean of d over the coming period [N]: the force to add.
+  /// Mean of d over the coming period: the force to add [N].
   [[nodiscard]] double coming(const State& s) const noexcept {
     double d = s.estimate[2];
     for (std::size_t k = 0; k < Waves; ++k)
@@ -108,14 +108,14 @@ class CuttingForceObserver {
     return force_ * d;
   }
   [[nodiscard]] double slow(const State& s) const noexcept { return force_ * s.estimate[2]; }  ///< d₀ [N]
-  /// Amplitude of wave k [N].
+  /// Amplitude of oscillation k [N].
   [[nodiscard]] double amplitude(const State& s, std::size_t k) const noexcept {
     return force_ * norm(Vec<double, 2>{{s.estimate[3 + 2 * k], s.estimate[4 + 2 * k]}});
   }
   [[nodiscard]] const Vec<double, kStates>& gain() const noexcept { return gain_; }
 
  private:
-  /// Gain for encoder noise of variance 1 and the variances that the walks add per period.
+  /// Gain for encoder noise of variance 1, and for the variances that the random walks add per period.
   void solve(const Vec<double, kStates>& walk) noexcept {
     constexpr int kIterations = 200000;
     Mat<double, kStates> p;

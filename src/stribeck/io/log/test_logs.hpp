@@ -89,7 +89,7 @@ inline std::string epos_sample() {
          "51.200;-97;31.0\r\n64.000;-99;28.5\r\n76.800;-100;28.0\r\n89.600;-101;26.8\r\n";
 }
 
-/// The same after a spreadsheet saved it and somebody edited it.
+/// The same after a spreadsheet saved it and a user edited it.
 inline std::string epos_resaved_sample() {
   return "Date:;2024-03-05 10:00:00,,\nFirmware Version:;0x0120,,\nEPOS Studio Version:;3.6.1.0,,\n"
          "Recorded samples:;8,,\nSampling period:;12.800,,\n"
