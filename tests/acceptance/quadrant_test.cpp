@@ -1,4 +1,4 @@
-/// What the controllers that go beyond the thesis must reach, on seeds that nobody tuned with.
+/// What the controllers beyond the thesis must reach, on seeds that were not used for tuning.
 
 #include <algorithm>
 #include <cmath>

@@ -76,7 +76,7 @@ TEST_F(BadMachine, DirectoryMissingEmpty) {
 
 class BadLog : public testing::Test {
  protected:
-  /// A log that would be good, but for what `spoil` does to its lines.
+  /// A good log, except for what `spoil` does to its lines.
   template <class Spoil>
   Said with(Spoil&& spoil, std::vector<std::string> more = {}) {
     std::vector<std::string> lines{"t [s],x [mm],f [N]"};

@@ -72,8 +72,8 @@ TEST(Gms, FirstPreSlidingHasTheSumOfTheStiffnesses) {
 }
 
 TEST(Gms, PreSlidingLoopIsPiecewiseLinearByMasingsRule) {
-  // Virgin curve to 2 um, then back by 2 um: the way back has twice the breaks of the virgin curve (Masing),
-  // so the force falls by twice the virgin force of half the way.
+  // First along the virgin curve to 2 um, then back by 2 um. The return branch has twice the breaks of the virgin curve (Masing),
+  // so the force falls by twice the virgin force at half the distance.
   const auto law = four_elements();
   const test::Flat map{1000.0};
   const auto virgin = [&](double x) {

@@ -60,7 +60,7 @@ TEST(LuGre, FirstPreSlidingIsASpringOfStiffnessSigma0) {
 }
 
 TEST(LuGre, PreSlidingHasHysteresis) {
-  // Back and forth over 1 um, a third of g/sigma0: the force at the middle depends on the way there.
+  // Back and forth over 1 um, a third of g/sigma0: the force at the middle depends on the direction from which it is reached.
   const LuGre<double> law{3e8, 0.0, {}};
   const test::Flat map{1000.0};
   LuGre<double>::State s;

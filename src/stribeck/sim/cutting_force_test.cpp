@@ -153,9 +153,9 @@ TEST(CuttingEstimate, FindsMeanAndRippleWhereFrictionIsKnown) {
   EXPECT_NEAR(f.truth.mean, 40.0, 0.1);
   EXPECT_NEAR(f.truth.turn, 8.0, 0.2);
   EXPECT_NEAR(f.truth.tooth, 20.0 * std::sin(0.1 * kPi) / (0.1 * kPi), 0.2);
-  // Measured: +1 %, +5 %, −7 %. Left are the bristles at the reversals and, for the waves, a force whose direction turns by
-  // 1 rad/s under a bandwidth of 5 1/s: (1/5)²/2 and what the reversals add. Of the RMS, twice per tooth is not looked for:
-  // 6 N/√2.
+  // Measured: +1 %, +5 %, −7 %. The rest is the bristles at the reversals and, for the oscillations, a force whose direction turns
+  // by 1 rad/s under a bandwidth of 5 1/s: (1/5)²/2 and the effect of the reversals. Twice per tooth is not estimated: 6 N/√2 of
+  // the RMS.
   EXPECT_NEAR(f.estimate.mean, f.truth.mean, 0.03 * f.truth.mean);
   EXPECT_NEAR(f.estimate.turn, f.truth.turn, 0.1 * f.truth.turn);
   EXPECT_NEAR(f.estimate.tooth, f.truth.tooth, 0.1 * f.truth.tooth);

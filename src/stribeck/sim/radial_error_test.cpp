@@ -112,7 +112,7 @@ TEST(CircleTest, RefusesPartsOfACircleAndSaysWhich) {
     back.y.push_back(back.y[i]);
   }
   EXPECT_EQ(refusal(back), "both directions of travel, expected one");
-  // From 44 to 62 degrees the log has nothing: a quadrant could hide there. Of 4 degrees nobody sees anything.
+  // From 44 to 62 degrees the log has no sample: a quadrant could be hidden there. A gap of 4 degrees is harmless.
   Circle gap(none);
   gap.x.erase(gap.x.begin() + 440, gap.x.begin() + 620);
   gap.y.erase(gap.y.begin() + 440, gap.y.begin() + 620);

@@ -120,9 +120,9 @@ TEST(Drives, RunsStartFromRestWithoutAJump) {
 }
 
 TEST(Compare, ReproducesAnIndependentSimulationOfTheBiaxialTable) {
-  // docs/theory/plant.md: max / RMS in um of a simulation by other hands with the printed parameters. Its figures have two
-  // digits, and noise moves the third digit of ours. 6 % on the maxima (of ten trials against its unknown number), 10 % or
-  // 0.08 um on RMS.
+  // docs/theory/plant.md: max / RMS in um of a simulation by another author with the printed parameters. Its figures have two
+  // digits, and noise changes the third digit of the computed ones. 6 % on the maxima (of ten trials; the number of its trials is not
+  // known), 10 % or 0.08 um on RMS.
   constexpr double kFast[6][2] = {{12.3, 6.8}, {5.3, 2.2}, {4.9, 0.75}, {15.9, 4.6}, {5.2, 1.2}, {4.6, 0.71}};
   constexpr double kSlow[6][2] = {{12.4, 6.5}, {5.9, 1.5},  {5.7, 0.66},
                                   {10.6, 1.7}, {7.0, 0.72}, {5.4, 0.59}};

@@ -138,7 +138,7 @@ TEST(FrictionFeedforward, HoldsInDwellAndGoesOnAfterIt) {
 
 TEST(FrictionFeedforward, StepsOfAccelerationLeaveNoTrace) {
   // 2 µm in four periods at ±0.5 m/s², as a trapezoidal planner moves: no hold foresees the step that ends it. At rest the bristle
-  // is bent by exactly that distance, and after the way back along the other branch by nothing that depends on the steps.
+  // is bent by exactly that distance, and after the return along the other branch by nothing that depends on the steps.
   constexpr double kFast = 1e-3;
   constexpr double kAcceleration = 0.5;
   constexpr double kLevel = 1000.0;

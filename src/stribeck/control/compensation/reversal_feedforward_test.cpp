@@ -167,7 +167,7 @@ TEST(Reversal, WithoutDistanceIsTheMapWithASwitch) {
           return p.level * sign(v) + p.viscous;
         },
         2000);
-    // The middle rule takes a cell across the turn, 2300 N/2000; elsewhere the hold's middle stands for its mean but for
+    // The midpoint rule puts one cell across the turn, 2300 N/2000; elsewhere the middle of the hold differs from its mean by
     // F̈T²/24 < 0.02 N.
     ASSERT_NEAR(force, expected, r.velocity * r.velocity_at(period) < 0.0 ? 1.2 : 0.02) << k;
   }
@@ -303,10 +303,10 @@ TEST(Reversal, ScalesScaleLevelAndDistance) {
 TEST(Reversal, PartialReversalStartsWhereTheBuildUpGotTo) {
   ByHand axis(table({{4e-6, 0.8}, {12e-6, 1.0}}), -1.0);
   EXPECT_NEAR(axis.move(1e-6), -1.0 + 2.0 * 0.2, 1e-12);     // up the main branch
-  EXPECT_NEAR(axis.move(-0.5e-6), -0.6 - 2.0 * 0.1, 1e-12);  // back half of the way, by the same curve
+  EXPECT_NEAR(axis.move(-0.5e-6), -0.6 - 2.0 * 0.1, 1e-12);  // back over half the distance, by the same curve
   EXPECT_NEAR(axis.move(0.5e-6), -0.6, 1e-12);               // the small loop closes
   EXPECT_NEAR(axis.move(3e-6), -1.0 + 2.0 * 0.8, 1e-12);     // and is forgotten: the main branch goes on
-  EXPECT_NEAR(axis.move(-4e-6), 0.6 - 2.0 * 0.8, 1e-12);     // all the way back along it
+  EXPECT_NEAR(axis.move(-4e-6), 0.6 - 2.0 * 0.8, 1e-12);     // back over the whole distance
   EXPECT_NEAR(axis.move(-1e-6), -1.0, 1e-12);
   ByHand other(exponential(), -1.0);
   const double h = other.move(1e-6);

@@ -144,7 +144,7 @@ Ridden ride(Observer observer, double load, double mass) {
     for (std::size_t i = 0; i < 3; ++i) x[i] = axis[i].x;
     const auto f = law.step(state, p, x);
     for (std::size_t i = 0; i < 3; ++i) {
-      // The model's friction at the reference, and a constant that nobody told it.
+      // The model's friction at the reference, and a constant force that the observer does not know.
       const double nominal = sign(p.velocity[i]) * 1.0 + 100.0 * p.velocity[i];
       axis[i].move(f[i] - nominal - load, kPeriod);
       if (k >= 2500) r.error = std::max(r.error, std::abs(x[i] - p.position[i]));

@@ -44,7 +44,7 @@ struct Truth {
   }
 };
 
-/// An axis of 1000 kg at about 10 mm/s that rubs as the model says and is pushed by a slow wave; the exact motion.
+/// An axis of 1000 kg at about 10 mm/s with the friction of the model and a slow oscillating force; its motion is exact.
 struct Drive {
   Truth truth;
   double coulomb = 18.0;  ///< true
@@ -116,8 +116,8 @@ TEST(CuttingForceObserver, WavesSettleAtTheirBandwidth) {
     }
     return worst;
   };
-  // Closed loop, SciPy: −4.73 ± 157.33j and −5.00 ± 628.40j; the slow poles are gone after 0.5 s. The error turns against the
-  // wave by 0.25 and 0.08 rad/s, which shows in its amplitude.
+  // Closed loop, SciPy: −4.73 ± 157.33j and −5.00 ± 628.40j; the slow poles have decayed after 0.5 s. The error rotates relative to
+  // the oscillation by 0.25 and 0.08 rad/s, which shows in its amplitude.
   const auto turn = [](const auto& s) { return s.turn - 8.0; };
   const auto tooth = [](const auto& s) { return s.tooth - 20.0; };
   EXPECT_NEAR(std::log(error(1.0, turn) / error(2.2, turn)) / 1.2, 4.73, 0.3);
@@ -179,13 +179,13 @@ TEST(CuttingForceObserver, MirrorsWithTheMotion) {
 TEST(CuttingForceObserver, SaysWhatItCannotSee) {
   EXPECT_TRUE(params().determinable());
   Observer::Params p = params();
-  p.frequency[1] = p.frequency[0] + 19.0;  // nearer than four times the bandwidth of a wave
+  p.frequency[1] = p.frequency[0] + 19.0;  // nearer than four times the bandwidth of an oscillation
   EXPECT_FALSE(p.determinable());
   p = params();
   p.frequency[1] = kPi / kT;  // half the sampling rate
   EXPECT_FALSE(p.determinable());
   p = params();
-  p.slow_bandwidth = 160.0;  // holds the slowest wave
+  p.slow_bandwidth = 160.0;  // includes the slowest oscillation
   EXPECT_FALSE(p.determinable());
   p = params();
   p.frequency[0] = std::nan("");

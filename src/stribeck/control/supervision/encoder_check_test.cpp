@@ -108,7 +108,7 @@ TEST(EncoderCheck, AWildSampleOfAnySizeIsBridged) {
 }
 
 TEST(EncoderCheck, AWildSampleInsideTheGateDoesNotDragTheNextOnesOut) {
-  // Nor with what the law makes of it: a motion of half its size the other way.
+  // Nor with the law's response to it: a motion of half its size in the other direction.
   for (const double period : {1e-3, 5e-3}) {
     const SupervisionLimits l = limits(period);
     EncoderCheck::State s;

@@ -78,7 +78,7 @@ TEST(SignProof, AWrongSignIsNeverProvenEvenWhileTheForceBrakes) {
   Axis a;
   a.sense = -1.0;
   for (int k = 0; k < 100; ++k) ASSERT_FALSE(a.step(l, 100.0)) << k;
-  // The encoder goes on the way that the force now points, for more than 0.1 mm.
+  // The encoder continues in the direction of the present force, for more than 0.1 mm.
   const double before = a.x;
   while (a.v > 0.0) ASSERT_FALSE(a.step(l, -100.0));
   EXPECT_GT(a.x - before, 0.1e-3);

@@ -33,7 +33,7 @@ TEST(MixedRuns, OneDayIsNot) {
                   .empty());
 }
 
-// Invariance: a machine that counts the other way round has the same two days.
+// Invariance: a machine that counts in the other direction has the same two days.
 TEST(MixedRuns, MirroredRunsAreTheSameTwoDays) {
   auto runs = steady_runs([](double v) { return 10.0 + 40.0 * v + (v < 4.5e-3 ? 3.0 : 0.0); }, true);
   const auto before = warn_of_mixed_runs(runs);

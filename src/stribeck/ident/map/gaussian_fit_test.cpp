@@ -53,9 +53,9 @@ TEST(GaussianFit, FindsAllBranchesOfTable23WithThreeTerms) {
   }
 }
 
-// Other random starts, the same optimum: 0.1 % of the sum of squares of the rows, whose noise of 18 N is what the bins do
-// not show. A third of the starts that are tried otherwise: the way from a minimum to its neighbours must make up for
-// them. bench/identify_bench counts 100 sets on I1.
+// With other random starts the same optimum is reached to 0.1 % of the sum of squares of the rows, whose noise of 18 N the bins
+// do not show. Only a third of the usual starts is used, so the search over the neighbours of a minimum must replace the
+// others. bench/identify_bench counts 100 sets on I1.
 TEST(GaussianFit, EndsAtTheSameOptimumFromOtherStarts) {
   for (const char axis : {'x', 'y'}) {
     for (const double direction : {1.0, -1.0}) {

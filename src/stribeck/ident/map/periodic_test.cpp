@@ -78,8 +78,8 @@ TEST(Periodic, WithoutNoiseTheTermComesBack) {
   }
 }
 
-// 100 seeds, noise of 1 N that remembers 0.15 to 0.5 mm of the way: the 95 % intervals hold the truth in 90 % to
-// 99 % of them. (Standard error of the share: 2 %. With white-noise intervals 50 % would.)
+// 100 seeds, noise of 1 N that is correlated over 0.15 to 0.5 mm of travel: the 95 % intervals contain the truth in 90 % to
+// 99 % of the cases. (Standard error of the share: 2 %. White-noise intervals would contain it in 50 %.)
 TEST(Periodic, IntervalsHoldUnderCorrelatedNoise) {
   int amplitude = 0;
   int period = 0;
@@ -118,7 +118,7 @@ TEST(Periodic, NoiseIsNoTerm) {
   EXPECT_LE(found, 1);
 }
 
-// Drift over the way, the ring-down of reversals and steps between strokes of unequal length are smooth or local,
+// Drift over the travel, the ring-down of reversals and steps between strokes of unequal length are smooth or local,
 // not periodic.
 TEST(Periodic, DriftTransientsAndUnequalStrokesAreNoTerm) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -149,7 +149,6 @@ TEST(Periodic, DriftTransientsAndUnequalStrokesAreNoTerm) {
   }
 }
 
-// A place of the way that rings (a worn spot, a resonance) has a line in the spectrum but not over the way.
 // Hum is a line over the position in each pass of one speed, with another period in the passes of the next.
 TEST(Periodic, AToneInTimeIsNoTerm) {
   std::size_t terms = 0;
@@ -163,6 +162,7 @@ TEST(Periodic, AToneInTimeIsNoTerm) {
   EXPECT_EQ(terms, 0u);
 }
 
+// A part of the travel that rings (a worn spot, a resonance) has a line in its own spectrum, but not over the whole travel.
 TEST(Periodic, ARingingPlaceIsNoTerm) {
   PeriodicRows rows = strokes({.noise = 0.3}, 8);
   for (std::size_t i = 0; i < rows.x.size(); ++i) {
@@ -172,7 +172,7 @@ TEST(Periodic, ARingingPlaceIsNoTerm) {
   EXPECT_TRUE(find_periodic(rows).terms.empty());
 }
 
-/// Jogs of 2 s from one place, there and back: the way is covered the less the farther from there.
+/// Jogs of 2 s from one place, there and back: the farther from that place, the less the travel is covered.
 PeriodicRows jogs(std::uint64_t seed, double noise = 0.3) {
   PeriodicRows rows;
   std::size_t record = 0;

@@ -84,7 +84,7 @@ TEST(ConstantAcceleration, GivesTheMassWhateverTheFriction) {
 TEST(Gravity, RefusesOneDirection) {
   std::vector<double> speeds{1e-3, 2e-3};
   log::Record r = ideal(speeds, [](double v, double) { return printed(v, 0.0); });
-  // Only the rows that go forward: the first half of each jog stays, the way back is cut off.
+  // Only the forward rows: the first half of each jog is kept, the return is cut off.
   std::size_t turn = 0;
   while (turn + 1 < r.r.size() && r.r[turn + 1] >= r.r[turn]) ++turn;
   for (auto* column : {&r.t, &r.r, &r.x, &r.f}) column->resize(turn);
@@ -99,7 +99,7 @@ TEST(ConstantAcceleration, RefusesAMotionWithoutAcceleration) {
               ThrowsMessage<Refused>(HasSubstr("no mass comes out of")));
 }
 
-/// Sine of position, f = m·a + friction(v) + wave(x), each force held over the row after its position.
+/// Sine of position, f = m·a + friction(v) + periodic(x); each force is held over the row after its position.
 log::Record sine(double mass, double wave, double length) {
   const double T = 0.001, amplitude = 0.02, w = 6.0;
   log::Record r;
@@ -118,7 +118,7 @@ log::Record sine(double mass, double wave, double length) {
   return r;
 }
 
-// The force of a spring-like wave has the phase of the acceleration: without its period it counts as inertia.
+// A periodic force that acts like a spring has the phase of the acceleration: if its period is not given, it counts as inertia.
 // Friction of one bin of speed varies by 300·0.12/60 = 0.6 N, against inertia of ±36 N, and equally while the axis
 // accelerates and brakes: 0.5 % is far beyond it.
 TEST(MassAtEqualSpeed, FindsTheMassBesideAPeriodicForceOfKnownPeriod) {

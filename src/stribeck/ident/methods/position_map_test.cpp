@@ -253,7 +253,7 @@ TEST(PositionMap, AGivenMassIsTaken) {
   EXPECT_NEAR(term(r).amplitude / t.eta2, 1.0, 0.04);
 }
 
-// Held at 600 places of a turn, five rows each, the first on the way there: 72 and 18 periods in a turn.
+// Held at 600 places of a turn, five rows each, the first one still in motion: 72 and 18 periods in a turn.
 log::Record held(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;

@@ -122,7 +122,7 @@ TEST(PartPath, AlongADiagonalTheAxesShareTheFeed) {
   l.speed = {{1.0, 1.0}};
   l.acceleration = {{0.3, 1.0}};
   l.jerk = {{6.0, 6.0}};
-  // 3:4: x has 0.6 of the way; its acceleration allows 0.5 along it, y's jerk 6/0.8.
+  // 3:4: x has 0.6 of the distance; its acceleration permits 0.5 along the path, y's jerk 6/0.8.
   const auto part = planned<2>({stop({{0.06, 0.08, 0.0}}, 0.05)}, l);
   EXPECT_NEAR(part->summary.duration, 2.0 + 0.05 / 0.5 + 0.5 / 7.5, 1e-12);
   expect_within(*part, l);

@@ -41,7 +41,7 @@ TEST(NearestPolyline, ParabolaInClosedForm) {
     EXPECT_NEAR(p.largest_error, h * h / 8.0, 2e-3 * h * h) << pieces;
     ASSERT_EQ(p.corners.size(), pieces + 1);
     for (std::size_t i = 0; i <= pieces; ++i) {
-      // An error of a thousandth moves a corner by some hundredths: it grows with the square of the way.
+      // An error of a thousandth moves a corner by some hundredths, because the error grows with the square of the distance.
       EXPECT_NEAR(p.corners[i].x, h * static_cast<double>(i), 0.1 * h) << pieces << " " << i;
     }
   }

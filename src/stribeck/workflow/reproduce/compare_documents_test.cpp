@@ -8,7 +8,7 @@ namespace {
 
 using workflow::first_difference;
 
-/// A table of printed figures: name, printed value, source, ours, interval.
+/// A table of printed figures: name, printed value, source, computed value, interval.
 std::string figures(const std::string& name, const std::string& printed, const std::string& ours) {
   return "| figure | of | thesis | ours | range |\n|---|---|---|---|---|\n| " + name + " | x | " + printed +
          " | " + ours + " | 1 … 2 |\n";

@@ -101,8 +101,8 @@ TEST(ReproduceIdentification, PulsesAndJogsTellTheMachine) {
     expect_printed(s, "α0, v > 0", name, line.alpha0);
     expect_printed(s, "α2", name, line.alpha2 * 1e-3);
     const double truth = axis(r.v2, name).plant.mass * 1e-3;
-    // Half an interval is 1.1 to 1.8 N s2/mm; the bias of the print, rows in the dead band as "no friction",
-    // is 10 %.
+    // Half an interval is 1.1 to 1.8 N s2/mm. The printed method counts rows in the dead band as "no friction", which biases the
+    // mass by 10 %.
     EXPECT_NEAR(figure(s, "mass", name).ours, truth, 0.04 * truth) << name;
     EXPECT_LT(figure(s, "mass", name).low, truth) << name;
     EXPECT_GT(figure(s, "mass", name).high, truth) << name;
