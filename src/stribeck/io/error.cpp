@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/printable.hpp>
 
 namespace stribeck::io {
 
@@ -12,62 +13,7 @@ std::string first_and_count(const std::vector<Problem>& problems) {
   return text;
 }
 
-/// Length in bytes of the character that begins at `at`; 0 where no character begins.
-std::size_t length_of_character(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(at);
-  const std::size_t n = first < 0x80                    ? 1
-                        : first >= 0xC2 && first < 0xE0 ? 2
-                        : first >= 0xE0 && first < 0xF0 ? 3
-                        : first >= 0xF0 && first < 0xF5 ? 4
-                                                        : 0;
-  if (n == 0 || at + n > text.size()) return 0;
-  for (std::size_t i = 1; i < n; ++i) {
-    if ((byte(at + i) & 0xC0) != 0x80) return 0;
-  }
-  return n;
-}
-
-/// Control characters, and those that change the direction of writing: a terminal obeys them.
-bool commands_a_terminal(std::string_view character) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
-  if (character.size() == 1) return byte(0) < 0x20 || byte(0) == 0x7f;
-  if (character.size() == 2) return (byte(0) == 0xC2 && byte(1) < 0xA0) || character == "\u061c";
-  if (character.size() != 3 || byte(0) != 0xE2) return false;
-  const int last = (byte(1) - 0x80) * 64 + byte(2) - 0x80;  // of U+2000 and following
-  return last == 0x0e || last == 0x0f || (last >= 0x28 && last <= 0x2e) || (last >= 0x66 && last <= 0x69);
-}
-
-/// Its beginning and its end, where it is longer than that.
-std::string shortened(const std::string& text, std::size_t most) {
-  if (text.size() <= most) return text;
-  std::size_t head = most / 2;
-  std::size_t tail = text.size() - most / 4;
-  const auto inside = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xC0) == 0x80; };
-  while (head > 0 && inside(head)) --head;
-  while (tail < text.size() && inside(tail)) ++tail;
-  return text.substr(0, head) + "…" + text.substr(tail);
-}
-
 }  // namespace
-
-std::string printable(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t n = length_of_character(text, i);
-    const std::string_view character = text.substr(i, std::max<std::size_t>(n, 1));
-    if (n == 0) {
-      out += "\ufffd";
-    } else if (commands_a_terminal(character)) {
-      out += ' ';
-    } else {
-      out += character;
-    }
-    i += character.size();
-  }
-  return out;
-}
 
 std::string Problem::text() const {
   constexpr std::size_t kLongestName = 300;

@@ -58,10 +58,6 @@ class Problems {
   std::vector<Problem> all_;
 };
 
-/// A text that is safe to show in a terminal: control characters and those that change the direction of writing become blanks, bytes
-/// that are not UTF-8 become the replacement character.
-std::string printable(std::string_view text);
-
 /// A value as messages show it: in quotes, without control characters, cut when long.
 std::string in_quotes(std::string_view value);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/io/printable.hpp>
 
 namespace stribeck::io {
 namespace {
@@ -57,6 +58,22 @@ TEST(Error, NoTerminalIsCommanded) {
   // Bytes that are no UTF-8, cut off or overlong.
   EXPECT_EQ(printable("a\xff\xc0\x80z\xe2\x80"), "a\ufffd\ufffd\ufffdz\ufffd\ufffd");
   EXPECT_EQ((Problem{"f\u202eg", 1, "k\u009b", "m\xff"}.text()), "f g:1: k : m\ufffd");
+}
+
+TEST(Printable, LinesAndLengths) {
+  EXPECT_EQ(printable_lines("a\nb\rc\u2028d"), "a\nb c d");
+  // RFC 3629: overlong forms, surrogates and code points beyond U+10FFFF are no UTF-8.
+  EXPECT_EQ(printable("\xED\xA0\x80|\xE0\x80\xAF|\xF4\x90\x80\x80"),
+            "\uFFFD\uFFFD\uFFFD|\uFFFD\uFFFD\uFFFD|\uFFFD\uFFFD\uFFFD\uFFFD");
+  EXPECT_EQ(shortened("abc", 3), "abc");
+  EXPECT_EQ(shortened("abcdefghijkl", 11), "abcdef…kl");
+  EXPECT_LE(shortened(std::string(500, 'x'), 100).size(), 100u);
+  EXPECT_EQ(one_line("a\nb\\ \\"), "a b");
+  EXPECT_EQ(one_line("\\"), "");
+  EXPECT_EQ(comment_lines(""), "# \n");
+  EXPECT_EQ(comment_lines("a\nb"), "# a b\n");
+  EXPECT_EQ(comment_lines(std::string(200, 'x')), "# " + std::string(196, 'x') + "\n# xxxx\n");
+  EXPECT_EQ(comment_lines(std::string(195, 'x') + "\\y"), "# " + std::string(195, 'x') + "\\…\n# y\n");
 }
 
 TEST(Error, StaysReadableWhateverIsRepeatedInIt) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 
@@ -51,7 +52,8 @@ std::string written_key(std::string_view key) {
 std::string commented(const std::string& text) {
   std::istringstream lines(text);
   std::string out;
-  for (std::string line; std::getline(lines, line);) out += line.empty() ? "#\n" : "# " + line + '\n';
+  for (std::string line; std::getline(lines, line);)
+    out += line.empty() ? "#\n" : "# " + printable(line) + '\n';
   return out;
 }
 

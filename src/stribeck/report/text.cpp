@@ -1,32 +1,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/report/text.hpp>
 
 namespace stribeck::report {
 namespace {
-
-constexpr std::string_view kReplacement = "\uFFFD";
-
-/// Length of the valid UTF-8 sequence at the start of a text, 0 if there is none. RFC 3629, table 3-7 of
-/// Unicode.
-std::size_t sequence_length(std::string_view s) noexcept {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
-  const auto continues = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) {
-    return i < s.size() && byte(i) >= low && byte(i) <= high;
-  };
-  const unsigned b = byte(0);
-  if (b < 0x80) return 1;
-  if (b >= 0xC2 && b <= 0xDF) return continues(1) ? 2 : 0;
-  if (b >= 0xE0 && b <= 0xEF) {
-    return continues(1, b == 0xE0 ? 0xA0 : 0x80, b == 0xED ? 0x9F : 0xBF) && continues(2) ? 3 : 0;
-  }
-  if (b >= 0xF0 && b <= 0xF4) {
-    return continues(1, b == 0xF0 ? 0x90 : 0x80, b == 0xF4 ? 0x8F : 0xBF) && continues(2) && continues(3) ? 4
-                                                                                                          : 0;
-  }
-  return 0;
-}
 
 /// First `width` code points.
 std::string_view head(std::string_view text, std::size_t width) noexcept {
@@ -46,24 +25,7 @@ std::string cut(std::string_view text, std::size_t width) {
 }  // namespace
 
 std::string clean_text(std::string_view text, bool keep_newlines) {
-  std::string out;
-  out.reserve(text.size());
-  while (!text.empty()) {
-    const std::size_t n = sequence_length(text);
-    const auto c = static_cast<unsigned char>(text[0]);
-    // U+0080 … U+009F are control characters too.
-    const bool control =
-        c < 0x20 || c == 0x7F || (n == 2 && c == 0xC2 && static_cast<unsigned char>(text[1]) < 0xA0);
-    if (n == 0) {
-      out += kReplacement;
-    } else if (control) {
-      out += keep_newlines && c == '\n' ? '\n' : ' ';
-    } else {
-      out += text.substr(0, n);
-    }
-    text.remove_prefix(n == 0 ? 1 : n);
-  }
-  return out;
+  return keep_newlines ? io::printable_lines(text) : io::printable(text);
 }
 
 std::size_t text_width(std::string_view text) noexcept {

@@ -9,7 +9,7 @@
 
 namespace stribeck::report {
 
-/// Control characters become blanks, bytes that are not UTF-8 become U+FFFD; `keep_newlines` keeps line breaks.
+/// io::printable(), or with `keep_newlines` io::printable_lines().
 std::string clean_text(std::string_view text, bool keep_newlines = false);
 
 /// Number of code points, which is the number of columns in a terminal for the letters used here.

@@ -11,6 +11,7 @@
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 #include <system_error>
@@ -246,9 +247,7 @@ std::string csv_text(const Log& log) {
   }
   std::string out;
   for (const auto& [key, value] : log.metadata) {
-    std::string line = key + ": " + value;
-    for (char& c : line) c = c == '\n' || c == '\r' ? ' ' : c;
-    out += "# " + line + '\n';
+    out += "# " + printable(key + ": " + value) + '\n';
   }
   for (std::size_t c = 0; c < log.columns.size(); ++c)
     out += (c > 0 ? "," : "") + header_text(log.columns[c]);
