@@ -1,15 +1,20 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <apps/cli/commands.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::cli {
@@ -20,13 +25,10 @@ constexpr int kBadInput = 2;
 
 std::string command_line;
 
-/// Prints one line on stderr, whatever characters a message contains.
+/// One line on stderr, whatever a message holds and however long it is.
 void complain(std::string_view message) {
-  std::string line(message);
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  fmt::print(stderr, "stribeck: {}\n", line);
+  constexpr std::size_t kLongest = 1900;
+  fmt::print(stderr, "stribeck: {}\n", io::shortened(io::printable(message), kLongest));
 }
 
 /// Message for an argument that the verb does not have: a similar option, or that it is one too many.
@@ -93,7 +95,16 @@ int parse_and_run(int argc, const char* const* argv) {
         verb == nullptr ? "--help lists the verbs" : verb->get_name() + " --help lists the options"));
     return kBadInput;
   }
-  return action();
+  io::WriteTogether outputs;
+  const int code = action();
+  outputs.commit();
+  // Last: files do not wait for a reader.
+  const bool flushed = std::fflush(stdout) == 0;
+  const int error = errno;
+  if (flushed && std::ferror(stdout) == 0) return code;
+  complain(fmt::format("what is printed cannot be written{}",
+                       flushed ? "" : ": " + std::generic_category().message(error)));
+  return kBadInput;
 }
 
 }  // namespace
@@ -116,12 +127,17 @@ std::string shell_quoted(std::string_view word) {
 const std::string& typed_command() { return command_line; }
 
 int run(int argc, const char* const* argv) {
+  // A reader that is gone is an error of the write, which is said.
+  std::signal(SIGPIPE, SIG_IGN);
   command_line = "stribeck";
   for (int i = 1; i < argc; ++i) command_line += ' ' + shell_quoted(argv[i]);
   try {
     return parse_and_run(argc, argv);
   } catch (const io::InputError& e) {
-    for (const io::Problem& p : e.problems()) complain(p.text());
+    constexpr std::size_t kMost = 100;
+    const std::size_t all = e.problems().size();
+    for (std::size_t i = 0; i < std::min(all, kMost); ++i) complain(e.problems()[i].text());
+    if (all > kMost) complain(fmt::format("and {} more", all - kMost));
     return kBadInput;
   } catch (const ident::Refused& e) {
     complain(e.what());

@@ -10,6 +10,7 @@
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/built_in.hpp>
@@ -82,7 +83,9 @@ int run_reproduce(const Options& o) {
   if (o.check.empty()) return 0;
   const std::string difference = first_difference(expected, markdown);
   if (!difference.empty()) {
-    fmt::print(stderr, "stribeck: {}:{} (write the table anew with --markdown)\n", o.check, difference);
+    fmt::print(
+        stderr, "stribeck: {}\n",
+        io::printable(fmt::format("{}:{} (write the table anew with --markdown)", o.check, difference)));
     return 1;
   }
   say(o.common, fmt::format("\n{} is what comes out now.\n", o.check));

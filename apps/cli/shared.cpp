@@ -12,6 +12,7 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -61,13 +62,25 @@ void Progress::operator()(std::size_t done, std::size_t all) {
   drawn_ = true;
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = all > 0 ? kWidth * done / all : 0;
-  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'),
-             done, all);
+  fmt::print(stderr, "\r{} [{}{}] {}/{}", io::printable(what_), std::string(filled, '#'),
+             std::string(kWidth - filled, '.'), done, all);
   std::fflush(stderr);
 }
 
 void say(const Common& common, const std::string& text) {
-  if (!common.quiet) fmt::print("{}", text);
+  if (common.quiet) return;
+  // Names in a table are as long as a file has them.
+  constexpr std::size_t kLongest = 4000;
+  const std::string clean = io::printable_lines(text);
+  std::string shown;
+  for (std::string_view rest = clean; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    shown += io::shortened(rest.substr(0, end), kLongest);
+    if (end < rest.size()) shown += '\n';
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  // A reader that is gone must not keep files from being written; run() tells.
+  static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), stdout));
 }
 
 sim::Machine load_machine(const std::string& path) { return read_virtual_machine(path); }
@@ -87,10 +100,16 @@ void check_distinct(const std::vector<std::string>& inputs, const std::vector<st
   namespace fs = std::filesystem;
   std::error_code ignored;
   std::vector<fs::path> taken;
-  for (const std::string& path : inputs) taken.push_back(fs::weakly_canonical(path, ignored));
+  // The file that a name means; one that cannot be followed is reported where it is opened.
+  const auto meant = [&](const std::string& path) {
+    return fs::weakly_canonical(io::link_target(path), ignored);
+  };
+  for (const std::string& path : inputs) {
+    if (fs::exists(path, ignored)) taken.push_back(meant(path));
+  }
   for (const std::string& path : outputs) {
     if (path.empty() || (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))) continue;
-    const fs::path file = fs::weakly_canonical(path, ignored);
+    const fs::path file = meant(path);
     if (std::find(taken.begin(), taken.end(), file) != taken.end()) {
       throw io::InputError(
           {path,
@@ -110,6 +129,7 @@ OutputFolder check_outputs(const Common& common) {
   // The report's folder may be the one the JSON goes to; make it first.
   OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);
   io::check_writable(common.json);
+  io::check_writable(page_of(common));
   return page;
 }
 

@@ -1,6 +1,11 @@
 /// Bad input gets one clear line, exit code 2, and leaves nothing behind.
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <stribeck/io/printable.hpp>
 
 #include "command.hpp"
 
@@ -200,17 +205,17 @@ TEST(Report, AFailedCommandLeavesNoFolderBehind) {
   Folder folder;
   expect_refused(command({"compare", folder / "nothing.toml", "--report", folder / "deep/er"}),
                  {"nothing.toml"});
-  EXPECT_FALSE(fs::exists(folder / "deep"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "deep"));
   expect_refused(command({"tune", kMachine, "--controller", "f", "--axis-file", "x=" + (folder / "no.toml"),
                           "-o", folder / "tuned", "--report", folder / "page"}),
                  {"no.toml"});
-  EXPECT_FALSE(fs::exists(folder / "tuned"));
-  EXPECT_FALSE(fs::exists(folder / "page"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "tuned"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "page"));
   // What was there before stays.
-  fs::create_directory(folder / "mine");
+  std::filesystem::create_directory(folder / "mine");
   expect_refused(command({"compare", folder / "nothing.toml", "--report", folder / "mine"}),
                  {"nothing.toml"});
-  EXPECT_TRUE(fs::exists(folder / "mine"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "mine"));
 }
 
 // One direction only: what can be told is told, and what cannot is not written.
@@ -332,6 +337,94 @@ TEST(BadOutput, IsSaidBeforeTheWork) {
   expect_refused(command({"excite", kMachine, "--method", "sine", "--axis", "x", "-o", "/proc/no.csv"}),
                  {"/proc/no.csv"});
   EXPECT_EQ(text_of(file), "x");
+}
+
+TEST(BadOutput, OneThatCannotBeWrittenLeavesTheOthersAsTheyWere) {
+  const Folder folder;
+  const std::string old = folder.write("a.csv", "old");
+  std::filesystem::create_directories(folder / "page/index.html");
+  expect_refused(
+      command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", old, "--report", folder / "page"}),
+      {"index.html", "directory"});
+  EXPECT_EQ(text_of(old), "old");
+  // A device that takes nothing is found when it is written to: after the table is made.
+  if (std::filesystem::exists("/dev/full")) {
+    expect_refused(
+        command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", old, "--json", "/dev/full"}),
+        {"/dev/full: cannot be written", "No space left"});
+    EXPECT_EQ(text_of(old), "old");
+  }
+  EXPECT_EQ(folder.files(), 2U);
+}
+
+TEST(BadOutput, LinksThatLeadNowhere) {
+  const Folder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  expect_refused(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", folder / "loop"}),
+                 {"loop: cannot be written", "Too many levels"});
+  // A link to what will be there is followed, so these two are one file.
+  std::filesystem::create_symlink("a.csv", folder / "link");
+  expect_refused(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", folder / "a.csv",
+                          "--json", folder / "link"}),
+                 {"would be overwritten"});
+}
+
+TEST(BadOutput, AnAxisFileIsReadBeforeTheWork) {
+  const Folder folder;
+  const std::string broken = folder.write("x.toml", "mass = \"heavy\"\n");
+  // Identification of this machine says no, with code 1: it has not begun.
+  std::string stiff = text_of(kMachine);
+  stiff.replace(stiff.find("sigma0 = \"3e5 N/mm\""), 19, "sigma0 = \"3e12 N/mm\"");
+  const std::string machine = folder.write("stiff.toml", stiff);
+  for (const char* verb : {"simulate", "compare"}) {
+    std::vector<std::string> words{verb, machine, "--axis-file", "x=" + broken};
+    if (std::string_view(verb) == "simulate") words.insert(words.end(), {"-o", folder / "t.csv"});
+    expect_refused(command(words), {"x.toml:1: mass"});
+  }
+}
+
+// A terminal obeys control characters, in whatever a file or an argument holds.
+TEST(BadOutput, NothingThatIsSaidCommandsTheTerminal) {
+  const Folder folder;
+  const std::string odd = "\u001b[31m\u009b\u202e\xff\a";
+  folder.write("log.csv", "0,1,0\n0.001,2,0\n0.002,3,0\n0.003,5,0\n");
+  folder.write("log.csv.toml", "columns = [\"t s\", \"a\\u001B[31m\\u0000\\u009B\\u202E mm\", \"" +
+                                   std::string(20000, 'c') + " N\"]\n");
+  std::string long_name(5000, 'k');
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"identify", folder / "log.csv", "--inspect"},
+        {"identify", folder / (odd + ".csv")},
+        {odd},
+        {"compare", kMachine, "--" + odd},
+        {"compare", kMachine, "--" + long_name},
+        {"compare", long_name},
+        {long_name},
+        {"excite", kMachine, "--axis", odd + long_name, "--method", "jog", "-o", folder / "a.csv"},
+        {"compare", kMachine, "--speed", long_name + odd},
+        {"simulate", folder.write("m.toml", long_name + " = 1\n\"" + long_name + "\" = 2\n"), "-o",
+         folder / "t.csv"}}) {
+    const Said said = command(words);
+    for (const std::string& text : {said.out, said.err}) {
+      EXPECT_EQ(io::printable_lines(text), text);
+      for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        EXPECT_LE(end - begin, 4000U) << text.substr(begin, 200);
+        begin = end + 1;
+      }
+    }
+    EXPECT_LT(said.err.size(), 4000U);
+  }
+}
+
+TEST(BadOutput, AReaderThatIsGoneIsSaid) {
+  const Folder folder;
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  close(ends[0]);
+  const std::string to = "/proc/self/fd/" + std::to_string(ends[1]);
+  expect_refused(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", to}),
+                 {"cannot be written: Broken pipe"});
+  close(ends[1]);
 }
 
 /// Every option that is a number or a word says what it got, what it expects and where help is.

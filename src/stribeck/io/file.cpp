@@ -2,7 +2,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <stribeck/io/error.hpp>
@@ -25,17 +24,13 @@ std::string reason(int code) { return std::generic_category().message(code); }
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { close(); }
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 
   [[nodiscard]] int get() const noexcept { return fd_; }
-  /// Closes; returns 0 or the error, because some file systems report a failed write only here.
-  int close() noexcept {
-    const int result = fd_ < 0 || ::close(fd_) == 0 ? 0 : errno;
-    fd_ = -1;
-    return result;
-  }
 
  private:
   int fd_;
@@ -56,17 +51,6 @@ std::string read_all(int fd, const std::string& path, std::size_t expected) {
   }
   bytes.resize(used);
   return bytes;
-}
-
-/// Writes everything; returns 0 or the error.
-int write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return 0;
 }
 
 }  // namespace
@@ -93,41 +77,6 @@ FileBytes::FileBytes(const std::string& path) {
 
 std::string read_text(const std::string& path) { return std::string(FileBytes(path).view()); }
 
-void write_atomically(const std::string& path, std::string_view bytes) {
-  struct stat info {};
-  const bool exists = ::stat(path.c_str(), &info) == 0;
-  if (exists && S_ISDIR(info.st_mode)) fail(path, "is a directory, expected a file to write");
-  if (exists && !S_ISREG(info.st_mode)) {
-    Descriptor fd(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    int error = fd.get() < 0 ? errno : write_all(fd.get(), bytes);
-    if (error == 0) error = fd.close();
-    if (error != 0) fail(path, "cannot be written: " + reason(error));
-    return;
-  }
-
-  std::error_code ignored;
-  fs::path target = path;
-  if (exists && fs::is_symlink(target, ignored)) target = fs::canonical(target, ignored);
-  static std::atomic<unsigned> count{0};
-  const std::string temporary =
-      (target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" +
-                               std::to_string(count++) + ".tmp"))
-          .string();
-  Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (fd.get() < 0) {
-    if (errno == ENOENT) fail(path, "cannot be written: no such directory (make it first)");
-    fail(path, "cannot be written: " + reason(errno));
-  }
-  int error = write_all(fd.get(), bytes);
-  if (error == 0 && exists && ::fchmod(fd.get(), info.st_mode & 07777) != 0) error = errno;
-  if (const int closing = fd.close(); error == 0) error = closing;
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    fail(path, "cannot be written: " + reason(error));
-  }
-}
-
 void make_directory(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
@@ -135,15 +84,38 @@ void make_directory(const std::string& path) {
   fail(path, "cannot be made a directory: " + (error ? error.message() : reason(ENOTDIR)));
 }
 
+std::string link_target(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  fs::path target = path;
+  std::error_code error;
+  for (int i = 0; fs::is_symlink(target, error); ++i) {
+    if (i == kMostLinks) fail(path, "cannot be written: " + reason(ELOOP));
+    const fs::path to = fs::read_symlink(target, error);
+    if (error) fail(path, "cannot be written: " + error.message());
+    target = to.is_absolute() ? to : target.parent_path() / to;
+  }
+  return target.string();
+}
+
 void check_writable(const std::string& path) {
   if (path.empty()) return;
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail(path, "is a directory, expected the name of a file to write");
-  fs::path folder = fs::path(path).parent_path();
+  struct stat info {};
+  // Written to directly; what the links of /dev/stdout name is no path.
+  if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) {
+    if (::access(path.c_str(), W_OK) != 0) fail(path, "cannot be written: " + reason(errno));
+    return;
+  }
+  const std::string target = link_target(path);
+  const int missing = ::stat(target.c_str(), &info) == 0 ? 0 : errno;
+  if (missing == 0 && S_ISDIR(info.st_mode))
+    fail(path, "is a directory, expected the name of a file to write");
+  fs::path folder = fs::path(target).parent_path();
   if (folder.empty()) folder = ".";
+  std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
     fail(path, "cannot be written: no folder " + in_quotes(folder.string()) + " (make it first)");
-  if (access(folder.c_str(), W_OK) != 0) fail(path, "cannot be written: " + reason(errno));
+  if (missing != 0 && missing != ENOENT) fail(path, "cannot be written: " + reason(missing));
+  if (::access(folder.c_str(), W_OK) != 0) fail(path, "cannot be written: " + reason(errno));
 }
 
 }  // namespace stribeck::io

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace stribeck::io {
 
@@ -24,11 +25,43 @@ class FileBytes {
 /// The whole text of a file; an empty file is an empty text.
 std::string read_text(const std::string& path);
 
-/// Replaces the file at once: readers see the old bytes or the new ones, and a failure leaves no file behind.
-/// A pipe, a terminal and other special files are written to directly.
-void write_atomically(const std::string& path, std::string_view bytes);
+enum class FileIs { kData, kProgram };  ///< a program may be run by those who may read it
 
-/// Fails early where a result could not be written at the end: checks the folder of a path that is not empty.
+/// Replaces the file at once: readers see the old bytes or the new ones, also after a power cut, and a failure leaves no file behind.
+/// What is not an ordinary file (a pipe, a terminal) is written to directly. Inside a WriteTogether the file appears at its end.
+void write_atomically(const std::string& path, std::string_view bytes, FileIs what = FileIs::kData);
+
+/// The files of one command: all are written and on the disk before the first of them appears under its name, so that a full disk or a
+/// file that cannot be written leaves every earlier file as it was. For one thread; one inside another is part of the outer one.
+class WriteTogether {
+ public:
+  WriteTogether();
+  /// What was not committed is gone.
+  ~WriteTogether();
+  WriteTogether(const WriteTogether&) = delete;
+  WriteTogether& operator=(const WriteTogether&) = delete;
+
+  /// Every file written since the beginning has its name.
+  void commit();
+
+  /// Those of the folders (the deepest first) that are empty when the files have their names, or at once outside of a WriteTogether.
+  static void remove_at_end_if_empty(std::vector<std::string> folders);
+
+ private:
+  friend void write_atomically(const std::string& path, std::string_view bytes, FileIs what);
+  class Pending;
+  static void remove_if_empty(const std::vector<std::string>& folders) noexcept;
+
+  static WriteTogether* current_;
+  WriteTogether* outer_;
+  std::vector<Pending> pending_;
+  std::vector<std::string> folders_;
+};
+
+/// Where a write to this path goes: the end of its symbolic links, which need not be there yet.
+std::string link_target(const std::string& path);
+
+/// Fails early when a result could not be written at the end: checks name, links and folder of a path that is not empty.
 void check_writable(const std::string& path);
 
 /// Makes the directory and those above it; one that exists is kept.

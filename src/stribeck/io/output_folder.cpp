@@ -17,21 +17,13 @@ OutputFolder::OutputFolder(const std::string& path) {
   try {
     make_directory(path);
   } catch (...) {
-    remove_empty();
+    WriteTogether::remove_at_end_if_empty(made_);
     throw;
   }
 }
 
 OutputFolder::OutputFolder(OutputFolder&& other) noexcept : made_(std::exchange(other.made_, {})) {}
 
-OutputFolder::~OutputFolder() { remove_empty(); }
-
-void OutputFolder::remove_empty() noexcept {
-  std::error_code error;
-  for (const std::string& folder : made_) {
-    // Only an empty folder can be removed.
-    if (!std::filesystem::is_directory(folder, error) || !std::filesystem::remove(folder, error)) return;
-  }
-}
+OutputFolder::~OutputFolder() { WriteTogether::remove_at_end_if_empty(made_); }
 
 }  // namespace stribeck::io

@@ -21,8 +21,6 @@ class OutputFolder {
   OutputFolder& operator=(OutputFolder&&) = delete;
 
  private:
-  void remove_empty() noexcept;
-
   std::vector<std::string> made_;  ///< the deepest one first
 };
 

@@ -74,8 +74,11 @@ WrittenFolder write_folder(const std::string& folder, const std::string& comment
                      report::listed(foreign), foreign.size() == 1 ? "is" : "are",
                      foreign.size() == 1 ? "it" : "them", foreign.size() == 1 ? "it" : "them")});
   }
-  for (const auto& [name, text] : open) io::write_atomically(path(name), text);
-  // Written last: until then the old record holds for files that have not been written yet.
+  for (const auto& [name, text] : open) {
+    const auto what = text.starts_with("#!") ? io::FileIs::kProgram : io::FileIs::kData;
+    io::write_atomically(path(name), text, what);
+  }
+  // Last: until then the old record holds for what has not been written yet.
   io::write_atomically(path(kRecord), record);
   out.files.emplace_back(kRecord);
   return out;
