@@ -35,12 +35,51 @@ sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path,
   return {p.conventional, p.gaussian, p.eccentric, {}};
 }
 
+/// An axis file that a user gave.
+struct Given {
+  std::size_t axis;
+  std::string file;
+  friction::AxisModel model;
+};
+
+std::vector<Given> given_models(const sim::Machine& machine, const std::string& path,
+                                const std::vector<std::string>& texts) {
+  std::vector<Given> models;
+  for (const std::string& text : texts) {
+    const auto [axis, file] = axis_and_file(text);
+    const std::size_t i = axis_index(machine, path, axis);
+    models.push_back({i, file, io::read_toml<friction::AxisModel>(file)});
+  }
+  return models;
+}
+
+/// In place of what was identified or printed.
+void take(const Given& given, const sim::Machine& machine, Parameters& p) {
+  const friction::AxisModel& model = given.model;
+  sim::AxisKnowledge& knowledge = p.knowledge[given.axis];
+  // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction, by direction.
+  const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
+  const bool gaussian =
+      map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
+  const bool eccentric = !gaussian && !model.friction.eccentric.empty();
+  // A model without bristles does not take the place of one that has them.
+  if (!knowledge.whole || friction::has_pre_sliding(model.friction.dynamics)) knowledge.whole = model;
+  (gaussian ? knowledge.gaussian : eccentric ? knowledge.eccentric : knowledge.conventional) = model;
+  p.words += fmt::format("; {} model of axis {} from {}",
+                         gaussian    ? "Gaussian"
+                         : eccentric ? "eccentric"
+                                     : "conventional",
+                         machine.axes[given.axis].first, given.file);
+}
+
 }  // namespace
 
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                           const ParameterOptions& options, const sim::CompareSpec& spec) {
   const std::vector<std::size_t> axes = sim::chosen_axes(machine, spec);
   const Needs needs = Needs::of(spec.controllers);
+  // First: identification takes seconds, and a file that is wrong should not wait for it.
+  const std::vector<Given> models = given_models(machine, path, options.axis_files);
   Parameters p;
   p.knowledge.resize(machine.axes.size());
   if (options.source == "thesis") {
@@ -61,27 +100,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
       what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
     p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
   }
-  for (const std::string& text : options.axis_files) {
-    const auto [axis, file] = axis_and_file(text);
-    const std::size_t i = axis_index(machine, path, axis);
-    const auto model = io::read_toml<friction::AxisModel>(file);
-    // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction by direction.
-    const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
-    const bool gaussian =
-        map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
-    const bool eccentric = !gaussian && !model.friction.eccentric.empty();
-    // A model without bristles must not replace one with bristles.
-    if (!p.knowledge[i].whole || friction::has_pre_sliding(model.friction.dynamics))
-      p.knowledge[i].whole = model;
-    (gaussian    ? p.knowledge[i].gaussian
-     : eccentric ? p.knowledge[i].eccentric
-                 : p.knowledge[i].conventional) = model;
-    p.words += fmt::format("; {} model of axis {} from {}",
-                           gaussian    ? "Gaussian"
-                           : eccentric ? "eccentric"
-                                       : "conventional",
-                           machine.axes[i].first, file);
-  }
+  for (const Given& given : models) take(given, machine, p);
   return p;
 }
 
