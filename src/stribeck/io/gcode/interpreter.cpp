@@ -1,7 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,10 +14,9 @@
 #include <filesystem>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/gcode/child_process.hpp>
 #include <stribeck/io/gcode/interpreter.hpp>
 #include <string_view>
-
-extern char** environ;
 
 namespace stribeck::io {
 namespace {
@@ -49,87 +48,28 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// A table of tools without length and radius, deleted with this object.
+/// A table of tools without length and radius, in memory: nothing is left of it however this program ends.
 class ToolTable {
  public:
-  explicit ToolTable(const std::string& program) {
-    std::error_code ignored;
-    name_ = (std::filesystem::temp_directory_path(ignored) / "stribeck-tools-XXXXXX").string();
-    const int file = mkostemp(name_.data(), O_CLOEXEC);
-    if (file < 0) {
-      const int error = errno;
-      throw InputError(
-          {program,
-           0,
-           {},
-           fmt::format("no temporary file {} for the interpreter's tools: {}", name_, std::strerror(error))});
-    }
+  explicit ToolTable(const std::string& program) : file_(memfd_create("tools", MFD_CLOEXEC)) {
     std::string text;
     for (int i = 1; i <= kTools; ++i) text += fmt::format("T{} P{}\n", i, i);
-    const bool written = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-    close(file);
-    if (written) return;
-    unlink(name_.c_str());
-    throw InputError({program, 0, {}, fmt::format("temporary file {}: cannot be written", name_)});
+    if (file_ >= 0 && write(file_, text.data(), text.size()) == static_cast<ssize_t>(text.size())) return;
+    const int error = errno;
+    if (file_ >= 0) close(file_);
+    throw InputError(
+        {program, 0, {}, fmt::format("no memory for the interpreter's tools: {}", std::strerror(error))});
   }
-  ~ToolTable() { unlink(name_.c_str()); }
+  ~ToolTable() { close(file_); }
   ToolTable(const ToolTable&) = delete;
   ToolTable& operator=(const ToolTable&) = delete;
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int file() const { return file_; }
+  /// As a process that has inherited it opens it.
+  [[nodiscard]] std::string name() const { return fmt::format("/proc/self/fd/{}", file_); }
 
  private:
   static constexpr int kTools = 999;
-  std::string name_;
-};
-
-/// A process group, ended with this object.
-class Child {
- public:
-  Child(const std::vector<std::string>& words, const std::string& program, int out, int err) {
-    std::vector<char*> argv;
-    for (const std::string& w : words) argv.push_back(const_cast<char*>(w.c_str()));
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    const int error = posix_spawnp(&id_, argv[0], &actions, &attributes, argv.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error == 0) return;
-    id_ = -1;
-    throw InputError(
-        {program,
-         0,
-         {},
-         fmt::format(
-             "LinuxCNC's interpreter {} cannot be run: {} (it is in Debian's package linuxcnc-uspace: "
-             "tools/install-dependencies --linuxcnc, or apt-get install linuxcnc-uspace)",
-             words[0], std::strerror(error))});
-  }
-  ~Child() {
-    if (id_ <= 0) return;
-    kill(-id_, SIGKILL);
-    static_cast<void>(wait());
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  /// Its status as returned by waitpid.
-  int wait() {
-    int status = 0;
-    while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
-    }
-    id_ = -1;
-    return status;
-  }
-
- private:
-  pid_t id_ = -1;
+  int file_;
 };
 
 std::string_view trimmed(std::string_view text) {
@@ -158,11 +98,14 @@ Problem complaint(const std::string& file, std::string_view program, std::string
   Problem problem{file, 0, {}, "the interpreter refuses it"};
   if (words.empty()) return problem;
   problem.message = std::string(words.front());
-  if (words.front().starts_with("File ended with no percent sign"))
+  const auto lines = lines_of(program);
+  if (words.front().starts_with("File ended with no percent sign")) {
     problem.message += " (end the program with M2 or M30)";
+    problem.line = lines.size();
+    return problem;
+  }
   if (words.size() < 2) return problem;
   std::vector<std::size_t> found;
-  const auto lines = lines_of(program);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (trimmed(lines[i]) == words[1]) found.push_back(i + 1);
   }
@@ -228,78 +171,138 @@ bool takes_tool_offsets(std::string_view program) {
 /// The path in a form that no program takes for an option.
 std::string as_argument(const std::string& file) { return file.starts_with('-') ? "./" + file : file; }
 
+/// What the interpreter prints, up to its end; refused where it is too long or takes too long.
+class Listener {
+ public:
+  Listener(const std::string& file, const InterpreterOptions& options)
+      : file_(file), options_(options), reader_(file), begin_(Clock::now()), heard_(begin_) {}
+
+  /// Returns when both pipes have ended.
+  void listen(int out, int err) {
+    std::array<pollfd, 2> open{{{out, POLLIN, 0}, {err, POLLIN, 0}}};
+    std::array<char, 1 << 16> buffer;
+    while (open[0].fd >= 0 || open[1].fd >= 0) {
+      check_times();
+      const int ready = poll(open.data(), open.size(), kPollMs);
+      if (ready < 0 && errno != EINTR)
+        refuse(fmt::format("waiting for the interpreter: {}", std::strerror(errno)));
+      if (ready <= 0) continue;
+      for (pollfd& pipe : open) {
+        if (pipe.fd < 0 || pipe.revents == 0) continue;
+        const ssize_t n = read(pipe.fd, buffer.data(), buffer.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) {
+          pipe.fd = -1;
+          continue;
+        }
+        heard_ = Clock::now();
+        const std::string_view bytes(buffer.data(), static_cast<std::size_t>(n));
+        if (&pipe == open.data()) {
+          read_lines(bytes);
+        } else {
+          said_ += bytes;
+          // What matters is said at the end.
+          if (said_.size() > kMostSaid) said_.erase(0, said_.size() - kMostSaid);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] const CanonicalReader& reader() const { return reader_; }
+  [[nodiscard]] const std::string& said() const { return said_; }
+
+ private:
+  static constexpr std::size_t kLongestLine = 1 << 16;
+  static constexpr std::size_t kMostSaid = 1 << 13;
+  static constexpr std::size_t kMostStill =
+      200000;  ///< lines without a motion; a program without end prints them in seconds
+  static constexpr int kPollMs = 50;
+
+  [[noreturn]] void refuse(std::string why) const { throw InputError({file_, 0, {}, std::move(why)}); }
+
+  void check_times() const {
+    const auto now = Clock::now();
+    const auto since = [&](Clock::time_point then) {
+      return std::chrono::duration<double>(now - then).count();
+    };
+    if (since(begin_) > options_.seconds) {
+      refuse(fmt::format("the interpreter did not end within {:.6g} s (does the program loop without end?)",
+                         options_.seconds));
+    }
+    if (since(heard_) > options_.silent_seconds) {
+      refuse(fmt::format(
+          "the interpreter has said nothing for {:.6g} s (does the program loop without end and motion?)",
+          options_.silent_seconds));
+    }
+  }
+
+  void read_lines(std::string_view bytes) {
+    pending_ += bytes;
+    std::size_t begin = 0;
+    for (std::size_t end = pending_.find('\n'); end != std::string::npos; end = pending_.find('\n', begin)) {
+      const std::size_t moves = reader_.moves().size();
+      reader_.line(std::string_view(pending_).substr(begin, end - begin));
+      begin = end + 1;
+      still_ = reader_.moves().size() > moves ? 0 : still_ + 1;
+      if (still_ > kMostStill) {
+        refuse(fmt::format(
+            "{} calls of the interpreter without a motion (does the program loop without end?)", kMostStill));
+      }
+    }
+    pending_.erase(0, begin);
+    if (pending_.size() > kLongestLine)
+      refuse("the interpreter printed a line of more than 64 KiB, expected calls");
+  }
+
+  std::string file_;
+  InterpreterOptions options_;
+  CanonicalReader reader_;
+  Clock::time_point begin_;
+  Clock::time_point heard_;
+  std::string pending_;
+  std::string said_;
+  std::size_t still_ = 0;
+};
+
 }  // namespace
 
 PartProgram read_part_program(const std::string& file, const InterpreterOptions& options) {
-  constexpr std::size_t kLongestLine = 1 << 16;
-  constexpr std::size_t kMostSaid = 1 << 13;
   const std::string program = program_text(file);
   const ToolTable tools(file);
   const std::vector<std::string> words{options.command, "-g", "-t", tools.name(), as_argument(file)};
 
   Pipe out(file);
   Pipe err(file);
-  Child child(words, file, out.write_end(), err.write_end());
+  ChildProcess child(words, {out.write_end(), err.write_end(), tools.file()}, options.seconds);
+  if (child.error() != 0) {
+    throw InputError(
+        {file,
+         0,
+         {},
+         fmt::format(
+             "LinuxCNC's interpreter {} cannot be run: {} (it is in Debian's package linuxcnc-uspace: "
+             "tools/install-dependencies --linuxcnc, or apt-get install linuxcnc-uspace)",
+             words[0], std::strerror(child.error()))});
+  }
   out.close_write();
   err.close_write();
 
-  CanonicalReader reader(file);
-  std::string pending;
-  std::string said;
-  const auto read_lines = [&](std::string_view bytes) {
-    pending += bytes;
-    std::size_t begin = 0;
-    for (std::size_t end = pending.find('\n'); end != std::string::npos; end = pending.find('\n', begin)) {
-      reader.line(std::string_view(pending).substr(begin, end - begin));
-      begin = end + 1;
-    }
-    pending.erase(0, begin);
-    if (pending.size() > kLongestLine)
-      throw InputError({file, 0, {}, "the interpreter printed a line of more than 64 KiB, expected calls"});
-  };
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                           std::chrono::duration<double>(options.seconds));
-  std::array<pollfd, 2> open{{{out.read_end(), POLLIN, 0}, {err.read_end(), POLLIN, 0}}};
-  std::array<char, 1 << 16> buffer;
-  while (open[0].fd >= 0 || open[1].fd >= 0) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) {
-      throw InputError({file,
-                        0,
-                        {},
-                        fmt::format("the interpreter did not end within {:.6g} s (does the program loop "
-                                    "without end?)",
-                                    options.seconds)});
-    }
-    const int ready = poll(open.data(), open.size(), static_cast<int>(std::min<long long>(left, 1000)));
-    if (ready < 0 && errno != EINTR)
-      throw InputError({file, 0, {}, fmt::format("waiting for the interpreter: {}", std::strerror(errno))});
-    if (ready <= 0) continue;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (open[i].fd < 0 || open[i].revents == 0) continue;
-      const ssize_t n = read(open[i].fd, buffer.data(), buffer.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) {
-        open[i].fd = -1;
-        continue;
-      }
-      const std::string_view bytes(buffer.data(), static_cast<std::size_t>(n));
-      if (i == 0) {
-        read_lines(bytes);
-      } else {
-        said += bytes;
-        // The important lines of the output are the last ones.
-        if (said.size() > kMostSaid) said.erase(0, said.size() - kMostSaid);
-      }
-    }
-  }
+  Listener listener(file, options);
+  listener.listen(out.read_end(), err.read_end());
   const int status = child.wait();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    if (WIFSIGNALED(status))
-      throw InputError(
-          {file, 0, {}, fmt::format("the interpreter was ended by signal {}", WTERMSIG(status))});
-    throw InputError(complaint(file, program, said));
+  if (WIFSIGNALED(status)) {
+    throw InputError({file,
+                      0,
+                      {},
+                      WTERMSIG(status) == SIGXCPU
+                          ? fmt::format("the interpreter took more than {:.6g} s of processor time (does the "
+                                        "program loop without end?)",
+                                        options.seconds)
+                          : fmt::format("the interpreter was ended by signal {}", WTERMSIG(status))});
   }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw InputError(complaint(file, program, listener.said()));
+  const CanonicalReader& reader = listener.reader();
   return {reader.moves(), reader.inches(), reader.tools() || takes_tool_offsets(program),
           reader.foreign_feed()};
 }

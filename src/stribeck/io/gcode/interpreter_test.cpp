@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -88,8 +91,11 @@ TEST_F(Interpreter, ItsRefusalNamesTheLine) {
   EXPECT_THAT(refusal("G1 X1Q\nG21\nG1 X1Q\n", script), AllOf(HasSubstr("part.ngc:1:"), HasSubstr("line 3")));
   EXPECT_THAT(refusal("G1 X2\n", script), HasSubstr("part.ngc: Bad character used"));
   EXPECT_THAT(refusal("G1 X2\n", "exit 1\n"), HasSubstr("refuses"));
-  EXPECT_THAT(refusal("G1 X2\n", "echo 'File ended with no percent sign or program end' >&2; exit 1\n"),
-              HasSubstr("M2 or M30"));
+  // Its place is the end, whatever line reads like the last.
+  EXPECT_THAT(
+      refusal("G1 X2\nG1 X3\nG1 X2\n",
+              "echo 'File ended with no percent sign or program end' >&2; echo 'G1 X2' >&2; exit 1\n"),
+      AllOf(HasSubstr("part.ngc:3: "), HasSubstr("M2 or M30"), Not(HasSubstr("reads the same"))));
 }
 
 TEST_F(Interpreter, EndsWhenItTakesTooLongOrPrintsTooMuch) {
@@ -97,6 +103,55 @@ TEST_F(Interpreter, EndsWhenItTakesTooLongOrPrintsTooMuch) {
   EXPECT_THAT(refusal("M2\n", "head -c 200000 /dev/zero | tr '\\0' x\nsleep 600\n"), HasSubstr("64 KiB"));
   // A move that is refused ends it too.
   EXPECT_THAT(refusal("M2\n", "echo '1 N..... NURBS_FEED(3, ...)'\nsleep 600\n"), HasSubstr("NURBS_FEED"));
+}
+
+TEST_F(Interpreter, WithoutEndAndMotionIsRefused) {
+  EXPECT_THAT(
+      refusal("M2\n", "while :; do echo '   11 N..... DWELL(0.0000)'; done\n"),
+      AllOf(HasSubstr("200000 calls of the interpreter without a motion"), HasSubstr("loop without end")));
+  InterpreterOptions silent;
+  silent.command = write("silent", "#!/bin/sh\nsleep 600\n");
+  chmod(silent.command.c_str(), 0700);
+  silent.silent_seconds = 0.1;
+  EXPECT_THAT([&] { static_cast<void>(read_part_program(write("part.ngc", "M2\n"), silent)); },
+              ThrowsMessage<InputError>(HasSubstr("said nothing for 0.1 s")));
+}
+
+// However the program ends that asked: nothing runs on, and no file is left.
+TEST_F(Interpreter, DoesNotOutliveWhatRunsIt) {
+  const std::string tools = (folder_ / "tmp").string();
+  std::filesystem::create_directory(tools);
+  for (const int signal : {SIGTERM, SIGHUP, SIGINT, SIGKILL}) {
+    const std::string told = (folder_ / ("pid" + std::to_string(signal))).string();
+    const pid_t runner = fork();
+    if (runner == 0) {
+      setenv("TMPDIR", tools.c_str(), 1);
+      InterpreterOptions endless;
+      endless.command = write("endless", "#!/bin/sh\necho $$ >" + told + ".part; mv " + told + ".part " +
+                                             told + "\nwhile :; do :; done\n");
+      chmod(endless.command.c_str(), 0700);
+      try {
+        static_cast<void>(read_part_program(write("part.ngc", "M2\n"), endless));
+      } catch (...) {
+      }
+      _exit(0);
+    }
+    for (int i = 0; i < 1000 && !std::filesystem::exists(told); ++i) usleep(10'000);
+    pid_t interpreter = 0;
+    std::ifstream(told) >> interpreter;
+    ASSERT_GT(interpreter, 0);
+    kill(runner, signal);
+    waitpid(runner, nullptr, 0);
+    const auto runs = [&] {
+      std::ifstream status("/proc/" + std::to_string(interpreter) + "/stat");
+      std::string id, name, state;
+      return status >> id >> name >> state && state != "Z";
+    };
+    for (int i = 0; i < 500 && runs(); ++i) usleep(10'000);
+    EXPECT_FALSE(runs()) << signal;
+    if (runs()) kill(interpreter, SIGKILL);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(tools));
 }
 
 TEST_F(Interpreter, KilledIsNoEnd) { EXPECT_THAT(refusal("G1 X1\n", "kill -9 $$\n"), HasSubstr("signal 9")); }
