@@ -13,6 +13,7 @@
 #include <apps/cli/trace_page.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
@@ -75,7 +76,7 @@ int excite(const Options& o) {
   const std::vector<std::string> notes = safety_notes(safe, machine, axis);
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
     if (!path.empty())
-      io::write_atomically(path, with_notes(ident::excitation::as_gcode(e, o.axis, machine.name), notes));
+      io::write_atomically(path, ident::excitation::as_gcode(e, o.axis, io::one_line(machine.name)));
   }
   sim::Recording table;
   table.t = e.t;

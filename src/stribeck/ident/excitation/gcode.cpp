@@ -31,9 +31,9 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
   if (kLetters.find(letter) == std::string_view::npos) {
     throw Refused("G-code: axis " + axis + " has no letter of its own, expected one of X Y Z A B C U V W");
   }
-  // Parentheses end a comment.
+  // Parentheses end a comment, and with some controls a semicolon ends the line and a percent sign the program.
   std::string name = machine;
-  std::erase_if(name, [](char c) { return c == '(' || c == ')' || c == '\n' || c < ' '; });
+  std::erase_if(name, [](char c) { return std::string_view("();%\n\r").find(c) != std::string_view::npos; });
   std::string out =
       fmt::format("({} of axis {}, {})\n", e.method, letter, name) +
       fmt::format(

@@ -8,6 +8,7 @@
 
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
@@ -75,11 +76,12 @@ double omega_of(const ExportRequest& o) {
 std::string controllers(const ExportRequest& o) {
   const double omega = omega_of(o);
   const std::vector<std::string> names = names_for(o, "ax.", letters_for(o));
-  std::string out = fmt::format("# Written by: {}\n# SI units; angular frequencies in rad/s.\n", o.command);
+  std::string out =
+      io::comment_lines("Written by: " + o.command) + "# SI units; angular frequencies in rad/s.\n";
   out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
-    out += fmt::format("\n# {} from {}\n", names[i], o.files[i]);
+    out += '\n' + io::comment_lines(fmt::format("{} from {}", names[i], o.files[i]));
     out += controller_lines(names[i], model, omega, o.feedforward);
   }
   return out;
@@ -87,11 +89,10 @@ std::string controllers(const ExportRequest& o) {
 
 std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::string& words) {
   const std::vector<std::string> names = names_for(o, "ff.", letters_for(o));
-  std::string out = fmt::format(
-      "# Written by: {}\n# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, and "
-      "ff.x.out added to the force.\n"
-      "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n",
-      o.command);
+  std::string out = io::comment_lines("Written by: " + o.command) +
+                    "# Velocities in mm/s, forces in N: for net ff.x.in from joint.0.vel-cmd, and "
+                    "ff.x.out added to the force.\n"
+                    "# Viscous friction is in the table: FF1 of pid is 0. Load is not: pid.bias.\n";
   std::string points;
   std::string body;
   json = nlohmann::ordered_json::array();
@@ -100,7 +101,7 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
     const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
     const std::string worth = lincurve_words(table, model, "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
-    body += fmt::format("\n# {} from {}: {}\n", names[i], o.files[i], worth);
+    body += '\n' + io::comment_lines(fmt::format("{} from {}: {}", names[i], o.files[i], worth));
     if (model.load != 0.0)
       body += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
     body += lincurve_lines(names[i], table);
@@ -121,7 +122,8 @@ std::string plants(const ExportRequest& o, const sim::Machine& machine) {
   std::vector<std::string> axes;
   for (const auto& [axis, unused] : machine.axes) axes.push_back(axis);
   const std::vector<std::string> names = names_for(o, "pl.", axes);
-  std::string out = fmt::format("# Written by: {}\n# {}: {}\n", o.command, machine.name, machine.origin);
+  std::string out = io::comment_lines("Written by: " + o.command) +
+                    io::comment_lines(fmt::format("{}: {}", machine.name, machine.origin));
   out += fmt::format("# loadrt stribeck_plant names={}, in a thread of {} ms\n", fmt::join(names, ","),
                      1e3 * machine.sample_time);
   for (std::size_t i = 0; i < names.size(); ++i) {

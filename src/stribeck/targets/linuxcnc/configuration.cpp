@@ -16,13 +16,13 @@ namespace {
 
 std::string about(const Configuration& c) {
   std::string out = fmt::format(
-      "LinuxCNC configuration of the virtual machine \"{}\".\n{}\n"
+      "LinuxCNC configuration of the virtual machine \"{}\".\n{}\n\n"
       "  linuxcnc machine.ini        with the AXIS screen: F1, F2, home all (Ctrl-Home), R\n"
       "  linuxcnc -r headless.ini    plays demo.ngc without a screen, records run.log; STRIBECK_PROGRAM "
       "and STRIBECK_LOG name others\n\n"
       "The components stribeck_*.so must stand in LinuxCNC's module folder (docs/guides/linuxcnc.md of "
       "Stribeck).\n\n",
-      c.name, c.comment.substr(2));
+      c.name, c.made);
   out +=
       "motion.hal            motion and signals\n"
       "control-axis.hal      one stribeck_axis for each joint; the one that both INI files name\n";

@@ -13,8 +13,9 @@
 namespace stribeck::targets::linuxcnc {
 
 struct Configuration {
-  std::string name;          ///< of the machine
-  std::string comment;       ///< how these files were made
+  std::string name;          ///< of the machine, safe on any line
+  std::string made;          ///< how these files were made, on one line
+  std::string comment;       ///< the same as lines of a comment
   double sample_time = 0.0;  ///< [s]
   double omega = 0.0;        ///< [rad/s]
   std::string feedforward;   ///< empty: by the model

@@ -8,6 +8,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/output_folder.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/parallel.hpp>
@@ -67,7 +68,7 @@ std::string base_name(const std::string& file) { return std::filesystem::path(fi
 Configuration configuration(const ExportRequest& o, const sim::Machine& machine) {
   const std::vector<std::string> letters = linuxcnc_letters(machine, o.files.front());
   Configuration c;
-  c.name = machine.name;
+  c.name = io::one_line(machine.name);
   c.sample_time = machine.sample_time;
   c.feedforward = o.feedforward;
   // The same for all axes, so that every direction has equal gains.
@@ -88,7 +89,8 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
     const auto [axis, file] = axis_and_file(text);
     command += fmt::format(" --axis-file {}={}", axis, base_name(file));
   }
-  c.comment = fmt::format("# Written by: {} -o FOLDER\n", command);
+  c.made = io::printable(fmt::format("Written by: {} -o FOLDER", command));
+  c.comment = io::comment_lines(c.made);
   std::vector<DrivableLimits> can;
   for (const auto& [axis, a] : machine.axes) {
     can.push_back(drivable_limits(a));
@@ -123,9 +125,6 @@ Exported export_configuration(const ExportRequest& o, const sim::Machine& machin
   const NamedTexts files = configuration_files(c);
   const io::OutputFolder folder(o.output);
   const WrittenFolder written = write_folder(o.output, c.comment, files);
-  fs::permissions(fs::path(o.output) / "play.py",
-                  fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
-                  fs::perm_options::add, ignored);
   Exported out;
   out.json = {{"schema", "stribeck.export/1"},
               {"to", kLinuxCnc.name},
