@@ -230,6 +230,13 @@ TEST(Export, AWholeMachine) {
   EXPECT_THAT(texts.at("drives.hal"), HasSubstr("setp pl.a.position-unit 0.00174532925"));
   // stock pid in N and mm: 0.85 N s2/mm at 50 rad/s.
   EXPECT_THAT(texts.at("control-pid.hal"), HasSubstr("setp pid.x.Pgain 2125\n"));
+  // Supervision of everything, with the limits of the machine file in SI.
+  for (const char* line :
+       {"setp ax.x.supervision.checks 2  # all (0 none, 1 lost, 2 all)\n",
+        "setp ax.x.supervision.speed-limit 0.03\n", "setp ax.x.supervision.acceleration-limit 0.2\n",
+        "setp ax.c.supervision.speed-limit 0.08\n", "setp ax.a.encoder-resolution 5e-08\n"}) {
+    EXPECT_THAT(texts.at("control-axis.hal"), HasSubstr(line));
+  }
   // Five axes are no path of stribeck_contour.
   EXPECT_EQ(texts.count("control-contour.hal"), 0u);
   EXPECT_THAT(ini, HasSubstr("# Or control-pid.hal, control-lincurve.hal.\n"));

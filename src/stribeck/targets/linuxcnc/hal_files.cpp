@@ -76,7 +76,8 @@ std::string axis_control(const Configuration& c) {
         a.letter, i);
     text += setp("ax." + a.letter, "position-unit", unit_of(a));
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
-    return text + controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
+    return text + supervision_lines("ax." + a.letter, *a.machine) +
+           controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
   });
   return out + learning(instances(c.axes), instances(c.axes));
 }
@@ -96,7 +97,8 @@ std::string contour_control(const Configuration& c) {
         "net {0}-fb => {1}.pos-fb\nnet {0}-force {1}.force\n",
         a.letter, name);
     text += setp(name, "force-limit", a.machine->force_limit());
-    return text + controller_lines(name, a.model, c.omega, c.feedforward);
+    return text + supervision_lines(name, *a.machine) +
+           controller_lines(name, a.model, c.omega, c.feedforward);
   });
   std::vector<std::string> controllers;
   for (std::size_t i = 0; i < c.axes.size(); ++i) controllers.push_back(fmt::format("ct.{}", i));

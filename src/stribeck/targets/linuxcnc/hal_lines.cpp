@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <capi/parameters.hpp>
+#include <stribeck/control/supervision/limits.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 
 namespace stribeck::targets::linuxcnc {
@@ -55,6 +56,14 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
          choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
          setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
          setp(name, "guarded", 1.0) + setp_all(name, value_of(model));
+}
+
+std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis) {
+  const double step = axis.name_plate().encoder_resolution;
+  return choice(name, "supervision.checks", static_cast<std::size_t>(control::Checks::kAll)) +
+         setp(name, "supervision.speed_limit", axis.limits.speed) +
+         setp(name, "supervision.acceleration_limit", axis.limits.acceleration) +
+         (step > 0.0 ? setp(name, "encoder_resolution", step) : std::string());
 }
 
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
