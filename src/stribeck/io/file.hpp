@@ -25,26 +25,26 @@ class FileBytes {
 /// The whole text of a file; an empty file is an empty text.
 std::string read_text(const std::string& path);
 
-enum class FileIs { kData, kProgram };  ///< a program may be run by those who may read it
+enum class FileIs { kData, kProgram };  ///< who may read a program may also run it
 
 /// Replaces the file at once: readers see the old bytes or the new ones, also after a power cut, and a failure leaves no file behind.
-/// What is not an ordinary file (a pipe, a terminal) is written to directly. Inside a WriteTogether the file appears at its end.
+/// A pipe, a terminal and other special files are written to directly. Inside a WriteTogether the file appears at its commit().
 void write_atomically(const std::string& path, std::string_view bytes, FileIs what = FileIs::kData);
 
-/// The files of one command: all are written and on the disk before the first of them appears under its name, so that a full disk or a
-/// file that cannot be written leaves every earlier file as it was. For one thread; one inside another is part of the outer one.
+/// The files of one command. All are written and on the disk before the first of them gets its name, so that a full disk or a file that
+/// cannot be written leaves every earlier file as it was. For one thread. A WriteTogether inside another belongs to the outer one.
 class WriteTogether {
  public:
   WriteTogether();
-  /// What was not committed is gone.
+  /// Drops the files that were not committed.
   ~WriteTogether();
   WriteTogether(const WriteTogether&) = delete;
   WriteTogether& operator=(const WriteTogether&) = delete;
 
-  /// Every file written since the beginning has its name.
+  /// Gives every file that was written since the beginning its name.
   void commit();
 
-  /// Those of the folders (the deepest first) that are empty when the files have their names, or at once outside of a WriteTogether.
+  /// Removes those of the folders (the deepest first) that are empty at the end of the WriteTogether; without one, at once.
   static void remove_at_end_if_empty(std::vector<std::string> folders);
 
  private:
@@ -58,10 +58,10 @@ class WriteTogether {
   std::vector<std::string> folders_;
 };
 
-/// Where a write to this path goes: the end of its symbolic links, which need not be there yet.
+/// The file that a write to this path makes or replaces: symbolic links are followed, also to a file that does not exist yet.
 std::string link_target(const std::string& path);
 
-/// Fails early when a result could not be written at the end: checks name, links and folder of a path that is not empty.
+/// Fails early where a result could not be written at the end: checks name, links and folder of a path that is not empty.
 void check_writable(const std::string& path);
 
 /// Makes the directory and those above it; one that exists is kept.

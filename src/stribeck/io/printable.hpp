@@ -1,8 +1,8 @@
 #pragma once
-/// Texts of users and of foreign files on their way to a terminal, a page, or a line of a file that another program obeys.
+/// Makes texts of users and of foreign files safe for terminals, pages, and lines of files that other programs obey.
 ///
-/// What printable() leaves out: control characters (U+0000 to U+001F, U+007F to U+009F), separators of lines and paragraphs, and the
-/// characters that turn the direction of writing (Unicode Standard Annex 9, table 1).
+/// Removed are control characters (U+0000 to U+001F, U+007F to U+009F), separators of lines and paragraphs, and the characters that
+/// change the direction of writing (Unicode Standard Annex 9, table 1).
 /// Real time: no.
 
 #include <cstddef>
@@ -11,21 +11,22 @@
 
 namespace stribeck::io {
 
-/// A text that a terminal only shows, on one line: what it would obey is a blank, bytes that are no UTF-8 (RFC 3629) are U+FFFD.
+/// A text that is safe to show in a terminal, on one line: removed characters become blanks, bytes that are not UTF-8 (RFC 3629) become
+/// U+FFFD.
 std::string printable(std::string_view text);
 
-/// The same with its line feeds.
+/// The same, but line feeds are kept.
 std::string printable_lines(std::string_view text);
 
-/// Its begin and its end, where it has more bytes than `most`.
+/// The text itself, or its begin and its end if it has more bytes than `most`.
 std::string shortened(std::string_view text, std::size_t most);
 
-/// A text as part of one line of a file that another program obeys: printable, at most `most` bytes, and no backslash at its end,
-/// which would continue the line.
+/// A text that is safe as part of one line of a file that another program obeys: printable, at most `most` bytes, and without a
+/// backslash at its end, which would continue the line.
 std::string one_line(std::string_view text, std::size_t most = 120);
 
-/// Lines of a comment that begin with "# ", each of at most 200 bytes: LinuxCNC reads lines of 255, and takes the rest of a longer one
-/// for a line of its own.
+/// A text as lines of a comment. Each begins with "# " and has at most 200 bytes: LinuxCNC reads at most 255 bytes of a line, and takes
+/// the rest for a new line.
 std::string comment_lines(std::string_view text);
 
 }  // namespace stribeck::io

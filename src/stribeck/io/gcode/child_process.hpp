@@ -1,8 +1,8 @@
 #pragma once
-/// Another program, run with its output in pipes. It does not outlive this one, however this one ends.
+/// Runs another program with its output in pipes. That program ends when this one ends, for any reason.
 ///
-/// It is a process group of its own, which the kernel ends when the thread that began it ends (PR_SET_PDEATHSIG of Linux), and has a
-/// limit of processor time. What it begins itself ends with it only where this object is destroyed.
+/// The kernel kills it when the thread that started it ends (PR_SET_PDEATHSIG of Linux). It has a process group of its own and a limit of
+/// processor time. Processes that it starts itself end only if this object is destroyed.
 /// Real time: no.
 
 #include <sys/types.h>
@@ -20,13 +20,13 @@ class ChildProcess {
     int inherited = -1;  ///< stays open under the same number
   };
 
-  /// The first word is looked for in PATH. error() tells whether it runs.
+  /// The first word is searched in PATH. error() tells whether the program runs.
   ChildProcess(const std::vector<std::string>& words, const Files& files, double processor_seconds);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// 0, or why it could not be run.
+  /// 0, or the reason why it could not be run.
   [[nodiscard]] int error() const noexcept { return error_; }
   /// Its status, as of waitpid.
   int wait();

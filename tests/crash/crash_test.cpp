@@ -1,0 +1,253 @@
+// The program is killed, or the disk is full, at every single call that changes a file (shim.c): each file is the earlier one or the
+// new one, whole, and nothing is left lying about.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <map>
+#include <random>
+#include <stribeck/io/test_folder.hpp>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace stribeck::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+using Texts = std::map<std::string, std::string>;
+
+/// Status of waitpid; what it prints is in `said`.
+int run(const Folder& f, std::vector<std::string> words, std::vector<std::string> settings = {}) {
+  words.insert(words.begin(), STRIBECK_PROGRAM);
+  std::vector<char*> argv;
+  for (auto& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+  const std::string said = f / "said";
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!settings.empty()) setenv("LD_PRELOAD", STRIBECK_SHIM, 1);
+    for (const std::string& s : settings) {
+      const auto at = s.find('=');
+      setenv(s.substr(0, at).c_str(), s.substr(at + 1).c_str(), 1);
+    }
+    if (std::freopen(said.c_str(), "w", stdout) == nullptr || dup2(STDOUT_FILENO, STDERR_FILENO) < 0)
+      _exit(99);
+    execv(argv[0], argv.data());
+    _exit(98);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+/// Every file below a folder.
+Texts texts_in(const std::string& folder) {
+  Texts texts;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file())
+      texts[fs::relative(entry.path(), folder).string()] = text_of(entry.path().string());
+  }
+  return texts;
+}
+
+/// A verb and what it writes, all below "out".
+struct Verb {
+  std::string name;
+  std::vector<std::string> words;
+};
+
+class Crash : public testing::Test {
+ protected:
+  void SetUp() override {
+    machine_ = std::string(STRIBECK_SOURCE_DIR) + "/machines/uniaxial-drive.toml";
+    ASSERT_EQ(run(f, {"excite", machine_, "--axis", "x", "--method", "sine", "-o", f / "ref.csv"}), 0)
+        << text_of(f / "said");
+    ASSERT_EQ(
+        run(f, {"simulate", machine_, "--reference", f / "ref.csv", "--axis", "x", "-o", f / "log.csv"}), 0)
+        << text_of(f / "said");
+    ASSERT_EQ(run(f, {"identify", f / "log.csv", "-o", f / "x.toml"}), 0) << text_of(f / "said");
+  }
+
+  [[nodiscard]] std::string out(const std::string& name) const { return f / ("out/" + name); }
+
+  [[nodiscard]] std::vector<Verb> verbs() const {
+    const std::string json = out("r.json");
+    const std::string page = out("page");
+    return {{"excite",
+             {"excite", machine_, "--axis", "x", "--method", "jog", "-o", out("a.csv"), "--gcode",
+              out("a.ngc"), "--json", json}},
+            {"simulate",
+             {"simulate", machine_, "--reference", f / "ref.csv", "--axis", "x", "-o", out("a.csv"), "--json",
+              json, "--report", page}},
+            {"identify", {"identify", f / "log.csv", "-o", out("a.toml"), "--json", json, "--report", page}},
+            {"verify", {"verify", f / "x.toml", f / "log.csv", "--json", json, "--report", page}},
+            {"export",
+             {"export", machine_, "--to", "linuxcnc", "--parameters", "commissioning", "-o", out("c"),
+              "--json", json}},
+            {"reference", {"reference", "-o", f / "out"}}};
+  }
+
+  /// The state before: what an earlier run of the verb left, with every file changed except those that export would refuse.
+  Texts set_up(const Verb& verb) const {
+    fs::remove_all(f / "out");
+    fs::create_directories(f / "out/page");
+    std::vector<std::string> words = verb.words;
+    if (verb.name == "export") words.insert(words.end(), {"--omega", "20 rad/s"});
+    EXPECT_EQ(run(f, words), 0) << verb.name << ": " << text_of(f / "said");
+    if (verb.name != "export") {
+      for (const auto& [name, unused] : texts_in(f / "out"))
+        static_cast<void>(f.write("out/" + name, "earlier " + name));
+    }
+    return texts_in(f / "out");
+  }
+
+  /// The same again, without a run.
+  void restore(const Texts& earlier) const {
+    fs::remove_all(f / "out");
+    fs::create_directories(f / "out/page");
+    for (const auto& [name, text] : earlier) {
+      fs::create_directories(fs::path(out(name)).parent_path());
+      static_cast<void>(f.write("out/" + name, text));
+    }
+  }
+
+  /// What a whole run makes of it.
+  Texts after(const Verb& verb) const {
+    EXPECT_EQ(run(f, verb.words), 0) << verb.name << ": " << text_of(f / "said");
+    return texts_in(f / "out");
+  }
+
+  void kill_everywhere(const Verb& verb, bool named) const;
+
+  Folder f;
+  std::string machine_;
+};
+
+void Crash::kill_everywhere(const Verb& verb, bool named) const {
+  const Texts earlier = set_up(verb);
+  const Texts whole = after(verb);
+  ASSERT_GE(whole.size(), 2U) << verb.name;
+  // A folder of many files is written by the same calls over and over.
+  for (int k = 1;; k += k < 24 ? 1 : 7) {
+    ASSERT_LT(k, 1000);
+    restore(earlier);
+    std::vector<std::string> settings{"STRIBECK_TEST_KILL=" + std::to_string(k)};
+    if (named) settings.emplace_back("STRIBECK_TEST_NAMED=1");
+    const int status = run(f, verb.words, settings);
+    if (WIFEXITED(status)) {
+      EXPECT_EQ(WEXITSTATUS(status), 0);
+      EXPECT_GT(k, 5) << verb.name << " was never killed";
+      break;
+    }
+    ASSERT_EQ(WTERMSIG(status), SIGKILL);
+    std::size_t left = 0;
+    for (const auto& [name, text] : texts_in(f / "out")) {
+      if (fs::path(name).filename().string().starts_with(".stribeck-")) {
+        ++left;
+        continue;
+      }
+      ASSERT_TRUE(earlier.contains(name)) << verb.name << " at call " << k << ": " << name;
+      EXPECT_TRUE(text == earlier.at(name) || text == whole.at(name))
+          << verb.name << " at call " << k << ": " << name << " is neither the earlier nor the new one";
+    }
+    // A file without a name has one for two calls only.
+    if (!named) {
+      EXPECT_LE(left, 1U) << verb.name << " at call " << k;
+    }
+    // The next run mends what there is, and clears away.
+    EXPECT_EQ(after(verb), whole) << verb.name << " after call " << k;
+  }
+}
+
+TEST_F(Crash, KilledAnywhereLeavesEarlierOrNewFiles) {
+  for (const Verb& verb : verbs()) {
+    SCOPED_TRACE(verb.name);
+    kill_everywhere(verb, false);
+  }
+}
+
+TEST_F(Crash, WhereEveryFileHasAName) {
+  const auto all = verbs();
+  kill_everywhere(all[0], true);
+  kill_everywhere(all[4], true);
+}
+
+TEST_F(Crash, AFullDiskLeavesWhatWasThere) {
+  for (const Verb& verb : verbs()) {
+    const Texts earlier = set_up(verb);
+    for (int k = 1;; k += k < 24 ? 1 : 7) {
+      const int status = run(f, verb.words, {"STRIBECK_TEST_FULL=" + std::to_string(k)});
+      ASSERT_TRUE(WIFEXITED(status));
+      const Texts now = texts_in(f / "out");
+      // The names are given when all is on the disk: all are new then.
+      if (WEXITSTATUS(status) == 0 || now != earlier) {
+        EXPECT_EQ(now, after(verb)) << verb.name << " at call " << k;
+        EXPECT_GT(k, 3) << verb.name;
+        break;
+      }
+      EXPECT_EQ(WEXITSTATUS(status), 2) << verb.name << " at call " << k;
+      EXPECT_THAT(text_of(f / "said"), HasSubstr("No space left")) << verb.name << " at call " << k;
+    }
+  }
+}
+
+// Several at once on the same files: one of them wins, whole.
+TEST_F(Crash, SeveralAtOnceLeaveOneWholeFile) {
+  const Verb verb = verbs()[0];
+  static_cast<void>(set_up(verb));
+  const Texts whole = after(verb);
+  std::vector<pid_t> children;
+  for (int i = 0; i < 8; ++i) {
+    const pid_t child = fork();
+    if (child == 0)
+      _exit(
+          WEXITSTATUS(run(f, verb.words, {i % 2 == 0 ? "STRIBECK_TEST_NAMED=1" : "STRIBECK_TEST_NAMED=0"})));
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0) << text_of(f / "said");
+  }
+  EXPECT_EQ(texts_in(f / "out"), whole);
+}
+
+// Random moments of the verbs that compute for seconds.
+TEST_F(Crash, KilledAtRandomMomentsOfTheLongVerbs) {
+  constexpr unsigned kSeed = 11;
+  std::mt19937 random(kSeed);
+  const std::string biaxial = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
+  const std::vector<Verb> longer{
+      {"compare",
+       {"compare", biaxial, "--speed", "9.5 mm/s", "--trials", "1", "--controller", "contouring",
+        "--parameters", "thesis", "--json", out("r.json"), "--report", out("page")}},
+      {"tune",
+       {"tune", biaxial, "--controller", "contouring", "--parameters", "thesis", "--trials", "1",
+        "--evaluations", "10", "-o", out("tuned.toml"), "--json", out("r.json"), "--report", out("page")}},
+      {"reproduce",
+       {"reproduce", "uni-sim", "--trials", "1", "--json", out("r.json"), "--report", out("page"),
+        "--markdown", out("r.md")}}};
+  for (const Verb& verb : longer) {
+    const Texts earlier = set_up(verb);
+    const Texts whole = after(verb);
+    for (int i = 0; i < 6; ++i) {
+      restore(earlier);
+      const int k = 1 + static_cast<int>(random() % 16);
+      static_cast<void>(run(f, verb.words, {"STRIBECK_TEST_KILL=" + std::to_string(k)}));
+      for (const auto& [name, text] : texts_in(f / "out")) {
+        if (fs::path(name).filename().string().starts_with(".stribeck-")) continue;
+        EXPECT_TRUE(text == earlier.at(name) || text == whole.at(name))
+            << verb.name << ", seed " << kSeed << ", call " << k << ": " << name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::test
