@@ -371,7 +371,9 @@ TEST(BadOutput, LinksThatLeadNowhere) {
 
 TEST(BadOutput, AnAxisFileIsReadBeforeTheWork) {
   const Folder folder;
-  const std::string broken = folder.write("x.toml", "mass = \"heavy\"\n");
+  const std::string broken = folder.write("x.toml",
+                                          "mass = \"heavy\"\n[friction.steady]\nkind = \"conventional\"\n"
+                                          "alpha0 = \"15 N\"\nalpha2 = \"3 N s/mm\"\n");
   // Identification of this machine says no, with code 1: it has not begun.
   std::string stiff = text_of(kMachine);
   stiff.replace(stiff.find("sigma0 = \"3e5 N/mm\""), 19, "sigma0 = \"3e12 N/mm\"");

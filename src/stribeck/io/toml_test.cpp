@@ -274,6 +274,25 @@ TEST(Toml, RoundTripsBitForBit) {
   }
 }
 
+struct Noise {
+  double rms = 0.0;
+  double time = 0.0;  ///< 0: none
+
+  static constexpr auto fields() {
+    return std::tuple{
+        field("rms", &Noise::rms, quantity("N", "N").not_negative(), "standard deviation"),
+        field("time", &Noise::time, quantity("s", "ms").positive(), "correlation time").or_default()};
+  }
+  bool operator==(const Noise&) const = default;
+};
+
+TEST(Toml, ADefaultThatNoFileMaySetIsLeftOut) {
+  const Noise white{0.5, 0.0};
+  EXPECT_EQ(read_toml_text<Noise>(write_toml(white), "noise.toml"), white);
+  const Noise coloured{0.5, 0.01};
+  EXPECT_EQ(read_toml_text<Noise>(write_toml(coloured), "noise.toml"), coloured);
+}
+
 TEST(Toml, WritesWhatAPersonWouldWrite) {
   Machine m;
   m.name = "m";

@@ -57,12 +57,22 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// Members to write: not absent ones, and no setting that a reader would refuse because it has no effect.
+/// A number that stands for "left out": the default lies outside the range that a reader accepts.
+bool stands_for_nothing(const Value& group, const Member& m) {
+  if (m.required() || m.value.kind() != Kind::kNumber) return false;
+  const double x = m.value.number();
+  const Quantity& q = m.info.quantity;
+  const bool inside = x <= q.max && (q.min_excluded ? x > q.min : x >= q.min);
+  return !inside && is_initial(group, m);
+}
+
+/// Nothing that is left out, and no setting that a reader would refuse because it has no effect.
 template <class F>
 void for_each_written(const Value& group, F&& f) {
   for_each_member(group, [&](const Member& m) {
     if (m.value.kind() == Kind::kOptional && m.value.size() == 0) return;
     if (!m.has_effect() && !is_initial(group, m)) return;
+    if (stands_for_nothing(group, m)) return;
     f(m);
   });
 }
