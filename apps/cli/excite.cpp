@@ -76,7 +76,8 @@ int excite(const Options& o) {
   const std::vector<std::string> notes = safety_notes(safe, machine, axis);
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
     if (!path.empty())
-      io::write_atomically(path, ident::excitation::as_gcode(e, o.axis, io::one_line(machine.name)));
+      io::write_atomically(
+          path, with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(machine.name)), notes));
   }
   sim::Recording table;
   table.t = e.t;
