@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
@@ -66,6 +68,36 @@ TEST(Replay, PredictsTheVelocityOfEmpsInOpenLoop) {
   EXPECT_NEAR(100.0 * plain.restarted.velocity_relative, 4.82, 0.1);
   EXPECT_NEAR(100.0 * rich.restarted.velocity_relative, 1.74, 0.1);
   EXPECT_EQ(plain.starts.size(), 8u);  // four cycles
+}
+
+// The published protocol prints 4.0834 % for these parameters.
+TEST(ForceError, IsThatOfTheEmpsBenchmarkToTheDigit) {
+  STRIBECK_RECORDING(log, "emps/emps.csv");
+  const ident::log::Record record = emps(log);
+  const ident::replay::ForceError plain = ident::replay::force_error(published(), record);
+  EXPECT_NEAR(100.0 * plain.relative, 4.0834, 0.0001);
+  EXPECT_FALSE(plain.shifted);
+  const ident::replay::ForceError rich = ident::replay::force_error(richer(), record);
+  EXPECT_LT(100.0 * rich.own_relative, 2.2);
+  EXPECT_GT(100.0 * rich.own_relative, 1.5);
+  ASSERT_EQ(rich.phases.size(), 1u);
+  EXPECT_TRUE(rich.phases[0].determined);
+  EXPECT_FALSE(rich.phases[0].differs);
+  const ident::replay::ControllerCheck check = ident::replay::check_controller(kEmps, record);
+  EXPECT_NEAR(100.0 * check.relative, 0.25, 0.02);  // 0.0037 V, says the archive
+}
+
+// The same record after another homing: positions 0.7 mm further on.
+TEST(ForceError, FindsTheNewPhaseOfEmps) {
+  STRIBECK_RECORDING(log, "emps/emps.csv");
+  ident::log::Record record = emps(log);
+  for (auto* column : {&record.x, &record.r}) {
+    for (double& x : *column) x += 0.7e-3;
+  }
+  const ident::replay::ForceError e = ident::replay::force_error(richer(), record);
+  EXPECT_TRUE(e.phases[0].differs);
+  EXPECT_NEAR(e.phases[0].found - e.phases[0].stored, 2.0 * kPi * 0.7 / 2.5, 0.2);
+  EXPECT_GT(e.filed_relative, 1.2 * e.own_relative);
 }
 
 TEST(Replay, VerbSaysTheSame) {

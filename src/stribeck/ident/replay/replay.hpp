@@ -32,6 +32,7 @@ namespace stribeck::ident::replay {
 
 struct ReplayOptions {
   double delay = 0.0;  ///< how much later a force acts than it is logged [s]; may be negative in open loop
+  std::vector<double> added{};  ///< closed loop: to the force of the controller, per row [N]; empty: nothing
 };
 
 /// Predicted columns, one entry per row of the record, and how far they are from the measured ones.
@@ -62,6 +63,17 @@ OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& r
 /// The record must hold the reference; the delay must not be negative.
 Replay replay_closed_loop(const friction::AxisModel& model, const ReplayController& controller,
                           const log::Record& record, const ReplayOptions& options = {});
+
+/// Whether a controller makes the logged force out of the logged positions.
+struct ControllerCheck {
+  double relative = std::numeric_limits<double>::quiet_NaN();  ///< ‖logged − made‖/‖logged‖
+  double added_share =
+      0.0;  ///< of the rows in which something was added to the command; 0: nothing, or no telling
+  double added_rms = 0.0;     ///< of it, in these rows [N]
+  std::vector<double> added;  ///< what was, per row [N]; empty: nothing
+};
+/// The record must hold the reference. Something was added where most rows agree and the others differ by far more.
+ControllerCheck check_controller(const ReplayController& controller, const log::Record& record);
 
 /// Position and velocity from which a replay starts at a row, estimated from this row and those after it; `noise` is that of
 /// x [m].

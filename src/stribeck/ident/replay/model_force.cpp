@@ -1,0 +1,270 @@
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/log/filter.hpp>
+#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+#include <utility>
+
+namespace stribeck::ident::replay {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Column = std::vector<double>;
+
+constexpr int kOrder = 4;
+constexpr double kHighestShare = 0.8;  // of half the rate, for the low-pass of a slow log
+constexpr std::size_t kFewestRows = 40;
+constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1e-3 rows in the last one
+constexpr double kMostShift = 100.0;  // rows
+constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
+constexpr double kWholePart = 0.01;
+constexpr double kWorthPhase = 0.1 * kPi;
+
+Column derivative(const Column& y, double T) {
+  const std::size_t n = y.size();
+  Column d(n);
+  for (std::size_t k = 1; k + 1 < n; ++k) d[k] = (y[k + 1] - y[k - 1]) / (2.0 * T);
+  d[0] = (y[1] - y[0]) / T;
+  d[n - 1] = (y[n - 1] - y[n - 2]) / T;
+  return d;
+}
+
+struct Filtered {
+  double period = 0.0;  ///< T [s]
+  Column x, v, a;
+};
+
+/// Friction at every row under the measured motion; bristles go along with it.
+Column friction_of(const friction::Model& model, const Filtered& m, double first_push) {
+  const std::size_t n = m.x.size();
+  Column f(n);
+  std::visit(
+      [&]<class Base, class Law>(const Base& base, const Law& law) {
+        const friction::Composed<Base> map{base, model.eccentric};
+        if constexpr (friction::PreSlidingLaw<Law>) {
+          typename Law::State state{};
+          const auto begin = map.parts(m.v[0], m.x[0]);
+          if (m.v[0] != 0.0) {
+            law.slide(state, m.v[0] > 0.0 ? begin.level : -begin.level);
+          } else {
+            law.carry(state, std::clamp(first_push - begin.additive, -begin.level, begin.level));
+          }
+          for (std::size_t k = 0; k < n; ++k) {
+            if (k > 0) {
+              const double v = 0.5 * (m.v[k - 1] + m.v[k]);
+              law.advance(state, v, map.parts(v, m.x[k]).level, m.period);
+            }
+            const auto p = map.parts(m.v[k], m.x[k]);
+            f[k] = law.bristle(state, m.v[k], p.level, 1.0) + p.viscous + p.additive;
+          }
+        } else {
+          for (std::size_t k = 0; k < n; ++k) f[k] = friction::steady_force(map, m.v[k], m.x[k]);
+        }
+      },
+      model.steady, model.dynamics);
+  return f;
+}
+
+double within_pi(double angle) { return std::remainder(angle, 2.0 * kPi); }
+
+class Scored {
+ public:
+  Scored(const friction::AxisModel& model, const log::Record& record, const ForceOptions& options)
+      : model_(model), record_(record), options_(options) {
+    const double T = record.sample_time;
+    out_.cut_off = std::min(options.cut_off, kHighestShare * 0.5 / T);
+    out_.factor = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(options.row_time / T)));
+    out_.band = out_.factor > 1 ? kHighestShare * 0.5 / (T * static_cast<double>(out_.factor)) : out_.cut_off;
+  }
+
+  ForceError run() {
+    const std::size_t n = record_.x.size();
+    if (n < options_.drop + kFewestRows * out_.factor) return std::move(out_);
+    motion_.period = record_.sample_time;
+    motion_.x =
+        log::forward_backward(log::butterworth(kOrder, out_.cut_off * 2.0 * motion_.period), record_.x);
+    motion_.v = derivative(motion_.x, motion_.period);
+    motion_.a = derivative(motion_.v, motion_.period);
+    out_.measured = thin(record_.f);
+    pick_rows();
+    if (used_.size() < kFewestRows) return std::move(out_);
+    const Column plain = thin(force_of(model_.friction));
+    std::tie(out_.relative, out_.rms) = error_of(plain);
+    fit_own();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] Column thin(const Column& column) const {
+    const Column kept(column.begin() + static_cast<std::ptrdiff_t>(options_.drop), column.end());
+    return out_.factor > 1 ? log::decimate(kept, out_.factor) : kept;
+  }
+
+  /// Row of the record behind each decimated one, counted back from the end as decimate() does; rows that count.
+  void pick_rows() {
+    const std::size_t n = record_.x.size();
+    const std::size_t m = out_.measured.size();
+    out_.row.resize(m);
+    for (std::size_t i = 0; i < m; ++i) {
+      out_.row[i] = n - 1 - (m - 1 - i) * out_.factor;
+      if (record_.skip.empty() || record_.skip[out_.row[i]] == 0) used_.push_back(i);
+    }
+  }
+
+  [[nodiscard]] Column force_of(const friction::Model& friction) const {
+    Column f = friction_of(friction, motion_, record_.f[0] - model_.load);
+    for (std::size_t k = 0; k < f.size(); ++k) f[k] += model_.mass * motion_.a[k] + model_.load;
+    return f;
+  }
+
+  [[nodiscard]] std::pair<double, double> error_of(const Column& modelled) const {
+    double ee = 0.0, ff = 0.0;
+    for (const std::size_t i : used_) {
+      ee += std::pow(out_.measured[i] - modelled[i], 2.0);
+      ff += out_.measured[i] * out_.measured[i];
+    }
+    return {ff > 0.0 ? std::sqrt(ee / ff) : kNaN, std::sqrt(ee / static_cast<double>(used_.size()))};
+  }
+
+  /// Columns of the shift (unless it is known) and of sine and cosine of each periodic term.
+  [[nodiscard]] MatrixXd regressors(const Column& modelled) const {
+    const auto& terms = model_.friction.eccentric;
+    const Index first = options_.shift ? 0 : 1;
+    MatrixXd X(static_cast<Index>(used_.size()), first + 2 * static_cast<Index>(terms.size()));
+    const auto put = [&](Index j, const Column& column) {
+      const Column c = thin(column);
+      for (std::size_t i = 0; i < used_.size(); ++i) X(static_cast<Index>(i), j) = -c[used_[i]];
+    };
+    if (first > 0) put(0, derivative(modelled, 1.0));
+    Index j = first;
+    for (const auto& term : terms) {
+      Column s(motion_.x.size()), c(motion_.x.size());
+      for (std::size_t k = 0; k < s.size(); ++k) {
+        const double angle = 2.0 * kPi * motion_.x[k] / term.period;
+        const double sign =
+            term.form == friction::EccentricForm::kAdditive || motion_.v[k] > 0.0 ? -1.0 : 1.0;
+        s[k] = sign * std::sin(angle);
+        c[k] = sign * std::cos(angle);
+      }
+      put(j++, s);
+      put(j++, c);
+    }
+    return X;
+  }
+
+  void fit_own();
+  [[nodiscard]] double phase_used(std::size_t j) const;
+  void judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step, const std::vector<double>& phase);
+
+  const friction::AxisModel& model_;
+  const log::Record& record_;
+  const ForceOptions& options_;
+  Filtered motion_;
+  std::vector<std::size_t> used_;  ///< decimated rows that count
+  double shift_ = 0.0;             ///< [rows]
+  ForceError out_;
+};
+
+void Scored::fit_own() {
+  const double T = record_.sample_time;
+  const double expected = -0.5 - model_.delay / T;  // a held force belongs to the motion half a row later
+  shift_ = options_.shift ? *options_.shift / T : expected;
+  friction::Model friction = model_.friction;
+  std::vector<double> phase;
+  for (const auto& term : friction.eccentric) phase.push_back(term.phase);
+  MatrixXd X;
+  VectorXd e(static_cast<Index>(used_.size())), step;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t j = 0; j < phase.size(); ++j) friction.eccentric[j].phase = phase[j];
+    const Column modelled = force_of(friction);
+    out_.modelled = thin(modelled);
+    out_.measured = thin(log::align_force(record_.f, shift_));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      e(static_cast<Index>(i)) = out_.measured[used_[i]] - out_.modelled[used_[i]];
+    X = regressors(modelled);
+    if (X.cols() == 0) break;
+    step = stats::least_squares(X, e).x;
+    if (pass + 1 == kPasses) break;
+    Index j = 0;
+    if (!options_.shift)
+      shift_ = std::clamp(shift_ + std::clamp(step(j++), -2.0, 2.0), -kMostShift, kMostShift);
+    for (std::size_t i = 0; i < phase.size(); ++i, j += 2) {
+      const double A = friction.eccentric[i].amplitude;
+      const double s = A * std::cos(phase[i]) + step(j), c = -A * std::sin(phase[i]) + step(j + 1);
+      phase[i] = std::atan2(-c, s);
+    }
+  }
+  judge(X, e, step, phase);
+  if (!options_.shift && !out_.shifted) shift_ = expected;
+  out_.measured = thin(log::align_force(record_.f, shift_));
+  out_.modelled = thin(force_of(model_.friction));
+  std::tie(out_.filed_relative, out_.filed_rms) = error_of(out_.modelled);
+  for (std::size_t j = 0; j < phase.size(); ++j) friction.eccentric[j].phase = phase_used(j);
+  out_.modelled = thin(force_of(friction));
+  std::tie(out_.own_relative, out_.own_rms) = error_of(out_.modelled);
+}
+
+/// Phase of a term in this record. What the record does not tell moves with a term that it is a whole part of, as a new
+/// homing position moves both; else it stays.
+double Scored::phase_used(std::size_t j) const {
+  const RecordPhase& own = out_.phases[j];
+  if (own.determined) return own.found;
+  for (const RecordPhase& p : out_.phases) {
+    const double ratio = p.period / own.period;
+    if (p.determined && ratio > 1.5 && std::abs(ratio - std::round(ratio)) < kWholePart)
+      return own.stored + (p.found - p.stored) * std::round(ratio);
+  }
+  return own.stored;
+}
+
+void Scored::judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step,
+                   const std::vector<double>& phase) {
+  const double T = record_.sample_time;
+  out_.shift = shift_ * T;
+  out_.shift_half = 0.0;
+  if (X.cols() == 0) return;
+  const MatrixXd inverse = stats::pseudo_inverse(stats::gram(X));
+  const stats::Uncertainty uncertainty(X, e - X * step, inverse, std::vector<int>(used_.size(), 0), used_);
+  Index j = 0;
+  if (!options_.shift) {
+    const double half = uncertainty.half_width(VectorXd::Unit(X.cols(), j++));
+    const double off = std::abs(shift_ + 0.5 + model_.delay / T);
+    out_.shift_half = half * T;
+    out_.shifted = std::isfinite(half) && std::abs(shift_) < kMostShift && off > std::max(half, kWorthShift);
+  }
+  for (std::size_t i = 0; i < phase.size(); ++i, j += 2) {
+    const auto& term = model_.friction.eccentric[i];
+    const double s = term.amplitude * std::cos(phase[i]) + step(j);
+    const double c = -term.amplitude * std::sin(phase[i]) + step(j + 1);
+    const double size = std::hypot(s, c);
+    VectorXd along = VectorXd::Zero(X.cols()), across = along;
+    along(j) = s / size, along(j + 1) = c / size;
+    across(j) = c / (size * size), across(j + 1) = -s / (size * size);
+    RecordPhase one;
+    one.period = term.period;
+    one.stored = term.phase;
+    one.found = term.phase + within_pi(phase[i] - term.phase);
+    one.half_width = uncertainty.half_width(across);
+    one.determined = uncertainty.half_width(along) < size && one.half_width < 0.5 * kPi;
+    one.differs = one.determined && std::abs(one.found - one.stored) > std::max(one.half_width, kWorthPhase);
+    out_.phases.push_back(one);
+  }
+}
+
+}  // namespace
+
+ForceError force_error(const friction::AxisModel& model, const log::Record& record,
+                       const ForceOptions& options) {
+  const auto wrong = log::problems(record);
+  if (!wrong.empty()) throw Refused(wrong.front());
+  return Scored(model, record, options).run();
+}
+
+}  // namespace stribeck::ident::replay

@@ -1,0 +1,70 @@
+#pragma once
+/// The force that a model asks for under the measured motion, beside the logged one: the error of the model as the
+/// EMPS benchmark defines it, and the shift and phases that belong to this record.
+///
+///   f̂ = m·a + load + F(v, x, bristles)        error = ‖f − f̂‖/‖f‖ over the decimated rows
+///
+/// Protocol: x through a Butterworth filter of order 4 at 100 Hz, forward and backward; v and a by two central
+/// differences; the first 49 rows dropped; f and f̂ decimated to 100 rows a second (Chebyshev filter of order 8, flat
+/// to 40 Hz). At 1 ms these are the published steps to the digit. A slower log is filtered at 0.8 of half its rate at
+/// most, and decimated by a smaller whole number.
+///
+/// The protocol pairs force k with motion k. The other two errors take out what belongs to the record and not to the
+/// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: −½ row and the model's delay, unless
+/// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
+/// least squares on the same rows; amplitudes and everything else stay as they are.
+///
+/// Rows that the record marks `skip` do not count. Friction without pre-sliding is that of sgn v.
+/// Source: see methods/idim_ls.hpp. Not modelled: a delay that changes. Real time: no.
+/// Errors: Refused for a record with problems().
+
+#include <cstddef>
+#include <optional>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/result.hpp>
+#include <vector>
+
+namespace stribeck::ident::replay {
+
+struct ForceOptions {
+  double cut_off = 100.0;       ///< of the Butterworth filter [Hz]
+  double row_time = 10e-3;      ///< between decimated rows, at least [s]
+  std::size_t drop = 49;        ///< rows at the start
+  std::optional<double> shift;  ///< known shift of the force [s]; absent: estimated
+};
+
+/// Phase of one periodic term in this record.
+struct RecordPhase {
+  double period = 0.0;      ///< of the term [m]
+  double stored = 0.0;      ///< in the model [rad]
+  double found = 0.0;       ///< in the record [rad], within π of the stored one
+  double half_width = 0.0;  ///< of 95 % [rad]
+  bool determined = false;  ///< the record tells it; else `stored` is used
+  bool differs = false;     ///< by more than the interval, and by a twentieth of a turn at least
+};
+
+struct ForceError {
+  double relative = kNaN;        ///< by the protocol, force k beside motion k; NaN: the record is too short
+  double rms = kNaN;             ///< the same [N]
+  double filed_relative = kNaN;  ///< the model as it stands, the force aligned by the shift
+  double filed_rms = kNaN;       ///< [N]
+  double own_relative = kNaN;    ///< with the phases of this record too
+  double own_rms = kNaN;         ///< [N]
+  double shift = kNaN;           ///< s [s]; > 0: the force stands later in the log than its motion
+  double shift_half = kNaN;      ///< half width of 95 % [s]
+  bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
+  std::vector<RecordPhase> phases;
+  double cut_off = kNaN;         ///< that was used [Hz]
+  double band = kNaN;            ///< up to which the decimated rows are flat [Hz]
+  std::size_t factor = 1;        ///< of the decimation
+  std::vector<std::size_t> row;  ///< of the record, of each decimated row
+  std::vector<double> measured;  ///< force of it, aligned [N]
+  std::vector<double> modelled;  ///< with the phases of this record [N]
+};
+
+ForceError force_error(const friction::AxisModel& model, const log::Record& record,
+                       const ForceOptions& options = {});
+
+}  // namespace stribeck::ident::replay

@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/replay/drift_band.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
+#include <stribeck/ident/replay/replay.hpp>
+
+namespace stribeck::ident::replay {
+namespace {
+
+constexpr double kT = 1e-3;
+
+struct Truth {
+  double mass = 100.0;
+  double coulomb = 20.0;
+  double viscous = 200.0;
+  double load = 5.0;
+  double ripple = 4.0;
+  double period = 2.5e-3;
+  double phase = 0.7;
+};
+
+/// x = 50 mm·(1 − cos 2t); the force that this motion needs, `late` seconds later in the log, with noise.
+log::Record sine_log(const Truth& truth, double late, double noise, double homing = 0.0) {
+  log::Record r;
+  r.source = "sine";
+  r.sample_time = kT;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  constexpr double w = 2.0, A = 0.05;
+  for (int k = 0; k < 16000; ++k) {
+    const double t = kT * k, then = t - late;
+    const double v = A * w * std::sin(w * then), x = A * (1.0 - std::cos(w * then));
+    r.t.push_back(t);
+    r.x.push_back(A * (1.0 - std::cos(w * t)) + homing);
+    r.f.push_back(truth.mass * A * w * w * std::cos(w * then) + truth.load + truth.viscous * v +
+                  (v > 0.0 ? truth.coulomb : -truth.coulomb) +
+                  truth.ripple * std::sin(2.0 * kPi * x / truth.period - truth.phase) +
+                  noise * normal(random));
+  }
+  return r;
+}
+
+friction::AxisModel model_of(const Truth& truth) {
+  friction::AxisModel m;
+  m.mass = truth.mass;
+  m.load = truth.load;
+  m.friction.steady = friction::Conventional<double>{truth.coulomb, truth.viscous, {}};
+  m.friction.eccentric.push_back(
+      {truth.ripple, truth.period, truth.phase, friction::EccentricForm::kAdditive});
+  return m;
+}
+
+double rms(const std::vector<double>& y) {
+  double sum = 0.0;
+  for (const double s : y) sum += s * s;
+  return std::sqrt(sum / static_cast<double>(y.size()));
+}
+
+// A mass of 10 kg too much errs by 10 kg · a: 10·0.2/√2 N RMS, whatever the friction.
+TEST(ForceError, IsTheForceThatAModelMisses) {
+  const Truth truth;
+  const log::Record record = sine_log(truth, 0.0, 0.0);
+  friction::AxisModel model = model_of(truth);
+  EXPECT_LT(force_error(model, record).relative, 0.01);
+  model.mass += 10.0;
+  const ForceError e = force_error(model, record);
+  EXPECT_NEAR(e.rms, 10.0 * 0.2 / std::sqrt(2.0), 0.03);
+  EXPECT_NEAR(e.relative, e.rms / rms(record.f), 0.01 * e.relative);
+  EXPECT_EQ(e.factor, 10u);
+  EXPECT_DOUBLE_EQ(e.cut_off, 100.0);
+  EXPECT_DOUBLE_EQ(e.band, 40.0);
+}
+
+TEST(ForceError, FindsTheShiftOfTheRecord) {
+  const Truth truth;
+  for (const double late : {-0.5e-3, 0.0, 3.3e-3, 12e-3}) {
+    const ForceError e = force_error(model_of(truth), sine_log(truth, late, 0.5));
+    EXPECT_NEAR(e.shift, late, std::max(2.0 * e.shift_half, 2e-5)) << late;
+    EXPECT_LT(e.shift_half, 2e-4);
+    EXPECT_EQ(e.shifted, late > 0.0 - 1e-9) << late;  // −½ row is a force under its hold
+  }
+}
+
+// A new homing position moves the phase by 2π·(its way)/period.
+TEST(ForceError, FindsThePhaseOfTheRecord) {
+  const Truth truth;
+  const double homing = 0.3e-3;
+  const log::Record record = sine_log(truth, -0.5e-3, 0.5, homing);
+  const ForceError e = force_error(model_of(truth), record);
+  ASSERT_EQ(e.phases.size(), 1u);
+  EXPECT_TRUE(e.phases[0].determined);
+  EXPECT_TRUE(e.phases[0].differs);
+  EXPECT_NEAR(e.phases[0].found, truth.phase + 2.0 * kPi * homing / truth.period, 0.05);
+  EXPECT_GT(e.filed_relative, 1.5 * e.own_relative);
+  const ForceError same = force_error(model_of(truth), sine_log(truth, -0.5e-3, 0.5));
+  EXPECT_FALSE(same.phases[0].differs);
+  EXPECT_FALSE(same.shifted);
+}
+
+TEST(ForceError, ShortRecordHasNone) {
+  log::Record record = sine_log(Truth{}, 0.0, 0.0);
+  for (auto* c : {&record.t, &record.x, &record.f}) c->resize(300);
+  const ForceError e = force_error(model_of(Truth{}), record);
+  EXPECT_TRUE(std::isnan(e.relative));
+  EXPECT_TRUE(e.row.empty() || e.modelled.empty());
+}
+
+// The band is that of the error which drives the drift: a free replay stays in it, and it grows with the error.
+TEST(DriftBand, HoldsTheFreeReplay) {
+  const Truth truth;
+  const log::Record record = sine_log(truth, -0.5e-3, 2.0);
+  friction::AxisModel model = model_of(truth);
+  double before = 0.0;
+  for (const double off : {0.0, 1.0, 3.0}) {
+    model.friction.steady = friction::Conventional<double>{truth.coulomb + off, truth.viscous, {}};
+    const ForceError e = force_error(model, record);
+    const OpenLoop open = replay_open_loop(model, record);
+    const DriftBand band = drift_band(model, record, e, open);
+    EXPECT_GT(band.end, before) << off;
+    EXPECT_GT(band.inside, 0.9) << off;
+    before = band.end;
+  }
+}
+
+const ReplayController kPd{PdLaw{4e5, 12e3, 0.0, 0.0}, {}};
+
+TEST(ControllerCheck, ReproducesTheCommandOrSaysByHowMuchNot) {
+  log::Record record = sine_log(Truth{}, -0.5e-3, 0.0);
+  record.r = record.x;
+  for (std::size_t k = 0; k < record.r.size(); ++k)
+    record.r[k] += 1e-6 * std::sin(0.01 * static_cast<double>(k));
+  for (std::size_t k = 0; k < record.f.size(); ++k) {
+    const double e = record.r[k] - record.x[k];
+    const double b = k > 0 ? record.r[k - 1] - record.x[k - 1] : e;
+    record.f[k] = 4e5 * e + 12e3 * (e - b) / kT;
+  }
+  const ControllerCheck right = check_controller(kPd, record);
+  EXPECT_LT(right.relative, 0.01);  // the row before the first one is not known
+  EXPECT_TRUE(right.added.empty());
+  ReplayController wrong = kPd;
+  std::get<PdLaw>(wrong.law).stiffness = 8e5;
+  EXPECT_GT(check_controller(wrong, record).relative, 0.3);
+  EXPECT_TRUE(check_controller(wrong, record).added.empty());
+  // Pulses of 30 N in a tenth of the rows.
+  for (std::size_t k = 0; k < record.f.size(); ++k) record.f[k] += k % 1000 < 100 ? 30.0 : 0.0;
+  const ControllerCheck pulses = check_controller(kPd, record);
+  ASSERT_EQ(pulses.added.size(), record.f.size());
+  EXPECT_NEAR(pulses.added_share, 0.1, 0.001);
+  EXPECT_NEAR(pulses.added_rms, 30.0, 0.1);
+  EXPECT_NEAR(pulses.added[50], 30.0, 0.1);
+  EXPECT_EQ(pulses.added[500], 0.0);
+}
+
+}  // namespace
+}  // namespace stribeck::ident::replay
