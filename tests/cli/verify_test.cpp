@@ -61,6 +61,42 @@ TEST(Verify, ComparesAxisFilesOnALog) {
   EXPECT_EQ(text_of(folder / "v.json"), before);
 }
 
+TEST(Verify, GivesAVerdictAndAnExitCode) {
+  const Folder folder;
+  const std::string axis = folder.write("axis.toml", kAxis);
+  const std::string log = folder.write("log.csv", log_text(20.0));
+  const std::string other = folder.write("other.csv", log_text(20.5));
+  const Said good = command({"verify", axis, log, other, "--json", folder / "v.json"});
+  EXPECT_EQ(good.code, 0) << good.err;
+  EXPECT_THAT(good.out, AllOf(HasSubstr("axis.toml is good: error of the force"), HasSubstr("part 2 of 2")));
+  const auto json = nlohmann::json::parse(text_of(folder / "v.json"));
+  EXPECT_EQ(json["verdicts"][0]["verdict"], "good");
+  EXPECT_EQ(json["parts"].size(), 2u);
+  // The force ten times too large, as with a wrong --gain.
+  std::string text = log_text(20.0);
+  text.replace(text.find("f [N]"), 5, "u [V]");
+  const std::string volts = folder.write("volts.csv", text);
+  const Said bad = command({"verify", axis, volts, "--gain", "10 N/V"});
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_THAT(bad.out, HasSubstr("axis.toml is not usable"));
+  EXPECT_EQ(command({"verify", axis, volts, "--gain", "10 N/V", "--usable", "1000"}).code, 0);
+  EXPECT_EQ(command({"verify", axis, log, "--good", "20", "--usable", "10"}).code, 2);
+}
+
+TEST(Verify, NoticesAnotherAxisAndAnotherController) {
+  const Folder folder;
+  const std::string axis = folder.write("x.toml", "# Axis x: identified from x.csv.\n" + kAxis);
+  const std::string log = folder.write("log.csv", "# axis: y\n" + log_text(20.0));
+  const std::string controller = folder.write("controller.toml", kController);
+  const Said said = command({"verify", axis, log, "--controller", controller});
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("x.toml was identified for axis x, but"), HasSubstr("is a log of axis y")));
+  // x = r in this log: no controller made its force.
+  EXPECT_THAT(said.out, HasSubstr("does not make the logged command out of the logged positions"));
+  const std::string same = folder.write("same.csv", "# axis: X\n" + log_text(20.0));
+  EXPECT_THAT(command({"verify", axis, same}).out, ::testing::Not(HasSubstr("was identified for axis")));
+}
+
 TEST(Verify, SaysWhatIsWrong) {
   const Folder folder;
   const std::string axis = folder.write("axis.toml", kAxis);

@@ -1,12 +1,14 @@
 #pragma once
-/// Identified models on motion that they have not seen (ident/replay.hpp): table, JSON, and the
-/// page with measured beside predicted velocity of every model, reversals in detail, and the closed loop.
+/// Identified models on motion that they have not seen (ident/replay): table, JSON, and the
+/// page with measured beside modelled force, measured beside predicted velocity of every model, reversals in detail, and
+/// the closed loop.
 ///
-///   json   {"schema": "stribeck.verify/1", "axis", "force_unit", "position_unit", "parts": [{"log", "rows",
-///           "duration_s", "restarts", "models": [{"file", "open_loop": {"velocity_rms_mm_per_s",
-///           "velocity_relative_percent", "position_rms_um", "position_max_um", "rows_outside_range"},
-///           "open_loop_free": {the same}, "closed_loop": {the same, "force_rms_N", "force_relative_percent"}
-///           or null}]}], "warnings": [...]}
+///   json   {"schema": "stribeck.verify/1", "axis", "force_unit", "position_unit", "limits_percent": {"good", "usable"},
+///           "verdicts": [{"file", "force_error_percent", "verdict"}], "parts": [{"log", "rows", "duration_s",
+///           "restarts", "controller": {"command_error_percent", "added_rows_percent", "added_rms_N"} or null, "models":
+///           [{"file", "force": {…}, "drift": {…}, "open_loop": {"velocity_rms_mm_per_s", "velocity_relative_percent",
+///           "position_rms_um", "position_max_um", "rows_outside_range"}, "open_loop_free": {the same}, "closed_loop":
+///           {the same, "force_rms_N", "force_relative_percent"} or null}]}], "warnings": [...]}
 ///
 /// "open_loop" starts anew at every reversal. Keys whose unit would be wrong are null, and the number has a key without the
 /// unit, as in identify (json.hpp).
@@ -17,8 +19,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <stribeck/ident/replay/drift_band.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stribeck::report {
@@ -26,6 +31,8 @@ namespace stribeck::report {
 struct VerifiedModel {
   std::string name = {};  ///< axis file, as the user named it
   ident::replay::OpenLoop open = {};
+  ident::replay::ForceError force = {};
+  ident::replay::DriftBand drift = {};
   std::optional<ident::replay::Replay> closed = {};
 };
 
@@ -33,6 +40,25 @@ struct VerifiedModel {
 struct VerifiedPart {
   ident::log::Record record = {};
   std::vector<VerifiedModel> models = {};
+  std::optional<ident::replay::ControllerCheck> controller = {};
+};
+
+/// Largest error of the force [%].
+struct GradeLimits {
+  double good = 5.0;
+  double usable = 15.0;
+};
+
+enum class Grade { kGood, kUsable, kNotUsable };
+std::string_view name_of(Grade grade) noexcept;
+
+/// A model on all parts together.
+struct Verdict {
+  std::string name;
+  double error =
+      0.0;  ///< share of the force, with shift and phases of each record; without it of the velocity
+  bool of_force = true;
+  Grade grade = Grade::kNotUsable;
 };
 
 struct VerifyReportInput {
@@ -42,7 +68,12 @@ struct VerifyReportInput {
   std::string source = {};  ///< log, as the user named it
   std::string command = {};
   std::string version = {};
+  GradeLimits limits = {};
 };
+
+std::vector<Verdict> verdicts(const VerifyReportInput& input);
+/// At least one model is good or usable.
+bool usable(const VerifyReportInput& input);
 
 std::string text_table(const VerifyReportInput& input);
 

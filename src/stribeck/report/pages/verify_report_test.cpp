@@ -58,6 +58,12 @@ VerifyReportInput two_models(bool closed) {
     r.position_rms = r.position_most = 1e-6 * i;
     r.outside = 3;
     m.open.free = m.open.restarted = r;
+    m.force.relative = 0.022 * i;
+    m.force.filed_relative = i == 1 ? 0.021 : 0.4;
+    m.force.own_relative = i == 1 ? 0.02 : 0.4;
+    m.force.own_rms = 1.0;
+    m.force.row = {10, 20};
+    m.drift.end = i == 1 ? 5e-5 : testing::kNaN;
     m.open.starts = {0, 52, 157, 262, 366};
     if (closed) {
       r.force_rms = 2.5 * i;
@@ -76,16 +82,22 @@ VerifyReportInput two_models(bool closed) {
 }
 
 TEST(VerifyReport, TablesForATerminal) {
-  EXPECT_EQ(text_table(two_models(false)),
-            "axis x: 400 rows, 4 reversals\n"
-            "        open loop  anew at  reversals  from the  first row\n"
-            "model    velocity    error   position  velocity      drift\n"
-            "             mm/s        %         µm         %         mm\n"
-            "a.toml       1.00     4.70       1.00      4.70    0.00100\n"
-            "b.toml       2.00     9.40       2.00      9.40    0.00200\n"
-            "RMS values; drift: largest value; error: share of the measured RMS.\n"
-            "warning: a warning\n");
-  EXPECT_THAT(text_table(two_models(true)), HasSubstr("2.50   3.50      1.00\n"));
+  EXPECT_EQ(
+      text_table(two_models(false)),
+      "axis x: 400 rows, 4 reversals\n"
+      "           force     force    stroke    stroke  free run  free run\n"
+      "model   protocol  as filed  velocity  position     drift    within\n"
+      "               %         %         %        µm        mm      ± mm\n"
+      "a.toml      2.20      2.10      4.70      1.00   0.00100    0.0500\n"
+      "b.toml      4.40     40.00      9.40      2.00   0.00200         –\n"
+      "Errors in % of the RMS of what was measured. force: under the measured motion; protocol: rows paired\n"
+      "as the EMPS benchmark does; as filed: force aligned; phases: of periodic terms, from the log. stroke:\n"
+      "open loop, anew at each reversal. free run: largest drift, and what the error of the force explains\n"
+      "(95 %). loop: closed loop.\n"
+      "a.toml is good: error of the force 2.00 % (good up to 5 %, usable up to 15 %).\n"
+      "b.toml is not usable: error of the force 40.00 % (good up to 5 %, usable up to 15 %).\n"
+      "warning: a warning\n");
+  EXPECT_THAT(text_table(two_models(true)), HasSubstr("   3.50      1.00\n"));
   // What tells two files apart survives a long path.
   VerifyReportInput deep = two_models(false);
   for (auto& m : deep.parts[0].models) m.name = "/a/very/long/way/" + m.name;
@@ -124,6 +136,29 @@ TEST(VerifyReport, JsonHoldsTheNumbers) {
   EXPECT_TRUE(json["parts"][0]["models"][0]["open_loop"]["velocity_rms_mm_per_s"].is_null());
   EXPECT_EQ(json["parts"][0]["models"][0]["open_loop"]["velocity_rms"], 1e-3);
   EXPECT_THAT(verify_report(own), Not(HasSubstr("mm/s")));
+}
+
+TEST(VerifyReport, JudgesEveryModelOnAllParts) {
+  VerifyReportInput in = two_models(false);
+  EXPECT_TRUE(usable(in));
+  in.limits = {1.0, 1.5};
+  EXPECT_FALSE(usable(in));
+  // Two parts of equal length: errors of 2 % and 6 % of one force are 4.47 % together.
+  in = two_models(false);
+  in.parts.push_back(in.parts.front());
+  in.parts[1].models[0].force.own_relative = 0.06;
+  in.parts[1].models[0].force.own_rms = 3.0;
+  const auto all = verdicts(in);
+  EXPECT_NEAR(all[0].error, std::sqrt(0.5 * (0.02 * 0.02 + 0.06 * 0.06)), 1e-12);
+  EXPECT_EQ(all[0].grade, Grade::kGood);
+  EXPECT_EQ(all[1].grade, Grade::kNotUsable);
+  // A log too short for the force is judged by the velocity.
+  for (auto& part : in.parts) part.models[0].force = {};
+  EXPECT_FALSE(verdicts(in)[0].of_force);
+  EXPECT_NEAR(verdicts(in)[0].error, 0.047, 1e-12);
+  const auto json = to_json(two_models(true));
+  EXPECT_EQ(json["verdicts"][1]["verdict"], "not usable");
+  EXPECT_DOUBLE_EQ(json["parts"][0]["models"][0]["force"]["error_percent"], 2.2);
 }
 
 TEST(VerifyReport, StandsAloneWhateverItIsCalled) {

@@ -1,0 +1,229 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <utility>
+
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/judge/verify.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+using report::VerifyReportInput;
+
+constexpr double kReproduced =
+    0.02;                            // of the force: a controller that differs by more is not that of the log
+constexpr double kMostShift = 99.0;  // rows; half a row is added
+
+struct Model {
+  std::string file;
+  std::string axis;  ///< from the comment that identify writes; empty: none
+  friction::AxisModel model;
+};
+
+/// A file of another kind breaks nearly every rule of an axis file, so one message replaces all of them.
+template <class T>
+T read_one(const std::string& path, const std::string& hint) {
+  try {
+    return io::read_toml<T>(path);
+  } catch (const io::InputError& e) {
+    io::Problem first = e.problems().front();
+    const std::size_t more = e.problems().size() - 1;
+    if (more > 0) {
+      first.message += fmt::format("; {} more problem{} ({})", more, more == 1 ? "" : "s", hint);
+    } else if (first.message.find("TOML") != std::string::npos) {
+      first.message += fmt::format(" ({})", hint);
+    }
+    throw io::InputError(std::move(first));
+  }
+}
+
+/// "x" of the first line "# Axis x: …".
+std::string axis_named_in(const std::string& path) {
+  constexpr std::string_view kBegin = "# Axis ";
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line) || !line.starts_with(kBegin)) return {};
+  const auto colon = line.find(':');
+  return colon == std::string::npos ? std::string() : line.substr(kBegin.size(), colon - kBegin.size());
+}
+
+std::vector<Model> read_models(const VerifyOptions& o) {
+  std::vector<Model> models;
+  for (const std::string& path : o.axis_files) {
+    models.push_back({path, "",
+                      read_one<friction::AxisModel>(
+                          path, "expected an axis file as identify -o writes it; the log comes last")});
+    models.back().axis = axis_named_in(path);
+  }
+  return models;
+}
+
+bool same_name(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
+    return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+  });
+}
+
+/// The model of one axis on the log of another.
+void compare_axes(const std::vector<Model>& models, const io::Log& log, const std::string& chosen,
+                  std::vector<std::string>& warnings) {
+  std::string logged = chosen;
+  if (logged.empty()) {
+    for (const auto& [key, value] : log.metadata) {
+      if (key == "axis") logged = value;
+    }
+  }
+  if (logged.empty()) return;
+  for (const Model& m : models) {
+    if (m.axis.empty() || same_name(m.axis, logged)) continue;
+    warnings.push_back(fmt::format("{} was identified for axis {}, but {} is a log of axis {}", m.file,
+                                   m.axis, log.source, logged));
+  }
+}
+
+/// The shift that was given [s].
+std::optional<double> given_shift(const VerifyOptions& o, const ident::log::Record& record) {
+  if (o.force_shift.empty()) return std::nullopt;
+  const double shift = option_si("--force-shift", o.force_shift, quantity("s", "ms"));
+  if (std::abs(shift) > kMostShift * record.sample_time) {
+    refuse_option(
+        "--force-shift",
+        fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
+                    io::in_quotes(o.force_shift), 1e3 * kMostShift * record.sample_time, kMostShift));
+  }
+  return shift;
+}
+
+/// What belongs to the record and not to the axis, in words.
+void note_differences(const std::string& file, const ident::replay::ForceError& e, bool given,
+                      std::vector<std::string>& warnings) {
+  if (e.shifted && !given) {
+    warnings.push_back(fmt::format(
+        "{}: in this log the force stands {:.3g} ± {:.2g} ms {} than its motion, which the model does not expect: taken out",
+        file, 1e3 * std::abs(e.shift), 1e3 * e.shift_half, e.shift > 0.0 ? "later" : "earlier"));
+  }
+  for (const ident::replay::RecordPhase& p : e.phases) {
+    if (!p.differs) continue;
+    warnings.push_back(fmt::format(
+        "{}: the periodic term of {:.5g} mm has the phase {:.2f} ± {:.2f} rad in this log and {:.2f} rad in the file (another homing position); with the stored phase a compensation would add to the force in place of taking it off",
+        file, 1e3 * p.period, p.found, p.half_width, p.stored));
+  }
+}
+
+class Verification {
+ public:
+  explicit Verification(const VerifyOptions& o) : o_(o), models_(read_models(o)) {
+    if (!o.controller.empty())
+      controller_ = read_one<ident::replay::ReplayController>(o.controller,
+                                                              "expected a controller, kind cascade or pd");
+    page_.axis = o.log.axis;
+    page_.limits = o.limits;
+  }
+
+  VerifyReportInput run() {
+    for (const std::string& path : o_.logs) add_log(path);
+    if (page_.parts.empty())
+      throw ident::Refused(why_.empty() ? o_.logs.front() + ": no part can be replayed" : why_);
+    return std::move(page_);
+  }
+
+ private:
+  void add_log(const std::string& path) {
+    page_.source += (page_.source.empty() ? "" : ", ") + path;
+    const io::Log log = read_log(path, o_.log);
+    page_.warnings.insert(page_.warnings.end(), log.notes.begin(), log.notes.end());
+    compare_axes(models_, log, o_.log.axis, page_.warnings);
+    const ident::log::Conditioned clean = condition_log(log, o_.log, &page_.warnings);
+    for (const ident::log::Finding& f : clean.findings) page_.warnings.push_back(f.text);
+    const bool alone = o_.logs.size() == 1 && clean.records.size() == 1;
+    for (const ident::log::Record& record : clean.records) {
+      try {
+        add_part(record);
+      } catch (const ident::Refused& e) {
+        // A piece of a cut log may be too short or stand still; the other pieces still count.
+        if (alone) throw;
+        if (why_.empty()) why_ = e.what();
+        page_.warnings.push_back(fmt::format("a part is left out: {}", e.what()));
+      }
+    }
+  }
+
+  void add_part(const ident::log::Record& record) {
+    if (record.force_unit != "N" || record.position_unit != "m") {
+      refuse_option("--gain",
+                    fmt::format("missing: an axis file holds newtons and metres, the log has {} and {}",
+                                record.force_unit, record.position_unit));
+    }
+    report::VerifiedPart part;
+    ident::replay::ReplayOptions closed;
+    if (controller_) {
+      part.controller = ident::replay::check_controller(*controller_, record);
+      note_controller(record, *part.controller);
+      closed.added = part.controller->added;
+    }
+    std::vector<std::string> notes;
+    const std::optional<double> shift = given_shift(o_, record);
+    for (const Model& m : models_) part.models.push_back(score(m, record, shift, closed, notes));
+    page_.warnings.insert(page_.warnings.end(), notes.begin(), notes.end());
+    part.record = record;
+    page_.parts.push_back(std::move(part));
+  }
+
+  report::VerifiedModel score(const Model& m, const ident::log::Record& record,
+                              const std::optional<double>& shift, ident::replay::ReplayOptions closed,
+                              std::vector<std::string>& notes) const {
+    report::VerifiedModel one;
+    one.name = m.file;
+    ident::replay::ForceOptions force;
+    force.shift = shift;
+    one.force = ident::replay::force_error(m.model, record, force);
+    note_differences(m.file, one.force, shift.has_value(), notes);
+    ident::replay::ReplayOptions open;
+    // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
+    if (shift || one.force.shifted)
+      open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostShift * record.sample_time,
+                               kMostShift * record.sample_time) -
+                   0.5 * record.sample_time;
+    one.open = ident::replay::replay_open_loop(m.model, record, open);
+    one.drift = ident::replay::drift_band(m.model, record, one.force, one.open);
+    // A measured force stands late in the log and acts at once.
+    closed.delay = std::max(0.0, open.delay);
+    if (controller_) one.closed = ident::replay::replay_closed_loop(m.model, *controller_, record, closed);
+    if (const std::size_t outside = one.open.restarted.outside; outside > 0) {
+      notes.push_back(
+          fmt::format("{}: {} of {} rows are at velocities outside the range of the identified model", m.file,
+                      outside, record.x.size()));
+    }
+    return one;
+  }
+
+  void note_controller(const ident::log::Record& record, const ident::replay::ControllerCheck& check) {
+    if (!check.added.empty()) {
+      page_.warnings.push_back(fmt::format(
+          "{}: the controller makes the logged command except in {:.3g} % of the rows, where {:.3g} N RMS was added to it; the closed loop gets the same",
+          record.source, 100.0 * check.added_share, check.added_rms));
+    } else if (check.relative > kReproduced) {
+      page_.warnings.push_back(fmt::format(
+          "{}: {} does not make the logged command out of the logged positions (it differs by {:.3g} % of the force): the closed loop compares two controllers; check its gains, its units and --gain",
+          record.source, o_.controller, 100.0 * check.relative));
+    }
+  }
+
+  const VerifyOptions& o_;
+  std::vector<Model> models_;
+  std::optional<ident::replay::ReplayController> controller_;
+  VerifyReportInput page_;
+  std::string why_;  ///< first part that was refused
+};
+
+}  // namespace
+
+VerifyReportInput verify(const VerifyOptions& options) { return Verification(options).run(); }
+
+}  // namespace stribeck::workflow
