@@ -1,0 +1,227 @@
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <stribeck/ident/residual/residual_parts.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+#include <utility>
+#include <vector>
+
+namespace stribeck::ident::residual {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kSure = 2.0;         // half widths of 95 %
+constexpr double kWorthForce = 0.05;  // of friction
+constexpr double kWorthLevel = 0.08;  // of friction, change along the travel
+constexpr double kTold = 0.05;        // share of a column that the other columns do not explain
+constexpr double kLeastTurn = 0.7;    // rad of travel, to tell sine and cosine from a straight line
+constexpr std::size_t kPlaces = 60;   // along the travel
+constexpr double kTight = 0.15;       // of friction
+constexpr double kWidestSpot = 0.2;   // of the travel
+constexpr std::size_t kFewestRows = 200;
+
+constexpr std::size_t kKnots = 7;  // of speed, each direction
+constexpr double kApart = 0.02;    // of the top speed, between knots
+
+using Columns = std::vector<std::function<double(const Row&)>>;
+
+/// Least squares of the residual on columns, those of the model first.
+struct Fit {
+  MatrixXd X;
+  VectorXd theta, left;
+  std::vector<double> half;  ///< of 95 %
+  std::vector<double> told;  ///< share of each column that the others do not explain
+  double square = 0.0;       ///< of what is left
+};
+
+/// Acceleration, and any friction over speed: straight pieces between knots for each direction, load included. A model
+/// that was fitted without a cause has taken part of it for friction; these columns give it back.
+Columns model_columns(const Rows& rows) {
+  Columns columns{[](const Row& r) { return r.a; }};
+  for (const double side : {1.0, -1.0}) {
+    std::vector<double> speed;
+    for (const Row& r : rows.rows) {
+      if (r.sign == side) speed.push_back(std::abs(r.v));
+    }
+    if (speed.empty()) continue;
+    std::vector<double> knots;
+    std::sort(speed.begin(), speed.end());
+    for (std::size_t i = 0; i < kKnots; ++i) {
+      const double v = speed[i * (speed.size() - 1) / (kKnots - 1)];
+      if (knots.empty() || v > knots.back() + kApart * speed.back()) knots.push_back(v);
+    }
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      columns.emplace_back([=](const Row& r) {
+        if (r.sign != side) return 0.0;
+        const double v = std::clamp(std::abs(r.v), knots.front(), knots.back());
+        if (i > 0 && v < knots[i]) return std::max(0.0, (v - knots[i - 1]) / (knots[i] - knots[i - 1]));
+        if (i + 1 < knots.size() && v > knots[i])
+          return std::max(0.0, (knots[i + 1] - v) / (knots[i + 1] - knots[i]));
+        return 1.0;
+      });
+    }
+  }
+  return columns;
+}
+
+Fit fit(const Rows& rows, const Columns& columns) {
+  Fit out;
+  const auto n = static_cast<Index>(rows.rows.size());
+  const auto p = static_cast<Index>(columns.size());
+  out.X.resize(n, p);
+  VectorXd e(n);
+  std::vector<int> record;
+  std::vector<std::size_t> at;
+  for (Index i = 0; i < n; ++i) {
+    const Row& r = rows.rows[static_cast<std::size_t>(i)];
+    for (Index j = 0; j < p; ++j) out.X(i, j) = columns[static_cast<std::size_t>(j)](r);
+    e(i) = r.e;
+    record.push_back(r.record);
+    at.push_back(r.at);
+  }
+  const VectorXd scale = out.X.colwise().norm().cwiseMax(1e-300);
+  const MatrixXd scaled = out.X * scale.cwiseInverse().asDiagonal();
+  const MatrixXd inverse = stats::pseudo_inverse(stats::gram(scaled));
+  out.theta = inverse * (scaled.transpose() * e);
+  out.left = e - scaled * out.theta;
+  out.square = out.left.squaredNorm();
+  const stats::Uncertainty uncertainty(scaled, out.left, inverse, record, at);
+  for (Index j = 0; j < p; ++j) {
+    out.half.push_back(uncertainty.half_width(VectorXd::Unit(p, j)) / scale(j));
+    out.told.push_back(1.0 / std::max(inverse(j, j), 1e-300));
+  }
+  out.theta = out.theta.cwiseQuotient(scale);
+  return out;
+}
+
+/// How much of a force along the travel the motion hides in the mass: kg for 1 N/m.
+double mass_of_spring(const Rows& rows) {
+  double ax = 0.0, aa = 0.0;
+  for (const Row& r : rows.rows) ax += r.a * (r.x - rows.middle()), aa += r.a * r.a;
+  return aa > 0.0 ? ax / aa : 0.0;
+}
+
+void find_spring(const Rows& rows, Diagnosis& out) {
+  Columns columns = model_columns(rows);
+  const std::size_t at = columns.size();
+  columns.emplace_back([&](const Row& r) { return rows.along(r); });
+  const Fit f = fit(rows, columns);
+  const double scale = 2.0 / (rows.high - rows.low);
+  if (f.told[at] < kTold) {
+    const double kilograms = mass_of_spring(rows);
+    out.cannot_tell.push_back(fmt::format(
+        "a force that grows with position (spring, cable chain): on this motion it is the same as mass, {:.3g} kg for each N/mm; add strokes at constant speed, or a sine of another frequency",
+        1e3 * kilograms));
+    return;
+  }
+  const double force = f.theta(static_cast<Index>(at));
+  if (std::abs(force) < kSure * f.half[at] || std::abs(force) < kWorthForce * rows.friction) return;
+  out.spring = Spring{force * scale, f.half[at] * scale, rows.middle()};
+}
+
+void find_unbalance(const Rows& rows, Diagnosis& out) {
+  if (rows.position_unit != "rad" || rows.high - rows.low < kLeastTurn) return;
+  Columns columns = model_columns(rows);
+  const std::size_t at = columns.size();
+  columns.emplace_back([](const Row& r) { return std::sin(r.x); });
+  columns.emplace_back([](const Row& r) { return std::cos(r.x); });
+  const Fit f = fit(rows, columns);
+  const double sine = f.theta(static_cast<Index>(at)), cosine = f.theta(static_cast<Index>(at) + 1);
+  const double size = std::hypot(sine, cosine);
+  const double half = std::max(f.half[at], f.half[at + 1]);
+  if (size < kSure * half || size < kWorthForce * rows.friction) return;
+  if (std::min(f.told[at], f.told[at + 1]) < kTold) return;
+  out.unbalance = Unbalance{sine, cosine, half};
+}
+
+/// Friction that differs along the travel, and no period; takes it off.
+void find_level(Rows& rows, Diagnosis& out) {
+  Columns columns = model_columns(rows);
+  const std::size_t at = columns.size();
+  columns.emplace_back([&](const Row& r) { return rows.along(r) * r.sign; });
+  columns.emplace_back([&](const Row& r) { return (rows.along(r) * rows.along(r) - 1.0 / 3.0) * r.sign; });
+  const Fit f = fit(rows, columns);
+  const double slope = f.theta(static_cast<Index>(at)), bend = f.theta(static_cast<Index>(at) + 1);
+  const auto level = [&](double s) { return slope * s + bend * (s * s - 1.0 / 3.0); };
+  double least = 0.0, most = 0.0, at_least = -1.0, at_most = -1.0;
+  for (int i = 0; i <= 20; ++i) {
+    const double s = -1.0 + 0.1 * i;
+    if (i == 0 || level(s) < least) least = level(s), at_least = s;
+    if (i == 0 || level(s) > most) most = level(s), at_most = s;
+  }
+  const bool sure = std::abs(slope) > kSure * f.half[at] || std::abs(bend) > kSure * f.half[at + 1];
+  if (sure && most - least > kWorthLevel * rows.friction && std::min(f.told[at], f.told[at + 1]) > kTold) {
+    const auto place = [&](double s) { return rows.shown(rows.middle() + 0.5 * s * (rows.high - rows.low)); };
+    out.warnings.push_back(fmt::format(
+        "friction differs along the travel: {:.3g} {} ({:.2g} % of it) more at {:.4g} {} than at {:.4g} {}, without a period (preload, lubrication or alignment); the result is the mean over the travel: identify shorter strokes at each end where the difference counts",
+        most - least, rows.force_unit, 100.0 * (most - least) / rows.friction, place(at_most),
+        rows.shown_unit(), place(at_least), rows.shown_unit()));
+  }
+  for (Index i = 0; i < f.left.size(); ++i) rows.rows[static_cast<std::size_t>(i)].e = f.left(i);
+}
+
+/// A short piece of the travel on which friction is higher in whatever direction and stroke.
+void find_tight_spot(const Rows& rows, Diagnosis& out) {
+  std::array<std::array<double, kPlaces>, 2> sum{}, count{};
+  for (const Row& r : rows.rows) {
+    const auto i = static_cast<std::size_t>(
+        std::clamp(0.5 * (rows.along(r) + 1.0) * kPlaces, 0.0, static_cast<double>(kPlaces) - 1.0));
+    const std::size_t side = r.sign > 0.0 ? 0 : 1;
+    sum[side][i] += r.sign * r.e;
+    count[side][i] += 1.0;
+  }
+  std::vector<double> seen;
+  std::array<double, kPlaces> mean{}, lesser{};
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    const double n = count[0][i] + count[1][i];
+    if (n < 4.0) continue;
+    mean[i] = (sum[0][i] + sum[1][i]) / n;
+    lesser[i] = mean[i];
+    for (std::size_t s = 0; s < 2; ++s) {
+      if (count[s][i] > 2.0) lesser[i] = std::min(lesser[i], sum[s][i] / count[s][i]);
+    }
+    seen.push_back(mean[i]);
+  }
+  if (seen.size() < kPlaces / 2) return;
+  const double middle = stats::median(seen);
+  for (double& s : seen) s = std::abs(s - middle);
+  const double spread = 1.4826 * stats::median(seen);
+  const double least = std::max(6.0 * spread, kTight * rows.friction);
+  std::size_t first = kPlaces, last = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    // Both directions feel it, or the only one that came here.
+    if (mean[i] - middle < least || lesser[i] - middle < 0.5 * least) continue;
+    first = std::min(first, i), last = i;
+    most = std::max(most, mean[i] - middle);
+  }
+  if (first == kPlaces || static_cast<double>(last + 1 - first) > kWidestSpot * kPlaces) return;
+  const auto place = [&](std::size_t i) {
+    return rows.shown(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
+  };
+  out.warnings.push_back(fmt::format(
+      "friction is {:.3g} {} ({:.2g} % of it) higher between {:.4g} and {:.4g} {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result mixes it in, also into a shift of the force: identify on a travel without it",
+      most, rows.force_unit, 100.0 * most / rows.friction, place(first), place(last + 1), rows.shown_unit()));
+}
+
+}  // namespace
+
+void find_causes(const Rows& given, Diagnosis& out) {
+  if (given.rows.size() < kFewestRows) return;
+  Rows rows = given;
+  find_unbalance(rows, out);
+  if (!out.unbalance) find_spring(rows, out);
+  find_level(rows, out);
+  find_tight_spot(rows, out);
+}
+
+}  // namespace stribeck::ident::residual

@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/residual/residual_parts.hpp>
+
+namespace stribeck::ident::residual {
+namespace {
+
+constexpr double kSlowest = 0.04;          // of the top speed: below it friction has not settled
+constexpr double kSettled = 6.0;           // break-away distances after a reversal
+constexpr double kNearReversal = 0.005;    // of the travel, where the break-away distance is not known
+constexpr std::size_t kMostRows = 20'000;  // for what is only looked at
+constexpr double kLowRSquared = 0.9;
+constexpr double kWorthALine = 0.1;  // of friction
+constexpr double kHum = 0.006;       // of its frequency
+
+/// −3 dB of three boxes of 2j+1 rows [Hz].
+double cut_off_of(const log::Motion& m) {
+  if (m.cut_off > 0.0) return m.cut_off;
+  if (m.window == 0) return kNaN;
+  constexpr double kHalfPower = 0.2607;  // (sin πy / πy)³ = 1/√2
+  return kHalfPower / ((2.0 * m.window + 1.0) * m.sample_time);
+}
+
+double shift_of(const Result& result, double period) {
+  const Parameter* shift = result.find("force_shift");
+  return shift != nullptr ? shift->value / period : -0.5;
+}
+
+struct Sums {
+  double f = 0.0, ff = 0.0, ee = 0.0, raw = 0.0, friction = 0.0;
+  std::size_t rows = 0;
+};
+
+class Collector {
+ public:
+  Collector(const std::vector<log::Record>& records, const Result& result) : result_(result) {
+    mass_ = std::isfinite(result.mass) ? result.mass : 0.0;
+    rows_.force_unit = result.force_unit;
+    rows_.position_unit = result.position_unit;
+    for (const log::Record& r : records) add(r);
+  }
+
+  std::vector<Left> left;
+  Sums sums;
+  Rows take() {
+    if (sums.rows > 0) rows_.friction = std::sqrt(sums.friction / static_cast<double>(sums.rows));
+    return std::move(rows_);
+  }
+
+ private:
+  void add(const log::Record& r) {
+    Left one;
+    one.record = &r;
+    log::MotionOptions options;
+    options.shift = shift_of(result_, r.sample_time);
+    one.motion = log::reconstruct(r, options);
+    const log::Motion& m = one.motion;
+    // As it stands in the log: the mean over a hold would take off a part of a fast line.
+    const auto later = static_cast<std::ptrdiff_t>(std::lround(options.shift));
+    const std::size_t n = m.rows();
+    one.raw.assign(n, 0.0);
+    double top = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (m.valid(k)) top = std::max(top, std::abs(m.v[k]));
+    }
+    const double exclude = std::isfinite(result_.break_away_distance) ? kSettled * result_.break_away_distance
+                                                                      : kNearReversal * m.stroke;
+    const auto number = static_cast<int>(rows_.records.size());
+    rows_.records.push_back(&r);
+    const std::size_t step = std::max<std::size_t>(1, n / kMostRows);
+    int last = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double v = m.v[k];
+      if (std::abs(v) < kSlowest * top || !m.sliding(k, exclude)) continue;
+      if (!r.skip.empty() && r.skip[k] != 0) continue;
+      const auto p = result_.friction.parts(v, m.x[k]);
+      const double friction = p.level * (v > 0.0 ? 1.0 : -1.0) + p.viscous + p.additive;
+      const double model = mass_ * m.a[k] + result_.load + friction;
+      const double e = m.f[k] - model;
+      const auto at =
+          std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(k) + later, 0, std::ssize(r.f) - 1);
+      one.raw[k] = r.f[static_cast<std::size_t>(at)] - model;
+      one.counted.push_back(k);
+      ++sums.rows;
+      sums.f += m.f[k], sums.ff += m.f[k] * m.f[k], sums.ee += e * e;
+      sums.raw += one.raw[k] * one.raw[k];
+      sums.friction += friction * friction;
+      last = m.stretch[k];
+      if (k % step != 0) continue;
+      if (rows_.rows.empty()) rows_.low = rows_.high = m.x[k];
+      rows_.low = std::min(rows_.low, m.x[k]), rows_.high = std::max(rows_.high, m.x[k]);
+      rows_.rows.push_back(
+          {number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k], v, m.a[k], e, v > 0.0 ? 1.0 : -1.0});
+    }
+    first_stretch_ += last + 1;
+    left.push_back(std::move(one));
+  }
+
+  const Result& result_;
+  double mass_ = 0.0;
+  Rows rows_;
+  int first_stretch_ = 0;
+};
+
+const char* hum_of(double frequency) {
+  for (const double f : {50.0, 100.0, 150.0}) {
+    if (std::abs(frequency - f) < kHum * f) return "hum of 50 Hz mains";
+  }
+  for (const double f : {60.0, 120.0, 180.0}) {
+    if (std::abs(frequency - f) < kHum * f) return "hum of 60 Hz mains";
+  }
+  return nullptr;
+}
+
+/// What a line of this kind is, and what helps.
+std::string line_in_words(const Line& line, const std::string& unit) {
+  const char* hum = hum_of(line.frequency);
+  const bool moves = line.moves > 0.5 * line.amplitude;
+  const std::string what =
+      hum != nullptr && line.narrow && !moves
+          ? std::string(hum) + " (shield the signal, or filter it with --cut-off below)"
+      : !line.narrow
+          ? "a mode of the drive (an axial or torsional one) that rings: mass and friction hold below it"
+      : moves
+          ? "the axis vibrates with it: the control loop, the machine or something outside excites it"
+          : "a vibration that the rigid model does not have: a mode of the drive, or a force from outside";
+  return fmt::format("the force has a line of {:.3g} {} at {:.4g} Hz that the model does not explain: {}",
+                     line.amplitude, unit, line.frequency, what);
+}
+
+void judge(const Quality& q, const std::string& unit, std::vector<std::string>& warnings) {
+  if (q.rms > q.friction_rms) {
+    warnings.push_back(fmt::format(
+        "the model leaves {:.3g} {} RMS of the force, more than friction itself ({:.3g} {}): nothing here says what friction is; look at the residual, and for columns that do not belong together",
+        q.rms, unit, q.friction_rms, unit));
+  } else if (q.r_squared < kLowRSquared) {
+    warnings.push_back(fmt::format(
+        "the model explains only {:.3g} % of the force (R² {:.3f}), and leaves {:.3g} {} RMS beside {:.3g} {} of friction: something acts that it does not have",
+        100.0 * std::max(0.0, q.r_squared), q.r_squared, q.rms, unit, q.friction_rms, unit));
+  }
+  if (q.strongest && q.strongest->amplitude > kWorthALine * q.friction_rms)
+    warnings.push_back(line_in_words(*q.strongest, unit));
+}
+
+}  // namespace
+
+std::string in_words(const Quality& q, const std::string& unit) {
+  if (q.rows == 0) return {};
+  std::string out =
+      fmt::format("The model explains {:.4g} % of the force (R² {:.4f}). It leaves {:.3g} {} RMS",
+                  100.0 * std::max(0.0, q.r_squared), q.r_squared, q.rms, unit);
+  if (q.friction_rms > 0.0)
+    out += fmt::format(", {:.3g} % of friction ({:.3g} {} RMS)", 100.0 * q.rms / q.friction_rms,
+                       q.friction_rms, unit);
+  if (std::isfinite(q.cut_off))
+    out += fmt::format(", behind a low-pass of {:.3g} Hz; without it {:.3g} {}", q.cut_off, q.raw_rms, unit);
+  out += ".";
+  if (q.strongest)
+    out += fmt::format(" Strongest line: {:.3g} {} at {:.4g} Hz.", q.strongest->amplitude, unit,
+                       q.strongest->frequency);
+  return out;
+}
+
+Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result) {
+  Diagnosis out;
+  Collector collected(records, result);
+  const Sums& s = collected.sums;
+  if (s.rows < 100) return out;
+  Quality& q = out.quality;
+  const auto n = static_cast<double>(s.rows);
+  q.rows = s.rows;
+  q.rms = std::sqrt(s.ee / n);
+  q.raw_rms = std::sqrt(s.raw / n);
+  q.friction_rms = std::sqrt(s.friction / n);
+  const double spread = s.ff - s.f * s.f / n;
+  if (spread > 0.0) q.r_squared = 1.0 - s.ee / spread;
+  q.cut_off = cut_off_of(collected.left.front().motion);
+  find_lines(collected.left, std::isfinite(result.mass) ? result.mass : 0.0, q);
+  judge(q, result.force_unit, out.warnings);
+  const Rows rows = collected.take();
+  if (rows.high > rows.low && rows.friction > 0.0) {
+    find_causes(rows, out);
+    find_changes(rows, out);
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident::residual

@@ -1,0 +1,76 @@
+#pragma once
+/// What an identified model leaves of the force: how much, at which frequencies, and which force it may be that the
+/// model does not have.
+///
+///   e = f − (m·a + load + F(v, x))       on rows of settled sliding; once through the window of the motion, which
+///                                        the fit uses, and once with the force as it was logged
+///
+///   quality     R², RMS beside that of friction, the low-pass, the strongest line over time (lines.cpp)
+///   causes      each a few columns beside a, v, 1 and sgn v (causes.cpp): a force that grows with position (spring,
+///               cable chain); sin and cos of an angle (an arm, an unbalanced table); friction along the travel; a
+///               tight spot; a sudden change; logs that differ; speeds in order, which hide a change
+///
+/// A cause is told with the excitation that would separate it where this motion does not. Two causes are forces that
+/// may be taken off before a second fit: `spring` and `unbalance`.
+///
+/// Works on records and a result alone, whichever method made it. Real time: no.
+/// Errors: those of log::reconstruct.
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/result.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::residual {
+
+/// A line of the spectrum over time.
+struct Line {
+  double frequency = 0.0;  ///< [Hz]
+  double amplitude = 0.0;  ///< [N]
+  double moves = 0.0;      ///< amplitude of m·a at this frequency, from the position [N]
+  bool narrow = true;      ///< not wider than the resolution
+};
+
+struct Quality {
+  double r_squared = kNaN;     ///< of the rows behind the low-pass
+  double rms = kNaN;           ///< of e behind the low-pass [N]
+  double raw_rms = kNaN;       ///< of e with the force as logged [N]
+  double friction_rms = kNaN;  ///< of F [N]
+  double cut_off = kNaN;       ///< of the low-pass, −3 dB [Hz]; NaN: none
+  std::size_t rows = 0;
+  std::optional<Line> strongest;
+  std::vector<Line> spectrum;  ///< at most 300 lines, ascending frequency
+};
+
+/// A force that grows with position: f += stiffness·(x − middle).
+struct Spring {
+  double stiffness = 0.0;   ///< [N/m]
+  double half_width = 0.0;  ///< 95 % [N/m]
+  double middle = 0.0;      ///< of the travel [m]
+};
+
+/// A force that follows the angle: f += sine·sin x + cosine·cos x.
+struct Unbalance {
+  double sine = 0.0;        ///< [N]
+  double cosine = 0.0;      ///< [N]
+  double half_width = 0.0;  ///< 95 %, of the amplitude [N]
+};
+
+struct Diagnosis {
+  Quality quality;
+  std::optional<Spring> spring;        ///< well determined
+  std::optional<Unbalance> unbalance;  ///< well determined
+  std::vector<std::string> warnings;
+  std::vector<std::string> cannot_tell;
+};
+
+Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result);
+
+/// One or two sentences about the quality.
+std::string in_words(const Quality& quality, const std::string& force_unit);
+
+}  // namespace stribeck::ident::residual

@@ -1,0 +1,59 @@
+#pragma once
+/// Inside of residual.hpp: what is handed from the rows to the causes. Inside ident only: includes Eigen.
+/// Real time: no.
+
+#include <cstddef>
+#include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/residual/residual.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::residual {
+
+/// One record with its motion and what the model leaves.
+struct Left {
+  const log::Record* record = nullptr;
+  log::Motion motion;
+  std::vector<double> raw;           ///< residual of the force as logged; 0 in rows that do not count [N]
+  std::vector<std::size_t> counted;  ///< rows that count
+};
+
+/// A row that counts, thinned.
+struct Row {
+  int record = 0;
+  std::size_t at = 0;
+  int stretch = 0;  ///< counted over all records
+  double t = 0.0;   ///< [s]
+  double x = 0.0;   ///< [m]
+  double v = 0.0;   ///< [m/s]
+  double a = 0.0;   ///< [m/s²]
+  double e = 0.0;   ///< residual behind the low-pass [N]
+  double sign = 1.0;
+};
+
+struct Rows {
+  std::vector<Row> rows;
+  std::vector<const log::Record*> records;
+  double low = 0.0;       ///< travel [m]
+  double high = 0.0;      ///< [m]
+  double friction = 0.0;  ///< RMS [N]
+  std::string force_unit;
+  std::string position_unit;
+
+  [[nodiscard]] double middle() const noexcept { return 0.5 * (low + high); }
+  /// −1 … 1 over the travel.
+  [[nodiscard]] double along(const Row& r) const noexcept { return (r.x - middle()) / (0.5 * (high - low)); }
+  /// Position as people read it.
+  [[nodiscard]] double shown(double x) const noexcept { return position_unit == "m" ? 1e3 * x : x; }
+  [[nodiscard]] const char* shown_unit() const noexcept { return position_unit == "m" ? "mm" : "rad"; }
+};
+
+// lines.cpp
+void find_lines(const std::vector<Left>& left, double mass, Quality& quality);
+// causes.cpp
+void find_causes(const Rows& rows, Diagnosis& out);
+// changes.cpp
+/// Causes that show over time: a sudden change, speeds in order, logs that differ.
+void find_changes(const Rows& rows, Diagnosis& out);
+
+}  // namespace stribeck::ident::residual

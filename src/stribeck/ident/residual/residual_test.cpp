@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/residual/residual.hpp>
+
+namespace stribeck::ident::residual {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr double kT = 1e-3;
+constexpr double kMass = 50.0, kCoulomb = 20.0, kViscous = 100.0;
+
+struct Moment {
+  double t = 0.0, x = 0.0, v = 0.0, a = 0.0;
+};
+using Motion = std::function<Moment(double)>;
+using Extra = std::function<double(const Moment&)>;
+
+Moment one_sine(double t) {
+  constexpr double A = 0.05, w = 3.0;
+  return {t, A * std::sin(w * t), A * w * std::cos(w * t), -A * w * w * std::sin(w * t)};
+}
+Moment two_sines(double t) {
+  Moment m = one_sine(t);
+  constexpr double A = 0.05, w = 1.1;
+  m.x += A * std::sin(w * t), m.v += A * w * std::cos(w * t), m.a -= A * w * w * std::sin(w * t);
+  return m;
+}
+
+/// Coulomb and viscous friction, and an extra force, under a hold: that of the middle of each row.
+log::Record record_of(const Motion& motion, const Extra& extra, double noise = 0.3, double duration = 40.0,
+                      double coulomb = kCoulomb) {
+  log::Record r;
+  r.source = "log.csv";
+  r.sample_time = kT;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (int k = 0; kT * k < duration; ++k) {
+    const Moment now = motion(kT * k), mid = motion(kT * (k + 0.5));
+    r.t.push_back(now.t);
+    r.x.push_back(now.x);
+    r.f.push_back(kMass * mid.a + kViscous * mid.v + (mid.v > 0.0 ? coulomb : -coulomb) + extra(mid) +
+                  noise * normal(random));
+  }
+  return r;
+}
+
+Result truth() {
+  Result r;
+  r.mass = kMass;
+  r.friction.steady = friction::Conventional<double>{kCoulomb, kViscous, {}};
+  return r;
+}
+
+double none(const Moment&) { return 0.0; }
+double sign(double v) { return v > 0.0 ? 1.0 : -1.0; }
+
+TEST(Residual, GoodModelHasNothingToSay) {
+  const Diagnosis d = diagnose({record_of(two_sines, none)}, truth());
+  EXPECT_GT(d.quality.r_squared, 0.999);
+  EXPECT_NEAR(d.quality.raw_rms, 0.3, 0.05);  // half a row beside its motion: m·da/dt·T/2 is 0.1 N
+  EXPECT_FALSE(d.quality.strongest) << d.quality.strongest->frequency;
+  EXPECT_THAT(d.warnings, IsEmpty());
+  EXPECT_THAT(d.cannot_tell, IsEmpty());
+  EXPECT_FALSE(d.spring);
+  EXPECT_THAT(in_words(d.quality, "N"), AllOf(HasSubstr("R² 0.99"), HasSubstr("% of friction")));
+}
+
+// The lines of a shaker on a feed axis: 0.45 on friction of 0.7, here scaled to newtons.
+TEST(Residual, NamesTheStrongestLine) {
+  const auto shaker = [](const Moment& m) { return 12.0 * std::sin(2.0 * kPi * 55.0 * m.t + 0.3); };
+  const Diagnosis d = diagnose({record_of(two_sines, shaker)}, truth());
+  ASSERT_TRUE(d.quality.strongest);
+  EXPECT_NEAR(d.quality.strongest->frequency, 55.0, 0.1);
+  EXPECT_NEAR(d.quality.strongest->amplitude, 12.0, 0.6);
+  EXPECT_TRUE(d.quality.strongest->narrow);
+  EXPECT_THAT(d.warnings, Contains(AllOf(HasSubstr("at 55 Hz"), HasSubstr("vibration"))));
+  EXPECT_GT(d.quality.raw_rms, 8.0);
+}
+
+TEST(Residual, KnowsTheHumOfTheMains) {
+  for (const double f : {50.0, 60.0}) {
+    const auto hum = [f](const Moment& m) { return 10.0 * std::sin(2.0 * kPi * f * m.t); };
+    const Diagnosis d = diagnose({record_of(two_sines, hum)}, truth());
+    EXPECT_THAT(d.warnings, Contains(HasSubstr(f == 50.0 ? "hum of 50 Hz" : "hum of 60 Hz")));
+  }
+}
+
+TEST(Residual, WarnsWhereTheModelExplainsLittle) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  double slow = 0.0;
+  const auto wind = [&](const Moment&) { return slow = 0.999 * slow + 2.0 * normal(random); };
+  const Diagnosis d = diagnose({record_of(two_sines, wind)}, truth());
+  EXPECT_THAT(d.warnings, Contains(AllOf(HasSubstr("more than friction itself"))));
+}
+
+// 0.5 N/mm over 200 mm: −50 … 50 N beside 20 N of friction.
+TEST(Residual, FindsASpringWhereTheMotionTellsItFromMass) {
+  const auto spring = [](const Moment& m) { return 500.0 * m.x; };
+  const Diagnosis d = diagnose({record_of(two_sines, spring)}, truth());
+  ASSERT_TRUE(d.spring);
+  EXPECT_NEAR(d.spring->stiffness, 500.0, std::max(2.0 * d.spring->half_width, 5.0));
+  EXPECT_LT(d.spring->half_width, 50.0);
+  // On one sine it is mass: x = −a/ω².
+  const Diagnosis sine = diagnose({record_of(one_sine, none)}, truth());
+  EXPECT_FALSE(sine.spring);
+  EXPECT_THAT(sine.cannot_tell,
+              Contains(AllOf(HasSubstr("spring, cable chain"), HasSubstr("-111 kg for each N/mm"))));
+}
+
+TEST(Residual, FindsAnUnbalancedArm) {
+  const auto turn = [](double t) {
+    Moment m = two_sines(t);
+    for (double* q : {&m.x, &m.v, &m.a}) *q *= 20.0;
+    return m;
+  };
+  const auto weight = [](const Moment& m) { return 38.0 * std::sin(m.x - 0.4); };
+  log::Record r = record_of(turn, weight);
+  r.position_unit = "rad";
+  r.force_unit = "N m";
+  Result result = truth();
+  result.position_unit = "rad";
+  result.force_unit = "N m";
+  const Diagnosis d = diagnose({r}, result);
+  ASSERT_TRUE(d.unbalance);
+  EXPECT_NEAR(std::hypot(d.unbalance->sine, d.unbalance->cosine), 38.0, 1.0);
+  EXPECT_NEAR(std::atan2(-d.unbalance->cosine, d.unbalance->sine), 0.4, 0.05);
+  EXPECT_FALSE(d.spring);
+}
+
+TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {
+  const auto along = [](const Moment& m) { return sign(m.v) * kCoulomb * 0.4 * (m.x + 0.1) / 0.2; };
+  const Diagnosis level = diagnose({record_of(two_sines, along)}, truth());
+  EXPECT_THAT(level.warnings, Contains(HasSubstr("friction differs along the travel")));
+  EXPECT_THAT(level.warnings, Not(Contains(HasSubstr("tight spot"))));
+  const auto spot = [](const Moment& m) {
+    return m.x > 0.03 && m.x < 0.035 ? sign(m.v) * 0.6 * kCoulomb : 0.0;
+  };
+  const Diagnosis tight = diagnose({record_of(two_sines, spot)}, truth());
+  EXPECT_THAT(tight.warnings, Contains(AllOf(HasSubstr("a tight spot"), HasSubstr("between 2"))));
+}
+
+TEST(Residual, TellsASuddenChangeFromADrift) {
+  const auto step = [](const Moment& m) { return m.t > 20.0 ? sign(m.v) * 0.25 * kCoulomb : 0.0; };
+  EXPECT_THAT(diagnose({record_of(two_sines, step)}, truth()).warnings,
+              Contains(AllOf(HasSubstr("friction rose suddenly"), HasSubstr("s of log.csv"))));
+  const auto drift = [](const Moment& m) { return sign(m.v) * 0.25 * kCoulomb * m.t / 40.0; };
+  EXPECT_THAT(diagnose({record_of(two_sines, drift)}, truth()).warnings,
+              Not(Contains(HasSubstr("suddenly"))));
+}
+
+/// Strokes back and forth of constant speed, each speed once.
+Moment ordered_jogs(double t) {
+  constexpr double kStroke = 4.0;
+  const int n = static_cast<int>(t / kStroke);
+  const double speed = 0.005 * (1 + n / 2), tau = t - kStroke * n;
+  const double s = n % 2 == 0 ? 1.0 : -1.0;
+  return {t, s > 0.0 ? speed * tau : speed * (kStroke - tau), s * speed, 0.0};
+}
+
+TEST(Residual, SaysThatOrderedSpeedsHideAChange) {
+  const Diagnosis d = diagnose({record_of(ordered_jogs, none, 0.3, 80.0)}, truth());
+  EXPECT_THAT(d.cannot_tell,
+              Contains(AllOf(HasSubstr("in order, from slow to fast"), HasSubstr("at the end"))));
+  EXPECT_THAT(diagnose({record_of(two_sines, none)}, truth()).cannot_tell,
+              Not(Contains(HasSubstr("in order"))));
+}
+
+TEST(Residual, SaysHowLogsDiffer) {
+  log::Record monday = record_of(two_sines, none, 0.3, 40.0, 18.0);
+  log::Record friday = record_of(two_sines, none, 0.3, 40.0, 22.0);
+  monday.source = "monday.csv";
+  friday.source = "friday.csv";
+  const Diagnosis d = diagnose({monday, friday}, truth());
+  EXPECT_THAT(d.warnings, Contains(AllOf(HasSubstr("the logs differ in friction by"),
+                                         HasSubstr("monday.csv -"), HasSubstr("friday.csv +"))));
+  friday = monday;
+  friday.source = "friday.csv";
+  EXPECT_THAT(diagnose({monday, friday}, truth()).warnings, Not(Contains(HasSubstr("the logs differ"))));
+}
+
+TEST(Residual, ShortRecordsAreLeftAlone) {
+  const Diagnosis d = diagnose({record_of(two_sines, none, 0.3, 0.12)}, truth());
+  EXPECT_THAT(d.warnings, IsEmpty());
+  EXPECT_EQ(in_words(d.quality, "N").empty(), d.quality.rows == 0);
+}
+
+}  // namespace
+}  // namespace stribeck::ident::residual
