@@ -142,7 +142,9 @@ BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::
   score("static", *static_model(rows.setting), fit_static(given, rows), rows, scores, out);
   score("LuGre", *lugre_model(rows.setting), lugre, rows, scores, out);
   std::optional<Fitted> gms;
-  if (options.elements > 0) gms = fit_gms(given, rows, lugre);
+  std::optional<Candidate> refused;
+  if (options.elements > 0) refused = gms_refused(given, rows, lugre);
+  if (options.elements > 0 && !refused) gms = fit_gms(given, rows, lugre);
   if (gms) {
     report_gms(given, rows, *gms, out);
     score("GMS, " + std::to_string(options.elements) + " elements", *gms_model(rows.setting, gms->own), *gms,
@@ -150,6 +152,12 @@ BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::
   }
   const Choice c = choose(scores, out.models);
   answer(given, rows, c.chosen == 2 ? *gms : lugre, c.best, c.chosen, out);
+  if (refused) {
+    const double beside = out.models[1].held_out_rms;
+    refused->held_out_rms *= beside;
+    refused->standard_error *= beside;
+    out.models.push_back(*refused);
+  }
   return out;
 }
 

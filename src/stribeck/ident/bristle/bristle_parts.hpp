@@ -5,6 +5,7 @@
 ///   bristle_model.cpp   residuals of each law over them
 ///   bristle_solve.cpp   least squares, covariance, prediction of what was left out
 ///   bristle_laws.cpp    fit of each law: starts, priors, damping that does not differ from zero
+///   bristle_part.cpp    GMS judged on a part of many reversals
 ///   bristle_report.cpp  parameters with intervals; what was determined, or why nothing
 ///   bristle_fit.cpp     order of these steps, choice between the laws
 ///
@@ -81,6 +82,15 @@ Fitted fit_static(const Given& given, const Rows& rows);
 /// Starts from the solution of LuGre. Empty where no start converges.
 std::optional<Fitted> fit_gms(const Given& given, const Rows& rows, const Fitted& lugre);
 inline Index gms_damping(int elements) { return 2 * elements; }
+
+// bristle_part.cpp
+/// Pairs of neighbouring pieces, spread evenly, so that both directions are there: about `most` rows. No piece with an
+/// unknown start.
+BristlePath part_of(const BristlePath& from, std::size_t most);
+/// GMS as a candidate where a part of many reversals shows clearly that it predicts worse than LuGre: the fit over all of
+/// them, ten times as long as the rest, tells nothing more. Its RMS and error are shares of those of LuGre. Empty: it
+/// must be fitted.
+std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const Fitted& lugre);
 
 // bristle_report.cpp
 void report_lugre(const Given& given, const Rows& rows, Fitted& lugre, BristleFit& out);

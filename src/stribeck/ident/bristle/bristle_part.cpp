@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/bristle/bristle_parts.hpp>
+#include <utility>
+
+namespace stribeck::ident::bristle {
+namespace {
+
+constexpr std::size_t kPartRows = 1500;  // enough to tell the laws apart where they differ at all
+constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than half a second
+constexpr double kClearly = 3.0;         // standard errors
+
+}  // namespace
+
+BristlePath part_of(const BristlePath& from, std::size_t most) {
+  BristlePath to;
+  to.window = from.window;
+  to.whitening = from.whitening;
+  const std::size_t every = std::max<std::size_t>(1, (from.rows.size() + most - 1) / most);
+  std::size_t row = 0;
+  int last = -1;
+  for (std::size_t i = 0; i < from.pieces.size(); ++i) {
+    const PathPiece& piece = from.pieces[i];
+    const std::size_t end = row + piece.rows.size();
+    if (i / 2 % every == 0 && !piece.unknown_start) {
+      PathPiece copy = piece;
+      for (PathSample& sample : copy.samples) {
+        const auto begin = from.steps.begin() + static_cast<std::ptrdiff_t>(sample.first);
+        sample.first = to.steps.size();
+        to.steps.insert(to.steps.end(), begin, begin + static_cast<std::ptrdiff_t>(sample.count));
+      }
+      to.pieces.push_back(std::move(copy));
+      for (; row < end; ++row) {
+        PathRow r = from.rows[row];
+        // Stretches are counted anew: those that are left out in turn lie side by side.
+        if (r.stretch != last) ++to.stretches;
+        last = r.stretch;
+        r.stretch = to.stretches - 1;
+        to.rows.push_back(r);
+      }
+    }
+    row = end;
+  }
+  return to;
+}
+
+std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const Fitted& lugre) {
+  if (rows.path.rows.size() < kManyRows) return {};
+  Rows part;
+  part.path = part_of(rows.path, kPartRows);
+  part.setting = rows.setting;
+  part.setting.path = &part.path;
+  part.every_row.assign(part.path.rows.size(), 1);
+  part.noise = rows.noise;
+  if (part.path.pieces.size() < 8) return {};
+  Fitted few;
+  few.own = lugre.own;
+  const Index count = few.own + kCommon;
+  few.solution.p = lugre.solution.p.head(count);
+  few.prior = {lugre.prior.mean.head(count), lugre.prior.sd.head(count)};
+  for (const Index i : lugre.free) {
+    if (i < count) few.free.push_back(i);
+  }
+  const std::optional<Fitted> gms = fit_gms(given, part, few);
+  if (!gms) return {};
+  const auto held = [&](const Model& model, const Fitted& f) {
+    return hold_out(model, f.solution.p, f.free, f.prior, part.noise, part.path);
+  };
+  const HeldOut mine = held(*gms_model(part.setting, gms->own), *gms);
+  const HeldOut best = held(*lugre_model(part.setting), few);
+  const double error = error_of_difference(mine, best);
+  if (!(mine.rms() > best.rms() + kClearly * error)) return {};
+  return Candidate{"GMS, " + std::to_string(given.options.elements) + " elements, on " +
+                       std::to_string(part.path.stretches) + " of " + std::to_string(rows.path.stretches) +
+                       " reversals",
+                   0,
+                   static_cast<int>(gms->free.size()),
+                   mine.rms() / best.rms(),
+                   error / best.rms(),
+                   false};
+}
+
+}  // namespace stribeck::ident::bristle

@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include <stribeck/ident/bristle/bristle_parts.hpp>
+
+namespace stribeck::ident::bristle {
+namespace {
+
+/// Pieces of ten rows and twenty steps; the velocity of a step is the number of its piece. The first start is unknown.
+BristlePath path_of(int pieces) {
+  BristlePath path;
+  path.window = 2;
+  for (int i = 0; i < pieces; ++i) {
+    PathPiece piece;
+    piece.unknown_start = i == 0;
+    for (int k = 0; k < 10; ++k) {
+      piece.samples.push_back({path.steps.size(), 2, false});
+      piece.rows.push_back(static_cast<std::size_t>(k));
+      for (int j = 0; j < 2; ++j) {
+        PathStep step;
+        step.v = i;
+        path.steps.push_back(step);
+      }
+      path.rows.push_back({0, static_cast<std::size_t>(100 * i + k), i, true});
+    }
+    path.pieces.push_back(piece);
+  }
+  path.starts = 1;
+  path.stretches = pieces;
+  return path;
+}
+
+TEST(BristlePart, TakesPairsOfPiecesSpreadEvenly) {
+  const BristlePath whole = path_of(40);
+  const BristlePath part = part_of(whole, 100);  // every fourth pair
+  ASSERT_EQ(part.pieces.size(), 9u);             // 1, 8, 9, 16, 17, …: the unknown start is left out
+  EXPECT_EQ(part.starts, 0);
+  EXPECT_EQ(part.window, 2);
+  EXPECT_EQ(part.rows.size(), 90u);
+  EXPECT_EQ(part.stretches, 9);
+  for (std::size_t i = 0; i < part.rows.size(); ++i)
+    EXPECT_EQ(part.rows[i].stretch, static_cast<int>(i / 10));
+  const std::vector<int> kept{1, 8, 9, 16, 17, 24, 25, 32, 33};
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    EXPECT_EQ(part.rows[10 * p].at, static_cast<std::size_t>(100 * kept[p]));
+    for (const PathSample& sample : part.pieces[p].samples)
+      for (std::size_t j = sample.first; j < sample.first + sample.count; ++j)
+        EXPECT_EQ(part.steps[j].v, kept[p]) << p;
+  }
+}
+
+TEST(BristlePart, IsEverythingWhereThatIsFew) {
+  const BristlePath part = part_of(path_of(6), 100);
+  EXPECT_EQ(part.pieces.size(), 5u);
+  EXPECT_EQ(part.steps.size(), 100u);
+}
+
+}  // namespace
+}  // namespace stribeck::ident::bristle
