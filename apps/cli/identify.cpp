@@ -18,6 +18,7 @@
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 #include <stribeck/workflow/inspect.hpp>
+#include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -84,6 +85,44 @@ int inspect_logs(const Options& o, const LogOptions& log_options) {
   return usable ? 0 : 1;
 }
 
+report::IdentifyReportInput page_input(const Identification& found, const AxisRecords& axis) {
+  std::vector<ident::Result> shown{found.result};
+  shown.insert(shown.end(), found.beside.begin(), found.beside.end());
+  return {axis.axis, shown, axis.sources, typed_command(), STRIBECK_VERSION, found.quality};
+}
+
+void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {
+  io::write_atomically(path, io::write_toml(axis_file_model(found, axis),
+                                            fmt::format("{}{}, identified from {} by stribeck {} ({}).",
+                                                        axis.axis.empty() ? "" : "Axis " + axis.axis + ": ",
+                                                        found.result.model, axis.sources, STRIBECK_VERSION,
+                                                        ident::name_of(found.result.method))));
+}
+
+/// Every axis of a machine from whatever logs there are of it.
+int identify_machine(const Options& o, const IdentifyOptions& options, const LogOptions& log_options) {
+  const sim::Machine machine = load_machine(o.logs.front());
+  const std::vector<std::string> logs(o.logs.begin() + 1, o.logs.end());
+  if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  const std::vector<LogsOfAxis> all = logs_by_axis(machine, logs, log_options);
+  if (all.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log_options.axis));
+  for (const LogsOfAxis& one : all) {
+    const auto [axis, found] = identify_logs(one.logs, one.options, options);
+    if (!o.output.empty()) {
+      io::make_directory(o.output);
+      write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
+    }
+    json.push_back(to_json(found, axis.axis));
+    if (!o.common.report.empty())
+      report::write_identify_report(o.common.report + "/" + one.axis, page_input(found, axis));
+    say(o.common,
+        fmt::format("{}from {}\n{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis)));
+  }
+  write_json(o.common.json, json);
+  return 0;
+}
+
 int run_identify(const Options& o) {
   const IdentifyOptions options = identify_options(o);
   check_options(options);
@@ -91,26 +130,15 @@ int run_identify(const Options& o) {
   refuse_repeated(o.logs);
   check_distinct(o.logs, {o.output, page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
-  io::check_writable(o.output);
   const LogOptions log_options = o.log.resolved();
+  if (!o.inspect && o.logs.front().ends_with(".toml")) return identify_machine(o, options, log_options);
+  io::check_writable(o.output);
   if (o.inspect) return inspect_logs(o, log_options);
   const AxisRecords axis = read_axis(o.logs, log_options);
   const Identification found = identify(axis, options);
-  if (!o.output.empty()) {
-    io::write_atomically(
-        o.output,
-        io::write_toml(axis_file_model(found, axis),
-                       fmt::format("{}{}, identified from {} by stribeck {} ({}).",
-                                   axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
-                                   axis.sources, STRIBECK_VERSION, ident::name_of(found.result.method))));
-  }
+  if (!o.output.empty()) write_axis_file(o.output, found, axis);
   write_json(o.common.json, to_json(found, axis.axis));
-  if (!o.common.report.empty()) {
-    std::vector<ident::Result> shown{found.result};
-    shown.insert(shown.end(), found.beside.begin(), found.beside.end());
-    report::write_identify_report(o.common.report,
-                                  {axis.axis, shown, axis.sources, typed_command(), STRIBECK_VERSION});
-  }
+  if (!o.common.report.empty()) report::write_identify_report(o.common.report, page_input(found, axis));
   say(o.common, text_of(found, axis.axis));
   return 0;
 }
@@ -121,9 +149,11 @@ void add_identify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "identify", "Identify mass and friction of an axis from its logs, with 95 % confidence intervals");
   auto o = std::make_shared<Options>();
-  verb->add_option("log", o->logs, "Logs of one axis; several are fitted together")
+  verb->add_option(
+          "log", o->logs,
+          "Logs of one axis; several are fitted together. With a machine file first: logs of any of its axes, each identified from its own")
       ->required()
-      ->type_name("LOG");
+      ->type_name("[MACHINE.toml] LOG");
   verb->add_flag("--inspect", o->inspect,
                  "Only print what the logs contain and what can be identified from them");
   verb->add_option(
@@ -161,11 +191,14 @@ void add_identify(CLI::App& app, Action& action) {
       ->check(one_of({"derivatives", "simplex"}))
       ->capture_default_str();
   add_log_options(*verb, o->log);
-  verb->add_option("-o,--output", o->output, "Axis file to write")->type_name("AXIS.toml");
+  verb->add_option("-o,--output", o->output,
+                   "Axis file to write; with a machine file the folder for AXIS.toml of each axis")
+      ->type_name("AXIS.toml");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(
-      "Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report");
+      "Example:\n  stribeck identify x-pulses-log.csv x-sine-log.csv --axis x -o x.toml --report report\n"
+      "  stribeck identify machine.toml logs/*.csv -o axes");
   verb->callback([o, &action] { action = [o] { return run_identify(*o); }; });
 }
 

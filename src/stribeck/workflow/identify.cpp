@@ -15,6 +15,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/judge/diagnosis.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -331,11 +332,32 @@ AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& op
 
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options) {
   check_options(options);
-  Identification found = by_method(options, axis);
+  Identification found =
+      diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
   ident::Result& result = found.result;
   if (tells_mass(found.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
   return found;
+}
+
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how) {
+  std::vector<std::string> moving, standing;
+  for (const std::string& log : logs) {
+    const bool held = ident::methods::held_at_standstill(read_axis({log}, options).records);
+    (held ? standing : moving).push_back(log);
+  }
+  if (moving.empty() || standing.empty()) {
+    AxisRecords axis = read_axis(logs, options);
+    Identification found = identify(axis, how);
+    return {std::move(axis), std::move(found)};
+  }
+  AxisRecords axis = read_axis(moving, options);
+  Identification found = identify(axis, how);
+  const AxisRecords held = read_axis(standing, options);
+  found.beside.push_back(identify(held, {}).result);
+  axis.sources += ", " + held.sources;
+  return {std::move(axis), std::move(found)};
 }
 
 void require_determined(const ident::Result& result, const std::string& source) {

@@ -19,6 +19,7 @@
 #include <stribeck/ident/methods/idim_ls.hpp>
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
+#include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <string>
@@ -72,6 +73,8 @@ struct Identification {
   std::vector<ident::Result> beside{};  ///< results for other days, shown beside it
   std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquares
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
+  std::optional<ident::residual::Quality>
+      quality{};  ///< what the model leaves; absent: not a model of velocity
 };
 
 /// Refuses options that the method would not use.
@@ -82,6 +85,10 @@ AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& op
 
 /// The result with all warnings. Refuses a mass that is not determined, unless the method determines no mass.
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options);
+
+/// Both, for logs of any kind: those at standstill, where others move, are identified by themselves and stand beside.
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how);
 
 /// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, or numbers that are not finite.
 void require_determined(const ident::Result& result, const std::string& source);

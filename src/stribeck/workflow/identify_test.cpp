@@ -69,6 +69,34 @@ TEST(Identify, FindsMassAndFrictionOfALog) {
   EXPECT_THAT(text_of(found, "x"), HasSubstr("mass"));
 }
 
+/// A spring of 0.4 N/mm about 10 mm, a fifth of the largest force of the motion.
+TEST(Identify, TakesASpringOffTheLog) {
+  std::string out = "t [s],x [mm],f [N]\n";
+  for (int k = 0; k < 12000; ++k) {
+    const double t = 1e-3 * k;
+    double x = 0.0, v = 0.0, a = 0.0;
+    for (const double w : {2.0 * std::numbers::pi, 0.6 * std::numbers::pi}) {
+      x += 0.03 * std::sin(w * t);
+      v += 0.03 * w * std::cos(w * t);
+      a -= 0.03 * w * w * std::sin(w * t);
+    }
+    const double f = kMass * a + kViscous * v + (v > 0.0 ? kCoulomb : -kCoulomb) + 400.0 * (x - 0.01) +
+                     0.3 * std::sin(997.0 * t * t);
+    out += fmt::format("{:.3f},{:.6f},{:.5f}\n", t, 1e3 * x, f);
+  }
+  const Folder folder;
+  const std::string log = folder.write("log.csv", out);
+  const workflow::Identification found = workflow::identify(workflow::read_axis({log}, {}), {});
+  const ident::Parameter* spring = found.result.find("position_stiffness");
+  ASSERT_NE(spring, nullptr);
+  EXPECT_NEAR(spring->value, 400.0, 0.03 * 400.0);
+  EXPECT_NEAR(found.result.mass, kMass, 0.02 * kMass);
+  EXPECT_THAT(text_of(found, ""), HasSubstr("a force grows with position by 0.4"));
+  ASSERT_TRUE(found.quality);
+  EXPECT_GT(found.quality->r_squared, 0.99);
+  EXPECT_TRUE(to_json(found, "x")["quality"]["r_squared"].is_number());
+}
+
 TEST(Identify, NotesNameTheirLog) {
   const Folder folder;
   std::string text = sines();

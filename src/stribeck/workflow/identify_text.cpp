@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <stribeck/io/json.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/workflow/identify_text.hpp>
@@ -63,6 +64,20 @@ std::string model_a_text(const ident::methods::LeastSquaresA& a) {
   return out;
 }
 
+nlohmann::ordered_json quality_json(const ident::residual::Quality& q) {
+  using io::number_or_null;
+  nlohmann::ordered_json out = {{"r_squared", number_or_null(q.r_squared)},
+                                {"residual_rms", number_or_null(q.rms)},
+                                {"residual_rms_unfiltered", number_or_null(q.raw_rms)},
+                                {"friction_rms", number_or_null(q.friction_rms)},
+                                {"low_pass_Hz", number_or_null(q.cut_off)},
+                                {"strongest_line", nullptr}};
+  if (q.strongest)
+    out["strongest_line"] = {{"frequency_Hz", number_or_null(q.strongest->frequency)},
+                             {"amplitude", number_or_null(q.strongest->amplitude)}};
+  return out;
+}
+
 /// Whether friction by direction was asked for in the published protocol: then there are five numbers, else four.
 bool by_direction(const ident::methods::IdimResult::Published& published) {
   return published.value.size() > 4;
@@ -73,6 +88,7 @@ bool by_direction(const ident::methods::IdimResult::Published& published) {
 nlohmann::ordered_json to_json(const Identification& found, const std::string& axis) {
   const ident::Result& result = found.result;
   auto json = report::to_json(result, axis);
+  if (found.quality) json["quality"] = quality_json(*found.quality);
   if (found.published) json["published"] = published_json(*found.published, by_direction(*found.published));
   if (result.peaks) json["peaks"] = {{"positive", (*result.peaks)[0]}, {"negative", (*result.peaks)[1]}};
   if (found.model_a) {
@@ -86,6 +102,8 @@ nlohmann::ordered_json to_json(const Identification& found, const std::string& a
 std::string text_of(const Identification& found, const std::string& axis) {
   const ident::Result& result = found.result;
   std::string out = report::text_table(result, axis);
+  if (found.quality && found.quality->rows > 0)
+    out += '\n' + ident::residual::in_words(*found.quality, result.force_unit) + '\n';
   for (const ident::Result& other : found.beside) out += report::text_table(other, axis);
   if (result.peaks && found.method == Method::kVelocityMap) {
     out += fmt::format(

@@ -13,6 +13,7 @@ constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
 constexpr std::size_t kFewRows = 20;
 constexpr std::size_t kMostRows = 10'000;
+constexpr std::size_t kFewPieces = 40;
 /// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
 constexpr double kFadingSpread = 1.5;
@@ -46,7 +47,10 @@ void cut(const Given& given, double break_away, Rows& rows) {
   rows.path =
       cut_path(*given.records, given.data, *given.known, {break_away, given.options.shift, given.open});
   // Ten thousand rows tell a stiffness to a few parts in a thousand; a million take as long as all other steps together.
-  if (rows.path.rows.size() > kMostRows) rows.path = part_of(rows.path, kMostRows);
+  if (rows.path.rows.size() > kMostRows) {
+    BristlePath part = part_of(rows.path, kMostRows);
+    if (part.pieces.size() >= kFewPieces) rows.path = std::move(part);
+  }
   rows.setting.path = &rows.path;
   rows.setting.scales.break_away = break_away;
   rows.setting.fastest = 1e-12;

@@ -87,6 +87,30 @@ void residuals(Page& page, const ident::Result& r, bool heading) {
   page.figures(plots, 2, caption);
 }
 
+/// Quality in words, and the spectrum of the residual over time.
+void quality(Page& page, const ident::residual::Quality& q, const ShownUnits& units) {
+  if (q.rows == 0) return;
+  page.paragraph(ident::residual::in_words(q, units.force));
+  if (q.spectrum.empty()) return;
+  Plot p;
+  p.title = "Residual over frequency";
+  p.x_label = "frequency [Hz]";
+  p.y_label = "amplitude [" + units.force + "]";
+  p.width = 920;
+  p.height = 260;
+  Series s;
+  for (const ident::residual::Line& line : q.spectrum) {
+    s.x.push_back(line.frequency);
+    s.y.push_back(line.amplitude);
+  }
+  p.series.push_back(std::move(s));
+  if (q.strongest) p.markers.push_back({q.strongest->frequency, ""});
+  page.figures(
+      {std::move(p)}, 1,
+      "Of the force as it was logged, without a low-pass, on rows of settled sliding. A line is a vibration, hum of "
+      "the mains or a mode of the drive.");
+}
+
 }  // namespace
 
 std::string headline(const ident::Result& r) {
@@ -138,6 +162,7 @@ std::string identify_report(const IdentifyReportInput& input) {
     if (first) page.section("Parameters");
     page.table(parameter_table(r));
     residuals(page, r, first);
+    if (first && input.quality) quality(page, *input.quality, units_of(r));
     if (first && !r.models.empty()) page.section("Choice of the model");
     if (!r.models.empty()) {
       page.table(candidate_table(r));

@@ -6,6 +6,8 @@
 /// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
+#include <optional>
+#include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
 #include <vector>
@@ -18,6 +20,7 @@ struct IdentifyReportInput {
   std::string source = {};                  ///< log or recording, as the user named it
   std::string command = {};
   std::string version = {};
+  std::optional<ident::residual::Quality> quality = {};  ///< what the chosen one leaves, over time
 };
 
 /// Kind of result and method, e.g. "conventional model by jog"; a method without a model in plain words.

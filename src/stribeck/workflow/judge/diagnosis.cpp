@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/residual/residual.hpp>
+#include <stribeck/workflow/judge/diagnosis.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr int kPasses = 3;
+constexpr double kBetter = 0.95;  // of the residual, to take a force off the logs
+
+/// Methods whose result is a friction model over velocity, so that a residual can be taken.
+bool has_residual(const Identification& found) {
+  if (found.holding_only || found.result.curve.empty()) return false;
+  switch (found.method) {
+    case Method::kAuto:
+    case Method::kVelocityMap:
+    case Method::kJog:
+    case Method::kLeastSquares:
+    case Method::kIdimLs:
+      return true;
+    case Method::kPositionMap:
+    case Method::kBreakAway:
+    case Method::kGravity:
+    case Method::kConstantAcceleration:
+      break;
+  }
+  return false;
+}
+
+/// A published protocol keeps its numbers whatever the residual says.
+bool may_run_again(Method method) {
+  return method == Method::kAuto || method == Method::kVelocityMap || method == Method::kJog;
+}
+
+AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d) {
+  AxisRecords out = axis;
+  for (ident::log::Record& r : out.records) {
+    for (std::size_t k = 0; k < r.f.size(); ++k) {
+      const double x = r.x[k];
+      if (d.unbalance) r.f[k] -= d.unbalance->sine * std::sin(x) + d.unbalance->cosine * std::cos(x);
+      if (d.spring) r.f[k] -= d.spring->stiffness * (x - d.spring->middle);
+    }
+  }
+  return out;
+}
+
+void write_spring(const ident::residual::Spring& s, ident::Result& r) {
+  const std::string unit = r.force_unit + "/m", shown = r.force_unit + "/mm";
+  r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
+                          s.stiffness + s.half_width, true});
+  const bool metres = r.position_unit == "m";
+  r.warnings.push_back(fmt::format(
+      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; an axis file has no place for it, and a compensation does not know it",
+      s.stiffness * (metres ? 1e-3 : 1.0), r.force_unit, metres ? "mm" : "rad",
+      s.half_width * (metres ? 1e-3 : 1.0)));
+}
+
+void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
+  const double size = std::hypot(u.sine, u.cosine);
+  const double phase = std::atan2(-u.cosine, u.sine);
+  r.parameters.push_back(
+      {"unbalance", size, r.force_unit, r.force_unit, size - u.half_width, size + u.half_width, true});
+  const bool room = r.friction.eccentric.size() < friction::kMaxEccentricTerms;
+  if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
+  r.warnings.push_back(fmt::format(
+      "a force of {:.3g} {} (95 %: ±{:.2g}) follows the sine of the angle, zero at {:.3g} rad: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
+      size, r.force_unit, u.half_width, phase,
+      room ? "; it stands among the periodic terms, with one turn as its period" : ""));
+}
+
+/// Adds what a second look still finds.
+void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all) {
+  if (more.spring && all.spring) all.spring->stiffness += more.spring->stiffness;
+  if (more.spring && !all.spring) all.spring = more.spring;
+  if (more.unbalance && all.unbalance) {
+    all.unbalance->sine += more.unbalance->sine;
+    all.unbalance->cosine += more.unbalance->cosine;
+  }
+  if (more.unbalance && !all.unbalance) all.unbalance = more.unbalance;
+}
+
+}  // namespace
+
+Identification diagnosed(const AxisRecords& axis, const Identify& method) {
+  Identification found = method(axis);
+  if (!has_residual(found)) return found;
+  ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
+  ident::residual::Diagnosis taken;
+  for (int pass = 0; pass < kPasses && may_run_again(found.method) && (d.spring || d.unbalance); ++pass) {
+    ident::residual::Diagnosis more = taken;
+    add(d, more);
+    const AxisRecords cleaned = without(axis, more);
+    Identification again = method(cleaned);
+    ident::residual::Diagnosis left = ident::residual::diagnose(cleaned.records, again.result);
+    if (!(left.quality.rms < kBetter * d.quality.rms)) break;
+    taken = more;
+    found = std::move(again);
+    d = std::move(left);
+  }
+  if (taken.spring) write_spring(*taken.spring, found.result);
+  if (taken.unbalance) write_unbalance(*taken.unbalance, found.result);
+  found.quality = std::move(d.quality);
+  ident::Result& r = found.result;
+  r.warnings.insert(r.warnings.end(), d.warnings.begin(), d.warnings.end());
+  r.cannot_tell.insert(r.cannot_tell.end(), d.cannot_tell.begin(), d.cannot_tell.end());
+  return found;
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,18 @@
+#pragma once
+/// What the result of an identification leaves of the force, looked at after any method (ident/residual): quality in words,
+/// causes with their cure. A force that grows with position, or that follows an angle, is taken off the logs where they
+/// determine it, and the method runs once more.
+///
+/// Inside workflow only. Real time: no. Errors: those of the method.
+
+#include <functional>
+#include <stribeck/workflow/identify.hpp>
+
+namespace stribeck::workflow {
+
+using Identify = std::function<Identification(const AxisRecords&)>;
+
+/// The result of `method` on these logs, diagnosed.
+Identification diagnosed(const AxisRecords& axis, const Identify& method);
+
+}  // namespace stribeck::workflow

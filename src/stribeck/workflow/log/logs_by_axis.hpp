@@ -1,0 +1,32 @@
+#pragma once
+/// Which axis of a machine each of many logs belongs to.
+///
+///   1. what the log says itself: `# axis: x`
+///   2. columns that carry the name of an axis (x_y, ENC_POS|2): such a log belongs to each axis that it has
+///   3. the name of the file: a word in it that is an axis (x-sine-log.csv)
+///   4. a machine of one axis has no other
+///
+/// A log that none of these assigns is refused: it is not guessed. Where the log holds volts and no gain is given, that of
+/// the machine's drive is taken.
+///
+/// Real time: no.
+/// Errors: InputError naming the log.
+
+#include <stribeck/sim/machine.hpp>
+#include <stribeck/workflow/log/log_options.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+struct LogsOfAxis {
+  std::string axis;
+  LogOptions options;             ///< with the axis, and the gain of its drive where the logs need it
+  std::vector<std::string> logs;  ///< in the order given
+};
+
+/// In the order of the machine's axes, those with logs only; --axis leaves one.
+std::vector<LogsOfAxis> logs_by_axis(const sim::Machine& machine, const std::vector<std::string>& logs,
+                                     const LogOptions& options);
+
+}  // namespace stribeck::workflow
