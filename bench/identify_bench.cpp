@@ -3,7 +3,8 @@
 /// a pole of 0.9 per row, x in steps of 25 nm, v its central difference.
 ///
 ///   Read             the log as CSV (t, r, x, v, a, f; about 60 MB) into memory, in SI
-///   ReadAndIdentify  the same, then identify_drive: mass, all static models, choice, intervals
+///   ReadAndIdentify  the same, then identify_drive: mass, all static models, choice, intervals; with pre_sliding 1 also
+///                    LuGre and GMS from the reversals, as by default
 ///   FitI1            rows of velocity and friction to bins, three Gaussians for each direction with many starts,
 ///                    intervals of the curve under correlated noise
 ///   RandomStartsI1   100 sets of scattered starts (argument: starts of a set): how many end within 0.1 % of the least
@@ -153,7 +154,7 @@ void read_and_identify(benchmark::State& state) {
     record.f = io::in_si(log.at("f"), quantity("N", "N"));
     record.sample_time = io::check_time(record.t).sample_time;
     ident::drive::DriveFitOptions options;
-    options.dynamics = false;
+    options.dynamics = state.range(0) != 0;
     result = ident::drive::identify_drive({record}, options);
   }
   state.counters["curve_error_N"] = curve_error(result.friction.steady);
@@ -382,7 +383,12 @@ void nelder_mead_i1(benchmark::State& state) {
 }
 
 BENCHMARK(read)->Name("Read")->Unit(benchmark::kMillisecond);
-BENCHMARK(read_and_identify)->Name("ReadAndIdentify")->Unit(benchmark::kMillisecond);
+BENCHMARK(read_and_identify)
+    ->Name("ReadAndIdentify")
+    ->ArgName("pre_sliding")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(fit_i1)->Name("FitI1")->Unit(benchmark::kMillisecond);
 BENCHMARK(random_starts)
     ->Name("RandomStartsI1")
