@@ -63,6 +63,8 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   const double shift_error = found.intervals.shift_error;
   if (shift_error > kExactShift) {
     options.shift -= shift_error;
+    // A law that was not chosen has no intervals to widen, and its fit is the longest of all.
+    if (!std::holds_alternative<friction::Gms<double>>(fit.best)) options.elements = 0;
     try {
       const bristle::BristleFit moved = bristle::fit_bristle(closed, known, options);
       const double factor = found.intervals.factor;
