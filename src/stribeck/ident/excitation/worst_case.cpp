@@ -12,6 +12,7 @@ namespace stribeck::ident::excitation {
 namespace {
 
 constexpr double kFinestStep = 0.25e-3;  // of the simulation [s]
+constexpr double kOfPrediction = 1.02;   // a ramp is designed to the limit of speed with steps of 1 ms
 constexpr double kForever = 30.0;        // an axis that still moves then does not stop by itself [s]
 
 struct Case {
@@ -167,7 +168,9 @@ SafeExcitation design_safe_ramp(const Limits& limits, const RoughDrive& drive, c
   refuse_to_fall("ramp", doubt);
   Excitation e = design_ramp(limits, drive, sample_time, design);
   const Reach reach = reach_of(e.force, sample_time, design.start, doubt, limits);
-  if (const std::string why = beyond(reach, limits); !why.empty()) {
+  Limits rounded = limits;
+  rounded.speed *= kOfPrediction;
+  if (const std::string why = beyond(reach, rounded); !why.empty()) {
     throw Refused(
         "ramp: " + why +
         "; write a range for friction, e.g. friction = [\"30 N\", \"50 N\"], after a jog, or give --known");
