@@ -103,7 +103,7 @@ Fit fit(const Rows& rows, const Columns& columns) {
   return out;
 }
 
-/// How much of a force along the travel the motion hides in the mass: kg for 1 N/m.
+/// How much mass a force along the travel looks like on this motion: kg for 1 N/m [s²].
 double mass_of_spring(const Rows& rows) {
   double ax = 0.0, aa = 0.0;
   for (const Row& r : rows.rows) ax += r.a * (r.x - rows.middle()), aa += r.a * r.a;
@@ -117,10 +117,14 @@ void find_spring(const Rows& rows, Diagnosis& out) {
   const Fit f = fit(rows, columns);
   const double scale = 2.0 / (rows.high - rows.low);
   if (f.told[at] < kTold) {
-    const double kilograms = mass_of_spring(rows);
+    const double seconds = mass_of_spring(rows);
+    if (seconds == 0.0) return;
+    const bool newtons = rows.force_unit == "N" && rows.position_unit == "m";
+    const std::string much = newtons ? fmt::format("{:.3g} kg for each N/mm", 1e3 * seconds)
+                                     : fmt::format("{:.3g} s² times its stiffness", seconds);
     out.cannot_tell.push_back(fmt::format(
-        "a force that grows with position (spring, cable chain): on this motion it is the same as mass, {:.3g} kg for each N/mm; add strokes at constant speed, or a sine of another frequency",
-        1e3 * kilograms));
+        "a force that grows with position (spring, cable chain): on this motion it is the same as mass, {}; add strokes at constant speed, or a sine of another frequency",
+        much));
     return;
   }
   const double force = f.theta(static_cast<Index>(at));
