@@ -72,6 +72,8 @@ Line line_through(const Samples& s) {
     vv += s.weight[i] * (s.speed[i] - v0) * (s.speed[i] - v0);
   }
   Line line{0.0, vf / vv};
+  // What rounding leaves of a slope is none.
+  if (std::abs(line.viscous) * s.speed.back() < 1e-9 * std::abs(f0)) line.viscous = 0.0;
   line.level = f0 - line.viscous * v0;
   if (line.viscous < 0.0) return {std::max(f0, 0.0), 0.0};
   if (line.level < 0.0) return {0.0, slope_through_zero(s)};

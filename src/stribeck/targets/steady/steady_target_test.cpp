@@ -65,7 +65,7 @@ TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
   const std::string main = x.folder.write(
       "main.c",
       "#include <stdio.h>\n#include \"x.h\"\nint main(void) {\n  double v, p;\n"
-      "  while (scanf(\"%lf %lf\", &v, &p) == 2) printf(\"%.9g %.9g\\n\", x_friction(v, p), x_force(2.0, v, p));\n  return 0;\n}\n");
+      "  while (scanf(\"%lf %lf\", &v, &p) == 2) printf(\"%.15g %.15g\\n\", x_friction(v, p), x_force(2.0, v, p));\n  return 0;\n}\n");
   const std::string program = x.folder / "program";
   ASSERT_EQ(
       std::system(("cc -std=c99 -Wall -Wextra -Werror -o '" + program + "' '" + main + "' -lm").c_str()), 0);
@@ -152,7 +152,7 @@ TEST(SteadyTarget, SimulatorsComeAsNearAsTheirFormPermits) {
 
 TEST(SteadyTarget, WhatAFormCannotHoldIsSaid) {
   Export x;
-  EXPECT_THAT(x.to("mujoco").text, HasSubstr("not in it: 7 N periodic in position, the load of 30 N"));
+  EXPECT_THAT(x.to("mujoco").text, HasSubstr("not in it: 7.00 N periodic in position, the load of 30.00 N"));
   EXPECT_THAT(x.to("structured-text").text, Not(HasSubstr("not in it")));
 }
 
