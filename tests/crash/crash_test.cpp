@@ -29,6 +29,7 @@ int run(const Folder& f, std::vector<std::string> words, std::vector<std::string
   for (auto& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   const std::string said = f / "said";
+  std::fflush(stdout);  // what is in the buffer is not the child's
   const pid_t child = fork();
   if (child == 0) {
     if (!settings.empty()) setenv("LD_PRELOAD", STRIBECK_SHIM, 1);

@@ -1,34 +1,25 @@
-// Instructions of the processor that a step of the C interface takes, counted one by one (ptrace): the worst of many steps and the
-// median, by law. Unlike times, they do not depend on what else the computer does. Run by tools/count-instructions.
+// Steps of the C interface by law, for valgrind's callgrind, which counts the instructions of each step by itself. Unlike times, they do
+// not depend on what else the computer does. Run by tools/count-instructions.
 #include <stribeck/stribeck.h>
-#include <sys/ptrace.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
-#include <vector>
+
+#if __has_include(<valgrind/callgrind.h>)
+#include <valgrind/callgrind.h>
+#else
+#define CALLGRIND_DUMP_STATS_AT(name) static_cast<void>(name)
+#endif
 
 namespace {
 
 constexpr std::uint32_t kAxes = 2;
 constexpr double kPeriod = 1e-3;
 constexpr double kLap = 0.6283185307179586;  // of a circle at 10 rad/s [s]
-
-/// Stops the child where its parent looks.
-inline void mark() {
-#if defined(__x86_64__)
-  asm volatile("int3" ::: "memory");
-#else
-  raise(SIGTRAP);
-#endif
-}
 
 void must(bool good, const char* what, const stribeck_controller* c) {
   if (good) return;
@@ -72,9 +63,10 @@ stribeck_controller* controller(const char* law, bool everything) {
   return c;
 }
 
-/// Every step of a circle of 10 mm, between marks; the plant is a mass with friction.
-[[noreturn]] void run(const char* law, bool everything, int steps) {
+/// A circle of 10 mm; the plant is a mass with friction.
+void run(const char* law, bool everything, int steps) {
   stribeck_controller* const c = controller(law, everything);
+  const std::string name = std::string(law) + (everything ? " everything" : " plain");
   double x[kAxes] = {10e-3, 0.0};
   double v[kAxes] = {0.0, 0.1};
   for (int k = 0; k < steps; ++k) {
@@ -86,71 +78,23 @@ stribeck_controller* controller(const char* law, bool everything) {
     }
     double force[kAxes];
     stribeck_controller_set_phase(c, k * kPeriod);
-    mark();
     const stribeck_result result = stribeck_controller_step(c, in, force);
-    mark();
+    CALLGRIND_DUMP_STATS_AT(name.c_str());
     must(result == STRIBECK_OK, law, c);
     for (std::uint32_t i = 0; i < kAxes; ++i) {
       v[i] += kPeriod * (force[i] - 14.0 * std::tanh(v[i] / 1e-4) - 4000.0 * v[i]) / 820.0;
       x[i] += kPeriod * v[i];
     }
   }
-  std::exit(0);
-}
-
-/// Instructions of every step of a child; empty when it fails.
-std::vector<long> counted(const char* law, bool everything, int steps) {
-  const pid_t child = fork();
-  if (child == 0) {
-    ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
-    raise(SIGSTOP);
-    run(law, everything, steps);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  std::vector<long> counts;
-  bool inside = false;
-  long count = 0;
-  ptrace(PTRACE_CONT, child, nullptr, nullptr);
-  while (waitpid(child, &status, 0) == child && WIFSTOPPED(status)) {
-    const int signal = WSTOPSIG(status);
-    siginfo_t info{};
-    ptrace(PTRACE_GETSIGINFO, child, nullptr, &info);
-    // The mark itself, and not one of the single steps.
-    const bool marked = signal == SIGTRAP && info.si_code != TRAP_TRACE;
-    if (marked && inside) counts.push_back(count);
-    if (marked) {
-      inside = !inside;
-      count = 0;
-    } else if (signal == SIGTRAP) {
-      ++count;
-    }
-    ptrace(inside ? PTRACE_SINGLESTEP : PTRACE_CONT, child, nullptr,
-           signal == SIGTRAP ? nullptr : reinterpret_cast<void*>(static_cast<std::intptr_t>(signal)));
-  }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? counts : std::vector<long>();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const int steps = argc > 1 ? std::atoi(argv[1]) : 700;
-  std::printf("| Law | worst | median | worst, with everything | median |\n|---|---|---|---|---|\n");
   const char* law = nullptr;
   for (std::uint32_t i = 0; (law = stribeck_controller_parameter_word("law", i)) != nullptr; ++i) {
-    std::string row = std::string("| ") + law + " |";
-    for (const bool everything : {false, true}) {
-      std::vector<long> counts = counted(law, everything, steps);
-      if (counts.size() != static_cast<std::size_t>(steps)) {
-        std::fprintf(stderr, "step_instructions: %s: %zu steps of %d were counted\n", law, counts.size(),
-                     steps);
-        return 1;
-      }
-      std::sort(counts.begin(), counts.end());
-      row += " " + std::to_string(counts.back()) + " | " + std::to_string(counts[counts.size() / 2]) + " |";
-    }
-    std::printf("%s\n", row.c_str());
-    std::fflush(stdout);
+    for (const bool everything : {false, true}) run(law, everything, steps);
   }
   return 0;
 }

@@ -48,6 +48,7 @@ double run(const char* law) {
   stribeck_controller_choose(c, 0, "law", law);
   stribeck_controller_set(c, 0, "mass", 800.0);
   stribeck_controller_set(c, 0, "force_limit", 250.0);
+  stribeck_controller_set(c, 0, "friction.conventional.alpha0", 10.0);
   stribeck_controller_set(c, 0, "learning.lap", 1.0);  // refused under other laws
   if (stribeck_controller_configure(c, 1e-3) != STRIBECK_OK) return std::nan("");
   double sum = 0.0;
