@@ -84,12 +84,14 @@ void add_path_options(CLI::App& verb, PathOptions& o) {
   verb.add_option("--laps", o.laps, "Number of laps at constant speed; these laps are evaluated")
       ->check(number_from(0.25, 1000.0))
       ->capture_default_str();
-  verb.add_option("--omega-t", o.omega_t, "Double pole of the loop along the path")
-      ->type_name("RATE")
-      ->capture_default_str();
-  verb.add_option("--omega-n", o.omega_n, "Double pole of the loop across the path")
-      ->type_name("RATE")
-      ->capture_default_str();
+  verb.add_option(
+          "--omega-t", o.omega_t,
+          "Double pole of the loop along the path; left out: 40 rad/s, on a machine of your own its omega")
+      ->type_name("RATE");
+  verb.add_option(
+          "--omega-n", o.omega_n,
+          "Double pole of the loop across the path; left out: 40 rad/s, on a machine of your own its omega")
+      ->type_name("RATE");
   verb.add_option("--observer-pole", o.observer_pole, "Both poles of the disturbance observer")
       ->type_name("RATE")
       ->capture_default_str();

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <string_view>
 
@@ -159,6 +160,13 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
 
 }  // namespace
 
+namespace {
+
+/// To a micrometre, without a sign before zero.
+double rounded_mm(double metres) { return std::round(metres * 1e6) * 1e-3 + 0.0; }
+
+}  // namespace
+
 std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& safe,
                                       const MachineDescription& machine, std::size_t axis) {
   const auto& [name, a] = machine.axes[axis];
@@ -172,9 +180,9 @@ std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& s
   const auto first = std::find_if(table.begin(), table.end(), [&](double y) { return y != table.front(); });
   const bool up = first == table.end() || *first > table.front();
   return {
-      fmt::format("begins at {:.6g} mm, at rest", start * 1e3),
+      fmt::format("begins at {:.6g} mm, at rest", rounded_mm(start)),
       fmt::format("first moves to {}{}", up ? '+' : '-', name),
-      fmt::format("needs free room from {:.6g} to {:.6g} mm{}", low * 1e3, high * 1e3,
+      fmt::format("needs free room from {:.6g} to {:.6g} mm{}", rounded_mm(low), rounded_mm(high),
                   open ? ", in the worst case of friction and mass" : ""),
       fmt::format("abort outside {:.6g} to {:.6g} mm, above {:.6g} mm/s, above {:.6g} N{}",
                   a.limits.travel_min * 1e3, a.limits.travel_max * 1e3, a.limits.speed * 1e3, a.force_limit(),

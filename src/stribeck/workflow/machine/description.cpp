@@ -26,8 +26,8 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   Proposed p{std::min({sampled, quiet, kStiff}), {}};
   if (p.value == quiet) {
     p.reason = fmt::format(
-        "above it one step of the encoder ({:.3g} nm) would move the force by more than {:.0f} % of the friction",
-        step * 1e9, 100.0 * kRipple);
+        "above it one step of the encoder ({:g} µm) would move the force by more than {:.0f} % of the friction",
+        step * 1e6, 100.0 * kRipple);
   } else if (p.value == sampled) {
     p.reason = fmt::format("{:g} over the control period: the loop is sampled well", kSampledWell);
   } else {

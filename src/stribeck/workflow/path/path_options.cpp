@@ -102,9 +102,11 @@ bool is_of_thesis(const sim::Machine& machine) {
 }  // namespace
 
 std::vector<sim::ControllerSpec> make_controllers(const PathOptions& o) {
-  control::ContouringParams law = control::ContouringParams::critical(
-      option_si("--omega-t", o.omega_t, quantity("rad/s", "rad/s").positive()),
-      option_si("--omega-n", o.omega_n, quantity("rad/s", "rad/s").positive()));
+  const auto omega = [](const char* option, const std::string& text) {
+    return option_si(option, text.empty() ? "40 rad/s" : text, quantity("rad/s", "rad/s").positive());
+  };
+  control::ContouringParams law =
+      control::ContouringParams::critical(omega("--omega-t", o.omega_t), omega("--omega-n", o.omega_n));
   law.error_rate = *enum_value<control::ErrorRate>(o.error_rate);
   return sim::biaxial_controllers(law, *enum_value<control::Observer>(o.observer),
                                   option_si("--observer-pole", o.observer_pole, control::kObserverPole));
@@ -158,7 +160,14 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
     }
     sim::CompareSpec own;
     own.travels = own_travels(machine, path, speeds);
-    own.controllers = make_controllers(path);
+    // One pole for all axes, which the stiffest demand of friction and encoder allows.
+    double omega = kInfinity;
+    for (const auto& [name, axis] : machine.axes) omega = std::min(omega, axis.commissioning.omega);
+    PathOptions gains = path;
+    for (std::string* text : {&gains.omega_t, &gains.omega_n}) {
+      if (text->empty()) *text = fmt::format("{} rad/s", omega);
+    }
+    own.controllers = make_controllers(gains);
     own.accuracy = make_accuracy(path);
     return own;
   }

@@ -22,8 +22,8 @@ struct PathOptions {
   std::string path = "circle";
   std::string size;  ///< empty: 10 mm; of a machine of one's own by its travel
   double laps = 2.0;
-  std::string omega_t = "40 rad/s";
-  std::string omega_n = "40 rad/s";
+  std::string omega_t;  ///< empty: 40 rad/s; of a machine of one's own its commissioning.omega
+  std::string omega_n;  ///< the same
   std::string observer_pole = "20 1/s";
   std::string accuracy = "1 nm";
   std::string observer = "disturbance";
