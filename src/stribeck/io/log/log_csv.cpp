@@ -280,7 +280,7 @@ class CsvReader {
       }
     }
     if (!utf8) note("text cells are not UTF-8 and are read as Latin-1");
-    if (kept == log_.columns.size()) fail(0, "has no column of numbers");
+    if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_));
   }
 
   /// Reserves from the length of the first lines.

@@ -123,6 +123,12 @@ std::vector<std::string> units_in_row(std::string_view row, char separator, std:
   return units;
 }
 
+const char* why_no_numbers(const std::vector<std::string_view>& row) {
+  return std::any_of(row.begin(), row.end(), looks_like_number)
+             ? "mixes point and comma in its numbers (export it with one decimal mark and without thousands separators)"
+             : "has no column of numbers";
+}
+
 std::optional<double> time_of_day(std::string_view text) {
   text = trimmed(text);
   const auto date_end = text.find_first_of("T ");

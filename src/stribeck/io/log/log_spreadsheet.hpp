@@ -27,6 +27,9 @@ bool is_data(std::string_view line);
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
                                       std::vector<std::string>& notes);
 
+/// What to say of a table whose cells are all text; `row` is one of its rows.
+const char* why_no_numbers(const std::vector<std::string_view>& row);
+
 /// Seconds since midnight of `07:15:23.123`, also with a date before and a zone behind, which are not looked at.
 std::optional<double> time_of_day(std::string_view text);
 

@@ -81,6 +81,11 @@ TEST(Spreadsheet, WhatIsATimeOfDay) {
     EXPECT_FALSE(time_of_day(text)) << text;
 }
 
+TEST(Spreadsheet, ThousandsSeparatorsAreNamed) {
+  EXPECT_THAT([] { parse("t_s;x_um\n0.0;107.8\n0.1;1,107.8\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("thousands separators")));
+}
+
 TEST(Spreadsheet, PerMilleIsAUnit) {
   const Log log = parse("t_s,torque [\u2030]\n0,1\n1,2\n");
   EXPECT_DOUBLE_EQ(in_si(log.at("torque"), quantity("", "")).at(1), 0.002);

@@ -69,12 +69,12 @@ TEST(LogFaults, SpikesOfTheForceAreReplaced) {
 }
 
 TEST(LogFaults, PushToWhichTheMotionAnswersStays) {
-  // One row of 2 kN gives 100 kg a speed of 20 mm/s.
+  // One row of 300 N gives 100 kg a speed of 3 mm/s.
   RawLog log = strokes(2, false);
   double added = 0.0;
   for (std::size_t k = 0; k < log.x.y.size(); ++k) {
-    if (k == 2500) log.f.y[k] = 2000.0;
-    if (k > 2500 && k < 2600) added += 20e-6;
+    if (k == 2500) log.f.y[k] = 300.0;
+    if (k > 2500 && k < 2600) added += 3e-6;
     log.x.y[k] += added;
   }
   for (const std::string& kind : kinds(condition(log))) EXPECT_NE(kind, "spike");

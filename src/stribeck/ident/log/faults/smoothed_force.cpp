@@ -75,7 +75,7 @@ Normal normal_of(const std::vector<Block>& blocks, int delay, double slowest) {
 
 SmoothedFit fit_smoothed(const std::vector<Block>& blocks, double slowest) {
   const double T = blocks.front().motion.sample_time;
-  const int late = std::clamp(static_cast<int>(std::ceil(0.05 / T)), 1, 12);
+  const int late = std::clamp(static_cast<int>(std::ceil(0.05 / T)), 1, 30);
   SmoothedFit best;
   for (int d = -1; d <= late; ++d) {
     const Normal s = normal_of(blocks, d, slowest);

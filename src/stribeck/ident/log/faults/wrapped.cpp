@@ -38,16 +38,17 @@ Wraps find_wraps(const std::vector<double>& y) {
   Wraps found;
   std::vector<double> periods;
   std::size_t against = 0;
-  for (std::size_t i = 2; i + 1 < rows.size(); ++i) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
     if (!large(i)) continue;
     found.rows.push_back(rows[i]);
-    if (large(i - 1) || large(i + 1)) continue;
-    const double usual = 0.5 * (step(i - 1) + step(i + 1));
+    // An axis at rest on the seam goes to and fro over it.
+    const bool alone = i > 1 && i + 1 < rows.size() && !large(i - 1) && !large(i + 1);
+    const double usual = alone ? 0.5 * (step(i - 1) + step(i + 1)) : 0.0;
     periods.push_back(std::abs(step(i) - usual));
-    if (usual * step(i) < 0.0 && step(i - 1) * step(i + 1) > 0.0) ++against;
+    if (alone && usual * step(i) < 0.0 && step(i - 1) * step(i + 1) > 0.0) ++against;
   }
   constexpr std::size_t kFewest = 2;
-  if (found.rows.size() < kFewest || against * 10 < found.rows.size() * 8) return none;
+  if (against < kFewest) return none;
   found.period = stats::median(periods);
   const bool same = std::all_of(periods.begin(), periods.end(),
                                 [&](double p) { return std::abs(p - found.period) < 0.03 * found.period; });
