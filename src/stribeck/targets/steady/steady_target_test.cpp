@@ -71,7 +71,7 @@ TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
       std::system(("cc -std=c99 -Wall -Wextra -Werror -o '" + program + "' '" + main + "' -lm").c_str()), 0);
   std::string input;
   std::vector<std::array<double, 2>> points;
-  for (int i = -20; i <= 20; ++i) {
+  for (int i = -19; i <= 19; ++i) {
     points.push_back({5e-3 * i + (i == 0 ? 0.0 : 1e-4), 1e-3 * i});
     input += std::to_string(points.back()[0]) + " " + std::to_string(points.back()[1]) + "\n";
   }
