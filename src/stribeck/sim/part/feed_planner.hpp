@@ -5,6 +5,7 @@
 /// Real time: no.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stribeck/sim/part/part_path.hpp>
 #include <vector>
@@ -65,9 +66,11 @@ class Minima {
 /// Plans the feed over segments and writes it as phases.
 class FeedPlanner {
  public:
+  /// `stepwise`: a segment with much weaker limits than those beside it gets a ramp of its own, so that its limits do not slow
+  /// the ramps of its neighbours. Narrow bends that are cut into pieces need this.
   FeedPlanner(const std::vector<SegmentLimits>& limits, const std::vector<double>& begin,
-              std::vector<path::FeedPhase>& phases)
-      : minima_(limits), begin_(begin), phases_(phases) {}
+              std::vector<path::FeedPhase>& phases, bool stepwise = false)
+      : minima_(limits), begin_(begin), phases_(phases), stepwise_(stepwise) {}
 
   /// From rest at the first of [first, last) to rest at the end of the last.
   void run(std::size_t first, std::size_t last) {
@@ -99,6 +102,7 @@ class FeedPlanner {
   /// Invariants: a ramp between both end speeds fits into the stretch. A profile that rises at once to the highest of both end speeds
   /// and the slowest segment's, and falls as late as possible, passes every segment at its speed or slower.
   void plan(const Stretch& r) {
+    if (stepwise_ && (step(r, true) || step(r, false))) return;
     SegmentLimits w = minima_.weakest(r.first, r.last);
     w.acceleration = std::min(w.acceleration, r.acceleration);
     w.jerk = std::min(w.jerk, r.jerk);
@@ -120,6 +124,28 @@ class FeedPlanner {
       top = higher;
       if (higher < next) return emit(r, top, w);
     }
+  }
+
+  /// Plans the first or the last segment of a stretch on its own where its limits are much weaker than those of the rest; false:
+  /// nothing done.
+  bool step(const Stretch& r, bool at_begin) {
+    constexpr double kWeak = 0.7;
+    if (r.last - r.first < 2 || std::isfinite(r.acceleration)) return false;
+    const std::size_t border = at_begin ? r.first + 1 : r.last - 1;
+    const SegmentLimits one = at_begin ? minima_.weakest(r.first, border) : minima_.weakest(border, r.last);
+    const SegmentLimits rest = at_begin ? minima_.weakest(border, r.last) : minima_.weakest(r.first, border);
+    if (one.acceleration > kWeak * rest.acceleration && one.jerk > kWeak * rest.jerk) return false;
+    const double end = at_begin ? r.from : r.to;
+    const double far_end = at_begin ? r.to : r.from;
+    const double most = std::min(one.speed, rest.speed);
+    if (end > most || far_end > rest.speed) return false;
+    const double length = at_begin ? begin_[border] - begin_[r.first] : begin_[r.last] - begin_[border];
+    const double others = begin_[r.last] - begin_[r.first] - length;
+    const double v = path::reachable(end, length, most, one.acceleration, one.jerk);
+    if (path::SpeedRamp(v, far_end, rest.acceleration, rest.jerk).distance() > others) return false;
+    todo_.push_back({border, r.last, v, r.to});
+    todo_.push_back({r.first, border, r.from, v});
+    return true;
   }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -226,6 +252,7 @@ class FeedPlanner {
   const std::vector<double>&
       begin_;  ///< distance at the beginning of every segment, and at the end of the last
   std::vector<path::FeedPhase>& phases_;
+  bool stepwise_;
   std::vector<Stretch> todo_;
   double time_ = 0.0;
 };

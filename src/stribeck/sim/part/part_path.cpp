@@ -4,6 +4,7 @@
 #include <stribeck/path/corner.hpp>
 #include <stribeck/path/frame.hpp>
 #include <stribeck/sim/part/feed_planner.hpp>
+#include <stribeck/sim/part/tame_pieces.hpp>
 
 namespace stribeck::sim {
 namespace {
@@ -178,7 +179,8 @@ Segment<N> trimmed(const Segment<N>& s, double x0, double x1) {
 template <std::size_t N>
 class Assembly {
  public:
-  Assembly(Part<N>& part, const PartLimits<N>& limits) : part_(part), limits_(limits) {}
+  Assembly(Part<N>& part, const PartLimits<N>& limits, bool stepwise = false)
+      : part_(part), limits_(limits), stepwise_(stepwise) {}
 
   void add(Segment<N> s, double feed) {
     s.begin = phi_;
@@ -189,9 +191,12 @@ class Assembly {
     part_.segments.push_back(std::move(s));
   }
   /// Behind the segments so far.
-  void stop(double dwell) { stops_.emplace_back(part_.segments.size(), dwell); }
+  void stop(double dwell) {
+    const std::size_t last = stops_.empty() ? 0 : stops_.back().first;
+    if (part_.segments.size() > last || dwell > 0.0) stops_.emplace_back(part_.segments.size(), dwell);
+  }
   void finish() {
-    FeedPlanner planner(segment_limits_, begin_, part_.phases);
+    FeedPlanner planner(segment_limits_, begin_, part_.phases, stepwise_);
     std::size_t first = 0;
     for (const auto& [last, dwell] : stops_) {
       planner.run(first, last);
@@ -207,6 +212,7 @@ class Assembly {
  private:
   Part<N>& part_;
   const PartLimits<N>& limits_;
+  bool stepwise_;
   double phi_ = 0.0;
   std::vector<double> begin_{0.0};
   std::vector<SegmentLimits> segment_limits_;
@@ -363,12 +369,25 @@ std::shared_ptr<const Part<N>> plan_smooth(std::vector<path::Segment<N>> segment
   if (segments.empty()) return nullptr;
   auto part = std::make_shared<Part<N>>();
   part->summary.moves = segments.size();
-  Assembly<N> assembly(*part, limits);
+  constexpr bool kStepwise = true;
+  Assembly<N> assembly(*part, limits, kStepwise);
+  bool after_cusp = false;
   for (Segment<N>& s : segments) {
     s.extent = s.distance(s.length);
-    if (limits_on<N>(s, feed, limits).speed < feed * (1.0 - 1e-9)) ++part->summary.limited;
-    assembly.add(std::move(s), feed);
+    bool slower = false;
+    for (const TamePiece<N>& piece : tame_pieces(s)) {
+      if (piece.cusp) assembly.stop(0.0);
+      if (piece.segment.extent > 0.0) {
+        slower = slower || limits_on<N>(piece.segment, feed, limits).speed < feed * (1.0 - 1e-9);
+        assembly.add(piece.segment, feed);
+      }
+      if (piece.cusp) assembly.stop(0.0);
+      part->summary.stops += piece.cusp && !after_cusp ? 1 : 0;
+      after_cusp = piece.cusp;
+    }
+    if (slower) ++part->summary.limited;
   }
+  if (part->segments.empty()) return nullptr;
   assembly.stop(0.0);
   assembly.finish();
   return part;

@@ -452,6 +452,73 @@ TEST(PartPath, ContourErrorIsTakenFromTheBranchTravelled) {
   EXPECT_NEAR(std::abs(path.contour_error({{1e-6, 0.02 - 4e-6}}, corner + 1e-6)), 1e-6, 1e-15);
 }
 
+/// x = (w − w0)²·A, y = (w − w0)³·B + (w − w0)·C over w = 0 … 1: a cusp at w0 where C is 0, nearly one where it is small.
+path::Segment<2> cusp_at(double w0, double side) {
+  constexpr double kA = 0.04;
+  constexpr double kB = 0.02;
+  path::Segment<2> s;
+  s.kind = path::SegmentKind::kCorner;
+  s.length = 0.02;
+  s.c[0] = {{kA * w0 * w0, -kB * w0 * w0 * w0 - side * w0}};
+  s.c[1] = {{-2.0 * kA * w0, 3.0 * kB * w0 * w0 + side}};
+  s.c[2] = {{kA, -3.0 * kB * w0}};
+  s.c[3] = {{0.0, kB}};
+  return s;
+}
+
+// The narrowest place lies between those at which the curvature is looked at (40 in a row).
+TEST(PartPath, ANarrowBendIsPassedWithinTheLimits) {
+  const auto l = limits<2>();
+  for (const double side : {1e-3, 1e-4, 1e-5, 1e-6, 1e-8}) {
+    SCOPED_TRACE(side);
+    const auto part = plan_smooth<2>({cusp_at(0.5123, side)}, 0.05, l);
+    ASSERT_NE(part, nullptr);
+    // The radius of the bend is side²/0.08 m: below a nanometre it is a cusp.
+    EXPECT_EQ(part->summary.stops, side * side / 0.08 < 1e-9 ? 1U : 0U);
+    expect_within(*part, l);
+    // Only the narrow place is passed slowly: the whole takes hardly longer, however narrow it is.
+    EXPECT_LT(part->summary.duration, 2.0);
+  }
+}
+
+TEST(PartPath, AtACuspTheMotionStops) {
+  const auto l = limits<2>();
+  for (const double w0 : {0.5, 0.5123, 1.0 / 3.0}) {
+    SCOPED_TRACE(w0);
+    const auto part = plan_smooth<2>({cusp_at(w0, 0.0)}, 0.05, l);
+    ASSERT_NE(part, nullptr);
+    EXPECT_EQ(part->summary.stops, 1U);
+    expect_within(*part, l);
+    const auto p = positions(*part, 1e-3);
+    double nearest = 1.0;
+    for (const auto& q : p) nearest = std::min(nearest, norm(q));
+    EXPECT_LT(nearest, 1e-9);
+  }
+}
+
+// There and back along a straight line: the pieces are those of the line, and the turn has no length.
+TEST(PartPath, ATurnOnTheSpotIsAStop) {
+  path::Segment<2> s;
+  s.kind = path::SegmentKind::kCorner;
+  s.length = 0.02;
+  s.c[1] = {{0.04, 0.02}};
+  s.c[2] = {{-0.04, -0.02}};
+  const auto l = limits<2>();
+  const auto part = plan_smooth<2>({s}, 0.05, l);
+  ASSERT_NE(part, nullptr);
+  EXPECT_EQ(part->summary.stops, 1U);
+  EXPECT_NEAR(part->summary.length, 2.0 * std::hypot(0.01, 0.005), 1e-9);
+  expect_within(*part, l);
+}
+
+// Pieces of a smooth curve are the curve.
+TEST(PartPath, AGentlePolynomialIsNotCut) {
+  path::Segment<2> s = cusp_at(-3.0, 0.0);
+  const auto part = plan_smooth<2>({s}, 0.05, limits<2>());
+  ASSERT_NE(part, nullptr);
+  EXPECT_EQ(part->segments.size(), 1U);
+}
+
 TEST(PartPath, WithoutAWayThereIsNothingToPlan) {
   EXPECT_EQ(plan_part<3>({}, {}, limits<3>()), nullptr);
   EXPECT_EQ(plan_part<3>({}, {stop({})}, limits<3>()), nullptr);
