@@ -50,7 +50,7 @@ Json cutting_json(const sim::CuttingFigures& c) {
 
 Json members(const Value& group, const ShownUnits& units);
 
-/// Numbers in the unit that is shown, and that unit.
+/// Numbers in the shown unit, and the name of that unit.
 struct InUnit {
   std::string unit;
   io::Conversion to_shown;
@@ -107,6 +107,18 @@ Json members(const Value& group, const ShownUnits& units) {
   return out;
 }
 
+Json part_json(const sim::Travel& travel) {
+  const sim::PartSummary& part = *travel.part();
+  return {{"name", travel.name},
+          {"moves", part.moves},
+          {"length_mm", number_or_null(part.length * kMilli)},
+          {"duration_s", number_or_null(part.duration)},
+          {"stops", part.stops},
+          {"rounded_corners", part.corners},
+          {"slower_moves", part.limited},
+          {"rounding_um", number_or_null(part.deviation * 1e6)}};
+}
+
 Json interval(double low, double high) { return Json::array({number_or_null(low), number_or_null(high)}); }
 
 }  // namespace
@@ -118,23 +130,15 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
   out["experiment"] = experiment.empty() ? Json(nullptr) : Json(std::string(experiment));
   out["seed"] = result.spec.seed;
   out["trials"] = result.spec.trials;
-  if (const sim::PartSummary* part =
-          result.spec.travels.empty() ? nullptr : result.spec.travels.front().part()) {
-    out["part"] = {{"name", result.spec.travels.front().name},
-                   {"moves", part->moves},
-                   {"length_mm", number_or_null(part->length * kMilli)},
-                   {"duration_s", number_or_null(part->duration)},
-                   {"stops", part->stops},
-                   {"rounded_corners", part->corners},
-                   {"slower_moves", part->limited},
-                   {"rounding_um", number_or_null(part->deviation * 1e6)}};
-  }
+  const auto& travels = result.spec.travels;
+  if (!travels.empty() && travels.front().part() != nullptr) out["part"] = part_json(travels.front());
   Json rows = Json::array();
   for (const sim::CompareRow& r : result.rows) {
     Json row;
     row["controller"] = r.controller.id;
     row["label"] = r.controller.label;
-    row["speed_mm_per_s"] = r.speed > 0.0 ? number_or_null(r.speed * kMilli) : Json(nullptr);
+    const double speed = r.speed > 0.0 ? r.speed : travels.at(r.travel).feed;
+    row["speed_mm_per_s"] = number_or_null(speed * kMilli);
     write_metrics(row, r.mean, result.axes.size());
     Json spread = Json::object();
     write_metrics(spread, r.spread, result.axes.size());

@@ -66,7 +66,7 @@ const Column& Log::at(std::string_view name) const {
 
 namespace {
 
-/// Plain text of a file: inflated, known to be text, without the UTF-8 mark.
+/// Plain text of a file: inflated, checked to be text, without the UTF-8 mark.
 class Plain {
  public:
   Plain(std::string_view bytes, const std::string& source) : text_(bytes) {
@@ -87,7 +87,7 @@ class Plain {
   std::string_view text_;
 };
 
-/// What a log does not hold itself.
+/// Keys of a side file: data that a log itself lacks.
 struct SideFile {
   std::vector<std::string> columns;
   std::optional<double> sample_time;
@@ -101,7 +101,7 @@ struct SideFile {
   }
 };
 
-/// Time of a CSV table: found, or made from the sample time.
+/// Time of a CSV table: found, or computed from the sample time.
 void complete_times(Log& log, const ReadOptions& options) {
   if (!options.time_column.empty()) {
     static_cast<void>(log.at(options.time_column));
@@ -142,14 +142,18 @@ Log read_text_log(std::string_view text, const std::string& source, const ReadOp
   if (is_mr_configurator(text)) return read_mr_configurator(text, source);
   if (is_ni_daq(text)) return read_ni_daq(text, source);
   if (is_halsampler(text)) return read_halsampler(text, source, options);
-  Log log = read_csv_text(text, source, {options.skip_lines, options.names, TextColumns::kKeep, true});
+  Log log =
+      read_csv_text(text, source, {options.skip_lines, options.names, TextColumns::kKeep, true, false, true});
   complete_times(log, options);
   return log;
 }
 
 CsvDialect dialect(const CsvOptions& options) {
-  return {options.skip_lines, options.names,
+  return {options.skip_lines,
+          options.names,
           options.leave_out_text_columns ? detail::TextColumns::kLeaveOut : detail::TextColumns::kRefuse,
+          false,
+          options.unit_after_blank,
           false};
 }
 
@@ -230,7 +234,7 @@ std::vector<double> in_si(const Column& column, const Quantity& quantity) {
     throw InputError(Problem{"", 0, place, e.problems().front().message});
   }
   std::vector<double> values(column.values.size());
-  // The divisor outside the loop: the same value as convert(x), without a power per sample.
+  // The divisor is taken out of the loop: the same value as convert(x), without a power per sample.
   const double divisor = convert.decimal && convert.power < 0 ? std::pow(10.0, -convert.power) : 0.0;
   std::transform(column.values.begin(), column.values.end(), values.begin(),
                  [&](double x) { return divisor > 0.0 ? x / divisor : x * convert.factor; });
@@ -272,7 +276,7 @@ void write_csv(const std::string& path, const Log& log) { write_atomically(path,
 
 namespace {
 
-/// Six digits: differences of times carry rounding that nobody wants to read.
+/// Six digits, because differences of times contain rounding errors.
 std::string rounded(double x) {
   std::array<char, 40> buffer{};
   const auto made = std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::general, 6);

@@ -4,16 +4,15 @@
 ///   const Log log = read_log("trace.sco");   // format found by its content; see docs/log-formats.md
 ///   in_si(log.at("s ist/Y"), quantity("m", "mm"))
 ///
-/// Units stand in a CSV header as `x [mm]`, `x (mm)` or `x_mm`; other formats have places of their own. A
-/// column without one has unit_text "" and in_si refuses it: units are not guessed. Where a format has none
-/// but recordings have shown it, it is set and a note says so. Values stay in the unit of the file.
+/// In a CSV header, units are written `x [mm]`, `x (mm)` or `x_mm`; other formats have their own places for them. A
+/// column without unit has unit_text "" and in_si refuses it, because units are not guessed. Where a format has no units but
+/// recordings have shown them, they are set and a note says so. Values stay in the unit of the file.
 ///
-/// A side file LOG.toml may give what a file does not hold: columns = ["x mm", …], sample_time = "1 ms".
+/// A side file LOG.toml may add missing data: columns = ["x mm", …], sample_time = "1 ms".
 ///
-/// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells (where the format does not
-/// know absent samples), rows of another length, damaged structure. Repaired, with a note: a row that the end
-/// of the file may have cut is dropped. Rows are counted from 1 below the header; LINE is the line of the
-/// file.
+/// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells (unless the format has absent samples), rows of
+/// another length, damaged structure. Repaired, with a note: a last row that may have been cut by the end of the file is dropped.
+/// Rows are counted from 1 below the header; LINE is the line of the file.
 /// Real time: no. Errors: InputError.
 
 #include <cstddef>
@@ -42,13 +41,13 @@ struct Log {
   std::vector<Column> columns;
   std::size_t rows = 0;            ///< of the longest column; columns of different rates differ in length
   std::vector<std::string> notes;  ///< what was found, repaired or left out, one sentence each
-  /// Keys as in the file; "sample time" and "axis N" where the format says them in its own way.
+  /// Keys as in the file; "sample time" and "axis N" where the format has its own place for them.
   std::vector<std::pair<std::string, std::string>> metadata;
   std::string format = "CSV";
 
-  /// By header as in the file, else by name; null when there is none.
+  /// By header as in the file, else by name; null where there is none.
   [[nodiscard]] const Column* find(std::string_view name) const;
-  /// The same; throws with the columns that are there.
+  /// The same; throws with the names of all columns.
   [[nodiscard]] const Column& at(std::string_view name) const;
 };
 
@@ -61,14 +60,14 @@ struct ReadOptions {
   bool times_needed = true;             ///< false: a table without times is taken as well
 };
 
-/// Any log. What options leave open is taken from the side file LOG.toml, if there is one.
+/// Any log. What the options leave open is taken from the side file LOG.toml, if it exists.
 Log read_log(const std::string& path, const ReadOptions& options = {});
-/// What a side file may hold, for the reference page.
+/// Keys of a side file, for the reference page.
 std::vector<KeyInfo> side_file_keys();
 /// The same from bytes (gzip too), without a side file; `source` is for messages.
 Log parse_log(std::string_view bytes, const std::string& source, const ReadOptions& options = {});
 
-/// Index of the column that holds the time, by unit or name; −1 when there is none. Of several the first.
+/// Index of the time column, found by unit or name (the first of several); −1 when there is none.
 int time_column(const Log& log);
 
 struct CsvOptions {
@@ -77,14 +76,15 @@ struct CsvOptions {
   /// Columns that begin with text (names of runs, phases of a programme) are left out with a note instead of
   /// refused.
   bool leave_out_text_columns = false;
+  bool unit_after_blank = false;  ///< a header "x mm" is read as "x [mm]"
 };
 
-/// A CSV table that need not be a log: no time is asked for, no side file is read.
+/// A CSV table that need not be a log: it needs no time, and no side file is read.
 Log read_csv(const std::string& path, const CsvOptions& options = {});
 /// The same from bytes (gzip too); `source` is for messages.
 Log parse_csv(std::string_view bytes, const std::string& source, const CsvOptions& options = {});
 
-/// The values in the SI unit of the quantity. Throws when the column has no unit or one of another dimension.
+/// The values in the SI unit of the quantity. Throws when the column has no unit or a unit of another dimension.
 std::vector<double> in_si(const Column& column, const Quantity& quantity);
 
 /// Writes `name [unit]` headers and numbers that read back bit for bit; metadata as `# key: value`. Columns
@@ -92,7 +92,7 @@ std::vector<double> in_si(const Column& column, const Quantity& quantity);
 void write_csv(const std::string& path, const Log& log);
 std::string csv_text(const Log& log);
 
-/// How regular a time column is. Steps longer than 1.5 samples are gaps; the others may differ from the
+/// Regularity of a time column. Steps longer than 1.5 samples are gaps; the others may differ from the
 /// sample time by kJitterTolerance of it.
 struct TimeCheck {
   static constexpr double kJitterTolerance = 0.01;

@@ -16,7 +16,7 @@ namespace stribeck::io::detail {
 
 namespace {
 
-/// One parse of one text.
+/// Parses one text.
 class CsvReader {
  public:
   CsvReader(std::string_view bytes, std::string source, const CsvDialect& options)
@@ -65,7 +65,7 @@ class CsvReader {
     return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
   }
 
-  /// A row behind the last line end, which may be cut inside a number: 12.5 would read as 12.
+  /// A row after the last line end may be cut inside a number: 12.5 would be read as 12.
   static std::string_view take_unended_row(std::string_view& body) {
     const auto end = body.find_last_of('\n');
     const auto row = body.substr(end == std::string_view::npos ? 0 : end + 1);
@@ -132,8 +132,10 @@ class CsvReader {
       if (names.size() != cells || cells < 2) {
         fail(line,
              "has no header: the first row holds numbers (put a line with the names of the columns above "
-             "it, or name them in " +
-                 log_.source + ".toml: columns = [\"x mm\", …])");
+             "it" +
+                 (options_.has_side_file
+                      ? ", or name them in " + log_.source + ".toml: columns = [\"x mm\", …])"
+                      : ")"));
       }
       set_columns({names.begin(), names.end()}, line);
       note("the names of the columns are taken from the comment above the numbers");
@@ -199,7 +201,8 @@ class CsvReader {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
-      log_.columns.push_back(column_of(header, log_.notes));
+      log_.columns.push_back(column_of(options_.unit_after_blank ? header_of(header) : header, log_.notes));
+      log_.columns.back().header = header;
     }
     // x_mm and x_um: what is left without the unit is no name.
     std::map<std::string, int> names;
@@ -251,7 +254,7 @@ class CsvReader {
     }
   }
 
-  /// A column is text by its first cell; one damaged cell shall not turn numbers into text.
+  /// A column is text by its first cell; one damaged cell must not turn numbers into text.
   void keep_text_columns() {
     read_clock();
     bool utf8 = true;
@@ -283,7 +286,7 @@ class CsvReader {
     if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_));
   }
 
-  /// Reserves from the length of the first lines.
+  /// Reserves memory, estimated from the length of the first lines.
   void reserve(std::string_view body) {
     const auto sample = body.substr(0, 1 << 16);
     const auto lines = std::max<std::ptrdiff_t>(1, std::count(sample.begin(), sample.end(), '\n'));
@@ -295,7 +298,7 @@ class CsvReader {
     }
   }
 
-  /// Takes a comment or a blank line; where the next line begins, or null when this one is a row.
+  /// Skips a comment or a blank line; returns the beginning of the next line, or null when this one is a row.
   const char* after_line_without_row(const char* p, const char* end) {
     const char* const next = end_of_line(p, end);
     const std::string_view line(p, static_cast<std::size_t>(next - p));
@@ -309,7 +312,7 @@ class CsvReader {
     if (body.empty()) return;
     reserve(body);
     const std::size_t n = log_.columns.size();
-    // Rows go through a block that stays in the cache, then column by column to their place.
+    // Rows are collected in a block that stays in the cache, then copied column by column.
     const std::size_t block_rows = std::max<std::size_t>(16, 16384 / n);
     std::vector<double> block(n * block_rows);
     std::size_t filled = 0;
@@ -390,7 +393,7 @@ class CsvReader {
     }
   }
 
-  /// End of an unquoted text cell; null where the slow way has to look.
+  /// End of an unquoted text cell; null where the slow path has to parse.
   template <bool kBlankSeparated>
   const char* end_of_text(const char* p, const char* end) const {
     for (; p != end && *p != separator_ && *p != '\n' && *p != '\r'; ++p) {
@@ -410,7 +413,7 @@ class CsvReader {
     bool is_row;
   };
 
-  /// A row that the fast loop could not read: quotes, plus signs, or something is wrong.
+  /// A row that the fast loop could not read: quotes, plus signs, or an error.
   SlowRow slow_row(const char* start, const char* end, double* out, std::size_t stride, std::size_t row) {
     const char* const line_end = end_of_line(start, end);
     const SlowRow skip{line_end == end ? end : line_end + 1, false};
@@ -431,7 +434,7 @@ class CsvReader {
     const bool last = trimmed({line_end, static_cast<std::size_t>(end - line_end)}).empty();
     const bool cut = last && line_end == end;
     const std::string where = "row " + std::to_string(row);
-    // Counted only where it is said: quoted files come here with every row.
+    // Counted only for a message: quoted files come here with every row.
     const auto line_no = [&] { return line_number(start); };
     if (cells.size() < n && last) {
       note("the last row (" + where + ", line " + std::to_string(line_no()) + ") was left out: it has " +

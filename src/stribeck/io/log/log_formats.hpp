@@ -1,5 +1,5 @@
 #pragma once
-/// The formats that read_log knows. is_…: by the first lines. Internal to io. Real time: no. Errors: InputError.
+/// The formats that read_log knows. is_…(): recognises a format by its first lines. Internal to io. Real time: no. Errors: InputError.
 
 #include <stribeck/io/log/log.hpp>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace stribeck::io::detail {
 
-/// What a CSV table may hold beside numbers.
+/// Treatment of text columns in a CSV table.
 enum class TextColumns { kRefuse, kLeaveOut, kKeep };
 
 struct CsvDialect {
@@ -15,6 +15,8 @@ struct CsvDialect {
   std::vector<std::string> names{};
   TextColumns text_columns = TextColumns::kRefuse;
   bool drop_unended_row = false;  ///< a last row without a line end may be cut inside a number
+  bool unit_after_blank = false;  ///< "x mm" is "x [mm]"
+  bool has_side_file = false;     ///< LOG.toml is read and may name the columns
 };
 Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect);
 
@@ -26,7 +28,7 @@ Log read_tncscope(std::string_view text, const std::string& source);
 bool is_twincat(std::string_view text);
 Log read_twincat(std::string_view text, const std::string& source);
 
-/// maxon EPOS Studio data recorder, also when a spreadsheet has saved it again.
+/// maxon EPOS Studio data recorder, also after a spreadsheet has saved it.
 bool is_epos(std::string_view text);
 Log read_epos(std::string_view text, const std::string& source);
 
@@ -38,13 +40,13 @@ Log read_mr_configurator(std::string_view text, const std::string& source);
 bool is_ni_daq(std::string_view text);
 Log read_ni_daq(std::string_view text, const std::string& source);
 
-/// LinuxCNC halsampler: numbers alone, "overrun" where samples were lost.
+/// LinuxCNC halsampler: only numbers, and "overrun" where samples were lost.
 bool is_halsampler(std::string_view text);
 Log read_halsampler(std::string_view text, const std::string& source, const ReadOptions& options);
 
 /// SINUMERIK Edge capture, Analyze MyWorkpiece: JSON.
 Log read_sinumerik_json(std::string_view text, const std::string& source, const ReadOptions& options);
-/// Units and time of a CSV table whose columns are called SIGNAL|axis; false when it is none.
+/// Sets units and time of a CSV table whose columns are called SIGNAL|axis; false when it is no such table.
 bool name_sinumerik_signals(Log& log, const ReadOptions& options);
 
 /// SINUMERIK Operate trace: XML.

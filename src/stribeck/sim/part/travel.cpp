@@ -8,7 +8,7 @@
 namespace stribeck::sim {
 namespace {
 
-/// What a controller gets whose reference was tabulated with its frame, and the frame differenced: central differences.
+/// Central differences, as for a controller whose reference is a table and whose frame is differentiated numerically.
 template <std::size_t N>
 void difference_frames(std::vector<path::PathPoint<N>>& points, double period) {
   std::vector<Mat<double, N>> rt;
@@ -25,7 +25,7 @@ void difference_frames(std::vector<path::PathPoint<N>>& points, double period) {
   }
 }
 
-/// Directions of the feed and across the path, in axes: what a force of 1 N along each does to every axis.
+/// Directions of the feed and across the path, in axes: the force on every axis from a force of 1 N along each direction.
 template <std::size_t N, class C>
 std::array<Vec<double, N>, 2> cutting_directions(const C& curve, const path::PathPoint<N>& r) {
   if constexpr (path::ToolPath<C>) {
@@ -61,14 +61,15 @@ double Travel::constant_speed() const {
 }
 
 std::string Travel::pace_in_words() const {
-  if (part() != nullptr) return "its programmed feed";
+  if (part() != nullptr)
+    return std::isfinite(feed) ? fmt::format("at most {:.6g} mm/s", feed * 1e3) : "its programmed feed";
   if (pace == path::Pace::kRate) return fmt::format("one lap in {:.4g} s", lap() / speed);
   return fmt::format("{:.6g} mm/s", speed * 1e3);
 }
 
 namespace {
 
-/// A part from its first move to the end of its last.
+/// Samples a part from its first move to the end of its last one.
 template <std::size_t N>
 void sample_part(const Part<N>& part, double period, Route<N>& route) {
   // Sub-steps are chosen on this much of a long program.

@@ -39,17 +39,17 @@ std::vector<sim::PartMove> as_moves(const std::vector<io::CanonicalMove>& from, 
   return moves;
 }
 
-/// Where an axis stands before the program: where it is homed, 0, or the middle of a travel without it (as `export` writes HOME).
+/// Position of an axis before the program: its home, 0, or the middle of a travel that does not contain 0 (as `export` writes HOME).
 double home_of(const sim::AxisLimits& l) {
   return l.travel_min <= 0.0 && l.travel_max >= 0.0 ? 0.0 : 0.5 * (l.travel_min + l.travel_max);
 }
 
-/// The interpreter believes that every axis begins at 0. One that cannot stays at its home until a move takes it away from 0, as it
-/// would on the machine. Returns the homes.
+/// The interpreter assumes that every axis begins at 0. An axis that cannot be at 0 stays at its home until a move takes it away
+/// from 0, as it would on the machine. Returns the homes.
 Vec<double, 3> begin_at_home(std::vector<sim::PartMove>& moves, const sim::Machine& machine,
                              const std::vector<std::size_t>& axes, const std::string& file,
                              std::string& note) {
-  constexpr double kStill = 5e-6;  // sums of offsets and places as they are printed, in inches at worst
+  constexpr double kStill = 5e-6;  // sums of offsets and places as printed, in inches in the worst case
   Vec<double, 3> home;
   std::vector<std::string> names;
   std::vector<std::string> places;
@@ -154,12 +154,14 @@ void use_part(sim::CompareSpec& spec, const PathOptions& o, const sim::Machine& 
 
 std::string part_words(const sim::CompareSpec& spec) {
   std::string words;
+  bool rounded = false;
   for (const sim::Travel& travel : spec.travels) {
-    if (travel.part() != nullptr)
-      words += fmt::format("Part {}: {}.\n", travel.name, report::in_words(*travel.part()));
+    if (travel.part() == nullptr) continue;
+    words += fmt::format("Part {}: {}.\n", travel.name, report::in_words(*travel.part()));
+    rounded = rounded || travel.part()->corners > 0;
   }
-  if (words.empty()) return {};
-  return words + "The contour error is the distance from the rounded path, without the rounding.\n";
+  if (rounded) words += "The contour error is the distance from the rounded path, without the rounding.\n";
+  return words;
 }
 
 }  // namespace stribeck::workflow

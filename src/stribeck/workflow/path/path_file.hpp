@@ -1,13 +1,14 @@
 #pragma once
-/// A path from a file: a CSV table of points, one column per axis, named as the axes of the machine and with a unit.
+/// A path from a file: a CSV table of points, one column per axis, named as the axes of the machine (in small or capital
+/// letters) and with a unit: `x [mm]`, `x mm` or `x_mm`.
 ///
 ///   x [mm],y [mm],z [mm]
 ///   0,0,0
 ///   …
 ///
 /// A path whose last point is its first is closed. Points equal to the one before them are merged, with a note. Refused:
-/// axes that are missing, other columns, columns without a unit of length, more than a million points, and what
-/// path::SplineStatus names.
+/// axes that are missing, other columns, columns without a unit of length, points farther than 1000 km from zero, paths
+/// shorter than 1 um, more than a million points, and what path::SplineStatus names.
 /// Errors: InputError naming the file, and the row counted from 1 below the header.
 
 #include <cstddef>
@@ -22,20 +23,25 @@
 
 namespace stribeck::workflow {
 
-/// Content of the file, as columns.
+/// Content of the file as columns.
 struct PathColumns {
   std::string source;
-  std::vector<std::vector<double>> axes;  ///< [m], in the order asked for
+  std::vector<std::vector<double>> axes;  ///< [m], in the order of the axes asked for
   std::vector<std::size_t> rows;          ///< of each point, for messages
-  bool closed = false;                    ///< the last point was the first again and is left out
+  bool closed = false;                    ///< the last point equals the first and is left out
   std::vector<std::string> notes;         ///< what was found or merged, one sentence each
 };
 PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes);
 
-/// Refuses the point at `index`; beyond the points: the path as a whole.
+/// The table in a file; no side file is read.
+io::Log read_path_table(const std::string& file);
+/// The column of an axis; null where there is none. Refuses a second one.
+const io::Column* find_axis(const io::Log& table, std::string_view axis);
+
+/// Refuses the point at `index`; an index beyond the points refuses the path as a whole.
 [[noreturn]] void refuse_path(const PathColumns& columns, std::size_t index, std::string_view why);
 
-/// Points of a path with as many axes as are named.
+/// Points of a path with N axes.
 template <std::size_t N>
 struct PathPoints {
   PathColumns columns;
@@ -54,10 +60,10 @@ PathPoints<N> path_points(const io::Log& table, const std::vector<std::string>& 
 }
 template <std::size_t N>
 PathPoints<N> read_path_points(const std::string& file, const std::vector<std::string>& axes) {
-  return path_points<N>(io::read_csv(file), axes);
+  return path_points<N>(read_path_table(file), axes);
 }
 
-/// A curve with the memory it refers to. May be moved, not copied.
+/// A curve that owns the memory it refers to. It can be moved but not copied.
 template <class Curve, class Piece>
 struct OwnedPath {
   OwnedPath() = default;
@@ -70,7 +76,7 @@ struct OwnedPath {
 };
 template <std::size_t N>
 using SplinePath = OwnedPath<path::QuinticSpline<N>, typename path::QuinticSpline<N>::Segment>;
-/// Tolerance [m]: 0 passes through all points, however noisy.
+/// With a tolerance [m] of 0 the curve passes through all points, even noisy ones.
 template <std::size_t N>
 SplinePath<N> make_spline(const PathPoints<N>& from, double tolerance) {
   SplinePath<N> made;

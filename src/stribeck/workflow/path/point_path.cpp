@@ -18,7 +18,7 @@ std::vector<std::size_t> axes_in(const io::Log& table, const sim::Machine& machi
   std::vector<std::string> names;
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     names.push_back(machine.axes[i].first);
-    if (table.find(names.back()) != nullptr) axes.push_back(i);
+    if (find_axis(table, names.back()) != nullptr) axes.push_back(i);
   }
   if (axes.size() == 2 || axes.size() == 3) return axes;
   throw io::InputError(
@@ -50,7 +50,7 @@ std::shared_ptr<const sim::Part<N>> plan_corners(const PathPoints<N>& from, doub
   return sim::plan_part<N>(place(0), moves, limits);
 }
 
-/// A spline, whose segments are polynomials of their own range.
+/// A spline, converted to segments whose polynomials use their own range.
 template <std::size_t N>
 std::shared_ptr<const sim::Part<N>> plan_spline(const PathPoints<N>& from, double tolerance, double speed,
                                                 const sim::PartLimits<N>& limits) {
@@ -86,7 +86,10 @@ void plan(sim::CompareSpec& spec, const PathOptions& o, const std::vector<double
     spec.travels.push_back(planned_travel<N>(
         part,
         fmt::format("{} at {:.6g} mm/s", std::filesystem::path(o.path).filename().string(), speed * 1e3)));
+    spec.travels.back().feed = speed;
     spec.travels.back().note = note;
+    if (o.join == PointJoin::kSpline)
+      spec.travels.back().note += "the contour error is the distance from the spline, not from the points\n";
   }
 }
 
@@ -100,7 +103,7 @@ void use_points(sim::CompareSpec& spec, const PathOptions& o, const std::vector<
                   "points have their own size and are travelled once (leave out --size and --laps)");
   const double tolerance =
       option_si("--corner-tolerance", o.corner_tolerance, quantity("m", "um").at_least(1e-9));
-  const io::Log table = io::read_csv(o.path);
+  const io::Log table = read_path_table(o.path);
   spec.axes = axes_in(table, machine);
   if (spec.axes.size() == 2) {
     plan<2>(spec, o, speeds, tolerance, table, machine);

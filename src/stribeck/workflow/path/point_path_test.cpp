@@ -83,6 +83,50 @@ TEST(PointPath, SplineThroughACircleIsTheCircle) {
   EXPECT_LT(part.summary.duration, part.summary.length / kSpeed + 1.0);
 }
 
+TEST(PointPath, HeadersMayHaveCapitalsAndAUnitAfterABlank) {
+  const Folder folder;
+  PathOptions o;
+  for (const char* header : {"x mm,y mm", "X [mm],Y [mm]", "X mm,y_mm"}) {
+    o.path = folder.write("line.csv", std::string(header) + "\n0,0\n10,0\n");
+    EXPECT_NEAR(part_of(planned(o)).summary.length, 10e-3, 1e-12) << header;
+  }
+  o.path = folder.write("twice.csv", "x [mm],y [mm],X [um]\n0,0,0\n10,0,0\n");
+  EXPECT_THAT(refusal(o), HasSubstr("axis x has a second column"));
+}
+
+// A short last segment bends the spline narrowly; only that place is passed slowly.
+TEST(PointPath, AShortLastSegmentCostsLittleTime) {
+  const Folder folder;
+  PathOptions o;
+  o.path = folder.write("end.csv", "x [mm],y [mm]\n0,0\n1,0\n2,0\n3,0\n4,0\n5,0\n5,0.1\n");
+  o.join = PointJoin::kSpline;
+  const sim::PartSummary& s = part_of(planned(o)).summary;
+  EXPECT_LT(s.duration, 3.0 * s.length / kSpeed);
+}
+
+TEST(PointPath, SpeedsAreToldApart) {
+  const Folder folder;
+  PathOptions o;
+  o.path = folder.write("line.csv", "x [mm],y [mm]\n0,0\n10,0\n");
+  sim::CompareSpec spec;
+  workflow::use_points(spec, o, {1e-3, 2e-3}, workflow::built_in_machine("biaxial-table"));
+  ASSERT_EQ(spec.travels.size(), 2U);
+  EXPECT_EQ(spec.travels[0].pace_in_words(), "at most 1 mm/s");
+  EXPECT_EQ(spec.travels[1].pace_in_words(), "at most 2 mm/s");
+}
+
+TEST(PointPath, RefusesPointsThatMeanNothing) {
+  const Folder folder;
+  PathOptions o;
+  o.path = folder.write("huge.csv", "x [mm],y [mm]\n0,0\n1e300,0\n");
+  EXPECT_THAT(refusal(o), HasSubstr("row 2, x: got 1e+297 m, expected at most 1000 km from zero"));
+  o.path = folder.write("tiny.csv", "x [mm],y [mm]\n0,0\n1e-9,0\n");
+  EXPECT_THAT(refusal(o), HasSubstr("the path is 1e-06 um long, expected at least 1 um"));
+  // No side file is read, so none is suggested.
+  o.path = folder.write("bare.csv", "0,0\n10,0\n");
+  EXPECT_THAT(refusal(o), ::testing::AllOf(HasSubstr("has no header"), ::testing::Not(HasSubstr(".toml"))));
+}
+
 TEST(PointPath, SaysWhatIsWrong) {
   const Folder folder;
   PathOptions o;
