@@ -124,7 +124,7 @@ TEST(Compare, RefusesWhatWouldHaveNoEffect) {
   refused("observer_pole = \"20 1/s\"", "adaptive_gain = [\"5 1/s\"]", "adaptive_gain: goes with observer");
   refused("observer_pole = \"20 1/s\"", "reversal = {lead = \"1 ms\"}", "reversal: goes with feedforward");
   refused("adaptation = \"on\"", "adaptation = {memory = \"5 s\"}",
-          "adaptation.memory: goes with adaptation");
+          "adaptation.memory: goes with enabled = true");
 }
 
 TEST(Compare, TakesTheSettingsOfAdaptationFromAFile) {

@@ -1,9 +1,9 @@
 #pragma once
-/// What a declared type is (fields.hpp), as a constant table: type_of<T> says its kind and how to reach its parts, without the
-/// type itself. walk_fields.hpp walks over objects by it.
+/// Describes each declared type (fields.hpp) by a constant table: type_of<T> tells its kind and how to reach its parts, without the
+/// type itself. walk_fields.hpp uses it to walk over objects.
 ///
-/// To let members be of a new sort: a Kind, its make_ function below, and what every switch over Kind then asks for.
-/// Real time: configure only. No allocation but that of the members themselves (std::string, std::vector).
+/// To support a new kind of member: add a Kind and its make_ function below; the compiler then shows every switch over Kind.
+/// Real time: configure only. Allocates only what the members themselves allocate (std::string, std::vector).
 
 #include <array>
 #include <cstddef>
@@ -32,7 +32,7 @@ enum class Kind : unsigned char {
   kNamed      ///< std::vector of (name, group) pairs
 };
 
-/// A function that is called while a walk lasts: any callable, neither copied nor allocated for.
+/// A reference to any callable, valid for the duration of a walk; it neither copies nor allocates.
 template <class... A>
 class Listener {
  public:
@@ -46,15 +46,15 @@ class Listener {
   void (*call_)(const void*, A...);
 };
 
-/// Who hears of a problem: report(key, what).
+/// Receives each problem: report(key, text).
 using Report = Listener<std::string_view, std::string_view>;
 
 struct FieldInfo;
 
-/// A declared type. What does not belong to its kind is null or empty.
+/// A declared type. Entries that do not apply to its kind are null or empty.
 struct Type {
   Kind kind = Kind::kGroup;
-  const void* (*initial)() = nullptr;  ///< an object that nobody has changed
+  const void* (*initial)() = nullptr;  ///< an object with all initial values
 
   double (*number)(const void*) =
       nullptr;  ///< of a switch 0 or 1; of a choice and a variant the index of the word
@@ -77,7 +77,7 @@ struct Type {
   const Type* const* alternatives = nullptr;  ///< of a variant
   std::size_t (*size)(const void*) = nullptr;
   void* (*at)(void*, std::size_t) = nullptr;
-  void (*resize)(void*, std::size_t) = nullptr;  ///< an optional that gets size 1 begins anew
+  void (*resize)(void*, std::size_t) = nullptr;  ///< an optional that gets size 1 is constructed anew
   std::size_t least_items = 0;
   std::size_t most_items = 0;
   std::string_view (*name_at)(const void*, std::size_t) = nullptr;
@@ -172,7 +172,7 @@ constexpr FieldInfo make_field() {
   info.type = &type_of<Member>;
   info.member = &Declared<T>::template member<I>;
   info.condition = kField.condition;
-  // Asked by the words: with the sanitizers, GCC 12 takes no comparison of a function with null for a constant.
+  // The condition's text is asked, not the function: with the sanitizers, GCC 12 does not take a comparison of a function with null for a constant.
   if constexpr (!kField.condition.empty()) info.has_effect = &Declared<T>::template has_effect<I>;
   return info;
 }
@@ -283,7 +283,11 @@ constexpr void make_list(Type& t) {
     t.least_items = t.most_items = std::tuple_size_v<T>;
   } else {
     t.most_items = std::numeric_limits<std::size_t>::max();
-    if constexpr (requires { T::kCapacity; }) t.most_items = T::kCapacity;
+    if constexpr (requires { T::kCapacity; }) {
+      t.most_items = T::kCapacity;
+      // One value for each axis: a list without any would stand for nothing.
+      if constexpr (std::is_arithmetic_v<typename T::value_type>) t.least_items = 1;
+    }
     t.resize = [](void* p, std::size_t n) { static_cast<T*>(p)->resize(n); };
   }
 }

@@ -85,7 +85,7 @@ TEST(TomlEffect, AWordStandsForASwitchWithEverythingElseAsItBegins) {
   EXPECT_TRUE(read_text("id = \"a\"\nmemory = \"on\"\n").settings.memory.enabled);
   EXPECT_FALSE(read_text("id = \"a\"\nmemory = \"off\"\n").settings.memory.enabled);
   EXPECT_EQ(refusal("id = \"a\"\nmemory = \"no\"\n"),
-            "c.toml:2: memory: got \"no\", expected one of off, on");
+            "c.toml:2: memory: got \"no\", expected \"off\", \"on\" or a table [memory]");
   const Controller c = read_text("id = \"a\"\n[memory]\nenabled = true\ntime = \"5 s\"\n");
   EXPECT_TRUE(c.settings.memory.enabled);
   EXPECT_EQ(c.settings.memory.time, 5.0);

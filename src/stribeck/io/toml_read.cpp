@@ -21,7 +21,7 @@ std::string unit_example(const Quantity& q) {
   return unit.empty() ? std::string("5") : "\"5 " + std::string(unit) + '"';
 }
 
-/// What the node is, as messages name it.
+/// The node as messages name it.
 std::string shown(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kTable:
@@ -126,8 +126,11 @@ bool is_list(const Node& node, std::size_t min, std::size_t max, const std::stri
   }
   if (n >= min && n <= max) return true;
   problems.add(node.line, key,
-               "got a list of " + std::to_string(n) + ", expected " + (min == max ? "exactly " : "at most ") +
-                   std::to_string(max) + " items");
+               "got a list of " + std::to_string(n) + ", expected " +
+                   (min == max ? "exactly "
+                    : min > 0  ? std::to_string(min) + " to "
+                               : "at most ") +
+                   std::to_string(max) + " items" + (n == 0 ? " (leave the key out for its default)" : ""));
   return false;
 }
 
@@ -138,7 +141,7 @@ void report_unknown_keys(const Node& table, const std::vector<std::string_view>&
     const auto near = nearest(child.key, known);
     problems.add(child.line, dotted(path, child.key),
                  "unknown key" + (!near.empty()   ? " (meant " + in_quotes(near) + "?)"
-                                  : known.empty() ? std::string(" (nothing is set here)")
+                                  : known.empty() ? std::string(" (this table has no keys)")
                                                   : " (known here: " + joined(known) + ")"));
   }
 }
@@ -165,7 +168,7 @@ std::size_t line_of(const Node& table, std::string_view dotted_key) {
 
 void read_value(const Node& node, Target out, const Quantity& q, const std::string& key, Problems& problems);
 
-/// A setting that is not as it begins and has no effect beside the others.
+/// Refuses a setting that does not have its initial value but has no effect beside the others.
 void refuse_without_effect(const Node& table, const Target& out, const std::string& path,
                            Problems& problems) {
   for_each_member(Value(out), [&](const Member& m) {
@@ -198,9 +201,14 @@ void read_members(const Node& table, Target out, const std::string& path, bool h
 
 void read_group(const Node& node, Target out, const std::string& key, Problems& problems) {
   const std::string_view short_form = out.type().short_form;
-  if (!short_form.empty() && node.kind == Node::Kind::kText) {
-    if (const auto chosen = read_choice(node, {kOff, kOn}, key, problems))
-      find_member(out, short_form)->set(static_cast<double>(*chosen));
+  if (!short_form.empty() && node.kind != Node::Kind::kTable) {
+    const bool on = node.kind == Node::Kind::kText && node.text == kOn;
+    if (on || (node.kind == Node::Kind::kText && node.text == kOff)) {
+      find_member(out, short_form)->set(on ? 1.0 : 0.0);
+    } else {
+      problems.add(node.line, key,
+                   "got " + shown(node) + ", expected \"off\", \"on\" or a table [" + key + "]");
+    }
     return;
   }
   if (is_table(node, key, problems)) read_members(node, out, key, false, problems);

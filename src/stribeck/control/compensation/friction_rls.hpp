@@ -44,7 +44,7 @@ struct AdaptationParams {
     using P = AdaptationParams;
     constexpr auto kSpread = pure_number().not_negative();
     const auto when_on = [](auto one) {
-      return one.or_default().when([](const P& p) { return p.enabled; }, "goes with adaptation = \"on\"");
+      return one.or_default().when([](const P& p) { return p.enabled; }, "goes with enabled = true");
     };
     return std::tuple{
         field("enabled", &P::enabled, "correct the friction model on line").or_default(),
