@@ -6,16 +6,16 @@
 ///   channels   stuck, saturated, velocity in another unit or direction than dx/dt
 ///   force      magnitude only (unsigned), sign against the position, drive switched off at an end
 ///
-/// Signs come from a rough fit f = m·a + c·v + F·sgn v + k·x + f0 with a whole-sample delay. Friction decides:
-/// it takes power out of every axis, while k·x of pre-sliding can look like a negative mass (inertia alone
-/// decides only where no friction shows and R² > 0.9). A magnitude gets its sign from the same fit, repeated
-/// until no row changes; rows at rest or nearer to zero than the noise are then marked; below R² = 0.7 it is
-/// refused. On a slower grid the force is the mean over each interval, as a zero-order hold asks for.
+/// Signs come from a rough fit f = m·a + c·v + F·sgn v + k·x + f0 with a delay of whole samples. Friction decides,
+/// because it takes power out of every axis, while k·x of pre-sliding can look like a negative mass (inertia alone
+/// decides only where no friction shows and R² > 0.9). A force logged as a magnitude gets its sign from the same fit, repeated
+/// until no row changes. Rows at rest or nearer to zero than the noise are then marked; a fit below R² = 0.7 is
+/// refused. On a slower grid the force is the mean over each interval, as a zero-order hold requires.
 ///
-/// Every repair is a Finding; one that is wrong for this machine is switched off by its kind. Nothing is
-/// filtered, no column is shifted. A clean log yields no finding.
+/// Every repair is a Finding; a repair that is wrong for a machine can be switched off by its kind. Nothing is
+/// filtered, no column is shifted. A clean log gives no finding.
 /// Source: reference results of the recordings in tests/recordings.
-/// Not modelled: the delay between force and motion (only as whole samples, to find the signs).
+/// Not modelled: the delay between force and motion (only in whole samples, to find the signs).
 /// Real time: no.
 /// Errors: Refused names source, place and the way out.
 
@@ -28,7 +28,7 @@
 
 namespace stribeck::ident::log {
 
-/// A column with its own time base; without t it shares the one of the position (of the velocity where there
+/// A column with its own times. Without t it shares the times of the position (of the velocity where there
 /// is no position).
 struct Signal {
   std::vector<double> t;  ///< [s]
@@ -37,7 +37,7 @@ struct Signal {
   [[nodiscard]] bool empty() const noexcept { return y.empty(); }
 };
 
-/// One axis as logged. x or v, and f, must be there.
+/// One axis as logged. It must have x or v, and f.
 struct RawLog {
   std::string source;
   Signal x, r, v, v_ref, f;
@@ -53,11 +53,11 @@ struct Finding {
   std::string text;            ///< a sentence, place included
   std::size_t row = 0;         ///< of the log, from 1; 0: all of it
   double time = 0.0;           ///< [s]
-  bool repaired = false;       ///< false: it stands in the records as it was
-  std::vector<double> values;  ///< the numbers of the sentence, for programs
+  bool repaired = false;       ///< false: the records still contain it
+  std::vector<double> values;  ///< the numbers in the text, for programs
 };
 
-/// How the log was written. Resolutions: 0 where none shows; holds: rows between new values.
+/// How the log was written. A resolution of 0: none can be seen. Holds: number of rows between new values.
 struct Sampling {
   std::size_t rows = 0;          ///< as logged
   double duration = 0.0;         ///< as logged [s]
@@ -77,7 +77,7 @@ struct Sampling {
   double f_noise = 0.0;  ///< [N]
 };
 
-/// What was moved.
+/// The motion that the log covers.
 struct Coverage {
   double x_min = 0.0;               ///< [m]
   double x_max = 0.0;               ///< [m]
@@ -94,7 +94,7 @@ struct Coverage {
   std::size_t rows_presliding = 0;  ///< rows per reversal within the first 50 µm (1 mrad) after it, median
 };
 
-/// f = m·a + c·v + F·sgn v + k·x + f0; only good enough to tell signs and what explains the force.
+/// f = m·a + c·v + F·sgn v + k·x + f0; only good enough to find signs, and to tell what explains the force.
 struct RoughFit {
   double mass = 0.0;
   double viscous = 0.0;
@@ -102,47 +102,50 @@ struct RoughFit {
   double stiffness = 0.0;
   double offset = 0.0;
   int delay = 0;     ///< samples by which the force stands later than the motion
-  double rms = 0.0;  ///< of the rest [N]
+  double rms = 0.0;  ///< RMS of the residual [N]
   double r_squared = 0.0;
-  bool good = false;            ///< enough moving rows
-  bool mass_shows = false;      ///< the acceleration explains at least a tenth of what is left without it
-  bool friction_shows = false;  ///< the same for c·v + F·sgn v, with both directions there
+  bool good = false;        ///< enough moving rows
+  bool mass_shows = false;  ///< the acceleration explains at least a tenth of the residual without it
+  bool mass_shows_without_spring =
+      false;  ///< the same in a fit without k·x: a motion of one frequency cannot tell a spring from a mass
+  bool friction_shows = false;  ///< the same for c·v + F·sgn v, with motion in both directions
 };
 
-/// What a row is, bit by bit.
+/// Marks of a row, as bits.
 enum RowMark : std::uint8_t {
   kGoodRow = 0,
   kSignUnsure = 1,   ///< sign of the force recovered, nearer to zero than the noise; left out of fits
   kAtRest = 2,       ///< standstill at the beginning or the end of the record
   kAtLimit = 4,      ///< force at the end of its range; left out of fits
-  kRepairedRow = 8,  ///< a wild sample was replaced; left out of fits
+  kRepairedRow = 8,  ///< a single wild sample was replaced; left out of fits
 };
 
 struct Conditioned {
-  std::vector<Record> records;                   ///< in the order of the log
-  std::vector<std::vector<std::uint8_t>> marks;  ///< RowMark, as records; their `skip` follows from it
-  std::vector<std::vector<std::size_t>> rows;    ///< row of the log, as records
-  std::vector<std::size_t> run;                  ///< index of the raw log, as records
-  std::vector<Finding> findings;                 ///< in the order of the log
+  std::vector<Record> records;  ///< in the order of the log
+  std::vector<std::vector<std::uint8_t>>
+      marks;  ///< RowMark bits for each row of the records; `skip` of a record follows from them
+  std::vector<std::vector<std::size_t>> rows;  ///< rows of the log, for each record
+  std::vector<std::size_t> run;                ///< index of the raw log, for each record
+  std::vector<Finding> findings;               ///< in the order of the log
   Sampling sampling;
   Coverage coverage;
   RoughFit rough;
   std::vector<std::string> determinable;  ///< what such a log can tell
-  std::vector<std::string> cannot_tell;   ///< and what not, with the reason
+  std::vector<std::string> cannot_tell;   ///< what it cannot tell, with the reason
 };
 
 struct ConditionOptions {
   std::vector<std::string> keep;  ///< kinds of findings that are left alone, e.g. "inverted"
 };
 
-/// Several runs of one axis with one wiring: signs are decided for all of them together.
+/// Several runs of one axis with the same wiring: the signs are decided for all of them together.
 Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options = {});
 Conditioned condition(RawLog log, const ConditionOptions& options = {});
 
 /// All kinds that ConditionOptions::keep accepts.
 const std::vector<std::string>& finding_kinds();
 
-/// The step of which all values are multiples; 0 where none shows.
+/// The step of which all values are multiples; 0 where there is none.
 double quantum(const std::vector<double>& values);
 
 }  // namespace stribeck::ident::log

@@ -789,6 +789,27 @@ TEST(Condition, RowsOfTheLogAreKept) {
   EXPECT_EQ(only(condition(log), "gap").row, 4501U);
 }
 
+// In a motion of one frequency a spring k·x and a mass cannot be told apart. identify has no spring and finds the mass.
+TEST(Condition, MassOfASineShowsUnlessASpringActs) {
+  Axis axis;
+  RawLog log = logged(axis);
+  for (std::size_t k = 0; k < axis.rows; ++k) {
+    const double t = log.x.t[k];
+    const double w = kTau * 0.5;
+    log.x.y[k] = 0.04 * std::sin(w * t);
+    log.v.y[k] = 0.04 * w * std::cos(w * t);
+    log.f.y[k] +=
+        axis.mass * (-0.04 * w * w * std::sin(w * t)) + 20.0 * std::tanh(log.v.y[k] / 1e-3) - axis.force(t);
+  }
+  const Conditioned c = condition(log);
+  EXPECT_FALSE(c.rough.mass_shows);
+  EXPECT_TRUE(c.rough.mass_shows_without_spring);
+  EXPECT_THAT(c.determinable, Contains(HasSubstr("mass, if no spring acts on the axis")));
+  EXPECT_THAT(c.cannot_tell, Not(Contains(HasSubstr("mass"))));
+  // Two frequencies tell them apart.
+  EXPECT_THAT(condition(logged()).determinable, Contains(HasSubstr("mass: acceleration up to")));
+}
+
 TEST(Condition, UnknownKindIsRefused) {
   try {
     static_cast<void>(condition(logged(), {{"gapp"}}));

@@ -1,4 +1,4 @@
-// What a log can tell and what not, in sentences.
+// Writes in sentences what a log can determine and what not.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-/// How lengths are shown.
+/// Unit in which lengths are shown.
 struct Shown {
   bool turning = false;
   std::string length;  ///< "mm" or "rad"
-  double scale = 1.0;  ///< from SI
+  double scale = 1.0;  ///< factor from SI
 };
 
 Shown shown_in(const std::string& unit) {
@@ -30,10 +30,16 @@ void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, c
   } else if (r.mass_shows) {
     out.can.push_back(
         fmt::format("mass: acceleration up to {:.3g} {}/s2 shows in the force", u.scale * c.a_max, u.length));
+  } else if (r.mass_shows_without_spring) {
+    // identify has no spring in its model, and finds this mass.
+    out.can.push_back(fmt::format(
+        "mass, if no spring acts on the axis: acceleration up to {:.3g} {}/s2 shows in the force, but in this "
+        "motion a spring would look like a mass; a log of another frequency tells them apart",
+        u.scale * c.a_max, u.length));
   } else {
     out.cannot.push_back(fmt::format(
-        "mass: the acceleration (up to {:.3g} {}/s2) explains next to nothing of the force; add a log "
-        "of pulses or of a faster reversal",
+        "a narrow interval of the mass: the acceleration (up to {:.3g} {}/s2) explains less than a tenth of the "
+        "force that friction leaves; add a log of pulses or of a faster reversal",
         u.scale * c.a_max, u.length));
   }
   if (c.forward > 0.03 && c.forward < 0.97) {

@@ -22,7 +22,7 @@ Block block_of(const Table& m, std::size_t first, std::size_t last, double middl
   record.t = part.t;
   record.x = part.x;
   record.f = part.f;
-  record.loop = Loop::kClosed;  // leaves the force alone; instruments are not used here
+  record.loop = Loop::kClosed;  // keeps the force unchanged; instruments are not used here
   b.motion = reconstruct(record);
   b.force = part.f;
   b.x = part.x;
@@ -110,7 +110,7 @@ double Sums::solve(const std::array<bool, kColumns>& use, Vector& c) const {
   const Vector rhs = scale.asDiagonal() * b;
   Vector solution = Vector::Zero();
   for (int i = 0; i < kColumns; ++i) {
-    // Columns that say the same (one direction only, a sine) share what they explain.
+    // Columns that are linearly dependent (one direction only, a sine) share what they explain.
     if (eigen.eigenvalues()[i] < 1e-7) continue;
     solution += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(rhs) / eigen.eigenvalues()[i]);
   }
@@ -164,6 +164,9 @@ RoughFit as_rough(const Fit& fit) {
   const double without_friction = fit.sums.solve({true, false, false, true, true}, unused) / n;
   constexpr double kShows = 0.9;
   r.mass_shows = fit.rss + rounding < kShows * without_mass;
+  const double without_spring = fit.sums.solve({true, true, true, false, true}, unused) / n;
+  const double without_both = fit.sums.solve({false, true, true, false, true}, unused) / n;
+  r.mass_shows_without_spring = without_spring + rounding < kShows * without_both;
   const double forward = static_cast<double>(fit.sums.forward) / n;
   r.friction_shows = fit.rss + rounding < kShows * without_friction && forward > 0.03 && forward < 0.97;
   return r;
