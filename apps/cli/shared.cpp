@@ -20,7 +20,9 @@
 namespace stribeck::cli {
 
 void add_common(CLI::App& verb, Common& common, Page page) {
-  verb.add_option("--json", common.json, "Write the result as JSON to this file")->type_name("FILE");
+  verb.add_option("--json", common.json,
+                  "Write the result as JSON to this file; -: to standard output, without the tables")
+      ->type_name("FILE");
   if (page == Page::kReport) {
     verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
         ->type_name("DIR");
@@ -68,7 +70,7 @@ void Progress::operator()(std::size_t done, std::size_t all) {
 }
 
 void say(const Common& common, const std::string& text) {
-  if (common.quiet) return;
+  if (common.quiet || common.json == kStandardOutput) return;
   // Names in a table are as long as a file has them.
   constexpr std::size_t kLongest = 4000;
   const std::string clean = io::printable_lines(text);
@@ -88,10 +90,13 @@ sim::Machine load_machine(const std::string& path) { return read_virtual_machine
 void refuse_empty_options(CLI::App& verb) {
   for (CLI::Option* option : verb.get_options()) {
     if (option->get_expected_min() == 0) continue;  // a flag
-    option->check([](const std::string& text) {
-      return text.find_first_not_of(" \t") == std::string::npos
-                 ? std::string("got \"\", expected a value (leave the option out to do without)")
-                 : std::string();
+    const bool takes_standard_output = option->check_lname("json");
+    option->check([takes_standard_output](const std::string& text) {
+      if (text.find_first_not_of(" \t") == std::string::npos)
+        return std::string("got \"\", expected a value (leave the option out to do without)");
+      if (text == kStandardOutput && !takes_standard_output)
+        return std::string("got \"-\", expected a name (only --json writes to standard output)");
+      return std::string();
     });
   }
 }
@@ -108,7 +113,9 @@ void check_distinct(const std::vector<std::string>& inputs, const std::vector<st
     if (fs::exists(path, ignored)) taken.push_back(meant(path));
   }
   for (const std::string& path : outputs) {
-    if (path.empty() || (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))) continue;
+    if (path.empty() || path == kStandardOutput ||
+        (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)))
+      continue;
     const fs::path file = meant(path);
     if (std::find(taken.begin(), taken.end(), file) != taken.end()) {
       throw io::InputError(
@@ -126,15 +133,19 @@ std::string page_of(const Common& common) {
 }
 
 OutputFolder check_outputs(const Common& common) {
-  // The report's folder may be the one the JSON goes to; make it first.
+  // The JSON may go to the folder of the report, so that folder is made first.
   OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);
-  io::check_writable(common.json);
+  if (common.json != kStandardOutput) io::check_writable(common.json);
   io::check_writable(page_of(common));
   return page;
 }
 
 void write_json(const std::string& path, const nlohmann::ordered_json& json) {
-  if (!path.empty()) io::write_atomically(path, io::dump(json));
+  if (path == kStandardOutput) {
+    fmt::print("{}", io::dump(json));
+  } else if (!path.empty()) {
+    io::write_atomically(path, io::dump(json));
+  }
 }
 
 }  // namespace stribeck::cli

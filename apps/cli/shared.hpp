@@ -7,6 +7,7 @@
 #include <stribeck/io/output_folder.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -21,7 +22,7 @@ using io::OutputFolder;
 using namespace workflow;  // a verb reads its options and hands them to the workflow
 
 struct Common {
-  std::string json;    ///< file for programs; empty: none
+  std::string json;    ///< file for programs, or kStandardOutput; empty: none
   std::string report;  ///< directory of the HTML page; empty: none
   bool quiet = false;
 };
@@ -29,13 +30,13 @@ struct Common {
 enum class Page { kNone, kReport };
 void add_common(CLI::App& verb, Common& common, Page page = Page::kReport);
 
-/// --seed, which the verbs with noise have.
+/// --seed, for verbs with noise.
 void add_seed(CLI::App& verb, std::uint64_t& seed);
 
-/// --trials and --threads of the verbs that repeat an experiment.
+/// --trials and --threads, for verbs that repeat an experiment.
 void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads);
 
-/// A bar on stderr for work that takes longer than a second, when stderr is a terminal.
+/// A progress bar on stderr for work that takes longer than a second; only when stderr is a terminal.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
@@ -52,12 +53,15 @@ class Progress {
   std::chrono::steady_clock::time_point last_;
 };
 
-/// Text on stdout unless --quiet.
+/// Stands for standard output in place of the name of a JSON file.
+inline constexpr std::string_view kStandardOutput = "-";
+
+/// Text on standard output, unless --quiet is given or the JSON goes there.
 void say(const Common& common, const std::string& text);
 
 sim::Machine load_machine(const std::string& path);
 
-/// Refuses empty texts for every option of the verb, which would count as not given.
+/// Refuses, for every option of the verb, empty texts, which would count as not given, and "-" where no standard output is meant.
 void refuse_empty_options(CLI::App& verb);
 
 /// Refuses outputs that are the same file as an input or as each other.
@@ -66,9 +70,10 @@ void check_distinct(const std::vector<std::string>& inputs, const std::vector<st
 /// The file that --report writes; empty: none.
 std::string page_of(const Common& common);
 
-/// Checks what every verb may write, and makes the folder of its page.
+/// Checks the outputs that every verb may have, and makes the folder of its page.
 [[nodiscard]] OutputFolder check_outputs(const Common& common);
 
+/// Writes to the file, or to standard output; does nothing for an empty path.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);
 
 }  // namespace stribeck::cli

@@ -71,6 +71,30 @@ TEST_F(BadMachine, FrictionWithoutDynamics) {
                          ""),
                  {"m.toml:", "axes.x.plant", "lugre"});
 }
+// A name "-" means standard output to a shell user: --json takes it, everything else refuses it.
+TEST_F(BadMachine, ADashIsStandardOutputOrRefused) {
+  const std::vector<std::string> run{"simulate", kMachine, "--parameters", "thesis", "--controller", "f"};
+  auto words = run;
+  words.insert(words.end(), {"-o", folder / "t.csv", "--json", "-"});
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(said.out.rfind("{", 0), 0U) << said.out;
+  EXPECT_EQ(said.out.back(), '\n');
+  for (const std::vector<std::string>& bad :
+       {std::vector<std::string>{"-o", "-"}, {"-o", folder / "t.csv", "--report", "-"}}) {
+    words = run;
+    words.insert(words.end(), bad.begin(), bad.end());
+    expect_refused(command(words), {"got \"-\", expected a name (only --json writes to standard output)"});
+  }
+}
+TEST_F(BadMachine, EmptyListOfGains) {
+  const std::string file = folder.write(
+      "c.toml",
+      "id = \"mine\"\nfriction = \"none\"\n\n[law]\nkind = \"contouring\"\nkp = []\nkv = [\"40 1/s\"]\n");
+  expect_refused(
+      command({"simulate", kMachine, "--parameters", "thesis", "--controller", file, "-o", folder / "t.csv"}),
+      {"c.toml:6: law.kp: got a list of 0, expected 1 to", "leave the key out for its default"});
+}
 TEST_F(BadMachine, DirectoryMissingEmpty) {
   expect_refused(command({"compare", folder / "."}), {"directory"});
   expect_refused(command({"compare", folder / "no.toml"}), {"no.toml"});
