@@ -67,6 +67,12 @@ std::string in_words(control::DriftVerdict verdict) {
   return "the model may not cover this motion (identify at these speeds first); if it does, " + words;
 }
 
+/// "+3 ± 2 %".
+std::string percent_words(double share, double deviation) {
+  if (!change_is_known(deviation)) return "not determined";
+  return fmt::format("{} ± {} %", with_sign(100.0 * share, 0), decimals(100.0 * deviation, 0));
+}
+
 }  // namespace
 
 std::vector<std::string> drift_words(const sim::CompareResult& result) {
@@ -75,12 +81,11 @@ std::vector<std::string> drift_words(const sim::CompareResult& result) {
     for (std::size_t i = 0; i < r.drift.size(); ++i) {
       const control::Drift& d = r.drift[i];
       all.push_back(fmt::format(
-          "({}) at {}, axis {}: friction {:+.0f} ± {:.0f} %, viscous {:+.0f} ± {:.0f} %, break-away "
-          "distance {:+.0f} ± {:.0f} %, mass {:+.0f} ± {:.0f} %, delay {:+.1f} ± {:.1f} ms: {}",
-          r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i], 100.0 * d.level,
-          100.0 * d.level_deviation, 100.0 * d.viscous, 100.0 * d.viscous_deviation, 100.0 * d.break_away,
-          100.0 * d.break_away_deviation, 100.0 * d.mass, 100.0 * d.mass_deviation, 1e3 * d.delay,
-          1e3 * d.delay_deviation, in_words(d.verdict)));
+          "({}) at {}, axis {}: friction {}, viscous {}, break-away distance {}, mass {}, delay {} ± {} ms: {}",
+          r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i],
+          percent_words(d.level, d.level_deviation), percent_words(d.viscous, d.viscous_deviation),
+          percent_words(d.break_away, d.break_away_deviation), percent_words(d.mass, d.mass_deviation),
+          with_sign(1e3 * d.delay, 1), decimals(1e3 * d.delay_deviation, 1), in_words(d.verdict)));
     }
   }
   return all;

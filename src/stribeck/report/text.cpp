@@ -51,6 +51,13 @@ std::string decimals(double value, int digits) {
   return text;
 }
 
+std::string with_sign(double value, int digits) {
+  const std::string text = decimals(value, digits);
+  const bool positive =
+      std::isfinite(value) && value > 0.0 && text.find_first_not_of("0.") != std::string::npos;
+  return positive ? '+' + text : text;
+}
+
 std::string short_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
 
 std::string significant(double value, int digits) {

@@ -22,6 +22,9 @@ std::string right_aligned(std::string_view text, std::size_t width);
 /// With this many decimals; "–" where the value is not finite, never "-0.0".
 std::string decimals(double value, int digits);
 
+/// The same with its sign, "+" too; "0" has none.
+std::string with_sign(double value, int digits);
+
 /// A number that a user chose, with the digits that it needs, at most six: 9.5, 3, 0.475.
 std::string short_number(double value);
 

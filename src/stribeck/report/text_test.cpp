@@ -31,6 +31,11 @@ TEST(Text, RoundsForReading) {
   EXPECT_EQ(decimals(1.005e3, 1), "1005.0");
   EXPECT_EQ(decimals(-0.004, 2), "0.00");
   EXPECT_EQ(decimals(-0.006, 2), "-0.01");
+  EXPECT_EQ(with_sign(-0.4, 0), "0");
+  EXPECT_EQ(with_sign(0.4, 0), "0");
+  EXPECT_EQ(with_sign(1.5, 1), "+1.5");
+  EXPECT_EQ(with_sign(-1.5, 1), "-1.5");
+  EXPECT_EQ(with_sign(std::numeric_limits<double>::quiet_NaN(), 1), "–");
   EXPECT_EQ(decimals(std::numeric_limits<double>::quiet_NaN(), 2), "–");
   EXPECT_EQ(significant(0.0234567, 3), "0.0235");
   EXPECT_EQ(significant(57650.123, 3), "57650");

@@ -119,13 +119,14 @@ Table drift_table(const sim::CompareResult& result) {
     for (std::size_t i = 0; i < r.drift.size(); ++i) {
       const control::Drift& d = r.drift[i];
       const auto percent = [](double share, double deviation) {
-        Cell cell{fmt::format("{:+.0f}", 100.0 * share)};
-        if (std::isfinite(deviation)) cell.spread = fmt::format("± {:.0f}", 100.0 * deviation);
+        if (std::isfinite(deviation) && !change_is_known(deviation)) return Cell{"not determined"};
+        Cell cell{with_sign(100.0 * share, 0)};
+        if (std::isfinite(deviation)) cell.spread = "± " + decimals(100.0 * deviation, 0);
         return cell;
       };
       constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
-      Cell delay{fmt::format("{:+.1f}", 1e3 * d.delay)};
-      delay.spread = fmt::format("± {:.1f}", 1e3 * d.delay_deviation);
+      Cell delay{with_sign(1e3 * d.delay, 1)};
+      delay.spread = "± " + decimals(1e3 * d.delay_deviation, 1);
       t.rows.push_back({{name_of(r), "", result.spec.travels[r.travel].pace_in_words()},
                         {result.axes[i]},
                         percent(d.level, d.level_deviation),
