@@ -67,10 +67,11 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
            ", is too coarse for a break-away distance of at most " +
            given.units.in_words(std::max(high, kLeastQuanta * given.quantum));
   if (out.rows_per_reversal < kLeastRows)
-    return fmt::format("the axis passes it in {:.0f} samples; sample faster or turn more slowly",
-                       out.rows_per_reversal);
+    return fmt::format(
+        "the axis passes the break-away distance in {:.0f} samples; sample faster or reverse more slowly",
+        out.rows_per_reversal);
   if (given.data.reversals < 2)
-    return "it has one reversal, so that nothing found there can be checked on another";
+    return "it has only one reversal, so that a result cannot be checked on another one";
   if (!std::isfinite(out.models[best].held_out_rms)) return "too few rows follow its reversals";
   if (chosen == 0)
     return fmt::format(
@@ -79,8 +80,7 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
            given.units.force + ")";
   if (std::min(level[0], level[1]) < 1.0 / kMostLevel || std::max(level[0], level[1]) > kMostLevel)
     return fmt::format(
-        "its reversals ask for {:.2f} and {:.2f} times the level of friction that was given; either it never "
-        "slides or the steady map belongs to another day",
+        "its reversals need {:.2f} and {:.2f} times the given level of friction; either the axis never slides, or the steady map was measured on another day",
         level[0], level[1]);
   if (!(f.half < kWidestInterval))
     return "its reversals allow any break-away distance from " + given.units.in_words(low) + " to " +

@@ -102,8 +102,9 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
     for (std::size_t k = 1; k + 1 < v.size(); ++k)
       m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
     if (m.loop == log::Loop::kAutomatic) {
-      notes.warn(r.source +
-                 ": no reference and no programmed force: the mass rests on smoothed accelerations alone");
+      notes.warn(
+          r.source +
+          ": no reference and no programmed force: the mass is found from smoothed accelerations alone");
     }
     out.motions.push_back(std::move(m));
     out.force.push_back(std::move(force));

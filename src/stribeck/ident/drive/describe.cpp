@@ -190,17 +190,16 @@ void Description::write_load() {
     h(at(fit.span(1).first)) = -0.5;
     add("load", fit.load, "N", "N", found_.intervals.error_of(h), true);
     notes_.cannot_tell.emplace_back(
-        "how much of the load is friction that differs by direction: it is half the sum of both directions");
+        "how much of the load is really friction that differs between the directions: the given load is half the sum of both");
     return;
   }
   const double v = 0.5 * std::min(fit.top[0], fit.top[1]);
   const auto level = [&](std::size_t s) { return v > 0.0 ? fit.branch[s].force(v / fit.top[s]) : 0.0; };
   const double apart = 0.5 * (level(0) - level(1));
   if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
-    notes_.cannot_tell.push_back(
-        text("whether the difference of %.3g %s between each direction and their mean is a load or friction: "
-             "taken as friction",
-             std::abs(apart), result_.force_unit.c_str()));
+    notes_.cannot_tell.push_back(text(
+        "whether the difference of %.3g %s between each direction and their mean is a load or friction: it is taken as friction",
+        std::abs(apart), result_.force_unit.c_str()));
   }
 }
 

@@ -130,8 +130,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
     // Slow noise sometimes looks like a drift: the limit is twice the interval.
     if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(level)) continue;
     notes.warn(text(
-        "%s %s by %.3g %s (%.2g %% of the friction) from begin to end of %s: warming up or running in; the "
-        "result is the mean over the record",
+        "%s %s by %.3g %s (%.2g %% of the friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
         what[j], x(j) > 0 ? "rose" : "fell", std::abs(x(j)), force_unit.c_str(),
         100.0 * std::abs(x(j) / level), rec.source.c_str()));
   }

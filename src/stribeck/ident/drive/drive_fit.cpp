@@ -53,7 +53,8 @@ struct Stage {
 /// Warns once that the instrument could not be used.
 void note_weak_instrument(const LinearFit& before, const LinearFit& now, Notes& notes) {
   if (now.mass_by_acceleration && !before.mass_by_acceleration)
-    notes.warn("the reference hardly moves with the measured acceleration; the mass rests on the latter");
+    notes.warn(
+        "the acceleration of the reference hardly agrees with the measured one; the mass is found from the measured acceleration");
 }
 
 /// Friction near reversals is not known yet, so a generous distance is left out.
@@ -93,8 +94,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
     window = {kRelaxations * length, 0.5 * kSmallSpeed, length};
   } else {
     notes.warn(
-        "no reversal of motion in the log: the distance to break away is not known and nothing is left out "
-        "for it");
+        "no reversal of motion in the log: the break-away distance is not known, so no rows are left out for it");
   }
   Rows all = gather(log, stage.extent, window, options.bins);
   stage.rows = sampled(all);
@@ -238,7 +238,7 @@ Result identify_drive(const std::vector<log::Record>& records, const DriveFitOpt
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms))
     return std::move(result);
   other.warnings.push_back(text(
-      "the force seemed to be %.3g ms %s than its motion; with periodic terms beside it, the residual is %.3g in place of %.3g %s, and the shift removed is %.3g ms",
+      "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %.3g %s), and the shift removed is %.3g ms",
       1e3 * std::abs(found.shift), found.shift > 0.0 ? "later" : "earlier", other.held_out_rms,
       result.held_out_rms, other.force_unit.c_str(),
       1e3 * (second.shift == 0.0 ? 0.0 : std::abs(second.shift))));

@@ -194,8 +194,8 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) 
     fit = solve(log, rows, terms, &fit);
     gain = squares_left(log, rows, terms, fit) / std::max(with, 1e-300);
   }
-  // A shift that leaves as much of the force as none has no reason to be believed; one that leaves much less needs
-  // no further witness: its half width is taken from the residual, which remembers longer than what moves it.
+  // A shift that does not reduce the residual of the force is not believed. One that reduces it much needs no further evidence: its
+  // half width follows from the residual, whose correlation is longer than that of the motion.
   const double away = std::abs(found - kHeldForce);
   const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
   const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);

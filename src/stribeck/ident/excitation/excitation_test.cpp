@@ -150,7 +150,7 @@ TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
   weak.acceleration = 0.0;
   const Excitation down = design_pulses(weak, kRough, kPeriod);
   EXPECT_NEAR(*std::max_element(down.force.begin(), down.force.end()), 2000.0, 1e-9);
-  EXPECT_THAT(down.says, HasSubstr("brought down to 2000 N"));
+  EXPECT_THAT(down.says, HasSubstr("reduced to 2000 N"));
   Limits gentle = kTable;
   gentle.acceleration = 600.0 / kRough.mass;
   const Excitation soft = design_pulses(gentle, kRough, kPeriod);
@@ -176,11 +176,12 @@ TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
       [] {
         design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
       },
-      ThrowsMessage<Refused>(HasSubstr("lie only 8 %: too little for a force in open loop; choose sine")));
+      ThrowsMessage<Refused>(
+          HasSubstr("are only 8 % above it: too little for a force in open loop; choose sine")));
   Limits creeping = kTable;
   creeping.speed = 1e-7;
   EXPECT_THAT([&] { design_pulses(creeping, kRough, kPeriod); },
-              ThrowsMessage<Refused>(HasSubstr("keeps to the travel of")));
+              ThrowsMessage<Refused>(HasSubstr("stays within the travel of")));
   Limits stuck = kTable;
   stuck.force = 1000.0;
   EXPECT_THAT([&] { design_pulses(stuck, kRough, kPeriod); },

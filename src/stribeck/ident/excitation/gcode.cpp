@@ -20,10 +20,9 @@ double millimetres(double metres) { return std::round(metres * 1e9) * 1e-6 + 0.0
 
 std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine) {
   if (e.r.empty()) {
-    throw Refused(e.method +
-                  ": forces in open loop cannot be asked for by G-code, which moves positions only; give "
-                  "the table to a control that takes forces, or choose jog, sine, position-sine or "
-                  "constant-acceleration");
+    throw Refused(
+        e.method +
+        ": G-code commands positions and cannot command forces in open loop; give the table to a control that takes forces, or choose jog, sine, position-sine or constant-acceleration");
   }
   static constexpr std::string_view kLetters = "XYZABCUVW";
   const char letter =

@@ -73,9 +73,7 @@ Heights heights_of(const Limits& limits, const RoughDrive& drive, const PulseDes
   const double spare = (h.cap - drive.coulomb) / drive.coulomb;
   if (largest > h.cap && spare < kFineness) {
     throw Refused(fmt::format(
-        "pulses: between rough friction ({:.4g} N) and the limits of force and acceleration ({:.4g} "
-        "N) lie only {:.2g} %: too little for a force in open loop; choose sine and "
-        "constant-acceleration, or give --known after them",
+        "pulses: the rough friction is {:.4g} N, and the limits of force and acceleration ({:.4g} N) are only {:.2g} % above it: too little for a force in open loop; choose sine and constant-acceleration, then give their result with --known",
         drive.coulomb, h.cap, 100.0 * spare));
   }
   if (largest > h.cap) h.squeeze = (h.cap - drive.coulomb) / (largest - drive.coulomb);
@@ -181,7 +179,7 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
   }
   if (moving == 0) {
     throw Refused(fmt::format(
-        "pulses: from {:g} mm no pulse that moves the axis keeps to the travel of {:g} to {:g} mm and to {:g} mm/s",
+        "pulses: no pulse from {:g} mm that moves the axis stays within the travel of {:g} to {:g} mm and within {:g} mm/s",
         design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3, limits.speed * 1e3));
   }
   if (!slower && !guess && top < kHardlyMoves * limits.speed) {
@@ -198,8 +196,8 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
       "the steady friction.",
       e.t.back(), 2 * pairs, moving, top * 1e3, farthest * 1e3);
   if (heights.squeeze < 1.0)
-    e.says += fmt::format(" Forces are brought down to {:.4g} N, the limits of force and acceleration.",
-                          heights.cap);
+    e.says +=
+        fmt::format(" Forces are reduced to {:.4g} N, the limits of force and acceleration.", heights.cap);
   if (slower) e.says += " Speeds are lower than the limit: the travel is short.";
   return e;
 }

@@ -195,8 +195,7 @@ void restrict_verdict(Conditioned& out, bool position, bool irregular) {
     std::erase_if(out.determinable, not_periodic);
     std::erase_if(out.cannot_tell, not_periodic);
     out.cannot_tell.push_back(
-        "mass, friction over speed, pre-sliding, delay: the rows were taken at irregular times; what is "
-        "left is force over position");
+        "mass, friction over speed, pre-sliding, delay: the rows were taken at irregular times; only force over position remains");
   }
 }
 

@@ -130,7 +130,7 @@ void check_velocity(std::vector<Table>& tables, const Sampling& sampling, Notes&
     if (!notes.wanted("velocity")) return;
     notes.add_all(
         "velocity", tables.front().source, true,
-        fmt::format("the velocity has the opposite sign of the rate of the position ({:.4f} of it); turned",
+        fmt::format("the velocity has the opposite sign of the rate of the position ({:.4f} of it); reversed",
                     r.slope),
         {r.slope});
     for (Table& m : tables) {

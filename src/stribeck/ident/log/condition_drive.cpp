@@ -70,7 +70,7 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes) {
       notes.add_range(
           "drive-off", m, k, m.rows() - 1, true,
           fmt::format(
-              "at standstill the force falls from {:.4g} to {:.3g} and stays there: drive off, brake; cut off",
+              "at standstill the force falls from {:.4g} to {:.3g} and stays there: the drive is off or a brake holds; rows cut off",
               level, rest),
           {m.t[k], level, rest});
       const bool gap = m.gap_before;
@@ -87,8 +87,9 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes) {
     if (begin > 0) {
       notes.add_range(
           "drive-off", m, 0, begin - 1, true,
-          fmt::format("at standstill the force is {:.3g} and then rises to {:.4g}: drive not yet on; cut off",
-                      rest, level),
+          fmt::format(
+              "at standstill the force is {:.3g} and then rises to {:.4g}: the drive is not yet on; rows cut off",
+              rest, level),
           {m.t[begin - 1], level, rest});
       const bool gap = m.gap_before;
       m = slice(m, begin, m.rows());

@@ -201,10 +201,7 @@ void recover_signs(std::vector<Table>& tables, Notes& notes) {
   notes.add(
       "unsigned", *applied.first_table, applied.first_row, true,
       fmt::format(
-          "the force is a magnitude, never {} zero: a model with signs goes below zero where the log "
-          "comes back up. Sign recovered: {} of {} rows turned over, from this one on; {} rows at rest "
-          "or nearer to zero than twice the remainder ({:.3g}) are marked unsure. Rest {:.3g} instead of "
-          "{:.3g} as logged",
+          "the force is a magnitude, never {} zero: a model shows where its sign changes. Sign recovered: {} of {} rows reversed, this is the first; {} rows at rest or nearer to zero than twice the residual ({:.3g}) are marked unsure. Residual {:.3g} instead of {:.3g} as logged",
           *side > 0.0 ? "below" : "above", flipped.all, rows, applied.unsure, 2.0 * rms, rms, rms_as_logged),
       {static_cast<double>(flipped.all), static_cast<double>(applied.unsure), rms, rms_as_logged});
 }
@@ -236,8 +233,7 @@ void mend_sign(std::vector<Table>& tables, Notes& notes) {
   notes.add_all(
       "inverted", tables.front().source, true,
       fmt::format(
-          "the force is positive towards smaller positions (as logged m = {:.4g}, F = {:.4g}, R2 = {:.3f}): "
-          "sign of the force turned",
+          "the force is positive towards smaller positions (as logged m = {:.4g}, F = {:.4g}, R2 = {:.3f}): sign of the force reversed",
           r.mass, r.coulomb, r.r_squared),
       {r.mass, r.coulomb, r.r_squared});
 }

@@ -323,10 +323,11 @@ std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
       // A new record begins far back in time; two exchanged stamps do not.
       const bool far = i + 1 == starts.size() || m.t[starts[i] - 1] - m.t[starts[i]] > 50.0 * T;
       if (far && starts[i] - starts[i - 1] >= kFewestRows) continue;
-      throw Refused(m.source +
-                    fmt::format(": column t, row {}: time goes back, from {:.9g} to {:.9g} s, expected it to "
-                                "increase (cut the log there, or mend the time column)",
-                                m.row[k], m.t[k - 1], m.t[k]));
+      throw Refused(
+          m.source +
+          fmt::format(
+              ": column t, row {}: time goes back, from {:.9g} to {:.9g} s, expected it to increase (cut the log there, or repair the time column)",
+              m.row[k], m.t[k - 1], m.t[k]));
     }
     notes.add(
         "time-back", m, k, true,

@@ -132,10 +132,7 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
       found.push_back(
           {"mixed-runs",
            fmt::format(
-               "the runs up to {} ({}, {:.3g} s and more, {:.4g} s between rows) and from {} on ({}, up to "
-               "{:.3g} s, {:.4g} s) were taken in different ways, and the friction at the same places jumps "
-               "between them: they look like two days. Identify them apart, or a low-speed term is made "
-               "of the difference. ",
+               "the runs up to {} ({}, {:.3g} s and more, {:.4g} s between rows) and from {} on ({}, up to {:.3g} s, {:.4g} s) were taken in different ways, and the friction at the same places jumps between them: they look like two days. Identify them separately; otherwise the difference is taken for friction at low speed. ",
                a.source, i, low[0], t_high[0], b.source, runs.size() - i, high[1], t_high[1]) +
                here,
            0, 0.0, false, numbers});

@@ -172,7 +172,7 @@ std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::k
   say(No::kReference, "while the reference moves, where the force follows the motion");
   say(No::kMoving, "not from rest");
   say(No::kCrooked, "with a force that does not rise steadily");
-  say(No::kStill, "without any sliding, so that more force is needed");
+  say(No::kStill, "without any sliding (a higher force is needed)");
   say(No::kCreeping,
       fmt::format(
           "during which the axis moves by as much as {:.3g} {} but never slips suddenly (the ramp is too "
@@ -284,8 +284,9 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
   if (out.slips.empty()) {
     const std::string why = reasons(stretches.no, stretches.creep, records.front().position_unit);
     throw Refused(
-        fmt::format("break-away: no slow ramp of force with a slip among {} stretches of one sign of force",
-                    stretches.count) +
+        fmt::format(
+            "break-away: none of {} stretches with one sign of force is a slow ramp that ends in a slip",
+            stretches.count) +
         (why.empty() ? "" : ": " + why) +
         "; ramp the force from rest until the axis slips (excite --method ramp)");
   }
@@ -299,8 +300,9 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
   r.rows = out.slips.size();
   if (out.slips.size() < stretches.count) {
     r.warnings.push_back(
-        fmt::format("{} of {} stretches of force are no slow ramps up to a slip and were left out: ",
-                    stretches.count - out.slips.size(), stretches.count) +
+        fmt::format(
+            "{} of {} stretches with one sign of force are no slow ramps that end in a slip and were left out: ",
+            stretches.count - out.slips.size(), stretches.count) +
         reasons(stretches.no, stretches.creep, r.position_unit));
   }
   if (!options.mass) {

@@ -90,8 +90,8 @@ TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
 TEST(BreakAway, RefusesWhatNeverSlips) {
   log::Record r = ramp(1, 100.0, 4e-6, 1e-9, 1);
   EXPECT_THAT([&] { identify_break_away({r}); },
-              ThrowsMessage<Refused>(
-                  AllOf(HasSubstr("no slow ramp of force with a slip"), HasSubstr("more force is needed"))));
+              ThrowsMessage<Refused>(AllOf(HasSubstr("is a slow ramp that ends in a slip"),
+                                           HasSubstr("a higher force is needed"))));
   EXPECT_THAT([&] { identify_break_away({}); }, ThrowsMessage<Refused>(HasSubstr("no record given")));
 }
 

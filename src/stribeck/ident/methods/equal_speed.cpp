@@ -106,8 +106,7 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
   const LoadEstimate load = load_of(found.runs);
   if (load.pairs.empty()) {
     throw Refused(fmt::format(
-        "gravity: {} stretches of constant speed, but no speed in both directions; run each speed "
-        "forward and back (excite --method jog)",
+        "gravity: got {} stretches of constant speed, but none of the speeds in both directions; run each speed forward and back (excite --method jog)",
         found.runs.size()));
   }
   Result r;
@@ -122,8 +121,7 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
   r.warnings = found.notes;
   if (!load.constant) {
     r.warnings.push_back(
-        "half the sum of both directions varies with the speed more than its errors: the directions have "
-        "friction of their own, and part of the load may be that");
+        "half the sum of both directions varies with the speed by more than its errors: friction differs between the directions, and a part of the load may be that difference");
   }
   if (load.pairs.size() == 1)
     r.cannot_tell.push_back("interval of the load: only one speed was run in both directions");
@@ -254,7 +252,8 @@ Result identify_constant_acceleration(const std::vector<log::Record>& records,
     high = std::max(high, v[b] / n[b]);
   }
   r.velocity_range = {low, high};
-  r.cannot_tell.push_back("a model of friction: the points are what the mass leaves, load included");
+  r.cannot_tell.push_back(
+      "a model of friction: the points are the force less that of the mass, load included");
   return r;
 }
 

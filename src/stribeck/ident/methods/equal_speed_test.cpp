@@ -89,7 +89,7 @@ TEST(Gravity, RefusesOneDirection) {
   while (turn + 1 < r.r.size() && r.r[turn + 1] >= r.r[turn]) ++turn;
   for (auto* column : {&r.t, &r.r, &r.x, &r.f}) column->resize(turn);
   EXPECT_THAT([&] { identify_gravity({r}); },
-              ThrowsMessage<Refused>(HasSubstr("no speed in both directions")));
+              ThrowsMessage<Refused>(HasSubstr("none of the speeds in both directions")));
 }
 
 TEST(ConstantAcceleration, RefusesAMotionWithoutAcceleration) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -38,9 +40,9 @@ void check(const log::Record& record, const IdimOptions& options) {
   const double T = record.sample_time;
   const std::size_t n = record.x.size();
   if (!(options.cut_off > 0.0 && options.cut_off < 0.5 / T)) {
-    throw Refused("idim-ls: cut-off of " + std::to_string(options.cut_off) +
-                  " Hz, expected above 0 and below " + std::to_string(0.5 / T) +
-                  " Hz, half the rate of the log");
+    throw Refused(fmt::format(
+        "idim-ls: cut-off of {:g} Hz{}, expected above 0 Hz and below {:g} Hz, half the sampling frequency of the log",
+        options.cut_off, options.cut_off == IdimOptions{}.cut_off ? ", the default" : "", 0.5 / T));
   }
   if (n < options.drop + 40 * options.decimation) {
     throw Refused("idim-ls: " + std::to_string(n) + " rows are too few for decimation by " +

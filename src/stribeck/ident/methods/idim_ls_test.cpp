@@ -138,7 +138,7 @@ TEST(IdimLs, RefusesACutOffBeyondHalfTheRate) {
   IdimOptions options;
   options.cut_off = 600.0;
   EXPECT_THAT([&] { identify_idim_ls(straight_drive(1.0, 1.0), options); },
-              ThrowsMessage<Refused>(HasSubstr("half the rate of the log")));
+              ThrowsMessage<Refused>(HasSubstr("half the sampling frequency of the log")));
 }
 
 }  // namespace

@@ -175,8 +175,7 @@ void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, c
   r.friction.steady = map;
   if (!(out.alpha0_positive > 0.0 && out.alpha0_negative < 0.0)) {
     r.warnings.push_back(
-        "Coulomb friction comes out with the sign of the motion: the pulses do not fit Coulomb and viscous "
-        "friction");
+        "the Coulomb friction found drives the motion instead of opposing it: Coulomb and viscous friction do not describe these pulses");
   }
 }
 

@@ -198,8 +198,7 @@ std::vector<ObservedFriction> observe_jogs(const std::vector<log::Record>& jogs,
 void write_parameters(const LeastSquaresA& out, const std::vector<std::string>& notes, Result& r) {
   const ViscousCorrection& c = *out.observer;
   r.warnings.push_back(
-      "viscous coefficient and Coulomb forces are those of the jogs; pulses alone give other ones "
-      "(alpha2_pulses)");
+      "viscous coefficient and Coulomb forces come from the jogs; alpha2_pulses is the coefficient from the pulses alone");
   r.warnings.insert(r.warnings.end(), notes.begin(), notes.end());
   const Parameter from_pulses = r.parameters[1];
   r.parameters.resize(1);

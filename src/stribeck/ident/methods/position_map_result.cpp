@@ -122,8 +122,7 @@ void write_law(const Described& d, const Coefficients& c, Result& r) {
   }
   if (!(c.eta0 > 0.0)) {
     r.warnings.push_back(fmt::format(
-        "Coulomb friction came out as {:.4g}, which no axis has: look at the sign of the force and at "
-        "a delay between force and position",
+        "Coulomb friction came out as {:.4g}, which no axis has: check the sign of the force, and a delay between force and position",
         c.eta0));
   }
 }
@@ -245,7 +244,7 @@ void describe(const Described& d, bool no_mass, Result& r) {
     r.parameters.push_back(parameter("mass", r.mass, "kg", "N s2/mm", d.intervals.half(0)));
     if (d.fit.weak) {
       r.warnings.emplace_back(
-          "the reference hardly moves with the measured acceleration; the mass rests on the latter");
+          "the acceleration of the reference hardly agrees with the measured one; the mass is found from the measured acceleration");
     }
   }
   if (d.fit.shape.load) {

@@ -40,7 +40,7 @@ std::vector<log::Motion> motions_of(const std::vector<log::Record>& records,
     if (m.loop == log::Loop::kAutomatic && !options.mass) {
       result.warnings.push_back(
           r.source +
-          ": no reference and no programmed force: the mass rests on smoothed accelerations alone");
+          ": no reference and no programmed force: the mass is found from smoothed accelerations alone");
     }
     motions.push_back(std::move(m));
   }

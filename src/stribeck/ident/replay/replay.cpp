@@ -94,9 +94,9 @@ void keep(const Axis& axis, std::size_t k, const Course& course, const friction:
   constexpr double kFarOff = 1e4;
   const double v = axis.v();
   if (!(std::abs(v) < kFarOff * course.speed) || !std::isfinite(axis.x())) {
-    throw Refused(
-        fmt::format("{}: the model runs away from row {} on ({:.3g} m/s); its friction does not hold it",
-                    course.record.source, k + 1, v));
+    throw Refused(fmt::format(
+        "{}: the motion of the model diverges from row {} on ({:.3g} m/s): its friction is too small for this force (check the sign of the force, the mass and the units)",
+        course.record.source, k + 1, v));
   }
   out.x[k] = axis.x();
   out.v[k] = v;

@@ -383,7 +383,7 @@ TEST(Replay, RefusesWhatItCannotAnswer) {
   pushes.negative = {-20.0, -5000.0, {}};
   model = coulomb_model();
   model.friction.steady = pushes;
-  EXPECT_NE(why([&] { replay_open_loop(model, r); }).find("runs away"), std::string::npos);
+  EXPECT_NE(why([&] { replay_open_loop(model, r); }).find("diverges from row"), std::string::npos);
   pushes.positive.eta0 = -1.0;
   model.friction.steady = pushes;
   EXPECT_NE(why([&] { replay_open_loop(model, r); }).find("expected above 0"), std::string::npos);

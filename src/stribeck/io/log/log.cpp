@@ -295,13 +295,14 @@ TimeCheck check_time(const std::vector<double>& values, const std::string& sourc
   for (std::size_t i = 0; i < steps.size(); ++i) {
     steps[i] = values[i + 1] - values[i];
     if (!(steps[i] > 0.0)) {
-      throw InputError(Problem{source, 0, place,
-                               "row " + std::to_string(i + 2) + ": time " +
-                                   (steps[i] < 0.0    ? "goes back"
-                                    : steps[i] == 0.0 ? "stands still"
-                                                      : "is not a number") +
-                                   ", from " + number_text(values[i]) + " to " + number_text(values[i + 1]) +
-                                   ", expected it to increase (cut the log there, or mend the time column)"});
+      throw InputError(
+          Problem{source, 0, place,
+                  "row " + std::to_string(i + 2) + ": time " +
+                      (steps[i] < 0.0    ? "goes back"
+                       : steps[i] == 0.0 ? "stands still"
+                                         : "is not a number") +
+                      ", from " + number_text(values[i]) + " to " + number_text(values[i + 1]) +
+                      ", expected it to increase (cut the log there, or repair the time column)"});
     }
   }
   TimeCheck result;

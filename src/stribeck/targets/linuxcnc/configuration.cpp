@@ -80,7 +80,9 @@ std::vector<std::string> linuxcnc_letters(const sim::Machine& machine, const std
     if (std::find(letters.begin(), letters.end(), letter) != letters.end()) {
       throw io::InputError(
           {file, 0, "axes." + name,
-           fmt::format("a second axis {}; LinuxCNC does not tell capitals (rename one)", letter)});
+           fmt::format(
+               "there is a second axis {}: LinuxCNC does not distinguish small and capital letters (rename one)",
+               letter)});
     }
     letters.push_back(letter);
   }

@@ -165,7 +165,7 @@ TEST(ReproduceIdentification, CurvesOfTable23AreReached) {
   }
   for (const std::string of : {"x, v ≥ 0", "x, v < 0", "y, v ≥ 0", "y, v < 0"}) {
     const double percent = figure(s, "the same, of the printed curve", of).ours;
-    EXPECT_LT(percent, 2.0) << of;  // what issue 3 asks for
+    EXPECT_LT(percent, 2.0) << of;  // of the printed curve
     EXPECT_GT(percent, 0.05)
         << of;  // 20 N of noise leave more than that: less would mean that the truth was used
     const double terms = figure(s, "number of Gaussians", of).ours;

@@ -151,8 +151,7 @@ void note_open_gap(const Fitted& d, int side, const std::vector<SpeedMean>& mean
   const double most = *widest;
   if (most > std::max(kOpen, kOpenBeside * stats::median(share))) {
     r.cannot_tell.push_back(fmt::format(
-        "friction between {:.4g} and {:.4g} mm/s{}: it bends more than these speeds show; jog at {:.4g} "
-        "mm/s as well",
+        "friction between {:.4g} and {:.4g} mm/s{}: the curve may bend more than these speeds show; jog at {:.4g} mm/s as well",
         1e3 * mean[at].v, 1e3 * mean[at + 1].v, side == 0 ? "" : " of the negative direction",
         0.5e3 * (mean[at].v + mean[at + 1].v)));
   }
