@@ -23,18 +23,9 @@ double travel_per_radian(const std::string& lead) {
 }
 
 /// The columns that exist, in the order in which they are shown.
-std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std::string>& notes) {
-  std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
+std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
+  const std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
   const std::optional<NamedColumn> v = columns.find(LogQuantity::kVelocity);
-  if (!x && !v) {
-    const std::vector<NamedColumn> some = columns.with_unit_of({"m", "rad"});
-    if (some.size() == 1) {
-      x = some.front();
-      notes.push_back(
-          fmt::format("column {} is taken as the position: no other has a unit of length or angle",
-                      io::in_quotes(header_of(*x->column))));
-    }
-  }
   if (!x && !v) {
     throw io::InputError(
         {columns.log().source, 0, "x",
@@ -107,7 +98,7 @@ MotionColumns find_motion(const AxisColumns& columns, const std::string& lead,
   const io::Log& log = columns.log();
   MotionColumns motion;
   motion.per_radian = travel_per_radian(lead);
-  const std::vector<MotionColumn> all = motion_of(columns, notes);
+  const std::vector<MotionColumn> all = motion_of(columns);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
     if (m.from.unit.empty() && !base && !columns.mapped(m.what)) {

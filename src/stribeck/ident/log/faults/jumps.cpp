@@ -83,6 +83,9 @@ std::string fault_at(const Table& m, std::size_t k, const Limits& limits, const 
   // Rows lost around a turn leave the position where it was.
   size = x.change();
   if (!(std::abs(x.change()) > limits.change)) return {};
+  // Without a reference an axis that stops dead may have met something.
+  const double slower = std::min(std::abs(x.before), std::abs(x.after));
+  if (m.r.empty() && slower < 0.1 * std::max(std::abs(x.before), std::abs(x.after))) return {};
   // Even before and even after: a jump in one of the windows is no speed.
   const double uneven = std::max(std::abs(m.x[k - 1] - 2.0 * m.x[k - 2] + m.x[k - 3]),
                                  std::abs(m.x[k + 2] - 2.0 * m.x[k + 1] + m.x[k]));

@@ -171,7 +171,6 @@ Line line_of(const std::vector<std::vector<double>>& rests, double T) {
 
 void name_smoothed_force(const std::vector<Table>& tables, Notes& notes) {
   if (!notes.wanted("smoothed") && !notes.wanted("line")) return;
-  if (std::any_of(tables.begin(), tables.end(), [](const Table& m) { return quiet(m.f); })) return;
   const std::vector<Block> blocks = blocks_of(tables, 40000);
   if (blocks.empty()) return;
   const double slowest = slowest_moving(blocks);
@@ -193,6 +192,7 @@ void name_smoothed_force(const std::vector<Table>& tables, Notes& notes) {
             std::sqrt(smooth.rest_without)),
         {smooth.time});
   }
+  if (std::any_of(tables.begin(), tables.end(), [](const Table& m) { return quiet(m.f); })) return;
   std::vector<std::vector<double>> rests;
   double square = 0.0;
   std::size_t count = 0;
