@@ -12,7 +12,7 @@ constexpr int kIterations = 40;
 constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
 constexpr std::size_t kFewRows = 20;
-constexpr std::size_t kMostRows = 10'000;
+constexpr std::size_t kMostRows = 6'000;
 constexpr std::size_t kFewPieces = 40;
 /// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
@@ -46,7 +46,7 @@ Solution solved(const Rows& rows, const Model& model, const VectorXd& from, cons
 void cut(const Given& given, double break_away, Rows& rows) {
   rows.path =
       cut_path(*given.records, given.data, *given.known, {break_away, given.options.shift, given.open});
-  // Ten thousand rows tell a stiffness to a few parts in a thousand; a million take as long as all other steps together.
+  // Six thousand rows tell a stiffness to a part in a hundred; all of a long log take as long as all other steps together.
   if (rows.path.rows.size() > kMostRows) {
     BristlePath part = part_of(rows.path, kMostRows);
     if (part.pieces.size() >= kFewPieces) rows.path = std::move(part);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kPartRows = 1500;  // enough to tell the laws apart where they differ at all
 constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than half a second
-constexpr double kClearly = 3.0;         // standard errors
+constexpr double kClearly = 2.0;         // standard errors
 
 }  // namespace
 

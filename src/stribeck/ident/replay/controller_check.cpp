@@ -7,6 +7,7 @@
 namespace stribeck::ident::replay {
 namespace {
 
+constexpr std::size_t kRemembered = 65;  // rows; replay_controller.hpp averages 64 at most
 constexpr double kAgrees =
     0.01;  // of the RMS of the force: the median row, where the controller is the right one
 constexpr double kAdded = 10.0;        // median differences: what somebody added
@@ -21,10 +22,13 @@ ControllerCheck check_controller(const ReplayController& controller, const log::
     throw Refused(record.source + ": no reference in the log, which a closed-loop replay follows");
   const std::size_t n = record.x.size();
   ControlLoop loop(controller, record, start_of(record, 0, log::position_noise(record.x)));
+  // A controller remembers positions from before the first row, which nobody knows.
+  const std::size_t unknown = std::min(kRemembered, n / 10);
   std::vector<double> apart(n), size(n);
   double dd = 0.0, ff = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     apart[k] = record.f[k] - loop.force(k, record.x);
+    if (k < unknown) apart[k] = 0.0;
     size[k] = std::abs(apart[k]);
     dd += apart[k] * apart[k];
     ff += record.f[k] * record.f[k];

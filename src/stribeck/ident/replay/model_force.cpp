@@ -22,6 +22,8 @@ constexpr int kOrder = 4;
 constexpr double kHighestShare = 0.8;  // of half the rate, for the low-pass of a slow log
 constexpr std::size_t kFewestRows = 40;
 constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1e-3 rows in the last one
+constexpr int kFarPasses = 12;
+constexpr double kFarStep = 10.0;     // rows
 constexpr double kMostShift = 100.0;  // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
 constexpr double kWholePart = 0.01;
@@ -159,6 +161,7 @@ class Scored {
     return X;
   }
 
+  void find_shift();
   void fit_own();
   [[nodiscard]] double phase_used(std::size_t j) const;
   void judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step, const std::vector<double>& phase);
@@ -172,10 +175,31 @@ class Scored {
   ForceError out_;
 };
 
+/// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away.
+void Scored::find_shift() {
+  friction::Model plain = model_.friction;
+  plain.eccentric.clear();
+  const Column modelled = force_of(plain);
+  const Column model_thin = thin(modelled), slope = thin(derivative(modelled, 1.0));
+  for (int pass = 0; pass < kFarPasses; ++pass) {
+    const Column measured = thin(log::align_force(record_.f, shift_));
+    double se = 0.0, ss = 0.0;
+    for (const std::size_t i : used_) {
+      se -= slope[i] * (measured[i] - model_thin[i]);
+      ss += slope[i] * slope[i];
+    }
+    if (!(ss > 0.0)) return;
+    const double step = std::clamp(se / ss, -kFarStep, kFarStep);
+    shift_ = std::clamp(shift_ + step, -kMostShift, kMostShift);
+    if (std::abs(step) < 0.05) return;
+  }
+}
+
 void Scored::fit_own() {
   const double T = record_.sample_time;
   const double expected = -0.5 - model_.delay / T;  // a held force belongs to the motion half a row later
   shift_ = options_.shift ? *options_.shift / T : expected;
+  if (!options_.shift) find_shift();
   friction::Model friction = model_.friction;
   std::vector<double> phase;
   for (const auto& term : friction.eccentric) phase.push_back(term.phase);

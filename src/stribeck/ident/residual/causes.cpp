@@ -73,6 +73,19 @@ Columns model_columns(const Rows& rows) {
   return columns;
 }
 
+/// Share of column j, of unit length, that the others do not explain; `products` of all columns with each other. (The
+/// inverse does not tell it where they explain all of it.)
+double told_of(const MatrixXd& products, Index j) {
+  const Index p = products.cols();
+  std::vector<Index> others;
+  for (Index i = 0; i < p; ++i) {
+    if (i != j) others.push_back(i);
+  }
+  const MatrixXd among = products(others, others);
+  const VectorXd with = products(others, j);
+  return std::max(0.0, 1.0 - with.dot(stats::pseudo_inverse(among) * with));
+}
+
 Fit fit(const Rows& rows, const Columns& columns) {
   Fit out;
   const auto n = static_cast<Index>(rows.rows.size());
@@ -90,14 +103,15 @@ Fit fit(const Rows& rows, const Columns& columns) {
   }
   const VectorXd scale = out.X.colwise().norm().cwiseMax(1e-300);
   const MatrixXd scaled = out.X * scale.cwiseInverse().asDiagonal();
-  const MatrixXd inverse = stats::pseudo_inverse(stats::gram(scaled));
+  const MatrixXd products = stats::gram(scaled);
+  const MatrixXd inverse = stats::pseudo_inverse(products);
   out.theta = inverse * (scaled.transpose() * e);
   out.left = e - scaled * out.theta;
   out.square = out.left.squaredNorm();
   const stats::Uncertainty uncertainty(scaled, out.left, inverse, record, at);
   for (Index j = 0; j < p; ++j) {
     out.half.push_back(uncertainty.half_width(VectorXd::Unit(p, j)) / scale(j));
-    out.told.push_back(1.0 / std::max(inverse(j, j), 1e-300));
+    out.told.push_back(told_of(products, j));
   }
   out.theta = out.theta.cwiseQuotient(scale);
   return out;

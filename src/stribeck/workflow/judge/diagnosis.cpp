@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -73,6 +74,15 @@ void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
       room ? "; it stands among the periodic terms, with one turn as its period" : ""));
 }
 
+/// Constant speeds need not tell a mass: one whose interval holds zero is none.
+void without_mass(ident::Result& r) {
+  if (!std::isfinite(r.mass) || r.mass_interval.low > 0.0) return;
+  r.mass = kNaN;
+  r.mass_interval = {};
+  std::erase_if(r.parameters, [](const ident::Parameter& p) { return p.name == "mass"; });
+  r.cannot_tell.emplace_back("mass: the runs of constant speed accelerate too little");
+}
+
 /// Adds what a second look still finds.
 void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all) {
   if (more.spring && all.spring) all.spring->stiffness += more.spring->stiffness;
@@ -98,6 +108,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     Identification again = method(cleaned);
     ident::residual::Diagnosis left = ident::residual::diagnose(cleaned.records, again.result);
     if (!(left.quality.rms < kBetter * d.quality.rms)) break;
+    if (again.method == Method::kJog) without_mass(again.result);
     taken = more;
     found = std::move(again);
     d = std::move(left);

@@ -22,17 +22,35 @@ std::vector<std::string> axes_of(const sim::Machine& machine) {
   return names;
 }
 
-/// Words of letters and digits in the name of a file, lower case.
-std::vector<std::string> words_of(const std::string& path) {
+/// Words of letters and digits, lower case.
+std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words(1);
-  for (const char c : lower(std::filesystem::path(path).stem().string())) {
+  for (const char c : lower(text)) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
       words.back() += c;
     } else if (!words.back().empty()) {
       words.emplace_back();
     }
   }
+  if (words.back().empty()) words.pop_back();
   return words;
+}
+
+/// Axes that stand behind or before a quantity in the names of columns: x_y is the position of y.
+std::vector<std::string> axes_in_columns(const io::Log& log, const std::vector<std::string>& axes) {
+  std::vector<std::string> found;
+  for (const std::string& axis : axes) {
+    const bool there = std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
+      const std::vector<std::string> words = words_of(c.name);
+      if (words.size() < 2) return false;
+      const auto is_axis = [&](const std::string& word) {
+        return std::any_of(axes.begin(), axes.end(), [&](const std::string& a) { return lower(a) == word; });
+      };
+      return words.back() == lower(axis) || (words.front() == lower(axis) && !is_axis(words.back()));
+    });
+    if (there) found.push_back(axis);
+  }
+  return found;
 }
 
 /// Unit of the force of this axis; empty: the log has no such axis.
@@ -53,15 +71,16 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
       if (key == "axis" && lower(value) == lower(axis)) return {axis};
     }
   }
+  if (axes.size() == 1) return axes;
+  if (const auto labelled = axes_in_columns(log, axes); !labelled.empty()) return labelled;
   std::vector<std::string> named;
   for (const std::string& axis : axes) {
     if (!unit_of(log, options, axis).empty()) named.push_back(axis);
   }
-  if (axes.size() == 1) return axes;
   // Columns that an axis of any name could take carry none.
   const bool plain = !unit_of(log, options, "any other").empty();
   if (!named.empty() && !plain) return named;
-  const std::vector<std::string> words = words_of(path);
+  const std::vector<std::string> words = words_of(std::filesystem::path(path).stem().string());
   std::vector<std::string> by_name;
   for (const std::string& axis : axes) {
     if (std::find(words.begin(), words.end(), lower(axis)) != words.end()) by_name.push_back(axis);
