@@ -96,7 +96,16 @@ int parse_and_run(int argc, const char* const* argv) {
     return kBadInput;
   }
   io::WriteTogether outputs;
-  const int code = action();
+  int code = kNo;
+  try {
+    code = action();
+  } catch (const ident::Refused&) {
+    outputs.commit();  // what was written explains the answer "no"
+    throw;
+  } catch (const sim::Refused&) {
+    outputs.commit();
+    throw;
+  }
   outputs.commit();
   // Last: files do not wait for a reader.
   const bool flushed = std::fflush(stdout) == 0;
