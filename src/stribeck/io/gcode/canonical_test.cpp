@@ -207,6 +207,10 @@ TEST(Canonical, SaysWhatIsWrongAndWhere) {
               HasSubstr("finite"));
   EXPECT_THAT(refusal("STRAIGHT_TRAVERSE(1.0000, x, 0.0000, 0.0000, 0.0000, 0.0000)\n"), HasSubstr("finite"));
   EXPECT_THAT(refusal("STRAIGHT_TRAVERSE(1e999, 0, 0.0000, 0.0000, 0.0000, 0.0000)\n"), HasSubstr("finite"));
+  // Finite, but what is computed from it would not be.
+  EXPECT_THAT(refusal("SET_XY_ROTATION(-1e308)\n"), HasSubstr("up to 1e9"));
+  EXPECT_THAT(refusal("STRAIGHT_TRAVERSE(1.1e9, 0, 0.0000, 0.0000, 0.0000, 0.0000)\n"),
+              HasSubstr("up to 1e9"));
   EXPECT_THAT(refusal(feed + "ARC_FEED(1.0000, 0.0000, 0.0000, 0.0000, 0, 0.0000, 0.0000, 0.0000, 0.0000)\n"),
               HasSubstr("turns"));
   EXPECT_THAT(refusal("NURBS_FEED(4, ...)\n"), AllOf(HasSubstr("NURBS_FEED"), HasSubstr("not supported")));
