@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kBefore = 2;  // rows in which the motion may answer
 constexpr std::size_t kAfter = 10;
-constexpr double kWild = 10.0;  // times what 97 % of the samples stand off their neighbours
+constexpr double kWild = 10.0;  // times what 93 % of the samples stand off their neighbours
 constexpr double kShareOfRange = 0.75;
 
 double off(const std::vector<double>& f, std::size_t k) { return f[k] - 0.5 * (f[k - 1] + f[k + 1]); }
@@ -41,7 +41,7 @@ Limits limits_of(const std::vector<Table>& tables) {
   }
   if (offs.size() < 200) return {};
   const double range = stats::quantile(all, 0.98) - stats::quantile(all, 0.02);
-  return {std::max(kWild * stats::quantile(std::move(offs), 0.97), kShareOfRange * range),
+  return {std::max(kWild * stats::quantile(std::move(offs), 0.93), kShareOfRange * range),
           stats::quantile(std::move(bends), 0.99)};
 }
 

@@ -75,7 +75,7 @@ std::string fault_at(const Table& m, std::size_t k, const Limits& limits, const 
     if (rows > 0.5 && rows < 1e6)
       return fmt::format(
           "position and reference jump together by {}: about {:.0f} rows are missing at this "
-          "speed, although the time stamps go on; cut there",
+          "speed, although the time stamps go on, or both were set anew; cut there",
           notes.travel(x.jump), rows);
     return fmt::format("position and reference jump together by {}: both were set anew; cut there",
                        notes.travel(x.jump));

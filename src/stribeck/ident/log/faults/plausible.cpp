@@ -36,7 +36,7 @@ void refuse_implausible_drive(const Coverage& c, const RoughFit& rough, const st
   }
   // Guides, seals and screws rub with 0.1 to 10 % of the weight; a small motor behind a fine screw with 0.1 %.
   constexpr double kGravity = 9.81;
-  constexpr double kLeastFriction = 5e-5;
+  constexpr double kLeastFriction = 2e-4;
   const double fastest_friction = std::abs(rough.coulomb) + std::abs(rough.viscous) * fastest;
   if (turns || !rough.friction_shows || fastest_friction > kLeastFriction * kGravity * std::abs(rough.mass))
     return;

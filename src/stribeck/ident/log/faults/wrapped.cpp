@@ -88,11 +88,12 @@ void unwrap_positions(std::vector<RawLog>& runs, Notes& notes) {
       r.period = x.period;
       unwrap(log.r.y, r);
     }
-    notes.add_all("wrapped", log.source, true,
-                  fmt::format("the position{} begins again after each {} ({} times): a wrapped count; made "
-                              "continuous",
-                              both ? " and the reference" : "", notes.travel(x.period), x.rows.size()),
-                  {x.period, static_cast<double>(x.rows.size())});
+    notes.add_all(
+        "wrapped", log.source, true,
+        fmt::format("the position{} again after each {} ({} times): a wrapped count; made "
+                    "continuous",
+                    both ? " and the reference begin" : " begins", notes.travel(x.period), x.rows.size()),
+        {x.period, static_cast<double>(x.rows.size())});
   }
 }
 
