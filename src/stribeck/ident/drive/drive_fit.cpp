@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -144,23 +145,72 @@ Steady choose_steady(Stage& stage, const DriveFitOptions& options, Notes& notes)
   return {std::move(periodic.map), std::move(periodic.spectrum)};
 }
 
+/// Everything that was fitted with one shift.
+struct Attempt {
+  Terms terms;
+  LinearFit fit;
+  double shift = kHeldForce;
+  Steady steady;
+  Notes notes;
+};
+
+void take(Stage& stage, const Attempt& attempt) {
+  stage.terms = attempt.terms;
+  stage.fit = attempt.fit;
+  align(stage.log, attempt.shift, stage.rows);
+  if (stage.terms.shift) ask_reference(stage.log, stage.rows, stage.fit);
+}
+
+/// A term that reverses and one that does not, of one period: together they look like a shift. The larger one stays.
+void remove_twins(std::vector<PeriodicColumns>& terms) {
+  constexpr double kSamePeriod = 0.02;
+  std::vector<PeriodicColumns> kept;
+  for (PeriodicColumns& term : terms) {
+    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const PeriodicColumns& other) {
+      return other.form != term.form && std::abs(other.period / term.period - 1.0) < kSamePeriod;
+    });
+    if (!twin) kept.push_back(std::move(term));
+  }
+  terms = std::move(kept);
+}
+
 /// Judges the shift again beside the periodic terms, from the commanded force on; true when it is another one.
 bool shift_moves(Stage& stage) {
   AlignedLog& log = stage.log;
   const double before = log.shift;
-  Terms terms_before = stage.terms;
-  LinearFit fit_before = stage.fit;
+  remove_twins(stage.terms.periodic);
   stage.terms.shift = true;
   align(log, kHeldForce, stage.rows);
+  stage.fit = solve(log, stage.rows, stage.terms, nullptr);
   ask_reference(log, stage.rows, stage.fit);
   stage.fit = solve(log, stage.rows, stage.terms, &stage.fit);
   stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit));
-  if (std::abs(log.shift - before) > kMovedShift) return true;
-  align(log, before, stage.rows);
-  stage.terms = std::move(terms_before);
-  stage.fit = std::move(fit_before);
-  if (stage.terms.shift) ask_reference(log, stage.rows, stage.fit);
-  return false;
+  return std::abs(log.shift - before) > kMovedShift;
+}
+
+/// Map and periodic terms, with the shift as it was found and, where that moves beside the terms, with the other one:
+/// the same terms, and terms that are searched anew. What predicts held-out motion best is taken.
+Attempt choose_attempt(Stage& stage, const DriveFitOptions& options, bool shift_known, const Notes& notes) {
+  Notes own = notes;
+  Steady steady = choose_steady(stage, options, own);
+  Attempt best{stage.terms, stage.fit, stage.log.shift, std::move(steady), std::move(own)};
+  if (shift_known || stage.terms.periodic.empty()) return best;
+  if (shift_moves(stage)) {
+    const auto enter = [&](Steady other, Notes words) {
+      if (!(other.map.map.held_out_rms < best.steady.map.map.held_out_rms)) return;
+      best = {stage.terms, stage.fit, stage.log.shift, std::move(other), std::move(words)};
+    };
+    enter({with_joint_fits(choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), stage.fit),
+           best.steady.spectrum},
+          best.notes);
+    stage.terms.periodic.clear();
+    stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
+    own = notes;
+    Steady anew = choose_steady(stage, options, own);
+    enter(std::move(anew), std::move(own));
+  }
+  take(stage, best);
+  return best;
 }
 
 /// Terms that the data do not tell from nothing go.
@@ -192,14 +242,9 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   fit_first(stage, options, notes);
   if (!options.shift && options.search_shift) take_out_shift(stage, notes);
   settle(stage, options, notes);
-  const Notes until_here = notes;
-  Steady steady = choose_steady(stage, options, notes);
-  if (!shift_known && !stage.terms.periodic.empty() && shift_moves(stage)) {
-    stage.terms.periodic.clear();
-    stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
-    notes = until_here;
-    steady = choose_steady(stage, options, notes);
-  }
+  Attempt attempt = choose_attempt(stage, options, shift_known, notes);
+  Steady steady = std::move(attempt.steady);
+  notes = std::move(attempt.notes);
   LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
   Intervals found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);
   stage.fit = fit;
