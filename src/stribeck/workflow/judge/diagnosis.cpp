@@ -51,7 +51,7 @@ AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d
 }
 
 void write_spring(const ident::residual::Spring& s, ident::Result& r) {
-  const std::string unit = r.force_unit + "/m", shown = r.force_unit + "/mm";
+  const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
   r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
                           s.stiffness + s.half_width, true});
   const bool metres = r.position_unit == "m";
@@ -64,8 +64,7 @@ void write_spring(const ident::residual::Spring& s, ident::Result& r) {
 void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
   const double size = std::hypot(u.sine, u.cosine);
   const double phase = std::atan2(-u.cosine, u.sine);
-  r.parameters.push_back(
-      {"unbalance", size, r.force_unit, r.force_unit, size - u.half_width, size + u.half_width, true});
+  r.parameters.push_back({"unbalance", size, "N", "N", size - u.half_width, size + u.half_width, true});
   const bool room = r.friction.eccentric.size() < friction::kMaxEccentricTerms;
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
   r.warnings.push_back(fmt::format(
