@@ -8,6 +8,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/output_folder.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
@@ -155,9 +156,10 @@ std::string remark(std::string_view comment, const std::string& text) {
   return std::string(comment) + " " + text + "\n";
 }
 
-/// A comment must not be closed by what stands in it.
+/// A comment must not be closed by what stands in it, nor take in the next line by a backslash at its end.
 std::string harmless(std::string text) {
-  text = report::clean_text(text);
+  constexpr std::size_t kLongest = 1000;
+  text = io::one_line(text, kLongest);
   for (const std::string_view end : {"*/", "*)", "--", "(*", "/*"}) {
     for (std::size_t at = text.find(end); at != std::string::npos; at = text.find(end, at))
       text.replace(at, end.size(), "_");

@@ -182,6 +182,19 @@ TEST(SteadyTarget, NoNameLeavesItsComment) {
   }
 }
 
+// In C and Modelica a backslash at the end of a line continues its comment; and no line is longer than programs read.
+TEST(SteadyTarget, NoNameTakesInTheNextLine) {
+  Export x;
+  x.request.command = "export a\\ \\\u2028b" + std::string(5000, 'c') + "\\";
+  for (const char* target : {"modelica", "simscape", "csv"}) {
+    std::istringstream lines(x.text(target));
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_FALSE(line.ends_with('\\')) << line;
+      EXPECT_LT(line.size(), 1100U) << target;
+    }
+  }
+}
+
 TEST(SteadyTarget, RefusesWithAWayOut) {
   Export x;
   EXPECT_THAT(x.refusal("isg"), HasSubstr("--gain: missing"));
