@@ -217,7 +217,7 @@ void read_group(const Node& node, Target out, const std::string& key, Problems& 
 void read_list(const Node& node, Target out, const Quantity& q, const std::string& key, Problems& problems) {
   const Type& type = out.type();
   // A value that may be a range of two is written as one where it is one.
-  if (type.least_items == 0 && type.most_items == 2 && type.inner->kind == Kind::kNumber &&
+  if (type.least_items <= 1 && type.most_items == 2 && type.inner->kind == Kind::kNumber &&
       node.kind != Node::Kind::kList) {
     out.resize(0);
     out.resize(1);
