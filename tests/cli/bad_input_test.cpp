@@ -90,10 +90,10 @@ TEST_F(BadMachine, ADashIsStandardOutputOrRefused) {
 TEST_F(BadMachine, EmptyListOfGains) {
   const std::string file = folder.write(
       "c.toml",
-      "id = \"mine\"\nfriction = \"none\"\n\n[law]\nkind = \"contouring\"\nkp = []\nkv = [\"40 1/s\"]\n");
+      "id = \"mine\"\nlabel = \"My law\"\nfriction = \"none\"\n\n[law]\nkind = \"contouring\"\nkp = []\nkv = [\"40 1/s\"]\n");
   expect_refused(
       command({"simulate", kMachine, "--parameters", "thesis", "--controller", file, "-o", folder / "t.csv"}),
-      {"c.toml:6: law.kp: got a list of 0, expected 1 to", "leave the key out for its default"});
+      {"c.toml:7: law.kp: got a list of 0, expected 1 to", "leave the key out for its default"});
 }
 TEST_F(BadMachine, DirectoryMissingEmpty) {
   expect_refused(command({"compare", folder / "."}), {"directory"});

@@ -205,7 +205,7 @@ TEST(DriveFit, TumIsAMagnitudeAndLate) {
   EXPECT_EQ(result.at("force_unit"), "A");
   EXPECT_THAT(words_of(result, "warnings"),
               AllOf(Contains(AllOf(HasSubstr("magnitude"), HasSubstr("Sign recovered"))),
-                    Contains(HasSubstr("drive off"))));
+                    Contains(HasSubstr("the drive is off"))));
   EXPECT_LE(result.at("held_out_rms").get<double>(), 0.17);
   EXPECT_NEAR(result.at("held_out_rms").get<double>(), 0.035, 0.005);
   EXPECT_NEAR(result.at("mass").get<double>(), 2.7, 0.1);
@@ -236,7 +236,7 @@ TEST(DriveFit, SiemensIsInvertedAndCut) {
     SCOPED_TRACE(name);
     const nlohmann::json result = identified({log, "--axis", name});
     EXPECT_THAT(words_of(result, "warnings"),
-                AllOf(Contains(AllOf(HasSubstr("positive towards smaller positions"), HasSubstr("turned"))),
+                AllOf(Contains(AllOf(HasSubstr("positive towards smaller positions"), HasSubstr("sign of the force reversed"))),
                       Contains(HasSubstr("gap of 7.72 s"))));
     EXPECT_GE(result.at("r_squared").get<double>(), 0.995);
     EXPECT_LT(result.at("r_squared").get<double>(), 0.99999);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/printable.hpp>
@@ -31,7 +32,9 @@ inline void check(const io::InputError& e, std::string_view file = {}) {
     demand(!text.empty() && text.size() < 2000, "a refusal that is empty or too long");
     demand(io::printable(text) == text, "a refusal that a terminal obeys");
   }
-  demand(std::string_view(e.what()).find(file) != std::string_view::npos, "a refusal without the file");
+  const bool named = std::string_view(e.what()).find(file) != std::string_view::npos;
+  if (!named) std::fprintf(stderr, "fuzz: %s\n", e.what());
+  demand(named, "a refusal without the file");
 }
 
 }  // namespace stribeck::fuzz
