@@ -57,9 +57,11 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// A number that stands for "left out": the default lies outside the range that a reader accepts.
+/// A value that stands for "left out" and that no reader accepts: a default outside the range of its number, an empty list.
 bool stands_for_nothing(const Value& group, const Member& m) {
-  if (m.required() || m.value.kind() != Kind::kNumber) return false;
+  if (m.required()) return false;
+  if (m.value.kind() == Kind::kList) return m.value.size() < m.value.type().least_items;
+  if (m.value.kind() != Kind::kNumber) return false;
   const double x = m.value.number();
   const Quantity& q = m.info.quantity;
   const bool inside = x <= q.max && (q.min_excluded ? x > q.min : x >= q.min);
