@@ -197,7 +197,7 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
     to_do = form.to_do;
     w.json.push_back({{"name", axis.name},
                       {"file", axis.file},
-                      {"fastest_m_per_s", axis.fastest},
+                      {"fastest_mm_per_s", 1e3 * axis.fastest},
                       {"max_error_N", e.largest},
                       {"rms_error_N", e.rms},
                       {"rms_friction_N", e.friction},
