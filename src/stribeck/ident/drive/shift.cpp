@@ -183,8 +183,10 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) 
   double gain = 1.0;
   bool told = false;
   double found = log.shift;
+  LinearFit refined;
   if (terms.shift) {
-    fit = refine_shift(log, rows, terms, std::move(fit));
+    refined = refine_shift(log, rows, terms, std::move(fit));
+    fit = refined;
     found = log.shift;
     half_width = shift_half_width(log, rows, terms, fit);
     told = half_width < 2.0 && std::abs(found) < longest_rows(log.records.front().sample_time);
@@ -200,10 +202,11 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) 
   const bool seen = gain > kWorthwhileShift && away > std::max(1.5 * half_width, 0.02);
   const bool plain = gain > kPlainShift && away > std::max(0.5 * half_width, 0.02);
   if (told && (seen || plain)) {
+    // With a shift of many rows the fit of a held force is far off; the reference must not be asked by it.
     terms.shift = true;
     align(log, found, rows);
-    ask_reference(log, rows, fit);
-    return solve(log, rows, terms, &fit);
+    ask_reference(log, rows, refined);
+    return solve(log, rows, terms, &refined);
   }
   align(log, kHeldForce, rows);
   fit = solve(log, rows, terms, &fit);
