@@ -19,11 +19,13 @@ Form write(const Axis& axis) {
     form.text += fmt::format("{},{:.9g},{:.9g}\n", axis.name, 1e3 * v, axis.friction(v));
   };
   const double ratio = std::log(axis.fastest / axis.slowest);
-  const auto speed = [&](int i) { return axis.slowest * std::exp(ratio * i / (kRows - 1)); };
+  const auto speed = [slowest = axis.slowest, ratio](int i) {
+    return slowest * std::exp(ratio * i / (kRows - 1));
+  };
   for (int i = kRows - 1; i >= 0; --i) row(-speed(i));
   for (int i = 0; i < kRows; ++i) row(speed(i));
   // Whoever reads the table interpolates.
-  form.held = [=, &axis](double v) {
+  form.held = [axis, ratio, speed](double v) {
     const double at = std::log(std::abs(v) / axis.slowest) / ratio * (kRows - 1);
     const int i = std::clamp(static_cast<int>(at), 0, kRows - 2);
     const double a = speed(i);

@@ -149,22 +149,30 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   return out;
 }
 
-std::string remark(std::string_view comment, const std::string& text) {
-  if (comment == "(*") return "(* " + text + " *)\n";
-  if (comment == "/*") return "/* " + text + " */\n";
-  if (comment == "<!--") return "<!-- " + text + " -->\n";
-  return std::string(comment) + " " + text + "\n";
-}
-
-/// A comment must not be closed by what stands in it, nor take in the next line by a backslash at its end.
-std::string harmless(std::string text) {
+/// A comment line of the target. The text cannot end it, nor take in the next line by a backslash at its end.
+std::string remark(std::string_view comment, const std::string& words) {
   constexpr std::size_t kLongest = 1000;
-  text = io::one_line(text, kLongest);
-  for (const std::string_view end : {"*/", "*)", "--", "(*", "/*"}) {
-    for (std::size_t at = text.find(end); at != std::string::npos; at = text.find(end, at))
-      text.replace(at, end.size(), "_");
+  std::string text = io::one_line(words, kLongest);
+  const auto without = [&](std::string_view mark) {
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at))
+      text.replace(at, mark.size(), "_");
+  };
+  if (comment == "(*") {
+    without("*)");
+    without("(*");
+    return "(* " + text + " *)\n";
   }
-  return text;
+  if (comment == "/*") {
+    without("*/");
+    without("/*");
+    return "/* " + text + " */\n";
+  }
+  if (comment == "<!--") {
+    // XML permits no two hyphens in a comment.
+    without("--");
+    return "<!-- " + text + " -->\n";
+  }
+  return std::string(comment) + " " + text + "\n";
 }
 
 struct Written {
@@ -178,7 +186,7 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
   const std::vector<std::string> names = names_of(o);
   Written w;
   w.json = nlohmann::ordered_json::array();
-  w.text = remark(target.comment, harmless("Written by: " + o.command));
+  w.text = remark(target.comment, "Written by: " + o.command);
   std::string to_do;
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const Axis axis = axis_of(o, i, names[i]);
@@ -190,8 +198,7 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
                     report::significant(1e3 * axis.fastest, 4), report::significant(e.largest, 3),
                     report::significant(e.friction, 3), report::significant(e.rms, 3));
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
-    w.text +=
-        remark(target.comment, harmless(fmt::format("Axis {} from {}: {}", axis.name, axis.file, words)));
+    w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     w.text += form.text;
     w.words += fmt::format("{}: {}.\n", axis.name, words);
     to_do = form.to_do;

@@ -156,6 +156,17 @@ TEST(SteadyTarget, WhatAFormCannotHoldIsSaid) {
   EXPECT_THAT(x.to("structured-text").text, Not(HasSubstr("not in it")));
 }
 
+TEST(SteadyTarget, TheTableIsWithinItsRowsOfTheFriction) {
+  Export x;
+  const targets::Exported written = x.to("csv");
+  EXPECT_LT(error_of(written), 0.02);
+  EXPECT_GT(error_of(written), 0.0);
+  EXPECT_LT(written.json["axes"][0]["rms_error_N"].get<double>(), 0.01);
+  // --output and the like stay as they were typed.
+  x.request.command = "stribeck export x.toml --to csv";
+  EXPECT_THAT(x.text("csv"), HasSubstr("# Written by: stribeck export x.toml --to csv\n"));
+}
+
 TEST(SteadyTarget, AllSideBySide) {
   Export x;
   x.request.output = x.folder / "all";
