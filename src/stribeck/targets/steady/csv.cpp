@@ -8,7 +8,7 @@ namespace stribeck::targets {
 namespace {
 
 /// Speeds of one direction, in even steps of their logarithm.
-constexpr int kRows = 200;
+constexpr int kRows = 1000;
 
 Form write(const Axis& axis) {
   Form form;

@@ -159,9 +159,9 @@ TEST(SteadyTarget, WhatAFormCannotHoldIsSaid) {
 TEST(SteadyTarget, TheTableIsWithinItsRowsOfTheFriction) {
   Export x;
   const targets::Exported written = x.to("csv");
-  EXPECT_LT(error_of(written), 0.02);
+  EXPECT_LT(error_of(written), 0.002);
   EXPECT_GT(error_of(written), 0.0);
-  EXPECT_LT(written.json["axes"][0]["rms_error_N"].get<double>(), 0.01);
+  EXPECT_LT(written.json["axes"][0]["rms_error_N"].get<double>(), 0.001);
   // --output and the like stay as they were typed.
   x.request.command = "stribeck export x.toml --to csv";
   EXPECT_THAT(x.text("csv"), HasSubstr("# Written by: stribeck export x.toml --to csv\n"));
