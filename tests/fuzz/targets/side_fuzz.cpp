@@ -23,6 +23,7 @@ const std::string& folder() {
 }
 
 struct Cleaner {
+  Cleaner() { static_cast<void>(folder()); }  // made first, so that it is there at the end
   ~Cleaner() {
     if (owner == getpid()) std::filesystem::remove_all(folder());
   }

@@ -372,7 +372,8 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
     }
     start(terms);
   }
-  if (also != nullptr) start(also->terms);
+  // A fold whose last term was not physical has one term less than the fit of all.
+  if (also != nullptr && also->terms.size() == static_cast<std::size_t>(n)) start(also->terms);
 
   const auto go_on = [&](std::size_t most, int iterations) {
     sort(tries);

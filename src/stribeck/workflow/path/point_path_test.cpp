@@ -33,7 +33,8 @@ std::string refusal(const PathOptions& options) {
   return "accepted";
 }
 
-const sim::Part<2>& part_of(const sim::CompareSpec& spec) {
+/// A copy, which outlives the experiment.
+sim::Part<2> part_of(const sim::CompareSpec& spec) {
   return *std::get<sim::PartPath<2>>(spec.travels.at(0).path).part;
 }
 
