@@ -53,13 +53,15 @@ Figure friction_at(const map::StaticFit& map, int side, double speed) {
 }
 
 Summary summary_of(const map::StaticFit& map, int side, const map::Grid& grid) {
-  const auto [level, viscous] = line_of(map, side, grid);
+  const auto line = line_of(map, side, grid);
+  const Figure& level = line[0];
+  const Figure& viscous = line[1];
   Summary out{level, viscous, friction_at(map, side, 0.0), {}, std::nullopt};
   out.rise = sum_of(1.0, out.at_rest, -1.0, level);
   if (!(out.rise.value > 0.0)) return out;
   const auto above = [&](double speed) {
-    const Figure line = sum_of(1.0, level, speed, viscous);
-    return sum_of(1.0, friction_at(map, side, speed), -1.0, line);
+    const Figure there = sum_of(1.0, level, speed, viscous);
+    return sum_of(1.0, friction_at(map, side, speed), -1.0, there);
   };
   const double left = std::exp(-1.0);
   constexpr int kSteps = 400;
