@@ -82,7 +82,8 @@ TEST(RoughAxis, IsOneValueOrARange) {
   EXPECT_EQ(range.mass.high(), 60.0);
   EXPECT_THAT([&] { read("[\"60 kg\", \"30 kg\"]"); },
               ThrowsMessage<io::InputError>(HasSubstr("the smaller value first")));
-  EXPECT_THAT([&] { read("[]"); }, ThrowsMessage<io::InputError>(HasSubstr("got a list of 0, expected 1 to 2")));
+  EXPECT_THAT([&] { read("[]"); },
+              ThrowsMessage<io::InputError>(HasSubstr("got a list of 0, expected 1 to 2")));
   EXPECT_THAT([&] { read("[\"1 kg\", \"2 kg\", \"3 kg\"]"); },
               ThrowsMessage<io::InputError>(HasSubstr("got a list of 3, expected 1 to 2")));
   EXPECT_THAT([&] { read("45"); }, ThrowsMessage<io::InputError>(HasSubstr("missing unit")));
