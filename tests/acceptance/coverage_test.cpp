@@ -55,6 +55,8 @@ void change(plant::AxisParams& p, Factor factor) {
   for (auto& e : p.friction.eccentric) e.amplitude *= factor();
 }
 
+constexpr double kHold = -0.5;  // rows: a commanded force under its zero-order hold
+
 struct Kind {
   const char* name;
   const char* file;
@@ -75,7 +77,8 @@ struct Outcome {
   std::string failed;
 };
 
-Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
+/// `known`: the user says that the force is commanded, under its hold (--force-shift). Otherwise the intervals allow for any shift.
+Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed, bool known) {
   Outcome out;
   out.kind = (seed - 1) / 2 % kKinds.size();
   const Kind& kind = kKinds[out.kind];
@@ -98,6 +101,7 @@ Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
   record.t = log.t, record.r = log.r, record.x = log.x, record.f = log.f;
   ident::drive::DriveFitOptions options;
   options.dynamics = false;
+  if (known) options.shift = kHold;
   ident::Result result;
   try {
     result = ident::drive::identify_drive({record}, options);
@@ -151,7 +155,9 @@ Outcome run(const std::array<sim::Machine, 3>& machines, std::uint64_t seed) {
   return out;
 }
 
-TEST(Coverage, IntervalsHoldTheTruth) {
+using Table = std::map<std::string, std::array<Hit, 4>>;  // by quantity: V1, V2, V3, all
+
+Table covered(bool known) {
   std::array<sim::Machine, 3> machines;
   for (std::size_t i = 0; i < kKinds.size(); ++i) {
     machines[i] = io::read_toml<sim::Machine>(std::string(STRIBECK_SOURCE_DIR) + "/machines/" +
@@ -159,9 +165,9 @@ TEST(Coverage, IntervalsHoldTheTruth) {
   }
   std::vector<Outcome> outcomes(kLogs);
   sim::parallel_for(
-      kLogs, 2, [] { return 0; }, [&](int, std::size_t i) { outcomes[i] = run(machines, i + 1); });
+      kLogs, 2, [] { return 0; }, [&](int, std::size_t i) { outcomes[i] = run(machines, i + 1, known); });
 
-  std::map<std::string, std::array<Hit, 4>> table;  // by quantity: V1, V2, V3, all
+  Table table;
   for (const Outcome& o : outcomes) {
     EXPECT_EQ(o.failed, "");
     for (const Hit& h : o.hits) {
@@ -183,20 +189,29 @@ TEST(Coverage, IntervalsHoldTheTruth) {
     }
     std::printf("\n");
   }
+  return table;
+}
 
-  // Measured 2026-11-21, V1, V2, V3: mass 89.7, 95.5, 92.4 %, Coulomb 91.2, -, 95.5 %, viscous 91.2, -, 93.9 %, periodic
-  // amplitude -, -, 93.9 %, curve 97.1, 96.2, 96.0 %. Of 66 logs with 95 % each, two standard deviations are 5 %; a
-  // band that always holds the truth is too wide.
+void expect_shares(const Table& table, double most) {
   for (const auto& [what, row] : table) {
     for (std::size_t i = 0; i < kKinds.size(); ++i) {
       if (row[i].asked == 0) continue;
       const double share = static_cast<double>(row[i].inside) / row[i].asked;
       EXPECT_GE(share, 0.85) << what << ", " << kKinds[i].name;
-      EXPECT_LE(share, 0.995) << what << ", " << kKinds[i].name;
+      EXPECT_LE(share, most) << what << ", " << kKinds[i].name;
       EXPECT_GE(row[i].asked, 60) << what << ", " << kKinds[i].name << ": hardly ever found";
     }
   }
 }
+
+// Measured 2026-11-21, V1, V2, V3: mass 89.7, 95.5, 92.4 %, Coulomb 91.2, -, 95.5 %, viscous 91.2, -, 93.9 %, periodic
+// amplitude -, -, 93.9 %, curve 97.1, 96.2, 96.0 %. Of 66 logs with 95 % each, two standard deviations are 5 %; a
+// band that always holds the truth is too wide.
+TEST(Coverage, IntervalsHoldTheTruth) { expect_shares(covered(true), 0.995); }
+
+// Where nobody says how late the force is, the intervals allow for it. Here it is not late, so that mass and amplitude are
+// always inside (measured 2026-11-22: 100 %, curve 96.8 to 99.3 %).
+TEST(Coverage, IntervalsHoldTheTruthForAnyShift) { expect_shares(covered(false), 1.0); }
 
 }  // namespace
 }  // namespace stribeck::test
