@@ -280,6 +280,15 @@ TEST(Supervisor, ALostEncoderStopsAllAxesWithinTheStopTimeAndStays) {
   EXPECT_EQ(run.state->watch.counts[static_cast<std::size_t>(Fault::kEncoderLost)], 1u);
 }
 
+TEST(Supervisor, TheStopTimeOfASoundAxisCountsFromTheFirstBadSampleToo) {
+  Loop run;
+  run.go(3640);  // the second axis is at its full speed
+  run.added = kNan;
+  for (int k = 0; k < 50; ++k) run.step();
+  EXPECT_EQ(run.fault(), Fault::kEncoderLost);
+  EXPECT_TRUE(Supervisor<2>::safe(run.state->watch));
+}
+
 TEST(Supervisor, WhatWasLearnedSecondsAgoIsKeptOverAFault) {
   Loop run(Observer::kDisturbance, true);
   // The first axis moves in the negative direction alone at first.

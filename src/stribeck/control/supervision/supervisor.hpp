@@ -172,11 +172,11 @@ class Supervisor {
     s.axis = axis;
     auto& n = s.counts[static_cast<std::size_t>(f)];
     if (n != UINT32_MAX) ++n;
-    for (std::size_t i = 0; i < N; ++i) {
-      const EncoderCheck::State& e = s.axes[i].encoder;
-      const int used = e.in_a_row > s.command_lost ? e.in_a_row : s.command_lost;
-      stop_[i].begin(s.axes[i].stop, reaction(f), s.force[i], e.smooth, used);
-    }
+    // All axes stop together, within the stop time that begins with the first bad sample of any of them.
+    int used = s.command_lost;
+    for (const Axis& a : s.axes) used = a.encoder.in_a_row > used ? a.encoder.in_a_row : used;
+    for (std::size_t i = 0; i < N; ++i)
+      stop_[i].begin(s.axes[i].stop, reaction(f), s.force[i], s.axes[i].encoder.smooth, used);
   }
 
   [[nodiscard]] int count_periods(State& s, double elapsed) const noexcept {
