@@ -57,7 +57,8 @@ class EncoderCheck {
     const double growth = l.growth * periods * periods;
     const double gate = l.noise + growth * (1.0 + s.in_a_row);
     s.finite = isfinite(sample);
-    s.same = sample == s.raw ? s.same + 1 : 0;
+    // An axis may stand still for months.
+    s.same = sample == s.raw ? s.same + (s.same < kEnough ? 1 : 0) : 0;
     s.raw = sample;
     const double far = abs(sample - s.good);
     const bool near = abs(sample - along) <= gate || abs(sample - onward) <= gate;
@@ -99,6 +100,7 @@ class EncoderCheck {
   static constexpr double kJumps = 4.0;     ///< size of a jump of the reference, in A·T²
   static constexpr double kRelief = 0.25;
   static constexpr double kDoubt = 20.0;
+  static constexpr int kEnough = 1000000;
 
   static void believe(State& s, double sample, double r, double rate, double miss, double gate,
                       double t) noexcept {

@@ -249,6 +249,19 @@ TEST(EncoderCheck, MissedPeriodsAreNotWild) {
   EXPECT_EQ(m.step(s, l, m.read()), m.read());
 }
 
+TEST(EncoderCheck, AnAxisThatStandsForMonthsIsStillJudged) {
+  // 25 days at 1 kHz are more samples than an int counts.
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  for (int k = 0; k < 10; ++k) EncoderCheck::step(s, l, 1e-3, 1e-3, 0.0, 0.0);
+  s.same = std::numeric_limits<int>::max();
+  for (int k = 0; k < 10; ++k) {
+    EncoderCheck::step(s, l, 1e-3, 1e-3, 0.0, 0.0);
+    ASSERT_GT(s.same, 0);
+    ASSERT_EQ(s.bridged, 0u);
+  }
+}
+
 TEST(EncoderCheck, IsTheSameInTheMirror) {
   const SupervisionLimits l = limits();
   EncoderCheck::State s, mirrored;

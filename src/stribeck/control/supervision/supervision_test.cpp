@@ -353,6 +353,20 @@ TEST(Supervisor, LateStepsAreCountedAndTooLateOnesAreAFault) {
   EXPECT_EQ(often.fault(), Fault::kLate);
 }
 
+TEST(Supervisor, LatenessWithoutEndIsCountedWithoutOverflow) {
+  Supervision<2> lost;
+  for (auto& p : lost) p.checks = Checks::kLost;
+  const Watched watched(ContouringParams::critical(60.0, 60.0), setup(), lost);
+  Watched::State s;
+  watched.step(s, circle(0.0), read(circle(0.0), 0.0));
+  s.watch.late_in_a_row = std::numeric_limits<int>::max();
+  s.watch.late = UINT32_MAX;
+  watched.step(s, circle(0.0), read(circle(0.0), 0.0), 3.0 * kPeriod);
+  EXPECT_GT(s.watch.late_in_a_row, 0);
+  EXPECT_EQ(s.watch.late, UINT32_MAX);
+  EXPECT_EQ(s.watch.fault, Fault::kNone);
+}
+
 TEST(Supervisor, EveryFaultHasANameAndAWayOut) {
   for (std::size_t i = 0; i < kFaults; ++i) {
     const auto f = static_cast<Fault>(i);

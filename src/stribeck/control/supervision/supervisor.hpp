@@ -154,6 +154,7 @@ class Supervisor {
  private:
   static constexpr double kLate = 1.5;  ///< in periods
   static constexpr double kMostPeriods = 1000.0;
+  static constexpr int kEnough = 1000000;  ///< of late steps in a row, which are no fault without all checks
 
   /// Tells the law the force that was put out, as if the law itself had limited it.
   void cut_at_start(Axis& a, Law& law, double& force, std::size_t i) const noexcept {
@@ -187,7 +188,7 @@ class Supervisor {
     }
     if (!s.started) return 1;
     if (s.late != UINT32_MAX) ++s.late;
-    ++s.late_in_a_row;
+    if (s.late_in_a_row < kEnough) ++s.late_in_a_row;
     if (limits_[0].checks == Checks::kAll &&
         (s.late_in_a_row > limits_[0].samples || periods > limits_[0].samples + 0.5))
       raise(s, Fault::kLate, 0);
