@@ -17,11 +17,11 @@ double Drilled::worst(double begin, double end) const {
   return most;
 }
 
-double Drilled::moved(std::size_t axis, double since) const {
+double Drilled::moved(std::size_t axis, double since, double until) const {
   double from = NAN;
   double most = 0.0;
   for (const Tick& t : ticks) {
-    if (t.time < since) continue;
+    if (t.time < since || t.time > until) continue;
     if (std::isnan(from)) from = t.position[axis];
     most = std::max(most, std::abs(t.position[axis] - from));
   }
@@ -45,6 +45,26 @@ std::size_t Drilled::limited(double begin, double end) const {
   return n;
 }
 
+bool Drilled::forces_good() const {
+  for (const Tick& t : ticks) {
+    for (std::size_t i = 0; i < control::kMostAxes; ++i) {
+      if (!(std::abs(t.force[i]) <= limit[i])) return false;
+    }
+  }
+  return true;
+}
+
+double Drilled::safe_after(double since) const {
+  if (tripped < 0.0) return std::numeric_limits<double>::infinity();
+  double last = since;
+  for (const Tick& t : ticks) {
+    for (std::size_t i = 0; i < control::kMostAxes; ++i) {
+      if (t.force[i] != ticks.back().force[i]) last = t.time + period;
+    }
+  }
+  return std::max(last - since, 0.0);
+}
+
 sim::Machine machine_of(const std::string& name) {
   return io::read_toml<sim::Machine>(std::string(STRIBECK_SOURCE_DIR) + "/machines/" + name + ".toml");
 }
@@ -64,6 +84,32 @@ std::vector<Drill> drills_of(const std::string& experiment) {
   }
   return all;
 }
+
+std::vector<Drill> all_drills() {
+  std::vector<Drill> all;
+  for (const char* id : {"beyond-bi-table", "beyond-tri-circle", "beyond-smc-circle", "five-axis"}) {
+    for (Drill& d : drills_of(id)) all.push_back(std::move(d));
+  }
+  const auto like = [](const char* id, control::LawParams law) {
+    Drill d = drills_of("beyond-bi-table").back();
+    for (const Drill& g : drills_of("beyond-bi-table")) {
+      if (g.controller.id == "g") d = g;
+    }
+    d.controller.id = id;
+    d.controller.label = "with dynamic friction and observer";
+    d.controller.law = std::move(law);
+    return d;
+  };
+  all.push_back(like("pid", control::PidParams::triple(30.0)));
+  all.push_back(like("cascade", control::CascadeParams{}));
+  all.push_back(like("zpetc", control::ZpetcParams{}));
+  all.push_back(like("cross-coupled", control::CrossCoupledParams{}));
+  all.push_back(like("repetitive", control::RepetitiveParams{}));
+  all.push_back(like("learning", control::LearningParams{}));
+  return all;
+}
+
+std::string name_of(const Drill& d) { return d.machine + " (" + d.controller.id + ") " + d.controller.label; }
 
 Drilled run(const Drill& d) {
   switch (d.travel.axes()) {

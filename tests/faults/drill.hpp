@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -16,7 +18,8 @@
 namespace stribeck::test {
 
 struct Drill {
-  std::string machine;  ///< of machines/, without .toml
+  std::string machine;                ///< of machines/, without .toml
+  std::optional<sim::Machine> drawn;  ///< in place of it
   sim::ControllerSpec controller;
   sim::Travel travel;
   std::vector<std::size_t> axes;  ///< empty: the first ones
@@ -24,6 +27,9 @@ struct Drill {
   bool supervised = true;
   double friction = 1.0;  ///< friction and mass of the plant against what controllers know
   double mass = 1.0;
+  std::optional<plant::AxialMode> mode;        ///< of the plant; controllers know a rigid axis
+  std::optional<sim::AxisValues> force_limit;  ///< in place of the machine's [N]
+  double command_lost = std::numeric_limits<double>::infinity();  ///< from when on the reference is NaN [s]
   std::uint64_t seed = 1;
   /// What the controller reads in place of the encoder's position [m].
   std::function<double(double time, std::size_t axis, double reading)> encoder;
@@ -41,6 +47,7 @@ struct Tick {
 struct Drilled {
   std::vector<Tick> ticks;
   double period = 0.0;
+  sim::AxisValues limit;  ///< of the force [N]
   control::Fault fault = control::Fault::kNone;
   double tripped = -1.0;  ///< when [s]; below 0: never
   std::uint32_t bridged = 0;
@@ -48,15 +55,24 @@ struct Drilled {
   /// Largest tracking error from `begin` to before `end` [m].
   [[nodiscard]] double worst(double begin, double end) const;
   /// How far an axis has moved since then, at most [m].
-  [[nodiscard]] double moved(std::size_t axis, double since) const;
+  [[nodiscard]] double moved(std::size_t axis, double since,
+                             double until = std::numeric_limits<double>::infinity()) const;
   /// Of the fastest axis at that time [m/s].
   [[nodiscard]] double speed(double time) const;
   [[nodiscard]] std::size_t limited(double begin, double end) const;  ///< ticks
+  /// Every force is a number within the limit.
+  [[nodiscard]] bool forces_good() const;
+  /// From this fault on [s] until the forces stay the same; infinite: they never do.
+  [[nodiscard]] double safe_after(double since) const;
 };
 
 Drilled run(const Drill&);
 sim::Machine machine_of(const std::string& name);
 /// Every controller of an experiment's first setting on its last travel, which is the fastest.
 std::vector<Drill> drills_of(const std::string& experiment);
+/// Every controller of these experiments: contouring with each compensation and observer, predictive, sliding mode; and the laws for
+/// comparison, on two axes.
+std::vector<Drill> all_drills();
+std::string name_of(const Drill&);
 
 }  // namespace stribeck::test

@@ -24,6 +24,7 @@ inline std::vector<plant::Axis> drives_of(const Drill& d, const sim::Machine& ma
   for (const std::size_t i : axes) {
     plant::AxisParams p = machine.axes[i].second.plant;
     p.mass *= d.mass;
+    if (d.mode) p.axial_mode = d.mode;
     std::visit(
         [&](auto& map) {
           if constexpr (requires { map.alpha0; }) {
@@ -75,7 +76,7 @@ Vec<double, N> step_of(const Law& law, typename Law::State& s, const std::vector
 
 template <std::size_t N>
 Drilled run_axes(const Drill& d) {
-  const sim::Machine machine = machine_of(d.machine);
+  const sim::Machine machine = d.drawn ? *d.drawn : machine_of(d.machine);
   sim::CompareSpec spec;
   spec.travels = {d.travel};
   spec.axes = d.axes;
@@ -83,6 +84,9 @@ Drilled run_axes(const Drill& d) {
   const sim::Route<N> route = sim::sample<N>(d.travel, machine.sample_time);
   auto setup = sim::make_setup<N>(machine, detail::knowledge_of(machine), axes, d.controller);
   setup.lap = route.lap;
+  if (d.force_limit) {
+    for (std::size_t i = 0; i < N; ++i) setup.force_limit[i] = (*d.force_limit)[i];
+  }
   control::Supervision<N> limits;
   double v_max = 0.0;
   for (std::size_t i = 0; i < N; ++i) {
@@ -102,6 +106,7 @@ Drilled run_axes(const Drill& d) {
 
   Drilled result;
   result.period = machine.sample_time;
+  result.limit = sim::widened(setup.force_limit);
   const auto loop = [&](const auto& law) {
     using Law = std::decay_t<decltype(law)>;
     auto state = std::make_unique<typename Law::State>();
@@ -111,10 +116,12 @@ Drilled run_axes(const Drill& d) {
       tick.time = static_cast<double>(k) * machine.sample_time;
       if (tick.time > d.duration) break;
       path::PathPoint<N> r = route.points[k];
+      const Vec<double, N> programmed = r.position;
+      if (tick.time >= d.command_lost) r.position[0] = std::numeric_limits<double>::quiet_NaN();
       Vec<double, N> measured;
       for (std::size_t i = 0; i < N; ++i) {
         tick.position[i] = drives[i].position();
-        tick.error = std::max(tick.error, std::abs(tick.position[i] - r.position[i]));
+        tick.error = std::max(tick.error, std::abs(tick.position[i] - programmed[i]));
         measured[i] = d.encoder ? d.encoder(tick.time, i, drives[i].encoder()) : drives[i].encoder();
       }
       Vec<double, N> force;

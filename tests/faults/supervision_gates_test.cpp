@@ -18,33 +18,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// When it breaks: the run-in of 1 s is over, and the axes move.
 constexpr double kWhen = 3.0;
 
-/// Every controller of these experiments: contouring with each compensation and observer, predictive, sliding mode; and the laws for
-/// comparison, on two axes.
-std::vector<Drill> all_drills() {
-  std::vector<Drill> all;
-  for (const char* id : {"beyond-bi-table", "beyond-tri-circle", "beyond-smc-circle", "five-axis"}) {
-    for (Drill& d : drills_of(id)) all.push_back(std::move(d));
-  }
-  const auto like = [](const char* id, control::LawParams law) {
-    Drill d = drills_of("beyond-bi-table").back();
-    for (const Drill& g : drills_of("beyond-bi-table")) {
-      if (g.controller.id == "g") d = g;
-    }
-    d.controller.id = id;
-    d.controller.law = std::move(law);
-    return d;
-  };
-  all.push_back(like("pid", control::PidParams::triple(30.0)));
-  all.push_back(like("cascade", control::CascadeParams{}));
-  all.push_back(like("zpetc", control::ZpetcParams{}));
-  all.push_back(like("cross-coupled", control::CrossCoupledParams{}));
-  all.push_back(like("repetitive", control::RepetitiveParams{}));
-  all.push_back(like("learning", control::LearningParams{}));
-  return all;
-}
-
-std::string name_of(const Drill& d) { return d.machine + " (" + d.controller.id + ") " + d.controller.label; }
-
 double period_of(const Drill& d) { return machine_of(d.machine).sample_time; }
 
 /// One sample of the first axis at kWhen is this, or off by this.
