@@ -120,16 +120,18 @@ struct Bristles {
       level += (g - level) * (1.0 - std::exp(-dt / lag));
     }
     if (maxwell) {
-      double force = 0.0;
+      double force = 0.0, before = 0.0;
       for (int i = 0; i < kElements; ++i) {
         // Equal shares of the level; the first slips at a tenth of the deflection of the last.
         const double share = 1.0 / kElements;
         const double stiffness = 2.0 * sigma0 / (kElements + 1.0) * (kElements - i) / kElements;
         double& f = element[static_cast<std::size_t>(i)];
+        before += f;
         f = std::clamp(f + stiffness * v * dt, -share * level, share * level);
         force += f;
       }
-      return force + damping * v;
+      // What slips is not damped: at a constant speed the friction is the level, as in LuGre.
+      return force + damping * (force - before) / (sigma0 * dt);
     }
     // ż = v − σ0·|v|/g·z, exactly for v held.
     const double rate = sigma0 * std::abs(v) / level;
@@ -176,14 +178,15 @@ struct Friction {
     }
     return force;
   }
-  double step(double x, double v, double t, double dt) {
-    const Branch& branch = v >= 0.0 ? positive : negative;
-    const double speed = std::abs(v);
+  /// `v` at the beginning, `middle` in the middle of the step.
+  double step(double x, double v, double middle, double t, double dt) {
+    const Branch& branch = middle >= 0.0 ? positive : negative;
+    const double speed = std::abs(middle);
     const double scale = level(x, t);
     const double rest = bristles.step(v, branch.rest(speed) * scale, dt);
-    const double viscous = (v >= 0.0 ? 1.0 : -1.0) * branch.flow(speed) * scale;
+    const double viscous = (middle >= 0.0 ? 1.0 : -1.0) * branch.flow(speed) * scale;
     // A term that reverses with the direction does so over the way of the bristles.
-    const double direction = std::tanh(v / 1e-4);
+    const double direction = std::tanh(middle / 1e-4);
     return rest + viscous + of_place(x, direction);
   }
   /// Friction and load at a speed that is held, mean over place, cold.
@@ -285,6 +288,7 @@ class Axis {
         second_(truth("second_mass")),
         spring_(truth("spring")),
         position_(start),
+        seen_(start),
         second_position_(position_) {
     const double mode = 2.0 * kPi * truth("mode_hz");
     const double reduced = second_ > 0.0 ? mass_ * second_ / (mass_ + second_) : mass_;
@@ -303,24 +307,33 @@ class Axis {
       if (coupling_ > 0.0) {
         between =
             coupling_ * (second_position_ - position_) + coupling_damping_ * (second_velocity_ - velocity_);
-        const double drag = second_share_ * second_friction_.step(second_position_, second_velocity_, t, dt);
-        second_velocity_ -= (between + drag + friction_.load) / second_ * dt;
+        const double drag =
+            second_share_ * second_friction_.step(second_position_, second_velocity_,
+                                                  second_velocity_ + 0.5 * second_change_, t, dt);
+        second_change_ = -(between + drag + friction_.load) / second_ * dt;
+        second_velocity_ += second_change_;
         second_position_ += second_velocity_ * dt;
       }
       const double load = coupling_ > 0.0 ? 0.0 : friction_.load;
       const double share = coupling_ > 0.0 ? 1.0 - second_share_ : 1.0;
-      const double opposing = share * friction_.step(position_, velocity_, t, dt);
-      velocity_ += (force + between - opposing - load - spring_ * position_) / mass_ * dt;
+      const double opposing = share * friction_.step(position_, velocity_, velocity_ + 0.5 * change_, t, dt);
+      change_ = (force + between - opposing - load - spring_ * position_) / mass_ * dt;
+      velocity_ += change_;
       position_ += velocity_ * dt;
+      seen_ += (velocity_ - 0.5 * change_) * dt;
     }
   }
-  [[nodiscard]] double position() const { return position_; }
+  [[nodiscard]] double position() const { return seen_; }
 
  private:
   Friction friction_, second_friction_;
-  double mass_, second_, spring_, position_, second_position_;
+  double mass_, second_, spring_;
+  double position_;  ///< half a step, up to 10 µs, ahead of the velocity, which keeps the energy
+  double seen_;      ///< by the encoder, without that half step
+  double second_position_;
   double coupling_ = 0.0, coupling_damping_ = 0.0, second_share_ = 0.0, longest_step_ = 2e-5;
   double velocity_ = 0.0, second_velocity_ = 0.0;
+  double change_ = 0.0, second_change_ = 0.0;  ///< of the velocity in the step before
 };
 
 std::vector<Row> run(const Truth& truth, const Reference& reference) {
