@@ -73,6 +73,10 @@ class Description {
   void write_periodic();
   void write_curve(int s);
   [[nodiscard]] double model_spread(int s, double speed) const;
+  /// Standard error of the friction at a speed.
+  [[nodiscard]] double curve_error(const Figure& figure, int s, double speed) const {
+    return std::hypot(error_of(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
+  }
   void write_points();
 
   const Found& found_;
@@ -134,7 +138,7 @@ void Description::write_speeds(int s) {
   for (const double speed : shown_speeds(found_.rows.grid[side])) {
     const Figure f = friction_at(map(), s, speed);
     add(text("friction_at_%+.3g_%s", d * speed * (metres ? 1e3 : 1.0), metres ? "mm_per_s" : "rad_per_s"),
-        d * f.value, "N", "N", std::hypot(error_of(f, s), model_spread(s, speed)), true);
+        d * f.value, "N", "N", curve_error(f, s, speed), true);
   }
 }
 
@@ -292,7 +296,7 @@ void Description::write_curve(int s) {
   if (s == 1) std::reverse(speeds.begin(), speeds.end());
   for (const double speed : speeds) {
     const Figure own = friction_at(map(), s, speed);
-    const double half = found_.intervals.factor * std::hypot(error_of(own, s), model_spread(s, speed));
+    const double half = found_.intervals.factor * curve_error(own, s, speed);
     const double f = d * own.value;
     result_.curve.push_back({d * speed, f, f - half, f + half});
   }

@@ -12,28 +12,37 @@ namespace {
 
 constexpr std::size_t kFewestForDrift = 500;  // rows
 constexpr double kWorthSaying = 0.02;         // of the friction
-constexpr double kExactShift = 0.01;          // [rows] standard error that moves nothing
+constexpr double kExactShift = 0.02;          // [rows] half width that moves nothing
+constexpr double kMostApart = 4.0;            // ratio of the ends of an interval that still tells something
 
-/// The same fit with the force a standard error of the shift earlier: what changes is uncertain by as much.
-void widen(std::vector<Parameter>& parameters, const std::vector<Parameter>& moved, double factor) {
+/// Widens an interval to both sides by how far the value moves with the shift.
+Interval widened(double value, Interval own, const std::vector<double>& moved) {
+  double below = 0.0, above = 0.0;
+  for (const double other : moved) {
+    const double change = std::log(other / value);
+    below = std::max(below, -change), above = std::max(above, change);
+  }
+  return {value * std::exp(-std::hypot(std::log(value / own.low), below)),
+          value * std::exp(std::hypot(std::log(own.high / value), above))};
+}
+
+/// The same fits with the force earlier and later by the half width of the shift.
+void widen(std::vector<Parameter>& parameters, const std::vector<const std::vector<Parameter>*>& moved) {
   for (Parameter& p : parameters) {
-    const auto other =
-        std::find_if(moved.begin(), moved.end(), [&](const Parameter& m) { return m.name == p.name; });
-    if (other == moved.end() || !(p.value > 0.0) || !(other->value > 0.0) || !(p.ci_low > 0.0)) {
+    std::vector<double> values;
+    for (const auto* other : moved) {
+      const auto same =
+          std::find_if(other->begin(), other->end(), [&](const Parameter& m) { return m.name == p.name; });
+      if (same != other->end() && same->value > 0.0) values.push_back(same->value);
+    }
+    if (values.size() < moved.size() || values.empty() || !(p.value > 0.0) || !(p.ci_low > 0.0)) {
       p.identifiable = false;
       continue;
     }
-    const double half =
-        std::hypot(0.5 * std::log(p.ci_high / p.ci_low), factor * std::log(other->value / p.value));
-    p.ci_low = p.value * std::exp(-half);
-    p.ci_high = p.value * std::exp(half);
+    const Interval wide = widened(p.value, {p.ci_low, p.ci_high}, values);
+    p.ci_low = wide.low, p.ci_high = wide.high;
+    p.identifiable = p.identifiable && wide.high < kMostApart * wide.low;
   }
-}
-
-Interval widened(double value, Interval own, double moved, double factor) {
-  if (!(value > 0.0) || !(moved > 0.0) || !(own.low > 0.0)) return own;
-  const double half = std::hypot(0.5 * std::log(own.high / own.low), factor * std::log(moved / value));
-  return {value * std::exp(-half), value * std::exp(half)};
 }
 
 }  // namespace
@@ -60,19 +69,36 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
     notes.cannot_tell.push_back(fit.reason);
     return;
   }
-  const double shift_error = found.intervals.shift_error;
-  if (shift_error > kExactShift) {
-    options.shift -= shift_error;
+  const double half = found.intervals.factor * found.intervals.shift_error;
+  if (half > kExactShift) {
     // A law that was not chosen has no intervals to widen, and its fit is the longest of all.
     if (!std::holds_alternative<friction::Gms<double>>(fit.best)) options.elements = 0;
-    try {
-      const bristle::BristleFit moved = bristle::fit_bristle(closed, known, options);
-      const double factor = found.intervals.factor;
-      widen(fit.lugre_parameters, moved.lugre_parameters, factor);
-      widen(fit.gms_parameters, moved.gms_parameters, factor);
-      fit.break_away_interval = widened(fit.break_away, fit.break_away_interval, moved.break_away, factor);
-    } catch (const Refused&) {
-      // The motion is the same: what was refused now is no statement about the parameters.
+    std::vector<bristle::BristleFit> moved;
+    for (const double by : {-half, half}) {
+      options.shift = log.shift + by;
+      try {
+        moved.push_back(bristle::fit_bristle(closed, known, options));
+      } catch (const Refused&) {
+        // The motion is the same: what was refused now is no statement about the parameters.
+      }
+    }
+    std::vector<const std::vector<Parameter>*> lugre, gms;
+    std::vector<double> distances;
+    for (const bristle::BristleFit& m : moved) {
+      lugre.push_back(&m.lugre_parameters), gms.push_back(&m.gms_parameters);
+      if (m.break_away > 0.0) distances.push_back(m.break_away);
+    }
+    widen(fit.lugre_parameters, lugre);
+    widen(fit.gms_parameters, gms);
+    if (fit.break_away_interval.low > 0.0)
+      fit.break_away_interval = widened(fit.break_away, fit.break_away_interval, distances);
+    if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
+      notes.cannot_tell.push_back(text(
+          "pre-sliding is not determinable from this log: with the shift between force and motion unknown, "
+          "its break-away distance may be anything from %.3g to %.3g um; record the commanded position too, "
+          "or give --force-shift",
+          1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high));
+      return;
     }
   }
   const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);

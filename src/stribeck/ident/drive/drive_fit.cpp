@@ -20,8 +20,10 @@ constexpr double kSmallSpeed =
     0.04;  // share of the largest speed; below it only the lag and the bristle show
 /// Ratio of held-out errors below which another explanation is accepted.
 constexpr double kBetter = 0.9;
-constexpr double kMovedShift = 0.05;  ///< [rows] beside the periodic terms: everything is fitted again
-constexpr double kWellTold = 0.1;     ///< [rows] half width of a shift that nothing else explains
+constexpr double kMovedShift = 0.05;    ///< [rows] beside the periodic terms: everything is fitted again
+constexpr double kRefinedShift = 1e-3;  ///< [rows]
+constexpr double kTwinsMayGain = 1.02;  ///< of the held-out error
+constexpr double kWellTold = 0.1;       ///< [rows] half width of a shift that nothing else explains
 
 Level level_of(const LinearFit& fit) {
   Level level;
@@ -103,7 +105,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
     if (length > 0.0) find_lag(log.motions, level_of(stage.fit), relaxation, stage.rows);
   };
   const auto solve_again = [&] { stage.fit = solve(log, stage.rows, stage.terms, &stage.fit); };
-  if (stage.terms.shift) ask_reference(log, stage.rows, stage.fit);
+  if (stage.terms.shift) ask_reference(log, stage.rows, stage.terms, stage.fit);
   if (length > 0.0) {
     find_lags();
     solve_again();
@@ -115,7 +117,7 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
     stage.rows = std::move(all);
     align_all(log, log.shift);
     find_lags();
-    if (stage.terms.shift) ask_reference(log, stage.rows, stage.fit);
+    if (stage.terms.shift) ask_reference(log, stage.rows, stage.terms, stage.fit);
     solve_again();
   }
   note_weak_instrument(before, stage.fit, notes);
@@ -158,31 +160,39 @@ void take(Stage& stage, const Attempt& attempt) {
   stage.terms = attempt.terms;
   stage.fit = attempt.fit;
   align(stage.log, attempt.shift, stage.rows);
-  if (stage.terms.shift) ask_reference(stage.log, stage.rows, stage.fit);
+  if (stage.terms.shift) ask_reference(stage.log, stage.rows, stage.terms, stage.fit);
 }
 
-/// A term that reverses and one that does not, of one period: together they look like a shift. The larger one stays.
-void remove_twins(std::vector<PeriodicColumns>& terms) {
-  constexpr double kSamePeriod = 0.02;
+constexpr double kSamePeriod = 0.02;
+
+/// A term that reverses and one that does not, of one period: together they look like a shift.
+bool twins(const PeriodicColumns& a, const PeriodicColumns& b) {
+  return a.form != b.form && std::abs(a.period / b.period - 1.0) < kSamePeriod;
+}
+
+/// The larger one of twins stays.
+std::vector<PeriodicColumns> without_twins(const std::vector<PeriodicColumns>& terms) {
   std::vector<PeriodicColumns> kept;
-  for (PeriodicColumns& term : terms) {
-    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const PeriodicColumns& other) {
-      return other.form != term.form && std::abs(other.period / term.period - 1.0) < kSamePeriod;
-    });
-    if (!twin) kept.push_back(std::move(term));
+  for (const PeriodicColumns& term : terms) {
+    if (std::none_of(kept.begin(), kept.end(), [&](const auto& other) { return twins(term, other); }))
+      kept.push_back(term);
   }
-  terms = std::move(kept);
+  return kept;
+}
+
+bool has_twins(const std::vector<PeriodicColumns>& terms) {
+  return without_twins(terms).size() < terms.size();
 }
 
 /// Judges the shift again beside the periodic terms, from the commanded force on; true when it is another one.
 bool shift_moves(Stage& stage) {
   AlignedLog& log = stage.log;
   const double before = log.shift;
-  remove_twins(stage.terms.periodic);
+  stage.terms.periodic = without_twins(stage.terms.periodic);
   stage.terms.shift = true;
   align(log, kHeldForce, stage.rows);
   stage.fit = solve(log, stage.rows, stage.terms, nullptr);
-  ask_reference(log, stage.rows, stage.fit);
+  ask_reference(log, stage.rows, stage.terms, stage.fit);
   stage.fit = solve(log, stage.rows, stage.terms, &stage.fit);
   stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit));
   return std::abs(log.shift - before) > kMovedShift;
@@ -197,7 +207,10 @@ Attempt choose_attempt(Stage& stage, const DriveFitOptions& options, bool shift_
   if (shift_known || stage.terms.periodic.empty()) return best;
   if (shift_moves(stage)) {
     const auto enter = [&](Steady other, Notes words) {
-      if (!(other.map.map.held_out_rms < best.steady.map.map.held_out_rms)) return;
+      // A shift is one number with a known cause; the second of twins is two numbers with none.
+      const bool explained = has_twins(best.terms.periodic) && !has_twins(stage.terms.periodic);
+      const double limit = (explained ? kTwinsMayGain : 1.0) * best.steady.map.map.held_out_rms;
+      if (!(other.map.map.held_out_rms < limit)) return;
       best = {stage.terms, stage.fit, stage.log.shift, std::move(other), std::move(words)};
     };
     enter({with_joint_fits(choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), stage.fit),
@@ -211,6 +224,17 @@ Attempt choose_attempt(Stage& stage, const DriveFitOptions& options, bool shift_
   }
   take(stage, best);
   return best;
+}
+
+/// The shift was found before the periodic terms. Beside them it is refined to the end, because what is left of it in its
+/// column has an interval of the column only.
+void finish_shift(Stage& stage, Steady& steady, const DriveFitOptions& options) {
+  if (!stage.terms.shift) return;
+  const LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
+  if (std::abs(fit.value(fit.value.size() - 1)) < kRefinedShift) return;
+  stage.fit = refine_shift(stage.log, stage.rows, stage.terms, std::move(stage.fit));
+  steady.map = choose_map(stage.log, stage.rows, stage.terms, stage.fit, options);
+  if (!stage.terms.periodic.empty()) steady.map = with_joint_fits(std::move(steady.map), stage.fit);
 }
 
 /// Terms that the data do not tell from nothing go.
@@ -244,6 +268,7 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   settle(stage, options, notes);
   Attempt attempt = choose_attempt(stage, options, shift_known, notes);
   Steady steady = std::move(attempt.steady);
+  if (!shift_known) finish_shift(stage, steady, options);
   notes = std::move(attempt.notes);
   LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
   Intervals found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);

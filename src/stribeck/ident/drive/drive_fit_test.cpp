@@ -92,6 +92,23 @@ TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
   EXPECT_EQ(r.model, "conventional + periodic");
 }
 
+// On a slow sine the acceleration hardly tells a delay, the screw does; together with a term that reverses it must not be
+// taken for one that is not there.
+TEST(DriveFit, TheScrewTellsTheShift) {
+  testing::Drive drive = light();
+  drive.wave = 4.0;
+  drive.wave_length = 2e-3;
+  log::Record log = sine(drive, 7, 6.0);
+  constexpr std::size_t kLate = 3;
+  log.f.erase(log.f.begin(), log.f.begin() + kLate);
+  log.f.insert(log.f.end(), kLate, log.f.back());
+  const Result r = identify_drive({log}, quick());
+  ASSERT_NE(r.find("force_shift"), nullptr);
+  EXPECT_NEAR(r.find("force_shift")->value / drive.sample_time, -3.5, 0.1);
+  ASSERT_EQ(r.friction.eccentric.size(), 1u);
+  EXPECT_NEAR(r.friction.eccentric.begin()->amplitude, 4.0, 0.1);
+}
+
 // A loop that works against the screw, seen every 4 ms, looks like a force that comes 20 ms too early.
 TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
   testing::Drive drive = light();

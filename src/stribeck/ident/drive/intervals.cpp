@@ -8,6 +8,12 @@
 namespace stribeck::ident::drive {
 namespace {
 
+constexpr double kFast = 0.2;               ///< of the top speed
+constexpr std::size_t kManyRows = 300'000;  ///< more are sampled where a look is enough
+// Shares of a speed: the friction of the rows within them is compared with the map, the narrow one for a knee, the wide one
+// where rows are few.
+constexpr double kNear = 0.05, kAround = 0.15;
+
 /// Derivatives of the map at the mean speed of each bin, and their products.
 struct MapMoments {
   std::array<MatrixXd, map::kSides> slope;  ///< bin, parameter of the side
@@ -127,12 +133,81 @@ MatrixXd between_records(const MatrixXd& of_record) {
   return records / (records - 1.0) * of_record * of_record.transpose();
 }
 
+/// Covariance of the linear terms from the fits without each block, in `size` parameters; `factor` is that of the other forms.
+MatrixXd between_folds(const std::vector<VectorXd>& held_out, Index size, double factor) {
+  MatrixXd out = MatrixXd::Zero(size, size);
+  const auto folds = static_cast<double>(held_out.size());
+  if (folds < 2.0 || held_out.front().size() == 0) return out;
+  const Index Q = held_out.front().size();
+  VectorXd mean = VectorXd::Zero(Q);
+  for (const VectorXd& value : held_out) mean += value / folds;
+  for (const VectorXd& value : held_out)
+    out.topLeftCorner(Q, Q) += (folds - 1.0) / folds * (value - mean) * (value - mean).transpose();
+  // Few blocks tell their own scatter badly.
+  return out * std::pow(stats::student_factor(folds - 1.0) / factor, 2.0);
+}
+
+double strokes_of(const Rows& rows) {
+  double strokes = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    strokes += i == 0 || rows.stretch[i] != rows.stretch[i - 1] ? 1.0 : 0.0;
+  return strokes;
+}
+
+/// Rows above a share of the top speed of their direction.
+Rows fast_rows(const AlignedLog& log, const Rows& rows) {
+  Rows out;
+  out.reserve(rows.size());
+  out.grid = rows.grid;
+  out.blocks = rows.blocks;
+  out.sampled = rows.sampled;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (std::abs(velocity_of(log, rows, i)) < kFast * rows.grid[rows.side[i]].high) continue;
+    out.record.push_back(rows.record[i]);
+    out.at.push_back(rows.at[i]);
+    out.stretch.push_back(rows.stretch[i]);
+    out.side.push_back(rows.side[i]);
+    out.bin.push_back(rows.bin[i]);
+    out.lag.push_back(rows.lag[i]);
+    out.block.push_back(rows.block[i]);
+  }
+  return out;
+}
+
+/// By how much the linear terms change on the fast rows, less what noise does; the map follows.
+VectorXd change_of_fast_rows(const AlignedLog& log, const Rows& used, const Terms& terms,
+                             const LinearFit& found, double noise, Index size) {
+  VectorXd out = VectorXd::Zero(size);
+  const auto Q = static_cast<Index>(terms.count());
+  if (Q == 0) return out;
+  Rows rows = used.size() > kManyRows ? sampled(used) : used;
+  Rows fast = fast_rows(log, rows);
+  if (fast.size() < rows.size() / 4 || fast.size() == rows.size()) return out;
+  if (terms.shift) {
+    ask_reference(log, rows, terms, found);
+    ask_reference(log, fast, terms, found);
+  }
+  const LinearFit part = solve(log, fast, terms, &found);
+  const LinearFit all = solve(log, rows, terms, &found);
+  const auto variance = [&](const LinearFit& fit) -> VectorXd {
+    const MatrixXd inverse = fit.moments.fullPivLu().inverse();
+    return noise * (inverse * fit.instrument_moments * inverse.transpose()).diagonal();
+  };
+  const VectorXd own = variance(all), of_part = variance(part);
+  for (Index j = 0; j < Q; ++j) {
+    const double change = part.value(j) - all.value(j);
+    const double left = change * change - std::max(0.0, of_part(j) - own(j));
+    if (left > 0.0 && std::isfinite(left)) out(j) = std::copysign(std::sqrt(left), change);
+  }
+  return out;
+}
+
 /// Terms and fit with the column of the shift, whose value is 0.
 std::pair<Terms, LinearFit> with_shift(const AlignedLog& log, Rows& rows, const Terms& terms,
                                        const LinearFit& fit) {
   Terms wide = terms;
   wide.shift = true;
-  ask_reference(log, rows, fit);
+  ask_reference(log, rows, terms, fit);
   LinearFit out = solve(log, rows, wide, &fit);
   out.value = VectorXd::Zero(static_cast<Index>(wide.count()));
   out.value.head(fit.value.size()) = fit.value;
@@ -225,8 +300,52 @@ void add_prior(Index shift, double noise, Bread& bread, MatrixXd& meat) {
 
 }  // namespace
 
+Misfit::Misfit(const AlignedLog& log, const Rows& rows, const std::vector<double>& residual, double memory)
+    : grid_(rows.grid), memory_(memory) {
+  for (std::size_t s = 0; s < map::kSides; ++s) bins_[s].resize(static_cast<std::size_t>(grid_[s].bins));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t s = rows.side[i];
+    Bin& bin = bins_[s][static_cast<std::size_t>(rows.bin[i])];
+    const bool goes_on = i > 0 && rows.record[i] == rows.record[i - 1] && rows.at[i] == rows.at[i - 1] + 1 &&
+                         rows.side[i] == rows.side[i - 1] && rows.bin[i] == rows.bin[i - 1];
+    bin.rows += 1.0;
+    bin.passes += goes_on ? 0.0 : 1.0;
+    bin.speed += std::abs(velocity_of(log, rows, i));
+    bin.left += map::kDirection[s] * residual[i];
+    variance_ += residual[i] * residual[i];
+  }
+  variance_ /= static_cast<double>(std::max<std::size_t>(1, rows.size()));
+}
+
+double Misfit::within(int side, double speed, double wide) const {
+  const auto s = static_cast<std::size_t>(side);
+  const map::Grid& grid = grid_[s];
+  double weight = 0.0, sum = 0.0, square = 0.0, passes = 0.0;
+  for (int b = grid.bin(speed - wide); b <= grid.bin(speed + wide); ++b) {
+    const Bin& bin = bins_[s][static_cast<std::size_t>(b)];
+    if (bin.rows <= 0.0) continue;
+    const double w = 1.0 - std::abs(bin.speed / bin.rows - speed) / wide;
+    if (w <= 0.0) continue;
+    weight += w * bin.rows, sum += w * bin.left, square += w * w * bin.rows;
+    passes = std::max(passes, bin.passes);
+  }
+  if (weight <= 0.0) return 0.0;
+  // Rows of one pass carry the same noise where the pass is short.
+  const double independent = std::max(passes, weight * weight / square / (2.0 * memory_));
+  return std::sqrt(std::max(0.0, sum * sum / (weight * weight) - variance_ / independent));
+}
+
+double Misfit::at(int side, double speed) const {
+  const map::Grid& grid = grid_[static_cast<std::size_t>(side)];
+  const double least = 1.5 * (grid.high - grid.low) / grid.bins;
+  return std::max(within(side, speed, std::max(least, kNear * speed)),
+                  within(side, speed, std::max(least, kAround * speed)));
+}
+
 double Intervals::error_of(const VectorXd& h) const {
-  return std::sqrt(std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h)}));
+  const double variance =
+      std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h), h.dot(folds * h)});
+  return std::hypot(std::sqrt(variance), h.dot(unsettled));
 }
 
 double Intervals::error_at(std::size_t i) const {
@@ -250,6 +369,7 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   out.linear = terms.count();
   out.residual = residuals(log, rows, terms, fit, choice.map.fit);
   const stats::Memory memory = stats::memory_of(out.residual, rows.record, rows.at);
+  out.misfit = Misfit(log, rows, out.residual, memory.rows);
   Scores scores = scores_of(log, rows, terms, fit, choice, map, out.residual, memory);
   const MatrixXd map_inverse = inverse_seen(map.normal, out.unseen);
   double square = 0.0;
@@ -261,12 +381,21 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   if (nuisance) add_prior(shift, noise, bread, scores.long_run);
   const MatrixXd inverse = bread.inverse(map_inverse);
   const double independent = n / (2.0 * memory.rows);
-  const double freedom = std::max(3.0, independent - static_cast<double>(scores.long_run.rows()));
-  const double correction = std::max(1.0, independent / freedom);
+  // What a model leaves out is the same in a whole stroke, so that strokes are what is independent at most.
+  const double freedom =
+      std::max(3.0, std::min(strokes_of(rows), independent - static_cast<double>(scores.long_run.rows())));
+  const double correction =
+      std::max(1.0, independent / std::max(3.0, independent - static_cast<double>(scores.long_run.rows())));
   out.long_run = correction * inverse * scores.long_run * inverse.transpose();
   out.stationary = noise * correction * inverse * bread.white * inverse.transpose();
   out.between = inverse * between_records(scores.of_record) * inverse.transpose();
   out.factor = stats::student_factor(freedom);
+  const Index size = out.long_run.rows();
+  out.folds = choice.joint ? MatrixXd::Zero(size, size) : between_folds(found.held_out, size, out.factor);
+  out.unsettled = change_of_fast_rows(log, used, narrow, found, noise, size);
+  const auto Q = static_cast<Index>(out.linear);
+  out.unsettled.tail(size - Q) =
+      -map_inverse * bread.moments.bottomLeftCorner(size - Q, Q) * out.unsettled.head(Q);
   if (terms.shift) out.shift_error = out.error_at(static_cast<std::size_t>(shift));
   return out;
 }

@@ -12,6 +12,15 @@
 /// stationary form pools all rows but misses noise that depends on speed. Directions of the map that the data do not determine
 /// are removed from B: the curve over the data does not change along them.
 ///
+/// A map of few parameters is chosen where noise hides its error. `Misfit` measures that error at each speed, from the mean of
+/// the residual over the rows around it.
+///
+/// Two further forms ask the data instead of a model of noise: fits without each block of motion (the jackknife), and a fit on
+/// the rows above a fifth of the top speed. Friction that has not settled, or that no term describes, moves the mass there.
+///
+/// Two further forms ask the data instead of a model of noise: fits without each block of motion (the jackknife), and a fit on
+/// the rows above a fifth of the top speed. Friction that has not settled, or that no term describes, moves the mass there.
+///
 /// Inside ident only. Real time: no.
 
 #include <stribeck/ident/drive/linear_fit.hpp>
@@ -21,13 +30,38 @@
 
 namespace stribeck::ident::drive {
 
+/// By how much the map differs from the friction of the rows around a speed.
+class Misfit {
+ public:
+  Misfit() = default;
+  /// `memory`: integrated correlation of the residual [rows].
+  Misfit(const AlignedLog& log, const Rows& rows, const std::vector<double>& residual, double memory);
+
+  /// What is left of the difference when its own noise is taken off [N].
+  [[nodiscard]] double at(int side, double speed) const;
+
+ private:
+  [[nodiscard]] double within(int side, double speed, double wide) const;
+  struct Bin {
+    double rows = 0.0, passes = 0.0;
+    double speed = 0.0, left = 0.0;  ///< sums; `left` against the motion
+  };
+  std::array<std::vector<Bin>, map::kSides> bins_;
+  std::array<map::Grid, map::kSides> grid_;
+  double variance_ = 0.0;  ///< of the residual [N²]
+  double memory_ = 0.5;
+};
+
 struct Intervals {
   std::vector<double> residual;  ///< of each row [N]
-  MatrixXd long_run;             ///< covariance of linear terms and map
-  MatrixXd stationary;           ///< the same under stationary noise
-  MatrixXd between;              ///< the same from the difference of the records; zero for one record
-  std::size_t linear = 0;        ///< terms before those of the map
-  double shift_error = 0.0;      ///< standard error of the shift, found or not [rows]; 0: given
+  Misfit misfit;
+  MatrixXd long_run;         ///< covariance of linear terms and map
+  MatrixXd stationary;       ///< the same under stationary noise
+  MatrixXd between;          ///< the same from the difference of the records; zero for one record
+  MatrixXd folds;            ///< the same from fits without each block of motion, of the linear terms
+  VectorXd unsettled;        ///< change of θ when only fast rows count, beyond its noise
+  std::size_t linear = 0;    ///< terms before those of the map
+  double shift_error = 0.0;  ///< standard error of the shift, found or not [rows]; 0: given
   /// Share of each map parameter that lies in directions which the data do not see.
   std::vector<double> unseen;
   double factor = 1.96;  ///< half width divided by standard error

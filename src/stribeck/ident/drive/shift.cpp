@@ -142,7 +142,7 @@ std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
   return best;
 }
 
-void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit) {
+void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const LinearFit& fit) {
   rows.asked_change.assign(rows.size(), 0.0);
   // Neighbouring rows contain the same values in their differences.
   std::size_t behind = 0;
@@ -155,7 +155,14 @@ void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit) {
     if (v.empty() || k < 2 || k + 2 >= v.size()) continue;
     const auto at = [&](std::size_t row) {
       const std::size_t s = v[row] > 0.0 ? 0 : 1;
-      return fit.mass * a[row] + map::kDirection[s] * fit.curve[s](std::abs(v[row]));
+      double force = fit.mass * a[row] + map::kDirection[s] * fit.curve[s](std::abs(v[row]));
+      auto j = static_cast<Index>(terms.first_periodic());
+      for (const PeriodicColumns& p : terms.periodic) {
+        const double d = p.form == friction::EccentricForm::kProportional ? map::kDirection[s] : 1.0;
+        force += d * (fit.value(j) * p.sine[r][row] + fit.value(j + 1) * p.cosine[r][row]);
+        j += 2;
+      }
+      return force;
     };
     const bool next =
         i > 0 && i == behind + 1 && rows.record[i - 1] == rows.record[i] && rows.at[i - 1] + 1 == k;
@@ -168,13 +175,13 @@ void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit) {
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit) {
   constexpr int kSteps = 6;
   for (int i = 0; i < kSteps; ++i) {
-    ask_reference(log, rows, fit);
+    ask_reference(log, rows, terms, fit);
     fit = solve(log, rows, terms, &fit);
     const double step = std::clamp(fit.value(fit.value.size() - 1), -1.0, 1.0);
     align(log, log.shift - step, rows);
     if (std::abs(step) < 1e-3) break;
   }
-  ask_reference(log, rows, fit);
+  ask_reference(log, rows, terms, fit);
   return solve(log, rows, terms, &fit);
 }
 
@@ -205,7 +212,7 @@ LinearFit judge_shift(AlignedLog& log, Rows& rows, Terms& terms, LinearFit fit) 
     // With a shift of many rows the fit of a held force is far off; the reference must not be asked by it.
     terms.shift = true;
     align(log, found, rows);
-    ask_reference(log, rows, refined);
+    ask_reference(log, rows, terms, refined);
     return solve(log, rows, terms, &refined);
   }
   align(log, kHeldForce, rows);

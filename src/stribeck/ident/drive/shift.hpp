@@ -21,8 +21,9 @@ namespace stribeck::ident::drive {
 std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
                                  const std::optional<double>& known_mass);
 
-/// Fills rows.asked_change: the difference between rows of m·a + F(v) of the predicted motion.
-void ask_reference(const AlignedLog& log, Rows& rows, const LinearFit& fit);
+/// Fills rows.asked_change: the difference between rows of m·a + F(v) of the predicted motion, and of the periodic terms along
+/// the way; `fit` belongs to `terms`.
+void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const LinearFit& fit);
 
 /// Needs terms.shift; aligns the log again.
 LinearFit refine_shift(AlignedLog& log, Rows& rows, const Terms& terms, LinearFit fit);

@@ -102,7 +102,7 @@ TEST(Shift, TheReferenceAsksForItsOwnChange) {
   Rows rows = rows_of(s);
   const LinearFit fit = second_pass(s, rows, {});
   s.log.predicted[0] = s.log.motions[0].v;
-  ask_reference(s.log, rows, fit);
+  ask_reference(s.log, rows, {}, fit);
   const log::Motion& m = s.log.motions[0];
   for (std::size_t i = 0; i < rows.size(); i += 53) {
     const std::size_t k = rows.at[i];

@@ -47,8 +47,6 @@ Figure friction_at(const map::StaticFit& map, int side, double speed) {
   out.value = map.force(side, speed) - map::kDirection[static_cast<std::size_t>(side)] * map.load;
   out.slope.resize(static_cast<Index>(map.span(side).second));
   map.gradient(side, speed, out.slope.data());
-  // The load is a parameter of its own in the symmetric families.
-  if (map.family != map::StaticFit::Family::kByDirection) out.slope(0) = 0.0;
   return out;
 }
 
