@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stribeck/io/printable.hpp>
 #include <string>
 #include <tests/cli/command.hpp>
 
@@ -133,17 +135,36 @@ std::map<std::string, std::vector<std::string>> machine_export(const Folder& f, 
   return lines;
 }
 
+/// Whether a file may hold it as a name; what it may not hold is refused by every verb, in one clear line.
+bool is_plain(const Folder& f, const std::string& attack) {
+  if (io::printable(attack) == attack) return true;
+  for (const std::string& text : {machine_called(attack), machine_called(kPlain, attack)}) {
+    const Said said =
+        command({"export", f.write("odd.toml", text), "--to", "linuxcnc", "--quiet", "-o", f / "odd.hal"});
+    EXPECT_EQ(said.code, 2) << attack;
+    EXPECT_THAT(said.err, HasSubstr("odd.toml:")) << attack;
+    EXPECT_THAT(said.err,
+                HasSubstr("with line breaks or control characters in it, expected plain text on one line"))
+        << attack;
+    EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+    EXPECT_FALSE(fs::exists(f / "odd.hal")) << attack;
+  }
+  return false;
+}
+
 TEST(ForeignNames, OfAMachineAreNoCommands) {
   const Folder f;
   const auto plain = machine_export(f, f.write("m.toml", machine_called(kPlain)), "plain");
   ASSERT_GE(plain.size(), 14U);
   std::size_t i = 0;
   for (const std::string& attack : attacks()) {
+    if (!is_plain(f, attack)) continue;
     const std::string out = "out" + std::to_string(i++);
     EXPECT_EQ(machine_export(f, f.write("m.toml", machine_called(attack)), out), plain) << attack;
     EXPECT_EQ(machine_export(f, f.write("m.toml", machine_called(kPlain, attack)), out + "b"), plain)
         << attack;
   }
+  EXPECT_GE(i, 6U);
 }
 
 TEST(ForeignNames, OfFilesAreNoCommands) {
@@ -215,7 +236,11 @@ TEST(ForeignNames, OfAMachineStayInTheCommentOfAProgram) {
     return lines;
   };
   const auto plain = program(kPlain);
-  for (const std::string& attack : attacks()) EXPECT_EQ(program(attack), plain) << attack;
+  for (const std::string& attack : attacks()) {
+    if (is_plain(f, attack)) {
+      EXPECT_EQ(program(attack), plain) << attack;
+    }
+  }
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <map>
 #include <random>
@@ -73,6 +75,13 @@ class Crash : public testing::Test {
         run(f, {"simulate", machine_, "--reference", f / "ref.csv", "--axis", "x", "-o", f / "log.csv"}), 0)
         << text_of(f / "said");
     ASSERT_EQ(run(f, {"identify", f / "log.csv", "-o", f / "x.toml"}), 0) << text_of(f / "said");
+    std::string circle = "t [s],x [mm],y [mm]\n";
+    for (int k = 0; k < 400; ++k) {
+      const double phi = 2.0 * M_PI * k / 400.0;
+      circle += std::to_string(0.01 * k) + ',' + std::to_string(10.0 * std::cos(phi)) + ',' +
+                std::to_string(10.01 * std::sin(phi)) + '\n';
+    }
+    static_cast<void>(f.write("circle.csv", circle));
   }
 
   [[nodiscard]] std::string out(const std::string& name) const { return f / ("out/" + name); }
@@ -87,6 +96,7 @@ class Crash : public testing::Test {
              {"simulate", machine_, "--reference", f / "ref.csv", "--axis", "x", "-o", out("a.csv"), "--json",
               json, "--report", page}},
             {"identify", {"identify", f / "log.csv", "-o", out("a.toml"), "--json", json, "--report", page}},
+            {"evaluate", {"evaluate", f / "circle.csv", "--json", json, "--report", page}},
             {"verify", {"verify", f / "x.toml", f / "log.csv", "--json", json, "--report", page}},
             {"export",
              {"export", machine_, "--to", "linuxcnc", "--parameters", "commissioning", "-o", out("c"),
@@ -176,7 +186,8 @@ TEST_F(Crash, KilledAnywhereLeavesEarlierOrNewFiles) {
 TEST_F(Crash, WhereEveryFileHasAName) {
   const auto all = verbs();
   kill_everywhere(all[0], true);
-  kill_everywhere(all[4], true);
+  const auto folder = std::find_if(all.begin(), all.end(), [](const Verb& v) { return v.name == "export"; });
+  kill_everywhere(*folder, true);
 }
 
 TEST_F(Crash, AFullDiskLeavesWhatWasThere) {

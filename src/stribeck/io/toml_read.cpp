@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 
@@ -91,9 +92,18 @@ std::optional<bool> read_bool(const Node& node, const std::string& key, Problems
 }
 
 std::optional<std::string> read_string(const Node& node, const std::string& key, Problems& problems) {
-  if (node.kind == Node::Kind::kText) return node.text;
-  problems.add(node.line, key, "got " + shown(node) + ", expected text in quotes");
-  return std::nullopt;
+  if (node.kind != Node::Kind::kText) {
+    problems.add(node.line, key, "got " + shown(node) + ", expected text in quotes");
+    return std::nullopt;
+  }
+  // Names reach files that other programs obey line by line.
+  if (printable(node.text) != node.text) {
+    problems.add(node.line, key,
+                 "got " + shown(node) +
+                     " with line breaks or control characters in it, expected plain text on one line");
+    return std::nullopt;
+  }
+  return node.text;
 }
 
 std::optional<std::size_t> read_choice(const Node& node, const std::vector<std::string_view>& names,

@@ -210,6 +210,16 @@ TEST(Toml, NamesFileLineKeyAndWayOut) {
               ElementsAre(HasSubstr("m.toml:5: gain: got inf, expected a finite")));
   EXPECT_THAT(problems_of(with("\"biaxial table\"", "7")),
               ElementsAre(HasSubstr("m.toml:2: name: got 7, expected text")));
+  // They reach files that other programs obey line by line.
+  for (const char* name :
+       {"\"a\\nb\"", "\"a\\u0001b\"", "\"a\\u0085b\"", "\"a\\u202Eb\"", "\"\"\"a\nb\"\"\""}) {
+    EXPECT_THAT(
+        problems_of(with("\"biaxial table\"", name)),
+        ElementsAre(
+            "m.toml:2: name: got \"a b\" with line breaks or control characters in it, expected plain "
+            "text on one line"))
+        << name;
+  }
   EXPECT_THAT(problems_of(with("\"1 m/min\"", "3")),
               ElementsAre(StartsWith("m.toml:6: speeds[2]: got the bare number 3")));
   EXPECT_THAT(problems_of(with(", \"1 s\"", "")),
@@ -250,7 +260,7 @@ TEST(Toml, RoundTripsBitForBit) {
   std::uniform_real_distribution<double> exponent(-6.0, 6.0);
   const auto number = [&] { return std::pow(10.0, exponent(random)); };
   for (int k = 0; k < 200; ++k) {
-    Machine m{"a \"quoted\" \\ name\nwith µ and \x01",
+    Machine m{"a \"quoted\" \\ name with µ, # and 'single' quotes",
               k % 29 + 4,
               3,
               k % 2 == 0,
