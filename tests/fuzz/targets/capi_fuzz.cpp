@@ -2,6 +2,7 @@
 // but those that are declared.
 #include <stribeck/stribeck.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::uint32_t kMostAxes = 3;
 constexpr int kMostSteps = 400;
+constexpr std::uint8_t kName = 255;  ///< a parameter's index that stands for a name as text
 
 /// Numbers and choices out of the bytes; zeros behind their end.
 class Bytes {
@@ -21,6 +23,13 @@ class Bytes {
 
   [[nodiscard]] bool more() const { return !text_.empty(); }
   std::uint8_t byte() { return mode_of(text_); }
+  /// The bytes up to the next NUL, at most 255.
+  std::string text() {
+    const std::string_view all = text_.substr(0, byte());
+    const std::string_view part = all.substr(0, all.find('\0'));
+    text_.remove_prefix(std::min(part.size() + 1, text_.size()));
+    return std::string(part);
+  }
   double number() {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -66,11 +75,30 @@ struct Run {
   void set() {
     const std::uint32_t axis = bytes.byte() % (axes + 1);
     stribeck_parameter p{};
-    if (stribeck_controller_parameter(bytes.byte(), &p) != STRIBECK_OK) return;
+    const std::uint8_t index = bytes.byte();
+    if (index == kName) return set_by_name(axis);
+    if (stribeck_controller_parameter(index, &p) != STRIBECK_OK) return;
     const double value = p.kind == STRIBECK_NUMBER ? bytes.number() : static_cast<double>(bytes.byte() % 8);
     const stribeck_result r = stribeck_controller_set(controller, axis, p.name, value);
     demand_declared(r);
     if (r == STRIBECK_OK && std::strcmp(p.name, "force_limit") == 0 && axis < axes) limit[axis] = value;
+  }
+
+  /// Names and words of any bytes; the longest are longer than any that there is.
+  void set_by_name(std::uint32_t axis) {
+    const std::string name = bytes.text();
+    const bool chooses = bytes.byte() % 2 == 0;
+    const double value = chooses ? 0.0 : bytes.number();
+    const std::string word = chooses ? bytes.text() : std::string();
+    const stribeck_result r = chooses
+                                  ? stribeck_controller_choose(controller, axis, name.c_str(), word.c_str())
+                                  : stribeck_controller_set(controller, axis, name.c_str(), value);
+    demand_declared(r);
+    demand(stribeck_controller_problem(controller) != nullptr, "no problem text");
+    static_cast<void>(stribeck_controller_parameter_word(name.c_str(), axis));
+    demand(stribeck_controller_size_for(axes, word.c_str()) <= memory_for(axes),
+           "a law that needs more memory than all");
+    if (r == STRIBECK_OK && !chooses && name == "force_limit" && axis < axes) limit[axis] = value;
   }
 
   void configure() {
@@ -121,11 +149,28 @@ std::vector<std::string> seeds() {
     for (int i = 0; i < 12; ++i)
       *s += std::string("\5\x3c\x82\x3d\x83\x3e\x84\x3c\x85\x3c\x82\x3d\x83\x3e\x84\x3c\x85\3", 18) + '\0';
   }
-  return {one_axis, two_axes};
+  std::string by_name = one_axis.substr(0, one_axis.size() / 2);
+  const std::string zero(1, '\0');
+  for (const char* name : {"mass", "friction.conventional.alpha0", "force_limit", "reversal.rise.0"})
+    by_name += zero + zero + "\xff\xff" + name + zero + "\1\xc8\x90";
+  by_name += zero + zero + "\xff\xfflaw" + zero + zero + "\xffsliding-mode" + zero + "\4\1\5";
+  return {one_axis, two_axes, by_name};
 }
 
 std::vector<std::string> words() {
-  return {"\4\1", "\5", std::string(1, '\0'), "\6", "\7", "\x3c\x80", "\xc8\xff"};
+  return {"mass",
+          "friction.lugre.sigma0",
+          "adaptive_gain.1",
+          "predictive",
+          "supervision.checks",
+          "\xff\xff",
+          "\4\1",
+          "\5",
+          std::string(1, '\0'),
+          "\6",
+          "\7",
+          "\x3c\x80",
+          "\xc8\xff"};
 }
 
 void one(std::string_view input) {
