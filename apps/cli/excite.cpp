@@ -23,10 +23,13 @@
 namespace stribeck::cli {
 namespace {
 
+using ident::excitation::ExcitationMethod;
+
 struct Options {
   Common common;
   std::string machine;
   ExcitationOptions what;
+  std::string method;
   std::string axis;
   std::string output;
   std::string gcode;
@@ -39,14 +42,14 @@ bool is_gcode(const std::string& path) {
 /// G-code commands positions and cannot command forces.
 void check_gcode(const Options& o) {
   if (o.gcode.empty() && !is_gcode(o.output)) return;
-  const bool force = o.what.method == "pulses" || o.what.method == "ramp";
+  const bool force = o.what.method == ExcitationMethod::kPulses || o.what.method == ExcitationMethod::kRamp;
   if (force) {
     refuse_option(
         o.gcode.empty() ? "--output" : "--gcode",
         fmt::format(
             "G-code cannot ask for forces, which --method {} needs (write a CSV, or choose a method that "
             "moves positions)",
-            o.what.method));
+            enum_name(o.what.method)));
   }
 }
 
@@ -88,14 +91,16 @@ int excite(const Options& o) {
   }
   io::Log log = as_log(table);
   add_percent(log, machine.axes[axis].second, e.force);
-  log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"method", o.what.method}};
+  log.metadata = {
+      {"machine", machine.name}, {"axis", o.axis}, {"method", std::string(enum_name(o.what.method))}};
   for (std::size_t i = 0; i < notes.size(); ++i) log.metadata.emplace_back(kNoteNames[i], notes[i]);
   if (!is_gcode(o.output)) io::write_csv(o.output, log);
-  report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, o.what.method), e.says);
+  report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)),
+             e.says);
   write_json(o.common.json, {{"schema", "stribeck.excite/1"},
                              {"machine", machine.name},
                              {"axis", o.axis},
-                             {"method", o.what.method},
+                             {"method", enum_name(o.what.method)},
                              {"rows", e.t.size()},
                              {"duration_s", e.t.back()},
                              {"says", e.says},
@@ -113,11 +118,11 @@ void add_excite(CLI::App& app, Action& action) {
       "excite", "Design a motion or force whose log determines friction and mass of an axis");
   auto o = std::make_shared<Options>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  verb->add_option("--method", o->what.method,
+  verb->add_option("--method", o->method,
                    "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
                    "position-sine (periodic terms of the screw), constant-acceleration (mass)")
       ->required()
-      ->check(one_of({"pulses", "ramp", "jog", "sine", "position-sine", "constant-acceleration"}));
+      ->check(one_of(words_of<ExcitationMethod>()));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
   verb->add_option(
           "-o,--output", o->output,
@@ -152,7 +157,10 @@ void add_excite(CLI::App& app, Action& action) {
   refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");
-  verb->callback([o, &action] { action = [o] { return excite(*o); }; });
+  verb->callback([o, &action] {
+    o->what.method = *enum_value<ExcitationMethod>(o->method);
+    action = [o] { return excite(*o); };
+  });
 }
 
 }  // namespace stribeck::cli

@@ -38,7 +38,7 @@ std::string silent_garbage(std::string_view text, const ReadOptions& options, co
     if (c.time >= 0 && log.columns.at(static_cast<std::size_t>(c.time)).values.size() != n)
       return "a column that differs in length from its time";
   }
-  const auto is_new = [&](const std::string& note) {
+  const auto is_new = [&](const Note& note) {
     return std::find(clean.notes.begin(), clean.notes.end(), note) == clean.notes.end();
   };
   if (std::any_of(log.notes.begin(), log.notes.end(), is_new)) return "";

@@ -12,9 +12,11 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace stribeck::ident {
@@ -73,7 +75,7 @@ struct SpectrumLine {
   double amplitude = 0.0;  ///< [N]
 };
 
-/// The method of a result. name_of() has the words of files and reports.
+/// How an axis is identified. EnumNames has the words of options, name_of() those of files and reports.
 enum class Method {
   kAuto,
   kVelocityMap,
@@ -85,12 +87,6 @@ enum class Method {
   kGravity,
   kConstantAcceleration
 };
-constexpr std::string_view name_of(Method method) noexcept {
-  constexpr std::array<std::string_view, 9> kNames{"auto",       "velocity-map", "least-squares-a",
-                                                   "jog",        "position-map", "idim-ls",
-                                                   "break-away", "gravity",      "constant-acceleration"};
-  return kNames[static_cast<std::size_t>(method)];
-}
 
 /// The steady part of the model.
 enum class SteadyModel {
@@ -147,5 +143,29 @@ struct Result {
     return nullptr;
   }
 };
+
+}  // namespace stribeck::ident
+
+template <>
+struct stribeck::EnumNames<stribeck::ident::Method> {
+  using M = stribeck::ident::Method;
+  static constexpr std::array names{
+      std::pair{M::kAuto, std::string_view{"auto"}},
+      std::pair{M::kVelocityMap, std::string_view{"velocity-map"}},
+      std::pair{M::kPositionMap, std::string_view{"position-map"}},
+      std::pair{M::kJog, std::string_view{"jog"}},
+      std::pair{M::kLeastSquaresA, std::string_view{"least-squares"}},
+      std::pair{M::kBreakAway, std::string_view{"break-away"}},
+      std::pair{M::kGravity, std::string_view{"gravity"}},
+      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}},
+      std::pair{M::kIdimLs, std::string_view{"idim-ls"}}};
+};
+
+namespace stribeck::ident {
+
+/// The word of files and reports. Result files call the method of the thesis's Model A by that name.
+constexpr std::string_view name_of(Method method) noexcept {
+  return method == Method::kLeastSquaresA ? "least-squares-a" : enum_name(method);
+}
 
 }  // namespace stribeck::ident

@@ -144,9 +144,8 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
       }
     }
     // Names from a side file are known to the program and need no note.
-    for (const std::string& note : log.notes) {
-      if (note.find("names and units are those given") == std::string::npos)
-        input.warnings.push_back(one.label + ": " + note);
+    for (const io::Note& note : log.notes) {
+      if (note.about != io::Note::About::kGivenNames) input.warnings.push_back(one.label + ": " + note.text);
     }
     input.logs.push_back(std::move(one));
   }

@@ -12,32 +12,35 @@
 
 namespace stribeck::workflow {
 
-ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                                     int periods, const std::optional<ident::excitation::RoughDrive>& known) {
+using ident::excitation::ExcitationMethod;
+
+ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis,
+                                     ident::excitation::ExcitationMethod method, int periods,
+                                     const std::optional<ident::excitation::RoughDrive>& known) {
   const sim::MachineAxis& a = machine.axes[axis].second;
   const ident::excitation::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed,
                                          a.limits.acceleration, a.force_limit()};
   const sim::Commissioning& c = a.commissioning;
-  if (method == "pulses") {
+  if (method == ExcitationMethod::kPulses) {
     ident::excitation::PulseDesign pulses;
     pulses.start = 0.5 * (limits.travel_min + limits.travel_max);
     return ident::excitation::design_pulses(
         limits, known.value_or(ident::excitation::RoughDrive{c.mass, c.friction, 0.0}), machine.sample_time,
         pulses);
   }
-  if (method == "jog") {
+  if (method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;
     jog.start = 0.5 * (limits.travel_min + limits.travel_max);
     jog.speeds =
         ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
     return ident::excitation::design_jog(limits, machine.sample_time, jog);
   }
-  if (method == "constant-acceleration") {
+  if (method == ExcitationMethod::kConstantAcceleration) {
     ident::excitation::AccelerationDesign triangles;
     triangles.start = 0.5 * (limits.travel_min + limits.travel_max);
     return ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles);
   }
-  if (method == "position-sine") {
+  if (method == ExcitationMethod::kPositionSine) {
     ident::excitation::SineDesign sine{c.sine_offset, c.sine_amplitude, c.sine_frequency, periods};
     sine.from_middle = true;
     return ident::excitation::design_sine(limits, machine.sample_time, sine);
@@ -162,8 +165,9 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
                                  std::uint64_t seed) {
   const std::string& name = machine.axes[axis].first;
   CommissionedAxis l;
-  const auto add = [&](const std::string& method, const ident::excitation::Excitation& e) {
-    l.logs.emplace_back(name + "-" + method + ".csv", play(machine, axis, e.r, e.force, seed));
+  const auto add = [&](const ident::excitation::Excitation& e) {
+    l.logs.emplace_back(fmt::format("{}-{}.csv", name, enum_name(e.method)),
+                        play(machine, axis, e.r, e.force, seed));
     return as_record(l.logs.back().second, l.logs.back().first);
   };
   const auto keep = [&](const char* kind, const std::vector<ident::log::Record>& records,
@@ -177,10 +181,10 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
   if (hold(machine, axis, seed).falls()) {
     // Forces in open loop would let it fall: everything in closed loop, jogs for friction, triangles of speed for the mass.
     const ident::log::Record turns =
-        add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
-    const ident::log::Record jogs = add("jog", design(machine, axis, "jog", 0));
+        add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
+    const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));
     const ident::log::Record triangles =
-        add("constant-acceleration", design(machine, axis, "constant-acceleration", 0));
+        add(design(machine, axis, ExcitationMethod::kConstantAcceleration, 0));
     const ident::Result whole = ident::drive::identify_drive({triangles, turns, jogs}, {});
     l.knowledge.eccentric = keep("eccentric", {triangles, turns, jogs}, whole);
     l.knowledge.whole = l.knowledge.eccentric;
@@ -193,24 +197,24 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     return l;
   }
   // The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
-  const ident::excitation::Excitation first = design(machine, axis, "pulses", 0);
+  const ident::excitation::Excitation first = design(machine, axis, ExcitationMethod::kPulses, 0);
   const ident::log::Record tried =
       as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
   const ident::excitation::RoughDrive drive =
       ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result);
-  const ident::log::Record pulses = add("pulses", design(machine, axis, "pulses", 0, drive));
+  const ident::log::Record pulses = add(design(machine, axis, ExcitationMethod::kPulses, 0, drive));
   // As in the thesis: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The choice depends on the
   // machine, not on other requests.
   const bool by_jogs = machine.axes.size() > 2;
   if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
     // With bristles and the sine in the fit, pulses determine the mass; without them it is some per cent too low.
     const ident::log::Record turns =
-        add("position-sine", design(machine, axis, "position-sine", kPositionPeriods));
+        add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
     const ident::Result whole = ident::drive::identify_drive({pulses, turns}, {});
     l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
     if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
     if (needs.conventional && by_jogs) {
-      const ident::log::Record jogs = add("jog", design(machine, axis, "jog", 0));
+      const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));
       l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged({jogs}, whole, false));
       // (2.9) has no term periodic in position. The fit of the jogs finds one, however, and is better with it.
       l.knowledge.conventional->friction.eccentric = {};
@@ -221,7 +225,7 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
         keep("conventional", {pulses}, ident::methods::identify_least_squares_a({pulses}).result);
   }
   if (needs.gaussian || (needs.whole && !by_jogs)) {
-    const ident::log::Record sine = add("sine", design(machine, axis, "sine", kSinePeriods));
+    const ident::log::Record sine = add(design(machine, axis, ExcitationMethod::kSine, kSinePeriods));
     if (needs.gaussian)
       l.knowledge.gaussian =
           keep("gaussian", {pulses, sine}, ident::methods::identify_velocity_map({pulses, sine}));

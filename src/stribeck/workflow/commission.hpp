@@ -48,9 +48,9 @@ inline constexpr int kSinePeriods = 8;
 /// Number of periods of the sine about the middle, for the position map.
 inline constexpr int kPositionPeriods = 4;
 
-/// method is pulses, jog or sine; `known` replaces the rough estimate in the commissioning data.
-ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis, const std::string& method,
-                                     int periods,
+/// `known` replaces the rough estimate in the commissioning data.
+ident::excitation::Excitation design(const sim::Machine& machine, std::size_t axis,
+                                     ident::excitation::ExcitationMethod method, int periods,
                                      const std::optional<ident::excitation::RoughDrive>& known = {});
 /// Runs an excitation on the virtual machine.
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,

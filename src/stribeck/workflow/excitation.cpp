@@ -18,6 +18,8 @@ namespace stribeck::workflow {
 
 namespace {
 
+using ident::excitation::ExcitationMethod;
+
 /// How much an identified axis may differ from its axis file: it warms up, and carries another workpiece.
 constexpr double kOfIdentified = 1.3;
 
@@ -73,7 +75,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     drive = rough_idea(model, axis.limits);
     doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load, axis.plant.has_value());
   }
-  if (o.method == "jog") {
+  if (o.method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;
     jog.start = middle;
     jog.speeds =
@@ -85,25 +87,25 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     if (!o.lead.empty()) jog.period = option_si("--lead", o.lead, quantity("m", "mm").positive());
     return {ident::excitation::design_jog(limits, machine.sample_time, jog), {}};
   }
-  if (o.method == "pulses") {
+  if (o.method == ExcitationMethod::kPulses) {
     ident::excitation::PulseDesign pulses;
     pulses.start = middle;
     return ident::excitation::design_safe_pulses(limits, drive, doubt, machine.sample_time, pulses);
   }
-  if (o.method == "ramp") {
+  if (o.method == ExcitationMethod::kRamp) {
     ident::excitation::RampDesign ramp;
     ramp.start = middle;
     ramp.repeats = o.repeats.value_or(ramp.repeats);
     if (!o.rise.empty()) ramp.rise = option_si("--rise", o.rise, quantity("s", "s").positive());
     return ident::excitation::design_safe_ramp(limits, drive, doubt, machine.sample_time, ramp);
   }
-  if (o.method == "constant-acceleration") {
+  if (o.method == ExcitationMethod::kConstantAcceleration) {
     ident::excitation::AccelerationDesign triangles;
     triangles.start = middle;
     triangles.repeats = o.repeats.value_or(triangles.repeats);
     return {ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles), {}};
   }
-  const int periods = o.method == "position-sine" ? kPositionPeriods : kSinePeriods;
+  const int periods = o.method == ExcitationMethod::kPositionSine ? kPositionPeriods : kSinePeriods;
   return {workflow::design(as_machine(machine), which, o.method, o.periods.value_or(periods)), {}};
 }
 
@@ -119,17 +121,20 @@ std::string option_of(const std::string& parameter) {
 }  // namespace
 
 void check_excitation(const ExcitationOptions& o) {
-  const auto only = [&](bool given, const char* option, std::initializer_list<std::string_view> methods) {
+  const auto only = [&](bool given, const char* option, std::initializer_list<ExcitationMethod> methods) {
     if (!given || std::find(methods.begin(), methods.end(), o.method) != methods.end()) return;
-    refuse_option(
-        option, fmt::format("does not apply to --method {}, only to {}", o.method, fmt::join(methods, ", ")));
+    std::vector<std::string> words;
+    for (const ExcitationMethod method : methods) words.emplace_back(enum_name(method));
+    refuse_option(option, fmt::format("does not apply to --method {}, only to {}", enum_name(o.method),
+                                      fmt::join(words, ", ")));
   };
-  only(o.periods.has_value(), "--periods", {"sine", "position-sine"});
-  only(o.repeats.has_value(), "--repeats", {"ramp", "constant-acceleration"});
-  only(!o.known.empty(), "--known", {"pulses", "ramp"});
-  only(!o.speeds.empty(), "--speeds", {"jog"});
-  only(!o.lead.empty(), "--lead", {"jog"});
-  only(!o.rise.empty(), "--rise", {"ramp"});
+  only(o.periods.has_value(), "--periods", {ExcitationMethod::kSine, ExcitationMethod::kPositionSine});
+  only(o.repeats.has_value(), "--repeats",
+       {ExcitationMethod::kRamp, ExcitationMethod::kConstantAcceleration});
+  only(!o.known.empty(), "--known", {ExcitationMethod::kPulses, ExcitationMethod::kRamp});
+  only(!o.speeds.empty(), "--speeds", {ExcitationMethod::kJog});
+  only(!o.lead.empty(), "--lead", {ExcitationMethod::kJog});
+  only(!o.rise.empty(), "--rise", {ExcitationMethod::kRamp});
 }
 
 namespace {
@@ -147,7 +152,7 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
     throw ident::Refused(fmt::format(
         "{}: needs {:.4g} N of axis {} with the rough mass and friction, its largest force is {:.4g} N (lower "
         "limits.acceleration or limits.speed)",
-        e.method, needed, machine.axes[axis].first, limit));
+        enum_name(e.method), needed, machine.axes[axis].first, limit));
   }
   e.says += fmt::format(" The drive needs about {:.3g} N of its {:.4g} N", needed, limit);
   e.says += most > limit

@@ -14,7 +14,7 @@ namespace stribeck::workflow {
 
 /// Texts contain their unit; empty: as in the thesis, within the limits.
 struct ExcitationOptions {
-  std::string method;               ///< pulses, ramp, jog, sine, position-sine or constant-acceleration
+  ident::excitation::ExcitationMethod method = ident::excitation::ExcitationMethod::kJog;
   std::optional<int> periods;       ///< of sine, position-sine
   std::optional<int> repeats;       ///< of ramp, constant-acceleration
   std::vector<std::string> speeds;  ///< of jog

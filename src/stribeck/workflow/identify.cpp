@@ -39,7 +39,7 @@ const Takes& takes_of(Method method) {
       {M::kVelocityMap, {kAuto, kGaussian}, true, true, false, false, false, false},
       {M::kPositionMap, {kAuto}, false, true, false, true, false, false},
       {M::kJog, {kAuto, kConventional, kGaussian}, true, true, false, false, true, false},
-      {M::kLeastSquares, {kAuto, kConventional}, false, false, false, false, true, false},
+      {M::kLeastSquaresA, {kAuto, kConventional}, false, false, false, false, true, false},
       {M::kIdimLs, {kAuto, kConventional, kAsymmetric}, false, false, false, false, false, false},
       {M::kBreakAway, {kAuto}, false, true, false, false, false, false},
       {M::kGravity, {kAuto}, false, false, false, false, false, false},
@@ -175,7 +175,7 @@ Identification by_jog(const IdentifyOptions& o, const Records& records) {
   options.gaussians = o.model != ModelChoice::kConventional;
   options.mass = given_mass(o);
   ident::methods::Jog jog = ident::methods::identify_jog(records, options);
-  return {std::move(jog.result), Method::kJog, false, std::move(jog.groups)};
+  return {std::move(jog.result), false, std::move(jog.groups)};
 }
 
 Identification by_position(const IdentifyOptions& o, const Records& records, bool holding) {
@@ -183,7 +183,7 @@ Identification by_position(const IdentifyOptions& o, const Records& records, boo
   options.mass = given_mass(o);
   options.turn = given_turn(o, records);
   options.holding = holding;
-  return {ident::methods::identify_position_map(records, options), Method::kPositionMap, holding};
+  return {ident::methods::identify_position_map(records, options), holding};
 }
 
 Identification by_least_squares(const IdentifyOptions& o, const Records& records) {
@@ -197,7 +197,7 @@ Identification by_least_squares(const IdentifyOptions& o, const Records& records
   ident::methods::LeastSquaresA a = jogs.empty()
                                         ? ident::methods::identify_least_squares_a(pulses, options)
                                         : ident::methods::identify_least_squares_a(pulses, jogs, options);
-  Identification found{a.result, Method::kLeastSquares, false, {}, std::move(a)};
+  Identification found{a.result, false, {}, std::move(a)};
   if (closed_loop_only) {
     found.result.warnings.push_back(
         records.front().source +
@@ -215,20 +215,20 @@ Identification by_idim_ls(const IdentifyOptions& o, const Records& records) {
   ident::methods::IdimOptions options;
   options.by_direction = o.model == ModelChoice::kAsymmetric;
   ident::methods::IdimResult idim = ident::methods::identify_idim_ls(records.front(), options);
-  return {std::move(idim.result), Method::kIdimLs, false, {}, {}, std::move(idim.published)};
+  return {std::move(idim.result), false, {}, {}, std::move(idim.published)};
 }
 
 Identification by_break_away(const IdentifyOptions& o, const Records& records) {
   ident::methods::BreakAwayOptions options;
   options.mass = given_mass(o);
-  return {ident::methods::identify_break_away(records, options).result, Method::kBreakAway};
+  return {ident::methods::identify_break_away(records, options).result};
 }
 
 Identification by_velocity(const IdentifyOptions& o, const Records& records) {
   ident::methods::VelocityMapOptions options;
   if (o.terms) options.terms = o.terms;
   options.mass = given_mass(o);
-  return {ident::methods::identify_velocity_map(records, options), Method::kVelocityMap};
+  return {ident::methods::identify_velocity_map(records, options)};
 }
 
 /// Fits the whole drive at once, for any motion.
@@ -242,7 +242,7 @@ Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   options.cut_off = given_cut_off(o, records);
   Records with_positions;
   for (const ident::log::Record& r : records) with_positions.push_back(ident::map::with_positions(r));
-  return {ident::drive::identify_drive(with_positions, options), Method::kAuto};
+  return {ident::drive::identify_drive(with_positions, options)};
 }
 
 /// The method that suits the motion.
@@ -275,16 +275,16 @@ Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
       return by_position(o, records, ident::methods::held_at_standstill(records));
     case Method::kJog:
       return by_jog(o, records);
-    case Method::kLeastSquares:
+    case Method::kLeastSquaresA:
       return by_least_squares(o, records);
     case Method::kIdimLs:
       return by_idim_ls(o, records);
     case Method::kBreakAway:
       return by_break_away(o, records);
     case Method::kGravity:
-      return {ident::methods::identify_gravity(records), Method::kGravity};
+      return {ident::methods::identify_gravity(records)};
     case Method::kConstantAcceleration:
-      return {ident::methods::identify_constant_acceleration(records), Method::kConstantAcceleration};
+      return {ident::methods::identify_constant_acceleration(records)};
     case Method::kAuto:
       break;
   }
@@ -311,9 +311,9 @@ AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& op
   for (const std::string& path : logs) {
     const io::Log log = read_log(path, options);
     std::vector<std::string> notes;
-    // Cleaning the log finds these gaps again and repairs them.
-    for (const std::string& note : log.notes) {
-      if (!note.starts_with("time has")) notes.push_back(note);
+    // Cleaning the log finds the gaps again and repairs them.
+    for (const io::Note& note : log.notes) {
+      if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
     }
     ident::log::Conditioned clean = condition_log(log, options, &notes);
     for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
@@ -335,7 +335,7 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
   Identification found =
       diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
   ident::Result& result = found.result;
-  if (tells_mass(found.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
+  if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
   return found;
 }

@@ -29,17 +29,7 @@
 
 namespace stribeck::workflow {
 
-enum class Method {
-  kAuto,
-  kVelocityMap,
-  kPositionMap,
-  kJog,
-  kLeastSquares,
-  kIdimLs,
-  kBreakAway,
-  kGravity,
-  kConstantAcceleration
-};
+using ident::Method;
 
 /// The friction law that is fitted. kAsymmetric: viscous and Coulomb friction for each direction.
 enum class ModelChoice { kAuto, kConventional, kGaussian, kAsymmetric };
@@ -68,10 +58,9 @@ struct AxisRecords {
 
 struct Identification {
   ident::Result result;
-  Method method = Method::kAuto;        ///< the method that was used; kAuto: the fit of the whole drive
   bool holding_only = false;            ///< the axis was held at standstill: neither mass nor friction
   std::vector<ident::Result> beside{};  ///< results for other days, shown beside it
-  std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquares
+  std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquaresA
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
   std::optional<ident::residual::Quality>
       quality{};  ///< what the model leaves; absent: not a model of velocity
@@ -100,21 +89,6 @@ friction::AxisModel as_model(const ident::Result& result);
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
 
 }  // namespace stribeck::workflow
-
-template <>
-struct stribeck::EnumNames<stribeck::workflow::Method> {
-  using M = stribeck::workflow::Method;
-  static constexpr std::array names{
-      std::pair{M::kAuto, std::string_view{"auto"}},
-      std::pair{M::kVelocityMap, std::string_view{"velocity-map"}},
-      std::pair{M::kPositionMap, std::string_view{"position-map"}},
-      std::pair{M::kJog, std::string_view{"jog"}},
-      std::pair{M::kLeastSquares, std::string_view{"least-squares"}},
-      std::pair{M::kBreakAway, std::string_view{"break-away"}},
-      std::pair{M::kGravity, std::string_view{"gravity"}},
-      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}},
-      std::pair{M::kIdimLs, std::string_view{"idim-ls"}}};
-};
 
 template <>
 struct stribeck::EnumNames<stribeck::workflow::ModelChoice> {

@@ -58,7 +58,7 @@ TEST(Identify, FindsMassAndFrictionOfALog) {
   EXPECT_EQ(axis.sources, log);
   EXPECT_FALSE(axis.one_direction);
   const workflow::Identification found = workflow::identify(axis, {});
-  EXPECT_EQ(found.method, Method::kAuto);
+  EXPECT_EQ(found.result.method, Method::kAuto);
   // 6000 rows with 0.3 N of noise tell a mass whose force has an amplitude of 60 N to a few parts in a thousand.
   EXPECT_NEAR(found.result.mass, kMass, 0.01 * kMass);
   EXPECT_LT(found.result.mass_interval.low, found.result.mass);
@@ -124,7 +124,7 @@ TEST(Identify, OwnUnitIsNoAxisFile) {
 TEST(Identify, OptionsThatAMethodIgnoresAreRefused) {
   EXPECT_EQ(refusal({}), "accepted");
   EXPECT_EQ(refusal({.method = Method::kGravity, .terms = 2}), "--terms: --method gravity does not take it");
-  EXPECT_EQ(refusal({.method = Method::kLeastSquares, .mass = "5 kg"}),
+  EXPECT_EQ(refusal({.method = Method::kLeastSquaresA, .mass = "5 kg"}),
             "--mass: --method least-squares does not take it");
   EXPECT_EQ(refusal({.method = Method::kJog, .turn = "5 mm"}), "--turn: --method jog does not take it");
   EXPECT_EQ(

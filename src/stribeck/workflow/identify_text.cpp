@@ -105,7 +105,7 @@ std::string text_of(const Identification& found, const std::string& axis) {
   if (found.quality && found.quality->rows > 0)
     out += '\n' + ident::residual::in_words(*found.quality, result.force_unit) + '\n';
   for (const ident::Result& other : found.beside) out += report::text_table(other, axis);
-  if (result.peaks && found.method == Method::kVelocityMap) {
+  if (result.peaks && found.result.method == Method::kVelocityMap) {
     out += fmt::format(
         "\nPeaks of the smoothed map, by which the thesis chooses the number of "
         "terms: {} for v > 0, {} for v < 0.\n",

@@ -209,13 +209,14 @@ Inspection inspect(const io::Log& log, const LogOptions& options) {
     out.text += fmt::format("  and {} more\n", log.metadata.size() - kMostMetadata);
   out.json["columns"] = nlohmann::ordered_json::array();
   add_columns(log, out);
-  out.json["notes"] = log.notes;
+  out.json["notes"] = nlohmann::ordered_json::array();
+  for (const io::Note& note : log.notes) out.json["notes"].push_back(note.text);
   if (!log.notes.empty()) {
     std::vector<std::string> notes;
     const bool runs = !options.runs.empty() || !options.where.empty();
-    for (const std::string& note : log.notes) {
+    for (const io::Note& note : log.notes) {
       // The time restarts where runs follow each other.
-      if (!(runs && note.find("time goes back") != std::string::npos)) notes.push_back(note);
+      if (!(runs && note.about == io::Note::About::kTimeBack)) notes.push_back(note.text);
     }
     const std::size_t more = notes.size() > kMostNotes ? notes.size() - kMostNotes : 0;
     notes.resize(notes.size() - more);

@@ -28,7 +28,7 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
         "constant acceleration: a flank of {:.3g} s has only {} samples, expected at least 20", flank, rows));
   }
   Excitation e;
-  e.method = "constant-acceleration";
+  e.method = ExcitationMethod::kConstantAcceleration;
   e.sample_time = sample_time;
   double r = design.start;
   e.r.push_back(r);

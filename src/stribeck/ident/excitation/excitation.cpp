@@ -39,11 +39,12 @@ void check_positions(const Excitation& e, const Limits& l) {
     if (e.r[k] < l.travel_min - 1e-9 || e.r[k] > l.travel_max + 1e-9) {
       throw Refused(fmt::format(
           "{}: would go to {:g} mm at {:.3f} s, travel is {:g} to {:g} mm; move the start or shorten the motion",
-          e.method, e.r[k] * 1e3, e.t[k], l.travel_min * 1e3, l.travel_max * 1e3));
+          enum_name(e.method), e.r[k] * 1e3, e.t[k], l.travel_min * 1e3, l.travel_max * 1e3));
     }
     if (k + 1 < e.r.size() && std::abs(e.r[k + 1] - e.r[k]) / T > l.speed * (1.0 + 1e-6)) {
       throw Refused(fmt::format("{}: needs {:.4g} mm/s at {:.3f} s, the limit of speed is {:g} mm/s",
-                                e.method, std::abs(e.r[k + 1] - e.r[k]) / T * 1e3, e.t[k], l.speed * 1e3));
+                                enum_name(e.method), std::abs(e.r[k + 1] - e.r[k]) / T * 1e3, e.t[k],
+                                l.speed * 1e3));
     }
     if (k > 0 && k + 1 < e.r.size() && l.acceleration > 0.0) {
       const double a = std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (T * T);
@@ -51,7 +52,7 @@ void check_positions(const Excitation& e, const Limits& l) {
       if (a > l.acceleration * 1.001 + 1e-14 / (T * T)) {
         throw Refused(
             fmt::format("{}: needs {:.4g} mm/s2 at {:.3f} s, the limit of acceleration is {:g} mm/s2",
-                        e.method, a * 1e3, e.t[k], l.acceleration * 1e3));
+                        enum_name(e.method), a * 1e3, e.t[k], l.acceleration * 1e3));
       }
     }
   }

@@ -27,10 +27,13 @@
 
 #include <cstddef>
 #include <optional>
+#include <stribeck/core/fields.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace stribeck::ident::excitation {
@@ -62,8 +65,11 @@ struct RoughDrive {
 /// A straight line through the identified curve, taken from the direction with the larger friction, and the mass.
 RoughDrive rough_drive(const Result& first);
 
+/// The kinds of excitation. EnumNames has the words of options and files.
+enum class ExcitationMethod { kPulses, kRamp, kJog, kSine, kPositionSine, kConstantAcceleration };
+
 struct Excitation {
-  std::string method;         ///< "pulses", "jog", "sine", "position-sine", "ramp", "constant-acceleration"
+  ExcitationMethod method = ExcitationMethod::kPulses;
   double sample_time = 0.0;   ///< [s]
   std::vector<double> t;      ///< [s]
   std::vector<double> r;      ///< [m]; empty for pulses
@@ -127,3 +133,15 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
 std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
 
 }  // namespace stribeck::ident::excitation
+
+template <>
+struct stribeck::EnumNames<stribeck::ident::excitation::ExcitationMethod> {
+  using M = stribeck::ident::excitation::ExcitationMethod;
+  static constexpr std::array names{
+      std::pair{M::kPulses, std::string_view{"pulses"}},
+      std::pair{M::kRamp, std::string_view{"ramp"}},
+      std::pair{M::kJog, std::string_view{"jog"}},
+      std::pair{M::kSine, std::string_view{"sine"}},
+      std::pair{M::kPositionSine, std::string_view{"position-sine"}},
+      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}}};
+};

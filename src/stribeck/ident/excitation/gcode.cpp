@@ -21,7 +21,7 @@ double millimetres(double metres) { return std::round(metres * 1e9) * 1e-6 + 0.0
 std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine) {
   if (e.r.empty()) {
     throw Refused(
-        e.method +
+        std::string(enum_name(e.method)) +
         ": G-code commands positions and cannot command forces in open loop; give the table to a control that takes forces, or choose jog, sine, position-sine or constant-acceleration");
   }
   static constexpr std::string_view kLetters = "XYZABCUVW";
@@ -34,14 +34,14 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
   std::string name = machine;
   std::erase_if(name, [](char c) { return std::string_view("();%\n\r").find(c) != std::string_view::npos; });
   std::string out =
-      fmt::format("({} of axis {}, {})\n", e.method, letter, name) +
+      fmt::format("({} of axis {}, {})\n", enum_name(e.method), letter, name) +
       fmt::format(
           "({:.1f} s; millimetres, millimetres per minute; record position and drive force meanwhile)\n",
           e.t.back()) +
       "(the control adds its own ramps: feed override 100 %, nothing else moving, no cutting)\n" +
       "G21 G90 G94 G64\n" + fmt::format("G0 {}{:.6f}\nG4 P1\n", letter, millimetres(e.r.front()));
   const double T = e.sample_time;
-  const bool flats = e.method == "jog";
+  const bool flats = e.method == ExcitationMethod::kJog;
   const auto dense = static_cast<std::size_t>(std::max(1.0, std::round(kGcodeStep / T)));
   std::size_t k = 0;
   while (k + 1 < e.r.size()) {

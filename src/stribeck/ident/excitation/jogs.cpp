@@ -93,7 +93,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
   const double room = room_of(limits, design);
   Excitation e;
-  e.method = "jog";
+  e.method = ExcitationMethod::kJog;
   e.sample_time = sample_time;
   e.r.push_back(design.start);
   check_period(design, room, sample_time);

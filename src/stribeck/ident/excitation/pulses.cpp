@@ -159,7 +159,7 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
         "pulses: a rough mass and Coulomb force are needed, both positive; a slow jog gives the latter");
   }
   Excitation e;
-  e.method = "pulses";
+  e.method = ExcitationMethod::kPulses;
   e.sample_time = sample_time;
   const Heights heights = heights_of(limits, drive, design);
   double top = 0.0;

@@ -96,7 +96,7 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
   }
   const double up = kBeyond * rise;
   Excitation e;
-  e.method = "ramp";
+  e.method = ExcitationMethod::kRamp;
   e.sample_time = sample_time;
   const double whole = std::max(slipped.end, up + kBack) + 2.0 * kRest + 0.5;
   check_rows(design.rise ? "rise" : "repeats", 2.0 * design.repeats * whole / sample_time, sample_time,

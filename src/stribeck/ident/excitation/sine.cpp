@@ -14,16 +14,16 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
     throw Refused("sine: amplitude, frequency and number of periods must be positive");
   }
   Excitation e;
-  e.method = design.from_middle ? "position-sine" : "sine";
+  e.method = design.from_middle ? ExcitationMethod::kPositionSine : ExcitationMethod::kSine;
   e.sample_time = sample_time;
   // φ' rises as 3s² − 2s³ over the first second and then stays constant: position, speed and acceleration begin at rest. A cosine
   // ends at rest by itself; a sine, which passes its middle at full speed, slows down in the way it began.
   const double whole = 2.0 * kPi * design.periods / design.frequency;
   const double end = design.from_middle ? std::max(whole + 1.0, 2.0) : whole + 0.5;
-  check_rows(
-      "periods", end / sample_time, sample_time,
-      fmt::format("{}: {} periods of {:.4g} s", e.method, design.periods, 2.0 * kPi / design.frequency),
-      "fewer periods, or a faster sine in the machine file");
+  check_rows("periods", end / sample_time, sample_time,
+             fmt::format("{}: {} periods of {:.4g} s", enum_name(e.method), design.periods,
+                         2.0 * kPi / design.frequency),
+             "fewer periods, or a faster sine in the machine file");
   const auto rows = static_cast<std::size_t>(std::floor(end / sample_time)) + 1;
   const auto from_rest = [](double t) { return t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5; };
   for (std::size_t k = 0; k < rows; ++k) {

@@ -324,10 +324,11 @@ TimeCheck check_time(const std::vector<double>& values, const std::string& sourc
   }
   if (!result.gaps.empty()) {
     const auto& first = result.gaps.front();
-    result.notes.push_back("time has " + std::to_string(result.gaps.size()) +
-                           (result.gaps.size() == 1 ? " gap" : " gaps") + ", the first before row " +
-                           std::to_string(first.row) + ": " + rounded(first.duration) + " instead of " +
-                           rounded(result.sample_time));
+    result.notes.emplace_back("time has " + std::to_string(result.gaps.size()) +
+                                  (result.gaps.size() == 1 ? " gap" : " gaps") + ", the first before row " +
+                                  std::to_string(first.row) + ": " + rounded(first.duration) +
+                                  " instead of " + rounded(result.sample_time),
+                              Note::About::kGaps);
   }
   if (result.jitter > TimeCheck::kJitterTolerance) {
     result.notes.push_back("time jitters by up to " + number_text(std::round(1000.0 * result.jitter) / 10.0) +

@@ -36,11 +36,29 @@ struct Column {
   bool unit_assumed = false;  ///< not in the file (a note says so), or one letter that may be an axis as well
 };
 
+/// What was found, repaired or left out when a log was read, in one sentence.
+struct Note {
+  enum class About {
+    kOther,
+    kGaps,        ///< gaps of the time: ident::log::condition() finds them again and repairs them
+    kTimeBack,    ///< the time does not increase: usual where runs follow each other
+    kGivenNames,  ///< names and units come from the user
+  };
+
+  std::string text;
+  About about = About::kOther;
+
+  Note(std::string sentence, About subject = About::kOther) : text(std::move(sentence)), about(subject) {}
+  operator const std::string&() const noexcept { return text; }
+  friend bool operator==(const Note&, const Note&) = default;
+};
+using Notes = std::vector<Note>;
+
 struct Log {
   std::string source;  ///< file, for messages
   std::vector<Column> columns;
-  std::size_t rows = 0;            ///< of the longest column; columns of different rates differ in length
-  std::vector<std::string> notes;  ///< what was found, repaired or left out, one sentence each
+  std::size_t rows = 0;  ///< of the longest column; columns of different rates differ in length
+  Notes notes;           ///< what was found, repaired or left out
   /// Keys as in the file; "sample time" and "axis N" where the format has its own place for them.
   std::vector<std::pair<std::string, std::string>> metadata;
   std::string format = "CSV";
@@ -105,7 +123,7 @@ struct TimeCheck {
   double jitter = 0.0;         ///< largest |step/sample_time − 1| outside gaps
   std::size_t jitter_row = 0;  ///< where, counted from 1; 0: nowhere
   std::vector<Gap> gaps;
-  std::vector<std::string> notes;  ///< what a user should know: gaps, jitter beyond the tolerance
+  Notes notes;  ///< what a user should know: gaps, jitter beyond the tolerance
 
   [[nodiscard]] bool regular() const noexcept { return gaps.empty() && jitter <= kJitterTolerance; }
 };

@@ -35,7 +35,7 @@ class HalReader : Reader {
       c.header = given;
       log_.columns.push_back(std::move(c));
     }
-    note("names and units are those given, the file has none");
+    note("names and units are those given, the file has none", Note::About::kGivenNames);
   }
 
   void read_rows() {

@@ -180,9 +180,14 @@ void note_times(Log& log) {
     if (!is_time[i] || c.values.size() < 2) continue;
     const std::string of = c.name == "t" ? "" : "column " + in_quotes(c.name) + ": ";
     try {
-      for (std::string& text : check_time(c.values, "", c.name).notes) log.notes.push_back(of + text);
+      for (const Note& note : check_time(c.values, "", c.name).notes)
+        log.notes.emplace_back(of + note.text, note.about);
     } catch (const InputError& e) {
-      log.notes.push_back("column " + in_quotes(c.name) + ": " + e.problems().front().message);
+      const auto first = std::adjacent_find(c.values.begin(), c.values.end(),
+                                            [](double before, double after) { return !(after > before); });
+      const bool back = first != c.values.end() && *std::next(first) < *first;
+      log.notes.emplace_back("column " + in_quotes(c.name) + ": " + e.problems().front().message,
+                             back ? Note::About::kTimeBack : Note::About::kOther);
     }
   }
 }

@@ -103,13 +103,13 @@ bool is_data(std::string_view line) {
 }
 
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
-                                      std::vector<std::string>& notes) {
+                                      Notes& notes) {
   std::vector<std::string_view> cells =
       separator == ' ' ? split(row, separator) : split_exactly(row, separator);
   while (cells.size() > columns && cells.back().empty()) cells.pop_back();
   if (cells.size() != columns) return {};
   std::vector<std::string> units;
-  std::vector<std::string> said;
+  Notes said;
   std::size_t known = 0;
   for (const std::string_view cell : cells) {
     if (looks_like_number(cell) || time_of_day(unquoted(cell))) return {};

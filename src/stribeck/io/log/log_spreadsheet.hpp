@@ -25,7 +25,7 @@ bool is_data(std::string_view line);
 
 /// Units in the row below the names, one for each column, "" where it has none; nothing where the row is another one.
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
-                                      std::vector<std::string>& notes);
+                                      Notes& notes);
 
 /// What to say of a table whose cells are all text; `row` is one of its rows.
 const char* why_no_numbers(const std::vector<std::string_view>& row);

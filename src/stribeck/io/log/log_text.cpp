@@ -228,7 +228,7 @@ bool looks_like_number(std::string_view cell) {
   return cell_number(cell, '.').has_value() || cell_number(cell, ',').has_value();
 }
 
-Column column_of(std::string header, std::vector<std::string>& notes) {
+Column column_of(std::string header, Notes& notes) {
   Column c;
   c.name = header;
   for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
@@ -346,7 +346,7 @@ std::string header_of(const std::string& name) {
   return std::string(trimmed(text.substr(0, blank))) + " [" + std::string(unit) + "]";
 }
 
-std::string plain_unit(std::string_view text, std::string_view column, std::vector<std::string>& notes) {
+std::string plain_unit(std::string_view text, std::string_view column, Notes& notes) {
   std::string unit = as_utf8(unquoted(trimmed(text)));
   // TwinCAT adds the quantity: "dV (Voltage)", "(None)".
   if (!unit.empty() && unit.back() == ')') {

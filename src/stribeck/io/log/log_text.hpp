@@ -41,13 +41,13 @@ std::optional<double> cell_number(std::string_view cell, char decimal);
 bool looks_like_number(std::string_view cell);
 
 /// Splits a CSV header into name and unit.
-Column column_of(std::string header, std::vector<std::string>& notes);
+Column column_of(std::string header, Notes& notes);
 /// "x mm" → "x [mm]"; a text with brackets is unchanged.
 std::string header_of(const std::string& name);
 
 /// A unit as controls spell it ("Ampere", "U/min", "Incr", "dV (Voltage)"), in a spelling that units.hpp knows;
 /// "" and a note when there is none.
-std::string plain_unit(std::string_view text, std::string_view column, std::vector<std::string>& notes);
+std::string plain_unit(std::string_view text, std::string_view column, Notes& notes);
 
 /// Refuses content that is no text: empty, UTF-16, archives, NUL bytes.
 void check_text(std::string_view bytes, const std::string& source);
@@ -97,7 +97,9 @@ class Reader {
   }
 
   [[noreturn]] void fail(std::size_t line, std::string message) const;
-  void note(std::string text) { log_.notes.push_back(std::move(text)); }
+  void note(std::string text, Note::About about = Note::About::kOther) {
+    log_.notes.emplace_back(std::move(text), about);
+  }
   void add_metadata(std::string_view key, std::string_view value);
   /// Non-negative integer behind a key; empty where there is none.
   static std::optional<std::size_t> count(std::string_view text);

@@ -17,11 +17,11 @@ constexpr double kBetter = 0.95;  // of the residual, to take a force off the lo
 /// Methods whose result is a friction model over velocity, so that a residual can be taken.
 bool has_residual(const Identification& found) {
   if (found.holding_only || found.result.curve.empty()) return false;
-  switch (found.method) {
+  switch (found.result.method) {
     case Method::kAuto:
     case Method::kVelocityMap:
     case Method::kJog:
-    case Method::kLeastSquares:
+    case Method::kLeastSquaresA:
     case Method::kIdimLs:
       return true;
     case Method::kPositionMap:
@@ -100,14 +100,15 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
   if (!has_residual(found)) return found;
   ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
   ident::residual::Diagnosis taken;
-  for (int pass = 0; pass < kPasses && may_run_again(found.method) && (d.spring || d.unbalance); ++pass) {
+  for (int pass = 0; pass < kPasses && may_run_again(found.result.method) && (d.spring || d.unbalance);
+       ++pass) {
     ident::residual::Diagnosis more = taken;
     add(d, more);
     const AxisRecords cleaned = without(axis, more);
     Identification again = method(cleaned);
     ident::residual::Diagnosis left = ident::residual::diagnose(cleaned.records, again.result);
     if (!(left.quality.rms < kBetter * d.quality.rms)) break;
-    if (again.method == Method::kJog) without_mass(again.result);
+    if (again.result.method == Method::kJog) without_mass(again.result);
     taken = more;
     found = std::move(again);
     d = std::move(left);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <cmath>
 #include <utility>
 
@@ -19,7 +20,7 @@ constexpr std::uint64_t kBetweenRuns = 1000003;
 
 ident::log::Record log_of(const Study& s, const ident::excitation::Excitation& e, Run run) {
   return as_record(play(*s.machine, s.axis, e.r, e.force, s.seed + run * kBetweenRuns),
-                   s.name() + "-" + e.method);
+                   fmt::format("{}-{}", s.name(), enum_name(e.method)));
 }
 
 ident::excitation::Limits limits_of(const Study& s) {
@@ -88,10 +89,12 @@ void run_study(Study& s) {
   ident::log::Record pulses;
   if (w.a || w.c || w.verify) {
     // The first run only tells the forces for the second one.
-    const ident::excitation::Excitation first = design(*s.machine, s.axis, "pulses", 0);
+    const ident::excitation::Excitation first =
+        design(*s.machine, s.axis, ident::excitation::ExcitationMethod::kPulses, 0);
     const auto drive = ident::excitation::rough_drive(
         ident::methods::identify_least_squares_a({log_of(s, first, kPulses)}).result);
-    const ident::excitation::Excitation second = design(*s.machine, s.axis, "pulses", 0, drive);
+    const ident::excitation::Excitation second =
+        design(*s.machine, s.axis, ident::excitation::ExcitationMethod::kPulses, 0, drive);
     pulses = log_of(s, second, kPulses);
     if (w.a) s.scales = by_scale(pulses, second.force);
   }
@@ -102,11 +105,14 @@ void run_study(Study& s) {
     s.a = ident::methods::identify_least_squares_a({pulses}, {jog(s, speeds, kFewJogs)});
   }
   const ident::log::Record sine =
-      w.b || w.c || w.d || w.verify ? log_of(s,
-                                             design(*s.machine, s.axis, s.biaxial ? "sine" : "position-sine",
-                                                    s.biaxial ? kSinePeriods : kPositionPeriods),
-                                             kSine)
-                                    : ident::log::Record{};
+      w.b || w.c || w.d || w.verify
+          ? log_of(s,
+                   design(*s.machine, s.axis,
+                          s.biaxial ? ident::excitation::ExcitationMethod::kSine
+                                    : ident::excitation::ExcitationMethod::kPositionSine,
+                          s.biaxial ? kSinePeriods : kPositionPeriods),
+                   kSine)
+          : ident::log::Record{};
   if (w.b || w.verify) {
     ident::methods::JogOptions conventional;
     conventional.gaussians = false;
