@@ -24,7 +24,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct CompareCommand {
   Common common;
   std::string machine;
   std::string experiment;
@@ -54,7 +54,8 @@ void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<
   });
 }
 
-sim::CompareSpec spec_of(const Options& o, const std::string& experiment, const sim::Machine& machine) {
+sim::CompareSpec spec_of(const CompareCommand& o, const std::string& experiment,
+                         const sim::Machine& machine) {
   sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
   add_beyond(s.controllers, experiment, o.parameters);
   for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
@@ -66,7 +67,7 @@ sim::CompareSpec spec_of(const Options& o, const std::string& experiment, const 
 }
 
 /// The printed figures belong to one experiment: the circle of 10 mm with the gains of the table.
-std::span<const report::PrintedTable> printed_for(const Options& o, const std::string& experiment) {
+std::span<const report::PrintedTable> printed_for(const CompareCommand& o, const std::string& experiment) {
   PathOptions standard;
   standard.laps = o.path.laps;
   standard.accuracy = o.path.accuracy;
@@ -90,7 +91,7 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
   }
 }
 
-int compare(const Options& o) {
+int compare(const CompareCommand& o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
   if (is_file(o.path)) inputs.push_back(o.path.path);
@@ -151,7 +152,7 @@ int compare(const Options& o) {
 void add_compare(CLI::App& app, Action& action) {
   auto* verb =
       app.add_subcommand("compare", "Run several controllers on a virtual machine and compare their errors");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CompareCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option(
           "--experiment", o->experiment,

@@ -12,13 +12,13 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct EvaluateCommand {
   Common common;
   std::string path = "circle";
   CircleOptions what;
 };
 
-int evaluate(const Options& o) {
+int evaluate(const EvaluateCommand& o) {
   check_distinct(o.what.logs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   report::CircleReportInput input = judge_circles(o.what);
@@ -34,7 +34,7 @@ int evaluate(const Options& o) {
 
 void add_evaluate(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("evaluate", "Compute the radial error of measured circles from any log");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<EvaluateCommand>();
   verb->add_option("logs", o->what.logs, "Logs of the same program, one log for each control")
       ->required()
       ->type_name("LOG...");

@@ -25,7 +25,7 @@ namespace {
 
 using ident::excitation::ExcitationMethod;
 
-struct Options {
+struct ExciteCommand {
   Common common;
   std::string machine;
   ExcitationOptions what;
@@ -40,7 +40,7 @@ bool is_gcode(const std::string& path) {
 }
 
 /// G-code commands positions and cannot command forces.
-void check_gcode(const Options& o) {
+void check_gcode(const ExciteCommand& o) {
   if (o.gcode.empty() && !is_gcode(o.output)) return;
   const bool force = o.what.method == ExcitationMethod::kPulses || o.what.method == ExcitationMethod::kRamp;
   if (force) {
@@ -64,7 +64,7 @@ void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<do
   log.columns.push_back(std::move(column));
 }
 
-int excite(const Options& o) {
+int excite(const ExciteCommand& o) {
   check_excitation(o.what);
   check_gcode(o);
   check_distinct({o.machine, o.what.known}, {o.output, o.gcode, o.common.json});
@@ -116,7 +116,7 @@ int excite(const Options& o) {
 void add_excite(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "excite", "Design a motion or force whose log determines friction and mass of an axis");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ExciteCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--method", o->method,
                    "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "

@@ -15,7 +15,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct ExportCommand {
   Common common;
   std::string to;
   targets::ExportRequest what;
@@ -33,7 +33,7 @@ std::string target_list() {
   return out;
 }
 
-int run_export(const Options& o) {
+int run_export(const ExportCommand& o) {
   std::vector<std::string> inputs = o.what.files;
   for (const std::string& text : o.what.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {o.what.output, o.common.json});
@@ -50,7 +50,7 @@ int run_export(const Options& o) {
 
 void add_export(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("export", "Write identified parameters in the format of another program");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ExportCommand>();
   verb->add_option(
           "files", o->what.files,
           "Axis files written by identify, to export controllers; or one machine file, to export a whole configuration or its virtual drives")

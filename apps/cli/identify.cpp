@@ -24,7 +24,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct IdentifyCommand {
   Common common;
   std::vector<std::string> logs;
   LogArguments log;
@@ -36,7 +36,7 @@ struct Options {
   bool inspect = false;
 };
 
-IdentifyOptions identify_options(const Options& o) {
+IdentifyOptions identify_options(const IdentifyCommand& o) {
   IdentifyOptions options = o.identify;
   options.method = *enum_value<Method>(o.method);
   options.model = *enum_value<ModelChoice>(o.model);
@@ -45,7 +45,7 @@ IdentifyOptions identify_options(const Options& o) {
 }
 
 /// --inspect identifies nothing, so only options on reading the log are allowed.
-void check_inspect(const Options& o) {
+void check_inspect(const IdentifyCommand& o) {
   const auto none = [](bool given, const char* option) {
     if (given) refuse_option(option, "--inspect does not take it: it identifies nothing");
   };
@@ -72,7 +72,7 @@ void refuse_repeated(const std::vector<std::string>& logs) {
   }
 }
 
-int inspect_logs(const Options& o, const LogOptions& log_options) {
+int inspect_logs(const IdentifyCommand& o, const LogOptions& log_options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   bool usable = true;
   for (const std::string& path : o.logs) {
@@ -100,7 +100,8 @@ void write_axis_file(const std::string& path, const Identification& found, const
 }
 
 /// Every axis of a machine from whatever logs there are of it.
-int identify_machine(const Options& o, const IdentifyOptions& options, const LogOptions& log_options) {
+int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
+                     const LogOptions& log_options) {
   const sim::Machine machine = load_machine(o.logs.front());
   const std::vector<std::string> logs(o.logs.begin() + 1, o.logs.end());
   if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
@@ -123,7 +124,7 @@ int identify_machine(const Options& o, const IdentifyOptions& options, const Log
   return 0;
 }
 
-int run_identify(const Options& o) {
+int run_identify(const IdentifyCommand& o) {
   const IdentifyOptions options = identify_options(o);
   check_options(options);
   if (o.inspect) check_inspect(o);
@@ -148,7 +149,7 @@ int run_identify(const Options& o) {
 void add_identify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "identify", "Identify mass and friction of an axis from its logs, with 95 % confidence intervals");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<IdentifyCommand>();
   verb->add_option(
           "log", o->logs,
           "Logs of one axis; several are fitted together. With a machine file first: logs of any of its axes, each identified from its own")

@@ -17,7 +17,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct InitCommand {
   Common common;
   MachineDraft draft;
   std::vector<std::string> set;
@@ -25,7 +25,7 @@ struct Options {
 };
 
 /// The values of --set, each with its key.
-void take_values(Options& o) {
+void take_values(InitCommand& o) {
   for (const std::string& text : o.set) {
     auto [key, value] = halves("--set", text, "AXIS.GROUP.KEY=VALUE");
     check_value(o.draft, "--set", key, value);
@@ -55,7 +55,7 @@ void ask(MachineDraft& draft) {
   }
 }
 
-int init(Options o) {
+int init(InitCommand o) {
   io::check_writable(o.output);
   check_distinct({}, {o.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
@@ -79,7 +79,7 @@ int init(Options o) {
 void add_init(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "init", "Write a commented machine file from options, and from answers on a terminal");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<InitCommand>();
   verb->add_option("--name", o->draft.name, "Name of the machine")->required()->type_name("NAME");
   verb->add_option("--axes", o->draft.axes, "Names of its axes, e.g. --axes x y z")
       ->required()

@@ -11,7 +11,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct MachineCommand {
   Common common;
   std::string machine;
 };
@@ -33,7 +33,7 @@ std::string as_text(const ExplainedAxis& axis) {
   return out;
 }
 
-int machine(const Options& o) {
+int machine(const MachineCommand& o) {
   check_distinct({o.machine}, {o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   const MachineDescription m = read_description(o.machine);
@@ -62,7 +62,7 @@ int machine(const Options& o) {
 void add_machine(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "machine", "Check a machine file, explain its values and say what is missing for which verb");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<MachineCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);

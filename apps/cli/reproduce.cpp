@@ -20,13 +20,13 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct ReproduceCommand {
   Common common;
   ReproduceOptions what;
   std::string markdown;
   std::string check;
 
-  Options() { what.ids.clear(); }
+  ReproduceCommand() { what.ids.clear(); }
 };
 
 /// The command that makes the same page again, without options that have no effect.
@@ -59,7 +59,7 @@ class StageBars {
   std::optional<Progress> bar_;
 };
 
-int run_reproduce(const Options& o) {
+int run_reproduce(const ReproduceCommand& o) {
   const ReproductionPlan plan = plan_reproduction(o.what);
   std::vector<std::string> inputs = o.what.controllers;
   inputs.push_back(o.check);
@@ -97,7 +97,7 @@ int run_reproduce(const Options& o) {
 void add_reproduce(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "reproduce", "Repeat the experiments of the thesis and compare the results with its printed values");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ReproduceCommand>();
   verb->add_option("ids", o->what.ids, "Experiments; all: every experiment of the thesis, without robustness")
       ->required()
       ->check(one_of(reproducible_ids()))

@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kAnswerIsNo = 1;
 
-struct Options {
+struct SimulateCommand {
   Common common;
   std::string machine;
   std::string output;
@@ -44,7 +44,7 @@ struct Options {
 };
 
 /// Runs an axis along a file that excite wrote.
-int play_reference(const Options& o, const sim::Machine& machine) {
+int play_reference(const SimulateCommand& o, const sim::Machine& machine) {
   if (o.axis.empty()) refuse_option("--axis", "missing, expected the axis that --reference is for");
   const std::size_t axis = axis_index(machine, o.machine, o.axis);
   const ReferenceFile reference = read_reference(o.reference, machine, axis);
@@ -77,7 +77,7 @@ int play_reference(const Options& o, const sim::Machine& machine) {
   return end_stop ? kAnswerIsNo : 0;
 }
 
-int run_path(const Options& o, const sim::Machine& machine) {
+int run_path(const SimulateCommand& o, const sim::Machine& machine) {
   sim::CompareSpec spec = single_run(o.run, o.parameters, machine, o.machine);
   spec.trials = o.trial + 1;
   spec.seed = o.seed;
@@ -114,7 +114,7 @@ int run_path(const Options& o, const sim::Machine& machine) {
   return 0;
 }
 
-int simulate(const Options& o) {
+int simulate(const SimulateCommand& o) {
   std::vector<std::string> inputs{o.machine, o.reference};
   if (o.reference.empty() && is_file(o.run.path)) inputs.push_back(o.run.path.path);
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
@@ -132,7 +132,7 @@ int simulate(const Options& o) {
 void add_simulate(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "simulate", "Simulate one run of a virtual machine, along a path or with a reference of excite");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<SimulateCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);

@@ -24,7 +24,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct TuneCommand {
   Common common;
   std::string machine;
   ParameterOptions parameters;
@@ -35,11 +35,11 @@ struct Options {
 bool is_file(const std::string& out) { return out.size() > 5 && out.ends_with(".toml"); }
 
 /// The output file of each tuned controller.
-std::string file_of(const Options& o, const std::string& id) {
+std::string file_of(const TuneCommand& o, const std::string& id) {
   return is_file(o.out) ? o.out : o.out + "/" + id + ".toml";
 }
 
-int tune(const Options& o) {
+int tune(const TuneCommand& o) {
   const sim::Machine machine = load_machine(o.machine);
   const sim::TuneSpec spec = tune_spec(o.what, o.parameters, machine, o.machine);
   std::vector<std::string> inputs = o.what.controllers;
@@ -99,7 +99,7 @@ int tune(const Options& o) {
 void add_tune(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "tune", "Find the best gains of each controller within limits of stability margin and input variation");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<TuneCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option("--experiment", o->what.experiment,
                    "Experiment whose path and controllers are used; left out: chosen as in compare")

@@ -16,7 +16,7 @@
 namespace stribeck::cli {
 namespace {
 
-struct Options {
+struct VerifyCommand {
   Common common;
   std::vector<std::string> files;  ///< axis files, then the logs
   LogArguments log;
@@ -34,7 +34,7 @@ void sort_files(const std::vector<std::string>& files, VerifyOptions& out) {
   out.logs.assign(first_log, files.end());
 }
 
-int run_verify(const Options& o) {
+int run_verify(const VerifyCommand& o) {
   VerifyOptions options = o.verify;
   sort_files(o.files, options);
   std::vector<std::string> inputs = o.files;
@@ -60,7 +60,7 @@ void add_verify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "verify",
       "Test identified models on logs that were not used to identify them: error of the force, motion in open and closed loop, verdict (exit code 1: not usable)");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<VerifyCommand>();
   verb->add_option("files", o->files, "Axis files written by identify, then the logs")
       ->required()
       ->type_name("AXIS.toml... LOG...");

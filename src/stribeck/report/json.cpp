@@ -5,6 +5,7 @@
 #include <stribeck/core/walk_fields.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/shown_units.hpp>
@@ -16,9 +17,6 @@ namespace {
 
 using io::Json;
 using io::number_or_null;
-
-constexpr double kMicro = 1e6;
-constexpr double kMilli = 1e3;
 
 /// Writes the metrics into an object, in the order that users know.
 void write_metrics(Json& out, const sim::Metrics& m, std::size_t axes) {

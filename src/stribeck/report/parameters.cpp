@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/text.hpp>
@@ -10,7 +11,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kFitColor = "#0072b2";
 constexpr std::string_view kConventionalColor = "#e69f00";
 constexpr std::string_view kPointColor = "#b4bac0";

@@ -21,6 +21,8 @@ std::string right_aligned(std::string_view text, std::size_t width);
 
 /// With this many decimals; "–" where the value is not finite, never "-0.0".
 std::string decimals(double value, int digits);
+/// A length [m] in micrometres with two decimals, without the unit.
+inline std::string micrometres(double metres) { return decimals(metres * 1e6, 2); }
 
 /// The same with its sign, "+" too; "0" has none.
 std::string with_sign(double value, int digits);

@@ -8,7 +8,7 @@ using control::ContouringParams;
 using control::Observer;
 using control::PerAxis;
 
-constexpr double kMilli = 1e-3;
+constexpr double kMm = 1e-3;
 constexpr double kDegree = kPi / 180.0;
 
 ControllerSpec with(std::string id, std::string label, control::LawParams law, FrictionUse friction,
@@ -151,8 +151,8 @@ Experiment beyond(const Experiment& thesis) {
 
 Experiment five_axis() {
   path::ConeFrustum cone;
-  cone.table = {100.0 * kMilli, {{0.0, 0.0, 50.0 * kMilli}}};
-  cone.radius = 20.0 * kMilli;
+  cone.table = {100.0 * kMm, {{0.0, 0.0, 50.0 * kMm}}};
+  cone.radius = 20.0 * kMm;
   cone.inclination = 30.0 * kDegree;
   cone.half_angle = 15.0 * kDegree;
   Travel t;
@@ -160,7 +160,7 @@ Experiment five_axis() {
   t.name = "cone frustum, radius 20 mm, half angle 15°, inclined by 30°";
   t.pace = path::Pace::kRate;
   // The tool tip moves at 10 mm/s over the workpiece.
-  t.speed = 10.0 * kMilli / cone.radius;
+  t.speed = 10.0 * kMm / cone.radius;
   t.laps = 2.0;
 
   const ContouringParams law = ContouringParams::critical(40.0, 60.0);
@@ -192,7 +192,7 @@ Experiment five_axis() {
 }
 
 Experiment milling() {
-  Travel t = along(path::Shape::kCircle, 10.0 * kMilli, 10.0 * kMilli, 2.0);
+  Travel t = along(path::Shape::kCircle, 10.0 * kMm, 10.0 * kMm, 2.0);
   CuttingForce f;
   f.spindle_speed = 1500.0 / 60.0;
   f.teeth = 4;

@@ -16,7 +16,7 @@ constexpr std::size_t kSector = 360 / kSectors;
 /// A radius that differs by more than this from the intended one belongs to another circle or another unit.
 constexpr double kRadius = 0.2;
 
-struct Point {
+struct CirclePoint {
   double x = 0.0;
   double y = 0.0;
 };
@@ -31,13 +31,13 @@ template <class... Parts>
 [[noreturn]] void no_circle() { refuse("the positions are no circle"); }
 
 /// Least squares of x² + y² = 2·c_x·x + 2·c_y·y + k; points relative to their mean.
-Point algebraic_centre(std::span<const Point> points) {
+CirclePoint algebraic_centre(std::span<const CirclePoint> points) {
   double uu = 0.0;
   double uv = 0.0;
   double vv = 0.0;
   double ud = 0.0;
   double vd = 0.0;
-  for (const Point& p : points) {
+  for (const CirclePoint& p : points) {
     const double d = 0.5 * (p.x * p.x + p.y * p.y);
     uu += p.x * p.x;
     uv += p.x * p.y;
@@ -54,15 +54,15 @@ Point algebraic_centre(std::span<const Point> points) {
 struct Distances {
   double mean = 0.0;
   double squares = 0.0;
-  Point step;
+  CirclePoint step;
 };
 
-Distances distances(std::span<const Point> points, const Point& centre) {
+Distances distances(std::span<const CirclePoint> points, const CirclePoint& centre) {
   const double n = static_cast<double>(points.size());
   Distances d;
-  Point direction;
+  CirclePoint direction;
   const auto each = [&](auto&& f) {
-    for (const Point& p : points) {
+    for (const CirclePoint& p : points) {
       const double x = p.x - centre.x;
       const double y = p.y - centre.y;
       const double r = std::hypot(x, y);
@@ -106,25 +106,25 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
   constexpr double kAtRest = 1e-12;  // as a share of the size of the points
   constexpr double kStraight = 1e4;  // a centre farther away than this belongs to a straight line
   const double n = static_cast<double>(x.size());
-  Point mean;
+  CirclePoint mean;
   for (std::size_t i = 0; i < x.size(); ++i) {
     mean.x += x[i] / n;
     mean.y += y[i] / n;
   }
-  std::vector<Point> points(x.size());
+  std::vector<CirclePoint> points(x.size());
   double size = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     points[i] = {x[i] - mean.x, y[i] - mean.y};
     size = std::max(size, std::hypot(points[i].x, points[i].y));
   }
-  Point centre = algebraic_centre(points);
+  CirclePoint centre = algebraic_centre(points);
   Distances at = distances(points, centre);
   for (int k = 0; k < kMostSteps; ++k) {
     if (std::hypot(at.step.x, at.step.y) <= kAtRest * size) break;
     double share = 1.0;
     bool lower = false;
     for (int h = 0; h < kMostHalvings && !lower; ++h, share *= 0.5) {
-      const Point tried{centre.x + share * at.step.x, centre.y + share * at.step.y};
+      const CirclePoint tried{centre.x + share * at.step.x, centre.y + share * at.step.y};
       const Distances there = distances(points, tried);
       lower = there.squares < at.squares;
       if (!lower) continue;

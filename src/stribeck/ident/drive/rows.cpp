@@ -11,7 +11,7 @@ namespace {
 /// Largest relative change of speed within one relaxation length; the lag, of first order in it, is then small
 /// and known.
 constexpr double kLagShare = 0.2;
-constexpr std::size_t kFewestRows = 30;
+constexpr std::size_t kFewestOfADirection = 30;
 constexpr std::size_t kSampleRows = 60000;  // enough for a quick look at the data
 constexpr std::size_t kSampleChunk = 2000;  // rows in sequence, so that their correlation can be seen
 
@@ -45,9 +45,9 @@ void sort_into_bins(Rows& rows, const AlignedLog& log, int most_bins) {
     ++count[rows.side[i]];
   }
   for (std::size_t s = 0; s < map::kSides; ++s) {
-    if (count[s] < kFewestRows || !(rows.grid[s].high > rows.grid[s].low)) {
+    if (count[s] < kFewestOfADirection || !(rows.grid[s].high > rows.grid[s].low)) {
       throw Refused("identification: " + std::to_string(count[s]) + " rows of " + map::kSideName[s] +
-                    " sliding motion, expected at least " + std::to_string(kFewestRows) +
+                    " sliding motion, expected at least " + std::to_string(kFewestOfADirection) +
                     "; run the axis through its speeds in both directions");
     }
     rows.grid[s].bins = std::max(8, std::min(most_bins, static_cast<int>(count[s] / 12)));

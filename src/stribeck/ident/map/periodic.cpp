@@ -13,7 +13,8 @@ constexpr double kRough = 1e-4;
 constexpr double kFine = 1e-9;
 
 /// Adds one term after the other, each refined together with those before it; `left` is their residual.
-std::vector<Line> search(const Data& data, const Grid& grid, const PeriodicOptions& options, Residual& left) {
+std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, const PeriodicOptions& options,
+                               Residual& left) {
   std::vector<Line> found;
   std::vector<double> rejected;
   bool any = true;
@@ -45,7 +46,7 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   Data data;
   if (!measure(rows, options, data, result) || !join(rows, data, result)) return result;
   prepare_passes(data);
-  const Grid grid = frequencies(data);
+  const FrequencyGrid grid = frequencies(data);
   if (!(data.total > 0.0)) {
     result.notes.emplace_back("periodic terms: the residual is zero");
     return result;
@@ -54,7 +55,7 @@ PeriodicResult find_periodic(const PeriodicRows& rows, const PeriodicOptions& op
   left.e = data.e;
   spectrum(data, grid, left);
   write_spectrum(grid, left, result);
-  std::vector<Line> found = search(data, grid, options, left);
+  std::vector<Line> found = search_lines(data, grid, options, left);
   if (found.empty()) {
     report_none(data, result);
     return result;

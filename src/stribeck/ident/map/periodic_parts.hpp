@@ -69,7 +69,7 @@ struct Data {
 };
 
 /// Frequencies of the spectrum, and the position of each group.
-struct Grid {
+struct FrequencyGrid {
   double spread = 0.0;   ///< length of an evenly covered travel that would resolve periods equally well [m]
   std::size_t size = 0;  ///< of the transformation
   double step = 0.0;     ///< of frequency [1/m]
@@ -99,18 +99,18 @@ void project(const Data& data, Eigen::Ref<VectorXd> column);
 // periodic_spectrum.cpp
 inline constexpr int kHighestHarmonic = 12;
 
-Grid frequencies(const Data& data);
+FrequencyGrid frequencies(const Data& data);
 /// Reduction of the residual's power by a term, and its amplitude, in both forms.
-void spectrum(const Data& data, const Grid& grid, Residual& left);
+void spectrum(const Data& data, const FrequencyGrid& grid, Residual& left);
 /// The candidate that is tried next; absent when nothing stands out.
-std::optional<Line> strongest(const Data& data, const Grid& grid, const Residual& left,
+std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const Residual& left,
                               const PeriodicOptions& options, const std::vector<Line>& found,
                               const std::vector<double>& rejected, bool any);
 /// Mean power of the residual around a term, and the number of lines of the spectrum that the mean is taken over.
-std::pair<double, double> local(const Data& data, const Grid& grid, const Residual& left, const Line& line,
-                                std::size_t form);
+std::pair<double, double> local(const Data& data, const FrequencyGrid& grid, const Residual& left,
+                                const Line& line, std::size_t form);
 /// Whether a term stands out of the background beside it when the term itself is removed.
-bool stands(const Data& data, const Grid& grid, const Residual& left, const Line& line);
+bool stands(const Data& data, const FrequencyGrid& grid, const Residual& left, const Line& line);
 
 // periodic_fit.cpp
 /// Share of the amplitude that remains in the mean of a group.
@@ -122,9 +122,9 @@ bool refine(const Data& data, bool exact, double tolerance, std::vector<Line>& l
 
 // periodic_result.cpp
 /// The spectrum in at most 400 lines, each the largest of its neighbourhood.
-void write_spectrum(const Grid& grid, const Residual& left, PeriodicResult& result);
+void write_spectrum(const FrequencyGrid& grid, const Residual& left, PeriodicResult& result);
 /// Terms with intervals; `left` is their residual.
-void report(const Data& data, const Grid& grid, const Residual& left, const PeriodicOptions& options,
+void report(const Data& data, const FrequencyGrid& grid, const Residual& left, const PeriodicOptions& options,
             const std::vector<Line>& found, PeriodicResult& result);
 /// What rows that show no term leave undetermined.
 void report_none(const Data& data, PeriodicResult& result);

@@ -76,7 +76,7 @@ double power_of(const Data& data, const Line& line, Form form, const VectorXd& e
 }
 
 /// Term number j with its intervals; C is the unscaled covariance of a, b and f, X has the columns of all terms.
-PeriodicTerm term_of(const Data& data, const Grid& grid, const Residual& left, const Line& line,
+PeriodicTerm term_of(const Data& data, const FrequencyGrid& grid, const Residual& left, const Line& line,
                      const Eigen::Matrix3d& C, const MatrixXd& X, Index j, PeriodicResult& result) {
   PeriodicTerm t;
   const double A = std::hypot(line.a, line.b);
@@ -143,7 +143,7 @@ void number_harmonics(const Data& data, double turn, PeriodicResult& result) {
 
 }  // namespace
 
-void write_spectrum(const Grid& grid, const Residual& left, PeriodicResult& result) {
+void write_spectrum(const FrequencyGrid& grid, const Residual& left, PeriodicResult& result) {
   constexpr int kLines = 400;
   const double ratio = static_cast<double>(grid.highest) / static_cast<double>(grid.lowest);
   std::vector<SpectrumLine> lines;
@@ -160,7 +160,7 @@ void write_spectrum(const Grid& grid, const Residual& left, PeriodicResult& resu
   result.spectrum.assign(lines.rbegin(), lines.rend());
 }
 
-void report(const Data& data, const Grid& grid, const Residual& left, const PeriodicOptions& options,
+void report(const Data& data, const FrequencyGrid& grid, const Residual& left, const PeriodicOptions& options,
             const std::vector<Line>& found, PeriodicResult& result) {
   const auto n = static_cast<Index>(data.groups.size());
   const auto count = static_cast<Index>(found.size());

@@ -23,15 +23,15 @@ double chance(double ratio, double lines) { return std::pow(1.0 + ratio / lines,
 /// Smallest background, for a residual that contains nothing but lines.
 double smallest(const Data& data) { return std::numeric_limits<double>::min() + 1e-20 * data.total; }
 
-double lines_per_bin(const Data& data, const Grid& grid) { return grid.step * data.length; }
+double lines_per_bin(const Data& data, const FrequencyGrid& grid) { return grid.step * data.length; }
 
-double all_lines(const Data& data, const Grid& grid) {
+double all_lines(const Data& data, const FrequencyGrid& grid) {
   return std::max(1.0, static_cast<double>(grid.highest - grid.lowest) * lines_per_bin(data, grid) *
                            (data.both ? 2.0 : 1.0));
 }
 
 /// Spectra of a sum over groups, forward and backward, in one transform.
-void transform(const Data& data, const Grid& grid, const std::vector<double>& values,
+void transform(const Data& data, const FrequencyGrid& grid, const std::vector<double>& values,
                std::array<std::vector<Complex>, 2>& out) {
   std::vector<Complex> binned(grid.size, 0.0);
   for (std::size_t i = 0; i < data.groups.size(); ++i) {
@@ -48,7 +48,7 @@ void transform(const Data& data, const Grid& grid, const std::vector<double>& va
 }
 
 /// Mean power of the surrounding lines, from their median: the line itself and its neighbours do not raise it.
-void make_background(const Data& data, const Grid& grid, std::size_t form, Residual& left) {
+void make_background(const Data& data, const FrequencyGrid& grid, std::size_t form, Residual& left) {
   const double near = 12.0 / (data.length * grid.step);
   std::vector<double> at, level, lines;
   const double first = std::log(static_cast<double>(grid.lowest));
@@ -122,8 +122,8 @@ bool holds_in_other_passes(const Data& data, const Line& line, const MatrixXd& B
 
 }  // namespace
 
-Grid frequencies(const Data& data) {
-  Grid grid;
+FrequencyGrid frequencies(const Data& data) {
+  FrequencyGrid grid;
   const double width = kBinSpan * data.shortest;
   const auto wanted = static_cast<std::size_t>(std::ceil(kOversampling * data.length / width));
   grid.size = 64;
@@ -153,7 +153,7 @@ Grid frequencies(const Data& data) {
   return grid;
 }
 
-void spectrum(const Data& data, const Grid& grid, Residual& left) {
+void spectrum(const Data& data, const FrequencyGrid& grid, Residual& left) {
   std::vector<double> moment(data.groups.size());
   for (std::size_t i = 0; i < data.groups.size(); ++i) {
     moment[i] = data.root(static_cast<Index>(i)) * left.e(static_cast<Index>(i));
@@ -188,7 +188,7 @@ void spectrum(const Data& data, const Grid& grid, Residual& left) {
 /// First the strongest line of all: where the travel is covered unevenly, as by jogs from one place, a line spreads over its
 /// neighbours and raises its own background. Then the strongest of those that stand out. (Not the one with the largest ratio: in a
 /// falling background, side lobes of the strongest line would be taken for terms.)
-std::optional<Line> strongest(const Data& data, const Grid& grid, const Residual& left,
+std::optional<Line> strongest(const Data& data, const FrequencyGrid& grid, const Residual& left,
                               const PeriodicOptions& options, const std::vector<Line>& found,
                               const std::vector<double>& rejected, bool any) {
   const double resolution = 1.0 / data.length;
@@ -225,8 +225,8 @@ std::optional<Line> strongest(const Data& data, const Grid& grid, const Residual
   return line;
 }
 
-std::pair<double, double> local(const Data& data, const Grid& grid, const Residual& left, const Line& line,
-                                std::size_t form) {
+std::pair<double, double> local(const Data& data, const FrequencyGrid& grid, const Residual& left,
+                                const Line& line, std::size_t form) {
   const double at = line.f / grid.step;
   const double near = 1.0 / (grid.spread * grid.step);
   const double reach = std::max(10.0 * near, 0.15 * at);
@@ -254,7 +254,7 @@ std::pair<double, double> local(const Data& data, const Grid& grid, const Residu
           std::max(2.0, static_cast<double>(around.size()) * grid.step * grid.spread)};
 }
 
-bool stands(const Data& data, const Grid& grid, const Residual& left, const Line& line) {
+bool stands(const Data& data, const FrequencyGrid& grid, const Residual& left, const Line& line) {
   MatrixXd B(static_cast<Index>(data.groups.size()), 2);
   columns(data, line, B, false);
   if (!holds_in_other_passes(data, line, B, left.e)) return false;

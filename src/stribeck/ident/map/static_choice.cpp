@@ -17,7 +17,7 @@ using Family = StaticFit::Family;
 
 constexpr std::size_t kFoldBins = 80;
 /// Repeated motion makes paired differences exact: a gain of less than this share of the error does not count.
-constexpr double kWorthwhile = 0.01;
+constexpr double kWorthwhileGain = 0.01;
 constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
 // Of the largest friction measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third of what
 // is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
@@ -174,7 +174,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
     const double loss = add(fit);
     // Two more terms in sequence brought no gain; a third will not either.
-    vain = loss < (1.0 - kWorthwhile) * best ? 0 : vain + 1;
+    vain = loss < (1.0 - kWorthwhileGain) * best ? 0 : vain + 1;
     best = std::min(best, loss);
   }
   if (options.terms) {
@@ -401,7 +401,7 @@ Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std:
     const double error = std::sqrt(square * m / (m - 1.0)) / rows;
     p.rms.push_back(std::sqrt(std::max(0.0, mean[n])));
     p.error.push_back(p.rms.back() > 0.0 ? error / (2.0 * p.rms.back()) : 0.0);
-    p.equal.push_back(mean[n] - mean[best] <= std::max(error, 2.0 * kWorthwhile * mean[best]));
+    p.equal.push_back(mean[n] - mean[best] <= std::max(error, 2.0 * kWorthwhileGain * mean[best]));
     if (p.equal.back() && parameters[n] < parameters[p.chosen]) p.chosen = n;
   }
   return p;

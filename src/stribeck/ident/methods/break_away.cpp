@@ -20,7 +20,7 @@ constexpr double kStraight = 0.05;  // share of the force at the slip: RMS dista
 constexpr std::size_t kFewestQuiet = 5;  // rows without force before a ramp
 constexpr double kRestBefore =
     0.1;  // share of the deflection at the slip by which the axis may move just before the ramp
-constexpr std::size_t kFewestRows = 30;
+constexpr std::size_t kFewestRampRows = 30;
 constexpr double kElastic = 4.0;  // factor by which the deflection grows over the second half of the force
 constexpr double kCounts = 8.0;   // encoder steps that a deflection needs to be seen
 constexpr double kQuasi = 0.85;   // share of the slip's force up to which the distance is fitted
@@ -123,7 +123,7 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
   std::size_t before = 0;
   for (std::size_t k = 1; k < y.size(); ++k) {
     while (before + 1 < k && f[before + 1] <= kSmaller * f[k]) ++before;
-    if (k < kFewestRows || f[k] < kNotYet * f.back() || y[before] < visible) continue;
+    if (k < kFewestRampRows || f[k] < kNotYet * f.back() || y[before] < visible) continue;
     if (y[k] < kGrowth * y[before]) continue;
     if (crooked(f, k) > kStraight) return {{}, No::kCrooked};
     // There is no force just before it, unless the record begins here; early in that pause the axis may still spring back.
@@ -227,7 +227,7 @@ void find_slips(const log::Record& rec, std::size_t record, const BreakAwayOptio
     const int direction = rec.f[k] > 0.0 ? 1 : -1;
     std::size_t end = k;
     while (end + 1 < rec.f.size() && direction * rec.f[end + 1] > quiet) ++end;
-    if (end - k >= kFewestRows) {
+    if (end - k >= kFewestRampRows) {
       ++stretches.count;
       std::size_t begin = k;
       while (begin > 0 && std::abs(rec.f[begin - 1]) <= quiet) --begin;

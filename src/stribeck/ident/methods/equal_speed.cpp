@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOneSpeed = 0.05;   // share by which forward and backward speeds of a pair may differ
 constexpr double kConstant = 0.001;  // probability below which half sums do not agree
-constexpr std::size_t kFewestRows = 60;
+constexpr std::size_t kFewestPairs = 60;
 constexpr double kSlowest = 0.02;  // share of the largest speed at which the bins begin
 
 struct Row {
@@ -151,7 +151,7 @@ MassEstimate mass_at_equal_speed(const std::vector<log::Record>& records, const 
   double top = 0.0;
   const std::vector<Row> rows = rows_of(records, options, top);
   out.rows = rows.size();
-  if (rows.size() < kFewestRows) return out;
+  if (rows.size() < kFewestPairs) return out;
   struct Sum {
     double n = 0, a = 0, f = 0, z = 0;
   };

@@ -14,26 +14,26 @@ using Eigen::Vector2d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 
-constexpr std::size_t kFewestRows = 60;
+constexpr std::size_t kFewestFitRows = 60;
 
-struct Row {
+struct FitRow {
   int record;
   std::size_t at;
   double next;  // w[k+1]
   Vector4d phi;
 };
 
-/// Rows of the thesis's fit, and the sums of the simple fit over all rows.
-struct Rows {
-  std::vector<Row> rows;
+/// FitRows of the thesis's fit, and the sums of the simple fit over all rows.
+struct FitRows {
+  std::vector<FitRow> rows;
   Matrix2d simple_normal = Matrix2d::Zero();
   Vector2d simple_right = Vector2d::Zero();
   double fastest[2] = {0.0, 0.0};  ///< forward, backward [m/s]
   double T = 0.0;                  ///< [s]
 };
 
-Rows gather(const std::vector<log::Record>& records, const LeastSquaresAOptions& options) {
-  Rows out;
+FitRows gather_rows(const std::vector<log::Record>& records, const LeastSquaresAOptions& options) {
+  FitRows out;
   const double T = out.T = records.front().sample_time;
   std::size_t count[2] = {0, 0};
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -60,10 +60,10 @@ Rows gather(const std::vector<log::Record>& records, const LeastSquaresAOptions&
     }
   }
   for (int side = 0; side < 2; ++side) {
-    if (count[side] < kFewestRows) {
+    if (count[side] < kFewestFitRows) {
       throw Refused("least squares A: " + std::to_string(count[side]) + " rows of " +
                     (side == 0 ? "positive" : "negative") +
-                    " motion beyond the dead band, expected at least " + std::to_string(kFewestRows) +
+                    " motion beyond the dead band, expected at least " + std::to_string(kFewestFitRows) +
                     "; stronger or more pulses are needed");
     }
   }
@@ -76,10 +76,10 @@ struct Solution {
 };
 
 /// Columns differ by many orders of magnitude, so each is scaled to length one.
-Solution solve(const std::vector<Row>& rows) {
+Solution solve(const std::vector<FitRow>& rows) {
   Matrix4d normal = Matrix4d::Zero();
   Vector4d right = Vector4d::Zero();
-  for (const Row& row : rows) {
+  for (const FitRow& row : rows) {
     normal += row.phi * row.phi.transpose();
     right += row.phi * row.next;
   }
@@ -90,7 +90,7 @@ Solution solve(const std::vector<Row>& rows) {
   Vector4d theta = inverse * right;
   // One step of iterative refinement, because 1 − θ1 is a small difference.
   Vector4d correction = Vector4d::Zero();
-  for (const Row& row : rows) correction += row.phi * (row.next - row.phi.dot(theta));
+  for (const FitRow& row : rows) correction += row.phi * (row.next - row.phi.dot(theta));
   theta += inverse * correction;
   if (!(theta(1) > 0.0) || !(theta(0) > 0.0)) {
     throw Refused(
@@ -99,7 +99,7 @@ Solution solve(const std::vector<Row>& rows) {
   return {theta, inverse};
 }
 
-stats::Uncertainty uncertainty_of(const std::vector<Row>& rows, const Solution& s) {
+stats::Uncertainty uncertainty_of(const std::vector<FitRow>& rows, const Solution& s) {
   Eigen::MatrixXd X(static_cast<Eigen::Index>(rows.size()), 4);
   VectorXd e(X.rows());
   std::vector<int> record;
@@ -133,7 +133,7 @@ Matrix4d derivatives(const LeastSquaresA& out, const Vector4d& theta, double T) 
 }
 
 /// Mass, Coulomb and viscous friction from θ.
-LeastSquaresA parameters_of(const Rows& rows, const Vector4d& theta) {
+LeastSquaresA parameters_of(const FitRows& rows, const Vector4d& theta) {
   const double T = rows.T;
   LeastSquaresA out;
   for (int i = 0; i < 4; ++i) out.theta[static_cast<std::size_t>(i)] = theta(i);
@@ -150,7 +150,7 @@ LeastSquaresA parameters_of(const Rows& rows, const Vector4d& theta) {
   return out;
 }
 
-void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, const Matrix4d& d,
+void write_parameters(const FitRows& rows, const stats::Uncertainty& uncertainty, const Matrix4d& d,
                       LeastSquaresA& out) {
   Result& r = out.result;
   r.method = Method::kLeastSquaresA;
@@ -179,8 +179,8 @@ void write_parameters(const Rows& rows, const stats::Uncertainty& uncertainty, c
   }
 }
 
-void write_curve(const Rows& rows, const LeastSquaresAOptions& options, const stats::Uncertainty& uncertainty,
-                 const Matrix4d& d, LeastSquaresA& out) {
+void write_curve(const FitRows& rows, const LeastSquaresAOptions& options,
+                 const stats::Uncertainty& uncertainty, const Matrix4d& d, LeastSquaresA& out) {
   Result& r = out.result;
   for (int side = 1; side >= 0; --side) {
     const double direction = side == 0 ? 1.0 : -1.0;
@@ -196,7 +196,7 @@ void write_curve(const Rows& rows, const LeastSquaresAOptions& options, const st
   }
   const std::size_t step = std::max<std::size_t>(1, rows.rows.size() / 1200);
   for (std::size_t i = 0; i < rows.rows.size(); i += step) {
-    const Row& row = rows.rows[i];
+    const FitRow& row = rows.rows[i];
     r.map.push_back({0.5 * (row.phi(0) + row.next), row.phi(1) - r.mass * (row.next - row.phi(0)) / rows.T,
                      row.phi(0) > 0 ? 1 : -1});
   }
@@ -207,7 +207,7 @@ void write_curve(const Rows& rows, const LeastSquaresAOptions& options, const st
 LeastSquaresA identify_least_squares_a(const std::vector<log::Record>& records,
                                        const LeastSquaresAOptions& options) {
   if (records.empty()) throw Refused("least squares A: no record given");
-  const Rows rows = gather(records, options);
+  const FitRows rows = gather_rows(records, options);
   const Solution solution = solve(rows.rows);
   const stats::Uncertainty uncertainty = uncertainty_of(rows.rows, solution);
   LeastSquaresA out = parameters_of(rows, solution.theta);

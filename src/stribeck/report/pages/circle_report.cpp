@@ -7,6 +7,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/circle_report.hpp>
 #include <stribeck/report/text.hpp>
@@ -16,16 +17,12 @@ namespace {
 
 using Json = io::Json;
 
-constexpr double kMicro = 1e6;
-
-std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }
-
 std::string direction(const sim::CircleTest& t) {
   return t.counter_clockwise ? "counter-clockwise" : "clockwise";
 }
 
 /// "circle 2, clockwise (line=9)"; parts that do not distinguish circles are left out.
-std::string name_of(const CircleReportInput& input, std::size_t c) {
+std::string circle_name(const CircleReportInput& input, std::size_t c) {
   std::string name = direction(input.logs.front().circles[c]);
   if (c < input.rows.size()) name += ", rows " + input.rows[c];
   return name;
@@ -102,7 +99,7 @@ Drawn drawn(const sim::CircleTest& t) {
 }
 
 void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
-  page.section(name_of(input, c));
+  page.section(circle_name(input, c));
   double most = 0.0;
   for (const CircleLog& log : input.logs) most = std::max(most, log.circles[c].max_error);
   const Magnifier common(most);

@@ -2,6 +2,7 @@
 /// Rows of a comparison by travel, as the parts of its page need them. Internal to report.
 /// Real time: no.
 
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
 #include <stribeck/report/pages/verdict.hpp>
 #include <stribeck/report/text.hpp>
@@ -9,9 +10,6 @@
 #include <vector>
 
 namespace stribeck::report {
-
-inline constexpr double kMicro = 1e6;
-inline constexpr double kMilli = 1e3;
 
 /// The results of one travel.
 struct TravelBlock {
@@ -24,7 +22,5 @@ struct TravelBlock {
 
 /// Blocks in the order of the result.
 std::vector<TravelBlock> blocks_of(const CompareReportInput& input);
-
-inline std::string micrometres(double metres) { return decimals(metres * kMicro, 2); }
 
 }  // namespace stribeck::report

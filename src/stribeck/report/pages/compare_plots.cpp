@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/report/pages/compare_plots.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -11,7 +12,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180.0 / kPi;
 /// Colour of text inside a drawing: the colours of some controllers are too light to read.
 constexpr const char* kInk = "#202124";

@@ -119,10 +119,6 @@ void settings(Page& page, const CompareReportInput& input) {
   }
 }
 
-std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
-  return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
-}
-
 void identification(Page& page, const CompareReportInput& input) {
   for (std::size_t i = 0; i < std::min(input.axes.size(), input.result.axes.size()); ++i) {
     for (const auto& model : input.axes[i].models) {
@@ -222,20 +218,18 @@ void errors_along_path_and_time(Page& page, const CompareReportInput& input,
   page.section(capital_error + " along the path");
   for (const TravelBlock& b : blocks) {
     const ScaledPlots drawn = path_plots(result, b.index, {});
-    page.figures(
-        drawn.plots, 1,
-        with_scales(
-            "Last scored lap of the first trial" +
-                std::string(result.axes.size() == 2 ? "; positive to the left of the direction of travel"
-                            : one_axis              ? ""
-                                                    : "; a distance, without a sign") +
-                ". Vertical lines: an axis reverses" + (one_axis ? "." : ", a quadrant begins."),
-            drawn));
+    page.figures(drawn.plots, 1,
+                 drawn.caption(
+                     "Last scored lap of the first trial" +
+                     std::string(result.axes.size() == 2 ? "; positive to the left of the direction of travel"
+                                 : one_axis              ? ""
+                                                         : "; a distance, without a sign") +
+                     ". Vertical lines: an axis reverses" + (one_axis ? "." : ", a quadrant begins.")));
   }
   page.section(capital_error + " over time");
   for (const TravelBlock& b : blocks) {
     const ScaledPlots drawn = time_plots(result, b.index, {.height = 260, .scored_only = false});
-    page.figures(drawn.plots, 1, with_scales("The whole run of the first trial, from rest to rest.", drawn));
+    page.figures(drawn.plots, 1, drawn.caption("The whole run of the first trial, from rest to rest."));
   }
 }
 
@@ -247,9 +241,8 @@ void reversals(Page& page, const CompareReportInput& input, const std::vector<Tr
     const ScaledPlots drawn = reversal_plots(b, result);
     page.figures(
         drawn.plots, 2,
-        with_scales("The last reversal of each axis in the first trial. The second vertical line ends the "
-                    "window of the quadrant glitch.",
-                    drawn));
+        drawn.caption("The last reversal of each axis in the first trial. The second vertical line ends the "
+                      "window of the quadrant glitch."));
   }
 }
 

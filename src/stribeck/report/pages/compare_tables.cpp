@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/report/laws.hpp>
 #include <stribeck/report/pages/compare_tables.hpp>
 #include <utility>
 
 namespace stribeck::report {
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}  // namespace
+namespace {}  // namespace
 
 /// Compares the block with printed figures, in one sentence; empty where nothing was printed.
 std::string against_print(const TravelBlock& block) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
 #include <stribeck/report/plot/contour_plots.hpp>
 #include <stribeck/report/text.hpp>
@@ -13,8 +15,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMicro = 1e6;
 constexpr double kDetail = 0.5;
 
 using Figure = sim::Figure::OfRun;
@@ -193,10 +193,6 @@ Plot bars(const Rows& some, const Rows& all, Figure figure, const char* title, c
   return p;
 }
 
-std::string with_scales(const std::string& caption, const ScaledPlots& drawn) {
-  return drawn.scales.empty() ? caption : caption + " " + drawn.scales;
-}
-
 std::string shown(double value, const ReproducedFigure& f) { return decimals(value, f.digits); }
 
 std::string with_spread(const ReproducedFigure& f) {
@@ -206,7 +202,7 @@ std::string with_spread(const ReproducedFigure& f) {
   return text;
 }
 
-std::string name_of(const ReproducedFigure& f) {
+std::string figure_name(const ReproducedFigure& f) {
   return f.against.empty() ? f.of : fmt::format("{} against {}", f.of, f.against);
 }
 
@@ -229,7 +225,7 @@ Table figure_table(const ReproducedSection& s) {
     if (std::isfinite(f.low) && std::isfinite(f.high))
       ours.spread = fmt::format("[{}, {}]", shown(f.low, f), shown(f.high, f));
     t.rows.push_back({{f.what},
-                      {name_of(f)},
+                      {figure_name(f)},
                       {shown(f.printed, f)},
                       ours,
                       {decimals(f.ratio(), 2)},
@@ -291,13 +287,13 @@ ReproducedSection reproduced(const sim::Experiment& experiment, const sim::Setti
     const TraceLook look = rows.size() > 3 ? TraceLook{560, 300, kDetail, false, true}
                                            : TraceLook{920, 300, kDetail, true, true};
     const ScaledPlots over_time = time_plots(result, travel, look);
-    s.plots.emplace_back(over_time.plots, with_scales("Scored part of the first trial.", over_time));
+    s.plots.emplace_back(over_time.plots, over_time.caption("Scored part of the first trial."));
     if (result.axes.size() > 1) {
       const ScaledPlots over_path = path_plots(result, travel, look);
       s.plots.emplace_back(
           over_path.plots,
-          with_scales("Last scored lap of the first trial, over the path. Vertical lines: an axis reverses.",
-                      over_path));
+          over_path.caption(
+              "Last scored lap of the first trial, over the path. Vertical lines: an axis reverses."));
     }
     if (result.axes.size() == 2 && result.spec.travels[travel].pace == path::Pace::kRate)
       s.plots.emplace_back(local_errors(result, travel),
@@ -372,7 +368,7 @@ std::string reproduction_html(const ReproductionInput& input) {
         ours.spread = fmt::format("[{}, {}]", shown(f.low, f), shown(f.high, f));
       all.rows.push_back({{s.id, "", s.setting},
                           {f.what},
-                          {name_of(f)},
+                          {figure_name(f)},
                           {shown(f.printed, f)},
                           ours,
                           {decimals(f.ratio(), 2)},
@@ -412,9 +408,9 @@ std::string reproduction_markdown(const ReproductionInput& input) {
     if (has_print(s)) {
       out += "\n| figure | of | thesis | Stribeck | ratio | unit | source |\n|---|---|---|---|---|---|---|\n";
       for (const ReproducedFigure& f : s.figures) {
-        out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what), cell_text(name_of(f)),
-                           shown(f.printed, f), with_spread(f), decimals(f.ratio(), 2), cell_text(f.unit),
-                           cell_text(f.source));
+        out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_text(f.what),
+                           cell_text(figure_name(f)), shown(f.printed, f), with_spread(f),
+                           decimals(f.ratio(), 2), cell_text(f.unit), cell_text(f.source));
       }
     }
     if (!s.table.columns.empty()) {
@@ -455,7 +451,7 @@ std::string reproduction_text(const ReproductionInput& input) {
     TextColumn unit{"", "", {}, false};
     for (const ReproducedFigure& f : s.figures) {
       what.entries.push_back(clean_text(f.what));
-      of.entries.push_back(clean_text(name_of(f)));
+      of.entries.push_back(clean_text(figure_name(f)));
       print.entries.push_back(shown(f.printed, f));
       ours.entries.push_back(shown(f.ours, f));
       times.entries.push_back(decimals(f.ratio(), 2));

@@ -13,7 +13,7 @@ namespace {
 using Figure = double sim::Metrics::*;
 using sim::Metrics;
 
-std::string micrometres(double metres) { return decimals(metres * 1e6, 2) + "\u00A0µm"; }
+std::string with_micrometres(double metres) { return decimals(metres * 1e6, 2) + "\u00A0µm"; }
 std::string millivolts(double volts) { return significant(volts * 1e3, 3) + "\u00A0mV"; }
 
 bool is_plain(const sim::CompareRow& r) {
@@ -57,7 +57,8 @@ std::string change_from(double value, double against) {
 }
 
 std::string maximum_and_rms(const sim::CompareRow& r) {
-  return fmt::format("{} and {} RMS", micrometres(r.mean.max_contour_error), micrometres(r.mean.rms));
+  return fmt::format("{} and {} RMS", with_micrometres(r.mean.max_contour_error),
+                     with_micrometres(r.mean.rms));
 }
 
 std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::string& pace,
@@ -99,12 +100,12 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   } else {
     if (flattest != &ours) {
       text += fmt::format(" {} has the smallest maximum, {}{}.", full_name(*flattest),
-                          micrometres(flattest->mean.max_contour_error),
+                          with_micrometres(flattest->mean.max_contour_error),
                           chance(*flattest, &Metrics::max_contour_error));
     }
     if (quietest != &ours) {
       text += fmt::format(" {} has the smallest RMS, {}{}.", full_name(*quietest),
-                          micrometres(quietest->mean.rms), chance(*quietest, &Metrics::rms));
+                          with_micrometres(quietest->mean.rms), chance(*quietest, &Metrics::rms));
     }
   }
   std::vector<std::string> learned;
@@ -124,7 +125,7 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
   const double trials = result.spec.trials;
   const sim::CompareRow* best = least(rows, &Metrics::rms);
   std::string text = fmt::format("At {} {} leaves the smallest RMS {}, {}", pace, full_name(*best),
-                                 error_name(result), micrometres(best->mean.rms));
+                                 error_name(result), with_micrometres(best->mean.rms));
   std::vector<std::string> as_good;
   for (const sim::CompareRow* r : rows) {
     if (r != best && alike(*r, *best, &Metrics::rms, trials)) as_good.push_back(name_of(*r));
@@ -148,19 +149,19 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
     std::vector<std::string> parts;
     for (const sim::CompareRow* r : others) {
       parts.push_back(fmt::format("{} {} ({})", change_from(best->mean.*figure, r->mean.*figure),
-                                  full_name(*r), micrometres(r->mean.*figure)));
+                                  full_name(*r), with_micrometres(r->mean.*figure)));
     }
     return listed(parts);
   };
   if (!others.empty()) text += ": " + compared(&Metrics::rms);
-  text += fmt::format(". Its largest error is {}", micrometres(best->mean.max_contour_error));
+  text += fmt::format(". Its largest error is {}", with_micrometres(best->mean.max_contour_error));
   if (!others.empty()) text += ", " + compared(&Metrics::max_contour_error);
   text += ".";
   const sim::CompareRow* flattest = least(rows, &Metrics::max_contour_error);
   if (flattest != nullptr && flattest != best) {
     const bool chance = alike(*flattest, *best, &Metrics::max_contour_error, trials);
     text += fmt::format(" {} has the smallest maximum: {}{}.", full_name(*flattest),
-                        micrometres(flattest->mean.max_contour_error),
+                        with_micrometres(flattest->mean.max_contour_error),
                         chance ? "; the difference is within the scatter" : "");
   }
   const double glitch = best->mean.quadrant_glitch;
@@ -168,7 +169,7 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
     const bool at_quadrant = glitch > 0.98 * best->mean.max_contour_error;
     text += fmt::format(
         " What remains at the {} is {} within the first 0.15\u00A0mm after an axis reverses{}.",
-        result.axes.size() == 1 ? "reversals" : "quadrants", micrometres(glitch),
+        result.axes.size() == 1 ? "reversals" : "quadrants", with_micrometres(glitch),
         at_quadrant ? ", and that is the largest error of all" : "; the largest error lies elsewhere");
   }
   return text;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
@@ -14,7 +15,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kMeasuredColor = "#9aa0a6";
 constexpr std::size_t kShownParts = 4;  ///< parts with drawings; a log may consist of hundreds
 constexpr std::size_t kShownReversals = 4;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
@@ -16,8 +17,6 @@ namespace {
 
 using io::Json;
 using io::number_or_null;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string percent(double share) { return std::isfinite(share) ? decimals(100.0 * share, 2) : "–"; }
 

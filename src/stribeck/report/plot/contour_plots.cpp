@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/plot/contour_plots.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -11,9 +13,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMicro = 1e6;
-constexpr double kMilli = 1e3;
 constexpr double kDegrees = 180.0 / kPi;
 constexpr double kRoom = 1.08;        ///< height of a scale relative to the largest error
 constexpr double kSameScale = 0.25;   ///< as a share of the largest error of a group

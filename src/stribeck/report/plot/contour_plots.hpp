@@ -49,6 +49,10 @@ std::vector<Rows> finer_rows(const Rows& rows);
 struct ScaledPlots {
   std::vector<Plot> plots;
   std::string scales;
+
+  [[nodiscard]] std::string caption(const std::string& text) const {
+    return scales.empty() ? text : text + " " + scales;
+  }
 };
 
 /// The scales of groups as a sentence; limits [µm] of the drawings, one for each group. Empty for a single drawing.

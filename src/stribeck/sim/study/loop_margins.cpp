@@ -12,10 +12,10 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Powers of two: sums of steps and of the small error are exact, and differences of runs contain no rounding.
-constexpr double kStep = 0x1p-18;   ///< of the reference per period [m]
-constexpr double kError = 0x1p-30;  ///< [m]
-constexpr double kRadius = 10e-3;   ///< radius of the circle whose parameter the law gets [m]
-constexpr int kWarm = 64;           ///< periods until the effect of the start has decayed
+constexpr double kStep = 0x1p-18;        ///< of the reference per period [m]
+constexpr double kError = 0x1p-30;       ///< [m]
+constexpr double kCircleRadius = 10e-3;  ///< radius of the circle whose parameter the law gets [m]
+constexpr int kWarm = 64;                ///< periods until the effect of the start has decayed
 
 /// Amplitude of the surface at which a switching part is replaced by a straight line [m/s].
 constexpr double kSurface = 0.1e-3;
@@ -158,7 +158,7 @@ class Line {
   /// Forces for an error of position [m]; changes the state `s`.
   Vec<double, N> step(State& s, const Vec<double, N>& error) {
     point_.position[tangent_] = kStep * static_cast<double>(tick_);
-    point_.phi = point_.position[tangent_] / kRadius;
+    point_.phi = point_.position[tangent_] / kCircleRadius;
     ++tick_;
     return s.step(point_, point_.position + error);
   }

@@ -6,7 +6,7 @@ namespace stribeck::targets {
 
 namespace {
 
-Form write(const Axis& axis) {
+Form write_c(const Axis& axis) {
   const SourceTables tables(axis);
   Form form;
   form.held = [tables](double v) { return tables.at(v); };
@@ -60,6 +60,6 @@ Form write(const Axis& axis) {
 }  // namespace
 
 extern const SteadyTarget kC;
-const SteadyTarget kC{"c", "C source with fixed tables", "/*", SteadyNeeds::kNothing, write};
+const SteadyTarget kC{"c", "C source with fixed tables", "/*", SteadyNeeds::kNothing, write_c};
 
 }  // namespace stribeck::targets

@@ -10,7 +10,7 @@ namespace {
 /// Speeds of one direction, in even steps of their logarithm.
 constexpr int kRows = 1000;
 
-Form write(const Axis& axis) {
+Form write_csv(const Axis& axis) {
   Form form;
   form.mass = form.load = true;
   form.text = fmt::format("# mass: {:.9g} kg\n# load: {:.9g} N\naxis,velocity [mm/s],friction [N]\n",
@@ -42,6 +42,6 @@ Form write(const Axis& axis) {
 }  // namespace
 
 extern const SteadyTarget kCsv;
-const SteadyTarget kCsv{"csv", "friction over velocity as a table", "#", SteadyNeeds::kNothing, write};
+const SteadyTarget kCsv{"csv", "friction over velocity as a table", "#", SteadyNeeds::kNothing, write_csv};
 
 }  // namespace stribeck::targets

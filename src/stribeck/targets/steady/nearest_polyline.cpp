@@ -8,7 +8,7 @@ namespace stribeck::targets {
 namespace {
 
 /// y = slope·x + height
-struct Line {
+struct Piece {
   double slope = 0.0;
   double height = 0.0;
 
@@ -16,15 +16,15 @@ struct Line {
 };
 
 /// Convex set of lines, given by its vertices in the plane of slope and height.
-using Lines = std::vector<Line>;
+using Lines = std::vector<Piece>;
 
 /// Keeps the lines on one side of the point (x, y): below it for side = 1, above it for −1.
 Lines clipped(const Lines& lines, double x, double y, double side) {
   Lines left;
   left.reserve(lines.size() + 2);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Line& a = lines[i];
-    const Line& b = lines[(i + 1) % lines.size()];
+    const Piece& a = lines[i];
+    const Piece& b = lines[(i + 1) % lines.size()];
     const double da = side * (a.at(x) - y);
     const double db = side * (b.at(x) - y);
     if (da <= 0.0) left.push_back(a);
@@ -37,14 +37,14 @@ Lines clipped(const Lines& lines, double x, double y, double side) {
 }
 
 /// Vertex with the largest (side = 1) or smallest value at x.
-Line extreme(const Lines& lines, double x, double side) {
+Piece extreme(const Lines& lines, double x, double side) {
   return *std::max_element(lines.begin(), lines.end(),
-                           [&](const Line& a, const Line& b) { return side * a.at(x) < side * b.at(x); });
+                           [&](const Piece& a, const Piece& b) { return side * a.at(x) < side * b.at(x); });
 }
 
-Line middle_of(const Lines& lines) {
-  Line m;
-  for (const Line& l : lines) {
+Piece middle_of(const Lines& lines) {
+  Piece m;
+  for (const Piece& l : lines) {
     m.slope += l.slope / static_cast<double>(lines.size());
     m.height += l.height / static_cast<double>(lines.size());
   }
@@ -79,7 +79,7 @@ Scaled scaled(std::span<const double> x, std::span<const double> y) {
   return s;
 }
 
-std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance, std::size_t pieces) {
+std::optional<std::vector<Piece>> lines_within(const Scaled& s, double tolerance, std::size_t pieces) {
   const std::size_t n = s.x.size();
   // No line through the band from one sample to the next is steeper than this.
   double closest = 1.0;
@@ -87,7 +87,7 @@ std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance,
   const double most = s.steepest + 2.0 * tolerance / closest + 1.0;
   const Lines all{{-most, -2.0 - most}, {most, -2.0 - most}, {most, 2.0 + most}, {-most, 2.0 + most}};
 
-  std::vector<Line> taken;
+  std::vector<Piece> taken;
   Lines lines = all;
   std::size_t begin = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -98,7 +98,7 @@ std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance,
     }
     // No line reaches this sample: the tunnel turns up (side 1) or down (−1).
     const double side = extreme(lines, s.x[i], 1.0).at(s.x[i]) < s.y[i] - tolerance ? 1.0 : -1.0;
-    const Line furthest = extreme(lines, s.x[i], side);
+    const Piece furthest = extreme(lines, s.x[i], side);
     if (taken.size() + 1 == pieces) return std::nullopt;
     taken.push_back(furthest);
     std::size_t last = begin;
@@ -121,7 +121,7 @@ std::optional<std::vector<Line>> lines_within(const Scaled& s, double tolerance,
   return taken;
 }
 
-Polyline joined(const std::vector<Line>& lines, const Scaled& s, std::span<const double> x,
+Polyline joined(const std::vector<Piece>& lines, const Scaled& s, std::span<const double> x,
                 std::span<const double> y) {
   Polyline p;
   const auto add = [&](double at, double value) {
@@ -130,8 +130,8 @@ Polyline joined(const std::vector<Line>& lines, const Scaled& s, std::span<const
   add(0.0, lines.front().at(0.0));
   double before = 0.0;
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    const Line& a = lines[i - 1];
-    const Line& b = lines[i];
+    const Piece& a = lines[i - 1];
+    const Piece& b = lines[i];
     before = std::clamp((b.height - a.height) / (a.slope - b.slope), before, 1.0);
     add(before, b.at(before));
   }
@@ -168,7 +168,7 @@ Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, 
   // For a single piece half the height is enough.
   double high = 0.5 + 1e-9;
   double low = 0.0;
-  std::vector<Line> best = lines_within(s, high, pieces).value();
+  std::vector<Piece> best = lines_within(s, high, pieces).value();
   constexpr double kNear = 1e-6;  // share of the height
   while (high - low > kNear) {
     const double tolerance = 0.5 * (low + high);

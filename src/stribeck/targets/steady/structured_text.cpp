@@ -75,7 +75,7 @@ std::string function_of(const Axis& axis, const SourceTables& tables, const std:
   return out + "END_FUNCTION\n";
 }
 
-Form write(const Axis& axis) {
+Form write_structured_text(const Axis& axis) {
   const SourceTables tables(axis);
   Form form;
   form.held = [tables](double v) { return tables.at(v); };
@@ -115,7 +115,7 @@ Form write_per_mille(const Axis& axis) {
 
 extern const SteadyTarget kStructuredText;
 const SteadyTarget kStructuredText{"structured-text", "function for a PLC after IEC 61131-3", "(*",
-                                   SteadyNeeds::kNothing, write};
+                                   SteadyNeeds::kNothing, write_structured_text};
 extern const SteadyTarget kCia402;
 const SteadyTarget kCia402{"cia402", "torque offset 60B2h in per mille, as Structured Text", "(*",
                            SteadyNeeds::kGain, write_per_mille};

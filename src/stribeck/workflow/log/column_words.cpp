@@ -119,11 +119,6 @@ constexpr std::array<Parameter, 12> kSinamics{{{482, LogQuantity::kPosition, 1},
 bool is_letter(unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; }
 bool is_digit(unsigned char c) { return std::isdigit(c) != 0; }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 std::optional<NameMeaning> sinamics(std::string_view name) {
   if (name.size() < 3 || name[0] != 'r') return std::nullopt;
   name.remove_prefix(1);
@@ -226,10 +221,15 @@ std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts) {
 
 }  // namespace
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
 std::optional<NameMeaning> meaning_of(const std::string& header) {
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;
-  std::string name = lower(header);
+  std::string name = lower_case(header);
   std::string axis;
   // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
   if (const auto dot = name.rfind('.'); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {

@@ -20,6 +20,8 @@ struct NameMeaning {
   std::string axis;      ///< lower case; "" where the name has none
 };
 
+std::string lower_case(std::string text);
+
 std::optional<NameMeaning> meaning_of(const std::string& name);
 
 }  // namespace stribeck::workflow

@@ -15,11 +15,6 @@
 namespace stribeck::workflow {
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 LogQuantity quantity_called(std::string_view name) {
   if (const auto known = enum_value<LogQuantity>(name)) return *known;
   std::string names;
@@ -51,7 +46,7 @@ struct Label {
 };
 
 std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
-  const std::string name = lower(c.name);
+  const std::string name = lower_case(c.name);
   std::vector<Label> out{{name, {}}};
   for (const char mark : {'|', '/'}) {
     const auto at = name.rfind(mark);
@@ -72,14 +67,14 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
       (name[digit + 1] != '0' || digit + 2 == name.size()))
     out.push_back({name.substr(0, digit + 1), name.substr(digit + 1)});
   const auto last = name.rfind('_');
-  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower(axis))
-    out.push_back({name.substr(0, last), lower(axis)});
+  if (!axis.empty() && last != std::string::npos && name.substr(last + 1) == lower_case(axis))
+    out.push_back({name.substr(0, last), lower_case(axis)});
   return out;
 }
 
 /// In a log that calls its axes X1, X2, … "x" is the axis X1; in the metadata "X1" may stand for the axis 1.
 bool same_axis(const io::Log& log, const std::string& wanted, const std::string& found) {
-  const std::string w = lower(wanted);
+  const std::string w = lower_case(wanted);
   if (w == found) return true;
   const auto is_first = [](const std::string& name, const std::string& short_name) {
     return name.size() == short_name.size() + 1 && name.compare(0, short_name.size(), short_name) == 0 &&
@@ -87,8 +82,8 @@ bool same_axis(const io::Log& log, const std::string& wanted, const std::string&
   };
   if (is_first(found, w)) return true;
   for (const auto& [key, value] : log.metadata) {
-    if (lower(key) != "axis " + found) continue;
-    const std::string v = lower(value);
+    if (lower_case(key) != "axis " + found) continue;
+    const std::string v = lower_case(value);
     if (v == w || is_first(v, w)) return true;
   }
   return false;
@@ -152,7 +147,7 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
   };
   if (!axis.empty()) {
     std::vector<Candidate> of_axis =
-        keep([&](const Candidate& c) { return !c.axis.empty() && lower(axis) == c.axis; });
+        keep([&](const Candidate& c) { return !c.axis.empty() && lower_case(axis) == c.axis; });
     if (of_axis.empty())
       of_axis = keep([&](const Candidate& c) { return !c.axis.empty() && same_axis(log, axis, c.axis); });
     if (of_axis.empty()) of_axis = keep([](const Candidate& c) { return c.axis.empty(); });

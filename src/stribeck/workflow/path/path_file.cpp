@@ -90,7 +90,7 @@ const io::Column* find_axis(const io::Log& table, std::string_view axis) {
 PathColumns path_columns(const io::Log& table, const std::vector<std::string>& axes) {
   PathColumns path;
   path.source = table.source;
-  path.notes = table.notes;
+  path.notes.assign(table.notes.begin(), table.notes.end());
   if (table.rows > kMostPoints) {
     throw io::InputError(
         {table.source, 0, "",

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/friction/model.hpp>
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/result.hpp>
@@ -13,7 +14,6 @@
 
 namespace stribeck::workflow::reproduction {
 
-inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kMilli = 1e-3;  ///< mm, mm/s
 inline constexpr double kKilo = 1e3;    ///< N s/mm, N s2/mm
 

@@ -1,14 +1,12 @@
 #include <array>
 #include <limits>
 
+#include <stribeck/workflow/reproduce/numbers.hpp>
 #include <stribeck/workflow/reproduce/printed_tables.hpp>
 
 namespace stribeck::workflow::reproduction {
 
 namespace {
-
-constexpr double kMilli = 1e-3;  ///< mm, mm/s
-constexpr double kKilo = 1e3;    ///< N s/mm
 
 /// A row of a table of the thesis, in its units (N, mm, rad). Never used as an input of an identification.
 struct Printed {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/reproduce/robustness.hpp>
 
@@ -15,7 +16,6 @@ using report::Cell;
 using report::decimals;
 
 constexpr double kMicro = 1e6;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A share as a percentage: 30, 5, 0.5.
 std::string per_cent(double share) { return report::short_number(100.0 * share) + " %"; }

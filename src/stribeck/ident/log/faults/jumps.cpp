@@ -11,7 +11,7 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-constexpr double kWild = 10.0;
+constexpr double kWildJump = 10.0;
 
 /// Steps before and after row k and the one to it, of a column.
 struct Step {
@@ -31,12 +31,12 @@ Step step_to(const std::vector<double>& x, std::size_t k) {
 }
 
 /// Above these a jump, or a change of speed from one row to the next, is no motion.
-struct Limits {
+struct JumpLimits {
   double jump = 0.0;
   double change = 0.0;
 };
 
-Limits limits_of(const std::vector<Table>& tables, const Sampling& sampling) {
+JumpLimits jump_limits_of(const std::vector<Table>& tables, const Sampling& sampling) {
   std::vector<double> jumps;
   std::vector<double> changes;
   for (const Table& m : tables) {
@@ -49,12 +49,13 @@ Limits limits_of(const std::vector<Table>& tables, const Sampling& sampling) {
   }
   if (jumps.size() < 50) return {};
   const double least = std::max(5.0 * sampling.x_quantum_large, 20.0 * sampling.x_noise);
-  return {std::max(kWild * stats::thinned_quantile(jumps, 0.995), least),
-          std::max(2.0 * kWild * stats::thinned_quantile(changes, 0.995), 2.0 * least)};
+  return {std::max(kWildJump * stats::thinned_quantile(jumps, 0.995), least),
+          std::max(2.0 * kWildJump * stats::thinned_quantile(changes, 0.995), 2.0 * least)};
 }
 
 /// What happened before row k, or "".
-std::string fault_at(const Table& m, std::size_t k, const Limits& limits, const Notes& notes, double& size) {
+std::string fault_at(const Table& m, std::size_t k, const JumpLimits& limits, const Notes& notes,
+                     double& size) {
   const Step x = step_to(m.x, k);
   const bool jumps = std::abs(x.jump) > limits.jump && std::abs(x.change()) <= 0.3 * std::abs(x.jump);
   const Step r = m.r.empty() ? Step{} : step_to(m.r, k);
@@ -104,7 +105,7 @@ std::string fault_at(const Table& m, std::size_t k, const Limits& limits, const 
 
 std::vector<Table> cut_at_jumps(std::vector<Table> tables, const Sampling& sampling, Notes& notes) {
   if (!notes.wanted("jump")) return tables;
-  const Limits limits = limits_of(tables, sampling);
+  const JumpLimits limits = jump_limits_of(tables, sampling);
   if (!(limits.jump > 0.0)) return tables;
   std::vector<Table> out;
   for (Table& m : tables) {
