@@ -111,7 +111,7 @@ int parse_and_run(int argc, const char* const* argv) {
   const bool flushed = std::fflush(stdout) == 0;
   const int error = errno;
   if (flushed && std::ferror(stdout) == 0) return code;
-  complain(fmt::format("what is printed cannot be written{}",
+  complain(fmt::format("cannot write to standard output{}",
                        flushed ? "" : ": " + std::generic_category().message(error)));
   return kBadInput;
 }

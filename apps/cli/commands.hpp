@@ -3,6 +3,7 @@
 ///
 /// Exit codes: 0 done; 1 the answer is "no"; 2 wrong usage or bad input, with a line `stribeck: FILE:LINE:
 /// what is wrong`.
+/// Real time: no.
 
 #include <array>
 #include <functional>

@@ -55,7 +55,7 @@ void check_gcode(const ExciteCommand& o) {
 
 constexpr std::array<const char*, 4> kNoteNames{"start", "direction", "room", "abort"};
 
-/// What a drive is told that takes percent of its rated torque or force (CiA 402 counts ten times as many per mille).
+/// Column for drives that take percent of their rated torque or force (CiA 402: per mille, ten times the number).
 void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<double>& force) {
   const std::optional<double> rated = axis.drive ? axis.drive->rated() : std::nullopt;
   if (!rated || force.empty()) return;

@@ -73,7 +73,7 @@ void add_export(CLI::App& app, Action& action) {
   verb->add_option(
           "--feedforward", o->what.feedforward,
           "none, steady, dynamic or reversal; left out: dynamic where the file has bristles, else reversal")
-      ->check(one_of({"none", "steady", "dynamic", "reversal"}));
+      ->check(one_of(words_of<control::Feedforward>()));
   verb->add_flag(
       "--lincurve", o->what.lincurve,
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");

@@ -1,5 +1,6 @@
 #pragma once
 /// Options and services that every verb has.
+/// Real time: no. Errors: InputError with the option as its place.
 
 #include <chrono>
 #include <cstdint>

@@ -106,7 +106,7 @@ class WriteTogether::Pending {
   /// The file has its name.
   void finish() {
     if (temporary_.empty()) {
-      // A name can only be given where there is none: by way of a second one.
+      // linkat() cannot replace a file: the link gets a temporary name, and is then renamed.
       temporary_ = temporary_in(folder_of(target_));
       ::flock(fd_, LOCK_EX | LOCK_NB);
       const std::string self = "/proc/self/fd/" + std::to_string(fd_);

@@ -150,6 +150,8 @@ TEST(Compare, IsTheSameOnAnyNumberOfThreads) {
   const auto one = compare(test::biaxial_table(), test::printed(), spec);
   spec.threads = 5;
   const auto five = compare(test::biaxial_table(), test::printed(), spec);
+  ASSERT_FALSE(one.rows.empty());
+  ASSERT_EQ(one.rows.size(), five.rows.size());
   for (std::size_t i = 0; i < one.rows.size(); ++i) {
     EXPECT_EQ(one.rows[i].mean.max_contour_error, five.rows[i].mean.max_contour_error);
     EXPECT_EQ(one.rows[i].mean.rms, five.rows[i].mean.rms);

@@ -50,7 +50,7 @@ TEST(Target, TheTableTellsItsError) {
   const targets::Exported written = targets::find_target("linuxcnc")->write(request);
   // Coulomb and viscous friction are straight lines: what is left is where the search for the table ends, 1e-7 of 300 N.
   EXPECT_LT(written.json["lincurve"][0]["max_error_N"], 3e-4);
-  EXPECT_THAT(text_of(request.output), HasSubstr("at most beside the steady curve"));
+  EXPECT_THAT(text_of(request.output), HasSubstr("largest deviation from the steady curve"));
 }
 
 TEST(Target, OptionsWithoutEffectAreRefused) {

@@ -1,5 +1,6 @@
 #pragma once
 /// The files of machines/ and controllers/, which are compiled into the program.
+/// Real time: no.
 
 #include <stribeck/sim/compare.hpp>
 #include <string>

@@ -1,6 +1,7 @@
 #pragma once
 /// Commissions an unknown axis of a virtual machine: excites it, records, and identifies the models for its compensators.
 /// The models use only the commissioning data of the machine file and the logs.
+/// Real time: no. Errors: ident::Refused, sim::Refused.
 
 #include <cstdint>
 #include <optional>

@@ -1,10 +1,7 @@
 #pragma once
 /// Shows what a log contains and which parameters can be identified from it, for `identify --inspect LOG`. It identifies nothing and
 /// refuses nothing: the reason why a log cannot be used is part of the answer.
-///
-///   {"schema": "stribeck.inspect/1", "file", "format", "rows", "columns": [{"name", "unit", "rows", "min", "max"}],
-///    "metadata", "notes", "axis": {"quantity": "column"}, "sampling", "motion", "findings": [{"kind", "text", "row",
-///    "time_s", "repaired"}], "records", "can_tell", "cannot_tell", "refused"}
+/// docs/reference/json.md has every key. Real time: no.
 
 #include <nlohmann/json.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>

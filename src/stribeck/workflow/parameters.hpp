@@ -1,5 +1,6 @@
 #pragma once
 /// Origin of the compensators' parameters: identified here, printed by the thesis, or axis files.
+/// Real time: no. Errors: InputError.
 
 #include <map>
 #include <stribeck/workflow/commission.hpp>

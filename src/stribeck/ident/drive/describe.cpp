@@ -157,14 +157,13 @@ void Description::write_shift() {
     return;
   }
   const double shift = found_.log.shift;
-  // A held force belongs to the motion half a row later without any delay (motion.hpp). One that was measured stands late, if
-  // at all, and acts at once.
-  // A number that the data do not tell is none for a controller.
+  // A held force belongs to the motion half a row later without any delay (motion.hpp). A measured force may be logged late, but
+  // it acts at once. A delay that the data do not determine is not passed on to a controller.
   const bool told = half < std::max(kVagueShift, 0.5 * std::abs(shift + 0.5));
   result_.delay = told ? std::max(0.0, (-shift - 0.5) * T) : 0.0;
   add("force_shift", shift * T, "s", "ms", found_.intervals.shift_error * T, true);
   result_.parameters.back().identifiable = told;
-  if (!told) say("that of least residual is removed, but beside it");
+  if (!told) say("the one with the smallest residual is removed, but");
   notes_.warn(text("in the log the force is %.3g rows (%.3g ms) %s than its motion; this shift is removed",
                    std::abs(shift), std::abs(shift) * T * 1e3, shift > 0 ? "later" : "earlier"));
 }

@@ -4,7 +4,7 @@
 ///   C = B·S·Bᵀ      S: long-run covariance of multiplier·residual (long_run.hpp), or that of stationary noise;
 ///                   the largest standard error stands
 ///
-/// A shift that was not found, but not given either, is a nuisance: its column takes part with the value 0 and what is
+/// A shift that was not found, but not given either, is a nuisance parameter: its column takes part with the value 0 and what is
 /// known before, a delay of a row or two (kDelayDeviation). Several records: the scores of the records against each other
 /// are a third form, which sees what differs from run to run.
 ///

@@ -4,7 +4,7 @@
 ///   search   the shift with the smallest residual over ±30 ms, at most 40 rows; friction of every bin and the mass are free
 ///   refine   Gauss–Newton on the column ḟ of the linear terms
 ///   judge    a shift is accepted when it differs by more than its interval from the shift of a held force, and the residual is
-///            smaller with it. A commanded force acts under its hold exactly: to estimate what is known gains nothing
+///            smaller with it. A commanded force acts exactly under its hold, so its shift is known and is not estimated
 ///
 /// A loop that works against a force periodic in position looks like a shift: where such terms are found, the shift is
 /// refined and judged anew beside them.

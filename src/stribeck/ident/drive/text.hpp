@@ -7,9 +7,9 @@
 namespace stribeck::ident::drive {
 
 std::string text(const char* format, auto... values) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
+  std::string out(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), ' ');
+  std::snprintf(out.data(), out.size() + 1, format, values...);
+  return out;
 }
 
 }  // namespace stribeck::ident::drive

@@ -51,7 +51,7 @@ struct Motion {
   }
 };
 
-/// How much of the room of a limit is used: above 1 it is broken.
+/// Used share of the limits; above 1 one of them is exceeded.
 double used(const Reach& r, double start, const Limits& l) {
   return std::max({(r.highest - start) / std::max(l.travel_max - start, 1e-12),
                    (start - r.lowest) / std::max(start - l.travel_min, 1e-12), r.speed / l.speed});

@@ -14,7 +14,7 @@
 
 namespace stribeck::ident::excitation {
 
-/// What is certain of an axis before it has moved.
+/// Bounds of mass and friction of an axis before it has moved.
 struct Doubt {
   double mass_low = 0.0;       ///< [kg]
   double mass_high = 0.0;      ///< [kg]

@@ -76,7 +76,7 @@ std::string reason_of(double by) {
   for (const Factor& f : kFactors) {
     if (std::abs(by / f.value - 1.0) < 0.03) reason = fmt::format(" (as {} would do)", f.reason);
     if (std::abs(by * f.value - 1.0) < 0.03)
-      reason = fmt::format(" (as {}, the other way round, would do)", f.reason);
+      reason = fmt::format(" (perhaps the two units are exchanged: {})", f.reason);
   }
   return reason;
 }

@@ -546,7 +546,7 @@ TEST(Condition, NumbersOfNoMachineAreRefused) {
 TEST(Condition, VelocityInAnotherUnitIsRefused) {
   for (const auto& [factor, hint] : {std::pair{60.0, "per minute"},
                                      {1000.0, "mm for m"},
-                                     {1.0 / 60.0, "other way round"},
+                                     {1.0 / 60.0, "perhaps the two units are exchanged"},
                                      {25.4, "inch"},
                                      {3.3, "3.3 times"}}) {
     RawLog log = logged();

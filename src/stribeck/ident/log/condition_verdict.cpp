@@ -38,8 +38,8 @@ void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, c
         u.scale * c.a_max, u.length));
   } else {
     out.cannot.push_back(fmt::format(
-        "a narrow interval of the mass: the acceleration (up to {:.3g} {}/s2) explains less than a tenth of the "
-        "force that friction leaves; add a log of pulses or of a faster reversal",
+        "a narrow interval of the mass: the acceleration (up to {:.3g} {}/s2) takes less than a tenth of the "
+        "force beside friction; add a log of pulses or of a faster reversal",
         u.scale * c.a_max, u.length));
   }
   if (c.forward > 0.03 && c.forward < 0.97) {

@@ -89,7 +89,7 @@ std::string settle(ConstantSpeed& f, const log::Record& rec, double exclude, con
       T * static_cast<double>(run.last - run.first) < options.shortest) {
     return f.reversal && way < 1.5 * exclude
                ? fmt::format(
-                     "{}: {} from {:.4g} s: moved {}, and the bristle follows for {} after a reversal; left out",
+                     "{}: {} from {:.4g} s: moved {}, and pre-sliding lasts {} after a reversal; left out",
                      rec.source, shown(run.speed, rec), rec.t[run.first], shown_way(way, rec),
                      shown_way(exclude, rec))
                : fmt::format("{}: {} from {:.4g} s: less than {:g} s of constant speed; left out", rec.source,
@@ -111,7 +111,7 @@ std::vector<std::string> notes_of(const std::vector<std::string>& left_out) {
       left_out.begin(), left_out.begin() + static_cast<std::ptrdiff_t>(std::min(left_out.size(), kNamed)));
   if (left_out.size() > kNamed)
     out.push_back(
-        fmt::format("and {} more stretches were left out for like reasons", left_out.size() - kNamed));
+        fmt::format("and {} more stretches were left out for similar reasons", left_out.size() - kNamed));
   return out;
 }
 

@@ -301,7 +301,7 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
   if (out.slips.size() < stretches.count) {
     r.warnings.push_back(
         fmt::format(
-            "{} of {} stretches with one sign of force are no slow ramps that end in a slip and were left out: ",
+            "{} of {} stretches with one sign of force were left out, because they are not slow ramps that end in a slip: ",
             stretches.count - out.slips.size(), stretches.count) +
         reasons(stretches.no, stretches.creep, r.position_unit));
   }

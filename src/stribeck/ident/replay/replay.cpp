@@ -216,8 +216,9 @@ Replay replay_closed_loop(const friction::AxisModel& model, const ReplayControll
   if (record.r.empty())
     throw Refused(record.source + ": no reference in the log, which a closed-loop replay follows");
   if (options.delay < 0.0)
-    throw Refused(fmt::format("replay: delay of {:g} s; in closed loop a force cannot act before it is made",
-                              options.delay));
+    throw Refused(fmt::format(
+        "replay: got a delay of {:g} s, expected at least 0: in closed loop a force acts after it is commanded",
+        options.delay));
   const Course course(record);
   check_level(model, course);
   const std::size_t n = record.x.size();

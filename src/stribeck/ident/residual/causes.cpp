@@ -137,7 +137,7 @@ void find_spring(const Rows& rows, Diagnosis& out) {
     const std::string much = newtons ? fmt::format("{:.3g} kg for each N/mm", 1e3 * seconds)
                                      : fmt::format("{:.3g} s² times its stiffness", seconds);
     out.cannot_tell.push_back(fmt::format(
-        "a force that grows with position (spring, cable chain): on this motion it is the same as mass, {}; add strokes at constant speed, or a sine of another frequency",
+        "a force that grows with position (spring, cable chain): this motion cannot separate it from mass, {}; add strokes at constant speed, or a sine of another frequency",
         much));
     return;
   }
@@ -227,7 +227,7 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
     return rows.shown(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
   };
   out.warnings.push_back(fmt::format(
-      "friction is {:.3g} {} ({:.2g} % of it) higher between {:.4g} and {:.4g} {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result mixes it in, also into a shift of the force: identify on a travel without it",
+      "friction is {:.3g} {} ({:.2g} % of it) higher between {:.4g} and {:.4g} {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
       most, rows.force_unit, 100.0 * most / rows.friction, place(first), place(last + 1), rows.shown_unit()));
 }
 

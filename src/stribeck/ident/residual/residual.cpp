@@ -136,11 +136,11 @@ std::string line_in_words(const Line& line, const std::string& unit) {
 void judge(const Quality& q, const std::string& unit, std::vector<std::string>& warnings) {
   if (q.rms > q.friction_rms) {
     warnings.push_back(fmt::format(
-        "the model leaves {:.3g} {} RMS of the force, more than friction itself ({:.3g} {}): nothing here says what friction is; look at the residual, and for columns that do not belong together",
+        "the model leaves {:.3g} {} RMS of the force, more than friction itself ({:.3g} {}): friction cannot be identified from this log; look at the residual, and for columns that do not belong together",
         q.rms, unit, q.friction_rms, unit));
   } else if (q.r_squared < kLowRSquared) {
     warnings.push_back(fmt::format(
-        "the model explains only {:.3g} % of the force (R² {:.3f}), and leaves {:.3g} {} RMS beside {:.3g} {} of friction: something acts that it does not have",
+        "the model explains only {:.3g} % of the force (R² {:.3f}), and leaves {:.3g} {} RMS beside {:.3g} {} of friction: another force acts that the model does not contain",
         100.0 * std::max(0.0, q.r_squared), q.r_squared, q.rms, unit, q.friction_rms, unit));
   }
   if (q.strongest && q.strongest->amplitude > kWorthALine * q.friction_rms)

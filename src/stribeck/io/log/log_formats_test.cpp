@@ -455,7 +455,7 @@ TEST(LogFormats, SideFile) {
 }
 
 TEST(LogFormats, UnitsAsMachinesSpellThem) {
-  std::vector<std::string> notes;
+  Notes notes;
   const auto unit = [&](const char* text) { return detail::plain_unit(text, "c", notes); };
   for (const auto& [text, plain] : {std::pair{"Ampere", "A"},
                                     {"U/min", "rpm"},

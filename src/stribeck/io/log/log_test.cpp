@@ -30,6 +30,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
+using testing::StrEq;
 
 Log parse(std::string_view text) { return parse_csv(text, "log.csv"); }
 
@@ -176,7 +177,7 @@ TEST(Log, DropsACutLastRowWithANote) {
   }
   const Log log = parse("t;x\n0;1\n1;2\n;\n;\n");  // as spreadsheets leave behind
   EXPECT_EQ(log.rows, 2u);
-  EXPECT_THAT(log.notes, ElementsAre("lines without any value were left out: 2"));
+  EXPECT_THAT(log.notes, ElementsAre(StrEq("lines without any value were left out: 2")));
 }
 
 TEST(Log, LeavesOutTextColumnsOnRequest) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <capi/parameters.hpp>
+#include <stribeck/control/compensation/compensation_settings.hpp>
 #include <stribeck/control/supervision/limits.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 
@@ -50,8 +51,9 @@ std::string setp(const std::string& component, std::string_view parameter, doubl
 std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
                              const std::string& feedforward) {
   const bool bristles = friction::has_pre_sliding(model.friction.dynamics);
-  const std::string word = !feedforward.empty() ? feedforward : bristles ? "dynamic" : "reversal";
-  const auto which = std::find(kFeedforward.begin(), kFeedforward.end(), word) - kFeedforward.begin();
+  using control::Feedforward;
+  const Feedforward own = bristles ? Feedforward::kDynamic : Feedforward::kReversal;
+  const Feedforward which = enum_value<Feedforward>(feedforward).value_or(own);
   return setp(name, "omega", omega) + choice(name, "law", 0) +
          choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
          setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +

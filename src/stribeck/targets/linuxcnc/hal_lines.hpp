@@ -19,7 +19,4 @@ std::string plant_lines(const std::string& name, const sim::MachineAxis& axis);
 std::string setp(const std::string& component, std::string_view parameter, double value,
                  std::string_view word = {});
 
-/// Index of the choice, as the components take it.
-inline constexpr std::array<std::string_view, 4> kFeedforward{"none", "steady", "dynamic", "reversal"};
-
 }  // namespace stribeck::targets::linuxcnc

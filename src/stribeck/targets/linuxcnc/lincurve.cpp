@@ -123,10 +123,10 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
 std::string lincurve_words(const Lincurve& table, const friction::AxisModel& model, std::string_view unit) {
   double periodic = 0.0;
   for (const auto& term : model.friction.eccentric) periodic += term.amplitude;
-  std::string out =
-      fmt::format("{} points from {:.6g} to {:.6g} {}: {} N at most beside the steady curve, RMS {} N",
-                  table.table.corners.size(), table.table.corners.front().x, table.table.corners.back().x,
-                  unit, report::significant(table.max_error, 3), report::significant(table.rms_error, 3));
+  std::string out = fmt::format(
+      "{} points from {:.6g} to {:.6g} {}: {} N largest deviation from the steady curve, RMS {} N",
+      table.table.corners.size(), table.table.corners.front().x, table.table.corners.back().x, unit,
+      report::significant(table.max_error, 3), report::significant(table.rms_error, 3));
   std::vector<std::string> missing;
   if (periodic > 0.0)
     missing.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));

@@ -110,7 +110,8 @@ TEST(ColumnWords, SharesOfTheRatedTorque) {
   o.lead = "5 mm";
   const double percent = 100.0 / (2.5 * 2.0 * std::numbers::pi / 5e-3);
   std::string text = log_with("t [s],x [deg],torque [%]", percent);
-  EXPECT_GT(mass_of(text, o), 0.0);
+  // The numbers of x are those of millimetres; a degree is 5 mm / 360, which makes the motion 72 times smaller.
+  EXPECT_NEAR(mass_of(text, o), 72.0 * 50.0, 72.0);
 }
 
 TEST(ColumnWords, OtherScaleOfMapIsSaid) {

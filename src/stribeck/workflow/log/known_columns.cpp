@@ -7,7 +7,9 @@ namespace {
 
 const std::vector<KnownColumn>& known_quantities() {
   static const std::vector<KnownColumn> all{
-      {LogQuantity::kTime, quantity("s", "s"), {{"t", "time", "zeit"}}},
+      {LogQuantity::kTime,
+       quantity("s", "s"),
+       {{"t", "time", "zeit", "timestamp", "zeitstempel", "temps", "tempo"}}},
       {LogQuantity::kReference,
        quantity("m", "mm"),
        {{"r"},

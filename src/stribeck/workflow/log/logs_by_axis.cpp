@@ -105,7 +105,7 @@ std::vector<LogsOfAxis> logs_by_axis(const sim::Machine& machine, const std::vec
       throw io::InputError(
           {path, 0, "",
            fmt::format(
-               "of which axis of {} it is cannot be told (write \"# axis: {}\" as its first line, name it {}-….csv, or identify it alone with --axis)",
+               "it is not known to which axis of {} this log belongs (write \"# axis: {}\" as its first line, name it {}-….csv, or identify it alone with --axis)",
                machine.name, axes.front(), axes.front())});
     }
     for (LogsOfAxis& one : all) {

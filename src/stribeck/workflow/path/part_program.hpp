@@ -1,5 +1,6 @@
 #pragma once
 /// A part program as the path of an experiment: read by LinuxCNC's interpreter, planned within the limits of the machine.
+/// Real time: no. Errors: InputError.
 
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/path/path_options.hpp>

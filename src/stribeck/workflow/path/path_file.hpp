@@ -10,6 +10,7 @@
 /// axes that are missing, other columns, columns without a unit of length, points farther than 1000 km from zero, paths
 /// shorter than 1 um, more than a million points, and what path::SplineStatus names.
 /// Errors: InputError naming the file, and the row counted from 1 below the header.
+/// Real time: no.
 
 #include <cstddef>
 #include <span>

@@ -1,5 +1,6 @@
 #pragma once
 /// Options of a run along a path, the same for every verb that has them.
+/// Real time: no.
 
 #include <array>
 #include <stribeck/core/fields.hpp>
@@ -53,8 +54,8 @@ std::vector<sim::ControllerSpec> make_controllers(const PathOptions& options);
 
 /// The experiment whose circle the options of a path vary.
 inline constexpr const char* kVaried = "bi-table";
-/// The motion of a machine that no thesis has printed parameters of: a circle through its axes, in the middle of their travel, with
-/// radius and speeds as its limits allow.
+/// The motion for a machine without published parameters: a circle through its axes, in the middle of their travel, with radius and
+/// speeds as its limits allow.
 inline constexpr const char* kOwn = "own";
 
 /// The default experiment for a machine.
