@@ -76,7 +76,7 @@ std::string axis_control(const Configuration& c) {
         a.letter, i);
     text += setp("ax." + a.letter, "position-unit", unit_of(a));
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
-    return text + supervision_lines("ax." + a.letter, *a.machine) +
+    return text + supervision_lines("ax." + a.letter, *a.machine, c.omega) +
            controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
   });
   return out + learning(instances(c.axes), instances(c.axes));
@@ -97,7 +97,7 @@ std::string contour_control(const Configuration& c) {
         "net {0}-fb => {1}.pos-fb\nnet {0}-force {1}.force\n",
         a.letter, name);
     text += setp(name, "force-limit", a.machine->force_limit());
-    return text + supervision_lines(name, *a.machine) +
+    return text + supervision_lines(name, *a.machine, c.omega) +
            controller_lines(name, a.model, c.omega, c.feedforward);
   });
   std::vector<std::string> controllers;

@@ -13,8 +13,8 @@ namespace stribeck::targets::linuxcnc {
 /// setp lines for one instance of each component.
 std::string controller_lines(const std::string& name, const friction::AxisModel& model, double omega,
                              const std::string& feedforward);
-/// Supervision of everything (docs/guides/faults.md), within the limits that the machine file has for this axis.
-std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis);
+/// Supervision of everything (docs/guides/faults.md), within the limits that the machine file has for this axis; omega of its loop [rad/s].
+std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis, double omega);
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis);
 std::string setp(const std::string& component, std::string_view parameter, double value,
                  std::string_view word = {});
