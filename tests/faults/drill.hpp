@@ -25,6 +25,7 @@ struct Drill {
   std::vector<std::size_t> axes;  ///< empty: the first ones
   double duration = 4.0;          ///< of the run, at most [s]
   bool supervised = true;
+  double omega = 0.0;  ///< of a loop slower than the usual following error is meant for [rad/s]; 0: it is not
   double friction = 1.0;  ///< friction and mass of the plant against what controllers know
   double mass = 1.0;
   std::optional<plant::AxialMode> mode;        ///< of the plant; controllers know a rigid axis

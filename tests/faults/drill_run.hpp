@@ -94,6 +94,7 @@ Drilled run_axes(const Drill& d) {
     limits[i].checks = d.supervised ? control::Checks::kAll : control::Checks::kNone;
     limits[i].speed_limit = l.speed;
     limits[i].acceleration_limit = l.acceleration;
+    if (d.omega > 0.0) limits[i].following_error = l.speed / d.omega;
     v_max = std::max(v_max, l.speed);
   }
   const control::Supervisor<N> supervisor(limits, setup);

@@ -87,7 +87,7 @@ sim::MachineAxis draw_axis(Draw& d, double period, int delay, double omega) {
   return a;
 }
 
-control::LawParams draw_law(Draw& d, double omega, double period) {
+control::LawParams draw_law(Draw& d, double omega, const sim::Machine& machine) {
   switch (d.below(6)) {
     case 0:
       return control::PidParams::triple(0.6 * omega);
@@ -96,12 +96,18 @@ control::LawParams draw_law(Draw& d, double omega, double period) {
       p.lambda = {omega, omega};
       p.a = {0.25 * omega};
       p.switching = control::Switching::kBoundaryLayer;
+      p.mass_bound = {};
+      p.boundary = 1e9;
+      for (const auto& [name, axis] : machine.axes) {
+        p.mass_bound.push_back(0.1 * axis.plant.mass);
+        p.boundary = std::min(p.boundary, 0.1 * axis.limits.speed);
+      }
       return p;
     }
     case 2: {
       control::PredictiveParams p;
       p.omega = omega;
-      p.horizon = 30.0 * period;
+      p.horizon = 30.0 * machine.sample_time;
       return p;
     }
     case 3: {
@@ -116,9 +122,9 @@ control::LawParams draw_law(Draw& d, double omega, double period) {
   }
 }
 
-sim::ControllerSpec draw_controller(Draw& d, double omega, double period) {
+sim::ControllerSpec draw_controller(Draw& d, double omega, const sim::Machine& machine) {
   sim::ControllerSpec thesis("f", "drawn", sim::FrictionUse::kWhole, control::Observer::kDisturbance,
-                             draw_law(d, omega, period));
+                             draw_law(d, omega, machine));
   thesis.observer_pole = 0.5 * omega;
   if (d.chance(0.2)) return thesis;
   const auto all = sim::beyond_controllers(thesis);
@@ -172,10 +178,12 @@ Drill draw_drill(std::uint64_t seed, std::uint64_t number) {
                         draw_axis(d, m.sample_time, delay, omega));
   Drill drill;
   drill.machine = "drawn";
-  drill.controller = draw_controller(d, omega, m.sample_time);
+  drill.controller = draw_controller(d, omega, m);
   drill.travel = axes == 1 ? draw_travel<1>(d, m) : axes == 2 ? draw_travel<2>(d, m) : draw_travel<3>(d, m);
   drill.drawn = m;
   drill.duration = kRun;
+  // As export writes it, and docs/guides/faults.md says.
+  if (omega < 50.0) drill.omega = omega;
   // What controllers believe of the machine is up to a fifth off.
   drill.friction = d.between(0.8, 1.2);
   drill.mass = d.between(0.85, 1.15);
