@@ -245,6 +245,31 @@ Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   return {ident::drive::identify_drive(with_positions, options)};
 }
 
+bool tells_mass_of(const ident::Result& result) {
+  return result.mass > 0.0 && result.mass_interval.low > 0.0;
+}
+
+/// Runs of constant speed that do not determine the mass still determine the friction; absent where they are too few.
+std::optional<Identification> friction_alone(const IdentifyOptions& o, const AxisRecords& axis) {
+  constexpr double kLeastShare = 0.4;  // of the rows
+  std::size_t rows = 0;
+  for (const ident::log::Record& r : axis.records) rows += r.x.size();
+  try {
+    check_auto(o, Method::kJog, "too little acceleration for the mass");
+    Identification found = by_jog(o, axis.records);
+    if (static_cast<double>(found.result.rows) < kLeastShare * static_cast<double>(rows)) return std::nullopt;
+    found.result.warnings.insert(
+        found.result.warnings.begin(),
+        axis.sources +
+            ": too little acceleration for the mass; friction is that of the constant speeds (method jog)");
+    return found;
+  } catch (const ident::Refused&) {
+    return std::nullopt;
+  } catch (const io::InputError&) {
+    return std::nullopt;
+  }
+}
+
 /// The method that suits the motion.
 Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
   if (ident::methods::held_at_standstill(axis.records)) {
@@ -263,7 +288,10 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
         "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
     return found;
   }
-  return by_drive_fit(o, axis.records);
+  Identification found = by_drive_fit(o, axis.records);
+  if (tells_mass_of(found.result)) return found;
+  std::optional<Identification> friction = friction_alone(o, axis);
+  return friction ? std::move(*friction) : std::move(found);
 }
 
 Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
@@ -361,21 +389,26 @@ std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::stri
 }
 
 void require_determined(const ident::Result& result, const std::string& source) {
+  const bool metres = result.position_unit == "m";
+  const double scale = metres ? 1e-3 : 1.0;
+  const std::string unit = result.force_unit + (metres ? " s2/mm" : " s2/" + result.position_unit);
   if (!std::isfinite(result.mass)) {
     throw ident::Refused(
         fmt::format("{}: these data do not give a mass: force and motion do not belong together", source));
   }
   if (!(result.mass > 0.0)) {
     throw ident::Refused(
-        fmt::format("{}: the mass comes out as {:.4g} N s2/mm, expected above 0: force and motion have "
+        fmt::format("{}: the mass comes out as {:.4g} {}, expected above 0: force and motion have "
                     "opposite signs, or columns are exchanged (see --map and --gain)",
-                    source, result.mass * 1e-3));
+                    source, scale * result.mass, unit));
   }
   if (!(result.mass_interval.low > 0.0)) {
     throw ident::Refused(fmt::format(
-        "{}: the mass is not determined, {:.4g} N s2/mm with a 95 % interval from {:.4g} to {:.4g}: the "
-        "log has too little acceleration (add a log of pulses), or its columns are not the quantities that their names say",
-        source, result.mass * 1e-3, result.mass_interval.low * 1e-3, result.mass_interval.high * 1e-3));
+        "{}: the mass is not determined, {:.4g} {} with a 95 % interval from {:.4g} to {:.4g}: the log "
+        "has too little acceleration (add a log of pulses), or its columns are not the quantities that "
+        "their names say",
+        source, scale * result.mass, unit, scale * result.mass_interval.low,
+        scale * result.mass_interval.high));
   }
   for (const ident::CurvePoint& p : result.curve) {
     if (!std::isfinite(p.friction))

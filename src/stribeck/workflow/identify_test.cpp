@@ -97,6 +97,31 @@ TEST(Identify, TakesASpringOffTheLog) {
   EXPECT_TRUE(to_json(found, "x")["quality"]["r_squared"].is_number());
 }
 
+// A light arm at constant speeds, which it reaches between two rows: the friction is that of a jog, and there is no mass.
+TEST(Identify, ConstantSpeedsWithoutAccelerationGiveTheFriction) {
+  std::string rows = "t [s],x [mm],f [N]\n";
+  double x = 0.0;
+  int k = 0;
+  for (const double speed : {5.0, 10.0, 20.0, 40.0, 80.0}) {
+    for (const double v : {speed, -speed}) {
+      for (int i = 0; i < 1500; ++i, ++k) {
+        x += 1e-3 * v;
+        const double friction = kCoulomb + kViscous * 1e-3 * speed;
+        const double f = (v > 0.0 ? friction : -friction) + 0.5 * std::sin(997.0 * k * 1e-3 * k * 1e-3);
+        rows += fmt::format("{:.3f},{:.6f},{:.5f}\n", 1e-3 * k, x, f);
+      }
+    }
+  }
+  const Folder folder;
+  const std::string log = folder.write("log.csv", rows);
+  const workflow::Identification found = workflow::identify(workflow::read_axis({log}, {}), {});
+  EXPECT_EQ(found.method, Method::kJog);
+  EXPECT_FALSE(std::isfinite(found.result.mass));
+  ASSERT_NE(found.result.find("alpha0"), nullptr);
+  EXPECT_NEAR(found.result.find("alpha0")->value, kCoulomb, 0.2);
+  EXPECT_THAT(found.result.warnings, ::testing::Contains(HasSubstr("too little acceleration for the mass")));
+}
+
 TEST(Identify, NotesNameTheirLog) {
   const Folder folder;
   std::string text = sines();

@@ -63,7 +63,7 @@ TEST(Describe, GivesParametersCurveAndPoints) {
   EXPECT_GT(r.parameters[0].ci_high, 250.0);
   EXPECT_FALSE(r.find("load")->identifiable);  // no load: its interval holds zero
   EXPECT_EQ(r.rows, steps.rows.size());
-  ASSERT_EQ(r.curve.size(), 2u * 40u);
+  ASSERT_EQ(r.curve.size(), 2u * 120u);
   for (std::size_t i = 1; i < r.curve.size(); ++i) ASSERT_GT(r.curve[i].velocity, r.curve[i - 1].velocity);
   for (const CurvePoint& p : r.curve) {
     ASSERT_LE(p.ci_low, p.friction);

@@ -43,7 +43,7 @@ struct DriveFitOptions {
   bool dynamics = true;         ///< estimate pre-sliding from reversals
   double cut_off = 0.0;         ///< Butterworth filter instead of the chosen window [Hz]; 0: window
   int bins = 160;               ///< of velocity, each direction
-  int curve_points = 40;        ///< each direction
+  int curve_points = 120;       ///< each direction; straight lines between them are right to 0.02 % of a bump
   int map_points = 600;         ///< for plots, each direction
 };
 
