@@ -226,11 +226,11 @@ void hand_over(Table m, const RawLog& raw, Conditioned& out) {
 
 const std::vector<std::string>& finding_kinds() {
   static const std::vector<std::string> kinds{
-      "double-time", "rounded-time", "time-back",     "jitter",     "gap",       "time-bases",
-      "held",        "frozen",       "stuck",         "velocity",   "spike",     "jump",
-      "reference",   "drive-off",    "unsigned",      "inverted",   "saturated", "short",
-      "irregular",   "no-position",  "contradiction", "mixed-runs", "lost",      "stale",
-      "repeated",    "wrapped",      "exchanged",     "smoothed",   "line",      "scale"};
+      "double-time", "rounded-time", "time-back", "jitter",   "gap",       "time-bases",  "held",
+      "frozen",      "stuck",        "velocity",  "spike",    "jump",      "reference",   "drive-off",
+      "unsigned",    "inverted",     "saturated", "short",    "irregular", "no-position", "contradiction",
+      "mixed-runs",  "lost",         "stale",     "repeated", "wrapped",   "exchanged",   "smoothed",
+      "line",        "scale",        "commanded"};
   return kinds;
 }
 
@@ -284,6 +284,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   out.coverage = cover(tables, s, unit);
   if (!notes.has("irregular")) {
     refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit, unit, notes);
+    if (position) name_commanded_position(tables, out.rough, notes);
     if (position) name_smoothed_force(tables, notes);
   }
   judge(out, unit);

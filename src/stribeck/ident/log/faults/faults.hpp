@@ -31,6 +31,10 @@ void mend_force_spikes(std::vector<Table>& tables, Notes& notes);
 /// Changes position and reference back where the position leads and only the reference has noise.
 void mend_exchanged(std::vector<Table>& tables, Notes& notes);
 
+// commanded.cpp
+/// Says where a log without a reference has a position that is smoother than any loop makes it.
+void name_commanded_position(const std::vector<Table>& tables, const RoughFit& rough, Notes& notes);
+
 // plausible.cpp
 /// Refuses a speed or a mass that no machine has, and doubts one that few have.
 void refuse_implausible_drive(const Coverage& coverage, const RoughFit& rough, const std::string& source,

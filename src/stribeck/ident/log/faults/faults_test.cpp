@@ -92,6 +92,17 @@ TEST(LogFaults, ExchangedColumnsAreChangedBack) {
   EXPECT_EQ(c.records[0].x, truth.x.y);
 }
 
+// The reference itself has no encoder and answers to no force.
+TEST(LogFaults, AReferenceLoggedAsPositionIsNamed) {
+  const RawLog truth = strokes(3, true);
+  RawLog log = truth;
+  log.x.y = truth.r.y;
+  log.r.y.clear();
+  EXPECT_THAT(kinds(condition(log)), ElementsAre("commanded"));
+  log.x.y = truth.x.y;
+  EXPECT_THAT(kinds(condition(log)), ElementsAre());
+}
+
 TEST(LogFaults, WrongScalesAreRefused) {
   RawLog log = strokes(4, false);
   for (double& x : log.x.y) x *= 1e3;

@@ -1,0 +1,91 @@
+// A position that is smoother than any loop could make it: the reference was logged as position.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stribeck/ident/log/faults/faults.hpp>
+#include <stribeck/ident/stats/order.hpp>
+
+namespace stribeck::ident::log::parts {
+namespace {
+
+constexpr std::size_t kWindow = 64;
+constexpr std::size_t kDegree = 5;
+constexpr std::size_t kFewestWindows = 12;
+constexpr double kChanges = 0.01;  ///< of the way at top speed
+/// A loop cannot be faster than its sampling: a force that changes by Δf from row to row comes from a position that moved by more than
+/// Δf·T²/m. Sensors of the current have noise of their own, which no position shows.
+constexpr double kFarTooSmooth = 0.01;
+
+using Basis = std::array<std::array<double, kWindow>, kDegree + 1>;
+
+/// Orthonormal polynomials over a window.
+Basis polynomials() {
+  Basis q{};
+  for (std::size_t d = 0; d <= kDegree; ++d) {
+    for (std::size_t i = 0; i < kWindow; ++i)
+      q[d][i] = std::pow(2.0 * static_cast<double>(i) / (kWindow - 1.0) - 1.0, static_cast<double>(d));
+    for (std::size_t e = 0; e <= d; ++e) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < kWindow; ++i) sum += q[d][i] * q[e][i];
+      for (std::size_t i = 0; i < kWindow; ++i)
+        q[d][i] = e < d ? q[d][i] - sum * q[e][i] : q[d][i] / std::sqrt(sum);
+    }
+  }
+  return q;
+}
+
+/// RMS of what a polynomial leaves of the window that begins at row k.
+double roughness(const std::vector<double>& y, std::size_t k, const Basis& q) {
+  std::array<double, kWindow> rest{};
+  for (std::size_t i = 0; i < kWindow; ++i) rest[i] = y[k + i] - y[k];
+  for (const auto& p : q) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kWindow; ++i) sum += p[i] * rest[i];
+    for (std::size_t i = 0; i < kWindow; ++i) rest[i] -= sum * p[i];
+  }
+  double square = 0.0;
+  for (const double r : rest) square += r * r;
+  return std::sqrt(square / kWindow);
+}
+
+}  // namespace
+
+void name_commanded_position(const std::vector<Table>& tables, const RoughFit& rough, Notes& notes) {
+  if (!notes.wanted("commanded") || !rough.good || !rough.mass_shows || !(rough.mass > 0.0)) return;
+  const Basis q = polynomials();
+  double fastest = 0.0;
+  for (const Table& m : tables) {
+    for (std::size_t k = 0; k + kWindow < m.rows(); k += kWindow)
+      fastest = std::max(fastest, std::abs(m.x[k + kWindow] - m.x[k]));
+  }
+  std::vector<double> ways, forces;
+  double period = 0.0;
+  for (const Table& m : tables) {
+    if (!m.r.empty()) return;
+    period = m.sample_time;
+    for (std::size_t k = 0; k + kWindow < m.rows(); k += kWindow) {
+      // At a constant speed a coarse encoder may count the same in every row.
+      const double middle = m.x[k + kWindow / 2];
+      if (std::abs(m.x[k + kWindow] - 2.0 * middle + m.x[k]) < kChanges * fastest) continue;
+      ways.push_back(roughness(m.x, k, q));
+      forces.push_back(roughness(m.f, k, q));
+    }
+  }
+  if (ways.size() < kFewestWindows) return;
+  // A programme has corners, at which no polynomial fits.
+  const double way = stats::quantile(std::move(ways), 0.25);
+  const double force = stats::median(std::move(forces));
+  if (!(way < kFarTooSmooth * force * period * period / rough.mass)) return;
+  notes.add_all(
+      "commanded", tables.front().source, false,
+      fmt::format(
+          "the position looks like a reference: it is smooth to {} while the force changes, which "
+          "no measured position is; mass and friction of a commanded motion are wrong: map the column "
+          "of the actual position (--map x=…), and this one as r",
+          notes.travel(way)),
+      {way, force});
+}
+
+}  // namespace stribeck::ident::log::parts
