@@ -8,7 +8,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Index = Eigen::Index;
 
 constexpr double kSlowestLoop = 0.6;  // [s] longest time by which a position lags behind its reference
 
@@ -25,12 +24,12 @@ std::vector<std::ptrdiff_t> delays(double sample_time, std::ptrdiff_t rows) {
 VectorXd weights_of(const std::vector<double>& rate, const log::Motion& m,
                     const std::vector<std::ptrdiff_t>& lags) {
   const auto n = static_cast<std::ptrdiff_t>(rate.size());
-  const auto count = static_cast<Index>(lags.size());
+  const auto count = static_cast<Eigen::Index>(lags.size());
   MatrixXd normal = MatrixXd::Zero(count, count);
   VectorXd right = VectorXd::Zero(count), c(count);
   const std::ptrdiff_t step = n / 20000 + 1;
   for (std::ptrdiff_t k = m.reach; k + m.reach < n; k += step) {
-    for (Index j = 0; j < count; ++j) {
+    for (Eigen::Index j = 0; j < count; ++j) {
       const std::ptrdiff_t at = std::clamp<std::ptrdiff_t>(k - lags[static_cast<std::size_t>(j)], 0, n - 1);
       c(j) = rate[static_cast<std::size_t>(at)];
     }
@@ -51,7 +50,7 @@ std::vector<double> weighted(const std::vector<double>& rate, const std::vector<
   constexpr std::ptrdiff_t kPiece = 2048;
   for (std::ptrdiff_t from = 0; from < n; from += kPiece) {
     const std::ptrdiff_t to = std::min(n, from + kPiece);
-    for (Index j = 0; j < h.size(); ++j) {
+    for (Eigen::Index j = 0; j < h.size(); ++j) {
       const std::ptrdiff_t lag = lags[static_cast<std::size_t>(j)];
       const std::ptrdiff_t inner = std::clamp(lag, from, to), outer = std::clamp(n + lag, inner, to);
       for (std::ptrdiff_t k = from; k < inner; ++k) v[static_cast<std::size_t>(k)] += h(j) * rate.front();

@@ -6,7 +6,6 @@ namespace stribeck::ident::drive {
 namespace {
 
 using Eigen::VectorXd;
-using Index = Eigen::Index;
 
 /// A Stribeck part has faded above this share of the top speed.
 constexpr double kFaded = 0.2;
@@ -45,7 +44,7 @@ std::array<Figure, 2> line_of(const map::StaticFit& map, int side, const map::Gr
 Figure friction_at(const map::StaticFit& map, int side, double speed) {
   Figure out;
   out.value = map.force(side, speed) - map::kDirection[static_cast<std::size_t>(side)] * map.load;
-  out.slope.resize(static_cast<Index>(map.span(side).second));
+  out.slope.resize(static_cast<Eigen::Index>(map.span(side).second));
   map.gradient(side, speed, out.slope.data());
   return out;
 }

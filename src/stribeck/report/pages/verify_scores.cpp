@@ -162,9 +162,9 @@ std::string part_name(const VerifyReportInput& input, std::size_t i) {
 }
 
 std::string model_color(std::size_t i) {
-  constexpr std::array<std::string_view, 6> kColors{"#0072b2", "#d55e00", "#009e73",
-                                                    "#cc79a7", "#e69f00", "#56b4e9"};
-  return std::string(kColors[i % kColors.size()]);
+  constexpr std::array<std::string_view, 6> kModelColors{"#0072b2", "#d55e00", "#009e73",
+                                                         "#cc79a7", "#e69f00", "#56b4e9"};
+  return std::string(kModelColors[i % kModelColors.size()]);
 }
 
 std::string_view name_of(Grade grade) noexcept {
