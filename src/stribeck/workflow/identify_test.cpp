@@ -115,7 +115,7 @@ TEST(Identify, ConstantSpeedsWithoutAccelerationGiveTheFriction) {
   const Folder folder;
   const std::string log = folder.write("log.csv", rows);
   const workflow::Identification found = workflow::identify(workflow::read_axis({log}, {}), {});
-  EXPECT_EQ(found.method, Method::kJog);
+  EXPECT_EQ(found.result.method, Method::kJog);
   EXPECT_FALSE(std::isfinite(found.result.mass));
   ASSERT_NE(found.result.find("alpha0"), nullptr);
   EXPECT_NEAR(found.result.find("alpha0")->value, kCoulomb, 0.2);
