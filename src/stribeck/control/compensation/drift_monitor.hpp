@@ -3,8 +3,10 @@
 ///
 ///   level    λ = (ψ₊ + ψ₋)/2 − 1       viscous χ − 1       break-away distance (1 + λ)/ρ − 1       shares of the identified model
 ///   trend    (λ_fast − λ_slow)/(τ_slow − τ_fast) [1/s], first-order averages over 10 s and 100 s of motion
-///   verdict  by λ against 10 and 25 % and two standard deviations, if one of them is below 10 %; if λ is unchanged, by a delay
+///   verdict  by λ against 10 and 25 % and three standard deviations, if one of them is below 10 %; if λ is unchanged, by a delay
 ///            above one period, viscous friction above 25 % or a mass above 15 %, each beyond three standard deviations
+///   shape    λ and χ − 1 of opposite sign, both beyond two standard deviations: no machine changes like that; the map lacks
+///            the speeds of this motion
 ///
 /// Time counts only while the axis moves. A trend that lowers the level by 2 % within 100 s is reported as warming up.
 /// Source: none; the limits are Stribeck's own.
@@ -28,7 +30,8 @@ enum class DriftVerdict {
   kMoreViscous,
   kLessViscous,
   kAnotherMass,
-  kAnotherDelay
+  kAnotherDelay,
+  kAnotherShape
 };
 
 constexpr std::string_view describe(DriftVerdict v) noexcept {
@@ -40,21 +43,23 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
     case DriftVerdict::kWarmingUp:
       return "friction is falling: warming up";
     case DriftVerdict::kMore:
-      return "more friction than at commissioning: watch lubrication and covers";
+      return "more friction than in the model: if it was identified at these speeds, watch lubrication and covers";
     case DriftVerdict::kMuchMore:
-      return "much more friction than at commissioning: check lubrication, covers and preload, or identify again";
+      return "much more friction than in the model: identify at these speeds, and if it then stays, check lubrication, covers and preload";
     case DriftVerdict::kLess:
-      return "less friction than at commissioning: warm, or preload is going";
+      return "less friction than in the model: if it was identified at these speeds, it is warm or preload is going";
     case DriftVerdict::kMuchLess:
-      return "much less friction than at commissioning: check preload, or identify again";
+      return "much less friction than in the model: identify at these speeds, and if it then stays, check preload";
     case DriftVerdict::kMoreViscous:
-      return "friction rises more with speed than at commissioning: colder, or another lubricant";
+      return "friction rises more with speed than in the model: if it was identified at these speeds, it is colder or has another lubricant";
     case DriftVerdict::kLessViscous:
-      return "friction rises less with speed than at commissioning: warm, or short of lubricant";
+      return "friction rises less with speed than in the model: if it was identified at these speeds, it is warm or short of lubricant";
     case DriftVerdict::kAnotherMass:
       return "another mass than at commissioning: a workpiece, or a changed drive";
     case DriftVerdict::kAnotherDelay:
       return "the force acts later or earlier than the axis file says: identify again";
+    case DriftVerdict::kAnotherShape:
+      return "the model does not hold at these speeds: identify there";
   }
   return "unknown";
 }
@@ -116,11 +121,14 @@ class DriftMonitor {
     d.delay_deviation = a.deviation[A::kDelay] * period;
     if (s.moved > kSlow) d.trend = (s.fast - s.slow) / (kSlow - kFast);
     if (!a.informed || d.level_deviation > kUnsure) return d;
-    const double watch = max_of(kWatch, kLikely * d.level_deviation);
+    const double watch = max_of(kWatch, kSure * d.level_deviation);
+    const bool shape = d.level * d.viscous < 0.0 && abs(d.level) > kLikely * d.level_deviation &&
+                       abs(d.viscous) > max_of(kViscous, kLikely * d.viscous_deviation);
     const bool delay = abs(d.delay) > max_of(period, kSure * d.delay_deviation);
     const bool viscous = abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
     const bool mass = abs(d.mass) > max_of(kMass, kSure * d.mass_deviation);
     d.verdict = d.trend * kSlow < -kWarming ? DriftVerdict::kWarmingUp
+                : shape                     ? DriftVerdict::kAnotherShape
                 : d.level > kAct            ? DriftVerdict::kMuchMore
                 : d.level > watch           ? DriftVerdict::kMore
                 : d.level < -kAct           ? DriftVerdict::kMuchLess
@@ -147,7 +155,7 @@ class DriftMonitor {
   static constexpr double kViscous = 0.25;  ///< change of viscous friction
   static constexpr double kMass = 0.15;     ///< share of the mass
   static constexpr double kSure = 3.0;      ///< limit in standard deviations
-  static constexpr double kLikely = 2.0;    ///< the same for the level, which is determined best
+  static constexpr double kLikely = 2.0;    ///< the same where two parameters contradict each other
 };
 
 }  // namespace stribeck::control

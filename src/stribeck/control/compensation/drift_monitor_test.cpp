@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <stribeck/control/compensation/drift_monitor.hpp>
+#include <string_view>
 #include <utility>
 
 namespace stribeck::control {
@@ -26,9 +28,10 @@ TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
   EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, 0.3}}, 0.03), DriftVerdict::kMuchMore);
   EXPECT_EQ(verdict({{A::kPositive, 0.3}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kAsCommissioned);
   EXPECT_EQ(verdict({{A::kPositive, -0.2}, {A::kNegative, -0.1}}, 0.03), DriftVerdict::kLess);
-  // Within two standard deviations of the level, 0.11/√2 each, nothing has changed.
+  // Within three standard deviations of the level, 0.11/√2 each, nothing has changed.
   EXPECT_EQ(verdict({{A::kPositive, -0.13}, {A::kNegative, -0.13}}, 0.11), DriftVerdict::kAsCommissioned);
-  EXPECT_EQ(verdict({{A::kPositive, -0.17}, {A::kNegative, -0.17}}, 0.11), DriftVerdict::kLess);
+  EXPECT_EQ(verdict({{A::kPositive, -0.17}, {A::kNegative, -0.17}}, 0.11), DriftVerdict::kAsCommissioned);
+  EXPECT_EQ(verdict({{A::kPositive, -0.24}, {A::kNegative, -0.24}}, 0.11), DriftVerdict::kLess);
   EXPECT_EQ(verdict({{A::kPositive, 0.13}, {A::kNegative, 0.13}}, 0.11), DriftVerdict::kAsCommissioned);
   EXPECT_EQ(verdict({{A::kViscous, 0.3}}, 0.03), DriftVerdict::kMoreViscous);
   EXPECT_EQ(verdict({{A::kViscous, -0.3}}, 0.03), DriftVerdict::kLessViscous);
@@ -39,6 +42,24 @@ TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
   // The level goes first: what is wrong there is in all of it.
   EXPECT_EQ(verdict({{A::kViscous, 0.3}, {A::kPositive, 0.12}, {A::kNegative, 0.12}}, 0.03),
             DriftVerdict::kMore);
+  // More level and less slope, or the other way round: a map without the Stribeck rise of these speeds.
+  EXPECT_EQ(verdict({{A::kViscous, -0.5}, {A::kPositive, 0.15}, {A::kNegative, 0.15}}, 0.04),
+            DriftVerdict::kAnotherShape);
+  EXPECT_EQ(verdict({{A::kViscous, 0.8}, {A::kPositive, -0.22}, {A::kNegative, -0.22}}, 0.05),
+            DriftVerdict::kAnotherShape);
+}
+
+TEST(DriftMonitor, NamesTheLimitsOfTheModelBeforeMaintenance) {
+  for (const DriftVerdict v :
+       {DriftVerdict::kMore, DriftVerdict::kMuchMore, DriftVerdict::kLess, DriftVerdict::kMuchLess,
+        DriftVerdict::kMoreViscous, DriftVerdict::kLessViscous}) {
+    const std::string_view words = describe(v);
+    const auto limits =
+        std::min(words.find("if it was identified at these speeds"), words.find("identify at these speeds"));
+    ASSERT_NE(limits, std::string_view::npos) << words;
+    for (const std::string_view maintenance : {"lubric", "preload", "covers", "warm"})
+      EXPECT_GT(words.find(maintenance), limits) << words;
+  }
 }
 
 }  // namespace
