@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/file.hpp>
@@ -78,24 +79,44 @@ struct Magnifier {
   }
 };
 
-/// The samples in the order of their angle, thinned for a drawing; all revolutions are included.
+/// The samples in order of time, thinned for a drawing; the angle goes on from revolution to revolution [rad].
 struct Drawn {
   std::vector<double> angle;
   std::vector<double> error;
 };
 
 Drawn drawn(const sim::CircleTest& t) {
-  std::vector<std::size_t> order(t.angle.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return t.angle[a] < t.angle[b]; });
+  constexpr int kPerRevolution = 500;
+  const double way = t.counter_clockwise ? 1.0 : -1.0;
   Drawn d;
-  for (const std::size_t i : order) {
-    d.angle.push_back(t.angle[i]);
+  double turned = 0.0;    // against the direction of travel it may step back by noise
+  double farthest = 0.0;  // for a drawing it must not
+  for (std::size_t i = 0; i < t.angle.size(); ++i) {
+    turned =
+        i == 0 ? way * t.angle[0] : turned + way * std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
+    farthest = i == 0 ? turned : std::fmax(farthest, turned);
+    d.angle.push_back(farthest);
     d.error.push_back(t.error[i]);
   }
-  thin(d.angle, d.error, 500);
+  thin(d.angle, d.error, static_cast<int>(kPerRevolution * std::fmax(std::ceil(t.revolutions), 1.0)));
+  for (double& angle : d.angle) angle *= way;
   return d;
+}
+
+/// Over the angle from 0 to 360 degrees, with a gap where a revolution ends.
+void fill_along(Series& s, const Drawn& d) {
+  double before = 0.0;
+  for (std::size_t k = 0; k < d.angle.size(); ++k) {
+    const double degrees = d.angle[k] * 180.0 / kPi;
+    const double within = degrees - 360.0 * std::floor(degrees / 360.0);
+    if (k > 0 && std::abs(within - before) > 180.0) {
+      s.x.push_back(std::numeric_limits<double>::quiet_NaN());
+      s.y.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    s.x.push_back(within);
+    s.y.push_back(d.error[k] * kMicro);
+    before = within;
+  }
 }
 
 void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
@@ -116,10 +137,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
     const Drawn d = drawn(t);
     over.series.push_back(common.around(d.angle, d.error, log.label, color, 1.5));
     Series s{.label = log.label, .color = color, .width = 1.4};
-    for (std::size_t k = 0; k < d.angle.size(); ++k) {
-      s.x.push_back(d.angle[k] * 180.0 / kPi);
-      s.y.push_back(d.error[k] * kMicro);
-    }
+    fill_along(s, d);
     along.series.push_back(std::move(s));
     const Magnifier magnifier(t.max_error);
     Plot p{.title = log.label, .legend = Legend::kNone, .width = 300, .height = 315};
