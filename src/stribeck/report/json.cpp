@@ -137,6 +137,7 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
     row["label"] = r.controller.label;
     const double speed = r.speed > 0.0 ? r.speed : travels.at(r.travel).feed;
     row["speed_mm_per_s"] = number_or_null(speed * kMilli);
+    row["refused"] = r.refused.empty() ? Json(nullptr) : Json(r.refused);
     write_metrics(row, r.mean, result.axes.size());
     Json spread = Json::object();
     write_metrics(spread, r.spread, result.axes.size());
@@ -165,8 +166,9 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
       }
       row["drift"] = std::move(drift);
     }
-    row["solver"] = {{"substeps", r.substeps > 0 ? Json(r.substeps) : Json(nullptr)},
-                     {"accuracy_nm", number_or_null(result.spec.accuracy * 1e9)}};
+    row["solver"] = {
+        {"substeps", r.substeps > 0 ? Json(r.substeps) : Json(nullptr)},
+        {"accuracy_nm", r.repeatable ? number_or_null(result.spec.accuracy * 1e9) : Json(nullptr)}};
     rows.push_back(std::move(row));
   }
   out["rows"] = std::move(rows);

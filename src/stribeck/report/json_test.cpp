@@ -28,6 +28,7 @@ TEST(CompareJson, IsAsDescribed) {
       "controller": "a",
       "label": "no friction compensation",
       "speed_mm_per_s": 9.5,
+      "refused": null,
       "max_contour_error_um": 8.0,
       "quadrant_glitch_um": 4.0,
       "rms_um": 4.0,
@@ -71,6 +72,7 @@ TEST(CompareJson, IsAsDescribed) {
       "controller": "b",
       "label": "conventional friction model",
       "speed_mm_per_s": null,
+      "refused": null,
       "max_contour_error_um": null,
       "quadrant_glitch_um": null,
       "rms_um": null,
@@ -121,7 +123,9 @@ TEST(CompareJson, WhatIsNotKnownIsNull) {
   sim::CompareResult result = testing::two_controllers();
   result.machine = testing::kHostile;
   result.rows[0].substeps = 0;
+  result.rows[0].refused = "too stiff";
   const auto json = to_json(result);
+  EXPECT_EQ(json["rows"][0]["refused"], "too stiff");
   EXPECT_TRUE(json["experiment"].is_null());
   EXPECT_TRUE(json["rows"][0]["solver"]["substeps"].is_null());
   EXPECT_NO_THROW(io::dump(json));

@@ -246,6 +246,20 @@ TEST(IdentifyReport, SurvivesAnEmptyResult) {
   EXPECT_THAT(identify_report({"", {r}, "", "", ""}), HasSubstr("</html>"));
 }
 
+TEST(CompareReport, DrawsWithoutTheRowsThatCouldNotBeSimulated) {
+  CompareReportInput input;
+  input.result = testing::two_controllers();
+  sim::CompareRow& row = input.result.rows[0];
+  row.mean = row.spread = testing::nothing();
+  row.trace.clear();
+  row.substeps = 0;
+  row.refused = "too stiff";
+  const std::string page = compare_report(input);
+  EXPECT_THAT(page, HasSubstr("(a) at 9.5 mm/s: not simulated: too stiff"));
+  EXPECT_THAT(page, HasSubstr("Contour of (b) conventional friction model"));
+  EXPECT_THAT(page, Not(HasSubstr("Contour of (a)")));
+}
+
 TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(57.6612, 57.18, 58.14), "57.66");
   EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");

@@ -45,6 +45,16 @@ std::vector<std::string> travel_warnings(const sim::CompareSpec& spec) {
 std::vector<std::string> status_warnings(const sim::CompareResult& result) {
   std::vector<std::string> all = travel_warnings(result.spec);
   for (const sim::CompareRow& r : result.rows) {
+    if (!r.refused.empty()) {
+      all.push_back(fmt::format("({}) at {}: not simulated: {}", r.controller.id,
+                                result.spec.travels[r.travel].pace_in_words(), r.refused));
+    }
+    if (!r.repeatable && r.refused.empty()) {
+      all.push_back(fmt::format(
+          "({}) at {}: stick-slip or an oscillation multiplies every difference: single errors are chance, means "
+          "over many trials are not",
+          r.controller.id, result.spec.travels[r.travel].pace_in_words()));
+    }
     for (const Status s :
          {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange, Status::kOscillation}) {
       if (r.status.count(s) == 0) continue;
@@ -57,15 +67,6 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result) {
 }
 
 namespace {
-
-/// A verdict in words. What looks like a change may be a model that does not cover this motion, and that comes first: nobody
-/// should grease a machine because of a fit.
-std::string in_words(control::DriftVerdict verdict) {
-  using enum control::DriftVerdict;
-  const std::string words(control::describe(verdict));
-  if (verdict == kNotYet || verdict == kAsCommissioned || verdict == kWarmingUp) return words;
-  return "the model may not cover this motion (identify at these speeds first); if it does, " + words;
-}
 
 /// "+3 ± 2 %".
 std::string percent_words(double share, double deviation) {
@@ -85,7 +86,7 @@ std::vector<std::string> drift_words(const sim::CompareResult& result) {
           r.controller.id, result.spec.travels[r.travel].pace_in_words(), result.axes[i],
           percent_words(d.level, d.level_deviation), percent_words(d.viscous, d.viscous_deviation),
           percent_words(d.break_away, d.break_away_deviation), percent_words(d.mass, d.mass_deviation),
-          with_sign(1e3 * d.delay, 1), decimals(1e3 * d.delay_deviation, 1), in_words(d.verdict)));
+          with_sign(1e3 * d.delay, 1), decimals(1e3 * d.delay_deviation, 1), describe(d.verdict)));
     }
   }
   return all;

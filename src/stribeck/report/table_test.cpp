@@ -48,6 +48,17 @@ TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
             "b  conventional friction model  2.00       –  1.00      0.50  1.00        125\n");
 }
 
+TEST(TextTable, SaysWhatCouldNotBeSimulated) {
+  sim::CompareResult result = testing::two_controllers();
+  result.rows[1].mean = result.rows[1].spread = testing::nothing();
+  result.rows[1].refused = "too stiff";
+  EXPECT_NE(text_table(result).find("b  conventional friction model           –"), std::string::npos)
+      << text_table(result);
+  EXPECT_EQ(status_warnings(result), std::vector<std::string>{"(b) at 9.5 mm/s: not simulated: too stiff"});
+  result.rows[0].repeatable = false;
+  EXPECT_THAT(status_warnings(result).front(), ::testing::StartsWith("(a) at 9.5 mm/s: stick-slip"));
+}
+
 TEST(TextTable, FitsTheTerminal) {
   sim::CompareResult result = testing::two_controllers();
   result.rows[0].controller.label = testing::kHostile + testing::kHostile;

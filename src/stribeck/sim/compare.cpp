@@ -94,6 +94,29 @@ struct Cell {
   std::vector<StatusCounter> status;
 };
 
+/// Means and spreads of a row, or why it has none.
+void conclude(CompareRow& row, const std::vector<StatusCounter>& status, double size) {
+  for (const Metrics& m : row.trials) {
+    if (row.refused.empty() && !(m.max_contour_error <= kLost * size)) {
+      row.refused =
+          "with noise, encoder and D/A converter the loop does not follow the path (error above a tenth of its extent)";
+    }
+  }
+  if (!row.refused.empty()) {
+    row.mean = row.spread = Metrics::unknown();
+    row.trials.clear();
+    row.trace.clear();
+    row.drift.clear();
+    row.substeps = 0;
+    return;
+  }
+  summarise(row.trials, row.mean, row.spread);
+  for (const StatusCounter& s : status) {
+    for (std::size_t k = 0; k < s.counts.size(); ++k) row.status.counts[k] += s.counts[k];
+    if (row.status.first == Status::kOk) row.status.first = s.first;
+  }
+}
+
 template <std::size_t N>
 void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                   const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
@@ -109,18 +132,18 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     for (const ControllerSpec& c : spec.controllers) {
       auto setup = make_setup<N>(machine, knowledge, axes, c);
       setup.lap = routes.back().lap;
-      try {
-        check_law<N>(c, setup);
-      } catch (const Refused& e) {
-        throw Refused(name_of(c, speed) + ": " + e.what());
-      }
-      cells.push_back(
-          {&routes.back(), setup, make_controller<N>(c.law, setup), std::vector<StatusCounter>(spec.trials)});
+      cells.push_back({&routes.back(), setup, {}, std::vector<StatusCounter>(spec.trials)});
       CompareRow row;
       row.controller = c;
       row.travel = routes.size() - 1;
       row.speed = speed;
       row.trials.resize(spec.trials);
+      try {
+        check_law<N>(c, setup);
+        cells.back().controller = make_controller<N>(c.law, setup);
+      } catch (const Refused& e) {
+        row.refused = e.what();
+      }
       result.rows.push_back(std::move(row));
     }
   }
@@ -134,11 +157,12 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       cells.size(), spec.threads, make_drives,
       [&](Drives& drives, std::size_t i) {
         CompareRow& row = result.rows[i];
+        if (!row.refused.empty()) return;
         try {
-          row.substeps =
-              substeps_for<N>(drives, cells[i].setup, row.controller, *cells[i].route, spec.accuracy);
+          row.substeps = substeps_for<N>(drives, cells[i].setup, row.controller, *cells[i].route,
+                                         spec.accuracy, &row.repeatable);
         } catch (const Refused& e) {
-          throw Refused(name_of(row.controller, row.speed) + ": " + e.what());
+          row.refused = e.what();
         }
       },
       report);
@@ -148,6 +172,7 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       [&](Drives& drives, std::size_t job) {
         Cell<N>& cell = cells[job / spec.trials];
         CompareRow& row = result.rows[job / spec.trials];
+        if (!row.refused.empty()) return;
         const auto trial = static_cast<std::uint32_t>(job % spec.trials);
         row.trials[trial] = drives.run<N>(cell.controller, *cell.route, {row.substeps, true, true}, spec.seed,
                                           trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial],
@@ -156,20 +181,12 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
           estimate_cutting<N>(row.trace, *cutting, cell.setup);
       },
       report);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    CompareRow& row = result.rows[i];
-    for (const Metrics& m : row.trials) {
-      if (!(m.max_contour_error <= kLost * cells[i].route->size)) {
-        throw Refused(
-            name_of(row.controller, row.speed) +
-            ": with noise, encoder and D/A converter the loop does not follow the path (error above a tenth of its extent)");
-      }
-    }
-    summarise(row.trials, row.mean, row.spread);
-    for (const StatusCounter& s : cells[i].status) {
-      for (std::size_t k = 0; k < s.counts.size(); ++k) row.status.counts[k] += s.counts[k];
-      if (row.status.first == Status::kOk) row.status.first = s.first;
-    }
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    conclude(result.rows[i], cells[i].status, cells[i].route->size);
+  const auto done = [](const CompareRow& row) { return row.refused.empty(); };
+  if (std::none_of(result.rows.begin(), result.rows.end(), done)) {
+    const CompareRow& first = result.rows.front();
+    throw Refused(name_of(first.controller, first.speed) + ": " + first.refused);
   }
 }
 
@@ -279,17 +296,17 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
 
 template <std::size_t N>
 int substeps_for(Drives& drives, const control::Setup<N>& setup, const ControllerSpec& which,
-                 const Route<N>& route, double accuracy) {
+                 const Route<N>& route, double accuracy, bool* repeatable) {
   const control::LawParams law =
       switches(which.law) ? control::LawParams(control::ContouringParams::critical(40.0, 40.0)) : which.law;
-  return choose_substeps<N>(drives, make_controller<N>(law, setup), route, accuracy);
+  return choose_substeps<N>(drives, make_controller<N>(law, setup), route, accuracy, repeatable);
 }
 
 #define STRIBECK_INSTANTIATE(N)                                                                           \
   template control::Setup<N> make_setup<N>(const Machine&, const std::vector<AxisKnowledge>&,             \
                                            const std::vector<std::size_t>&, const ControllerSpec&);       \
   template int substeps_for<N>(Drives&, const control::Setup<N>&, const ControllerSpec&, const Route<N>&, \
-                               double);
+                               double, bool*);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)
 STRIBECK_INSTANTIATE(3)
@@ -317,7 +334,7 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
     auto setup = make_setup<kAxes>(machine, knowledge, axes, row.controller);
     setup.lap = route.lap;
     check_law<kAxes>(row.controller, setup);
-    row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy);
+    row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy, &row.repeatable);
     row.mean =
         drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
                           {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status, &row.drift);

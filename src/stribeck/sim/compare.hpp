@@ -135,6 +135,8 @@ struct CompareRow {
   StatusCounter status;               ///< of all trials together
   std::vector<control::Drift> drift;  ///< per axis, at the end of the first trial; empty without adaptation
   int substeps = 0;
+  bool repeatable = true;  ///< false: the loop multiplies every difference (choose_substeps())
+  std::string refused;     ///< why there is no result, and what would help; empty otherwise
 };
 
 struct CompareResult {
@@ -145,7 +147,8 @@ struct CompareResult {
   std::vector<CompareRow> rows;  ///< travel by travel, controller by controller
 };
 
-/// progress(done, all) may be called from any thread, one call at a time. Throws Refused when a run would mean nothing.
+/// progress(done, all) may be called from any thread, one call at a time. A row whose run would mean nothing says so and has no
+/// figures. Throws Refused when that is so for every row.
 CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                       const CompareSpec& spec,
                       const std::function<void(std::size_t, std::size_t)>& progress = {});
@@ -162,7 +165,7 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
 /// Sub-steps for a controller on a route, as compare() finds them.
 template <std::size_t N>
 int substeps_for(Drives& drives, const control::Setup<N>& setup, const ControllerSpec& which,
-                 const Route<N>& route, double accuracy);
+                 const Route<N>& route, double accuracy, bool* repeatable = nullptr);
 
 /// The axes of a spec: spec.axes, or the first ones. Throws Refused when the machine has too few.
 std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& spec);

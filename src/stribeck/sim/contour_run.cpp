@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <span>
 #include <stribeck/sim/contour_run.hpp>
 #include <type_traits>
@@ -7,6 +10,30 @@ namespace stribeck::sim {
 namespace {
 
 constexpr int kLoopIsLost = 32;
+/// Weaker demand on a loop in stick-slip: largest and RMS error of two runs agree within this share, with many sub-steps.
+constexpr double kAlike = 0.1;
+constexpr int kEnoughSubsteps = 32;
+constexpr double kMostLimited = 1e-3;  ///< share of the periods with the drive at its limit
+
+/// Largest and RMS contour error of a run [m].
+std::array<double, 2> size_of(const std::vector<ContourSample>& run) {
+  double most = 0.0;
+  double squares = 0.0;
+  for (const ContourSample& s : run) {
+    most = std::max(most, std::abs(s.contour_error));
+    squares += s.contour_error * s.contour_error;
+  }
+  return {most, std::sqrt(squares / static_cast<double>(run.size()))};
+}
+
+bool alike(const std::vector<ContourSample>& one, const std::vector<ContourSample>& other) {
+  const auto a = size_of(one);
+  const auto b = size_of(other);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a[i] - b[i]) <= kAlike * std::max(a[i], b[i]))) return false;
+  }
+  return true;
+}
 
 /// Inputs and outputs of one tick.
 template <std::size_t N>
@@ -164,15 +191,17 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
 
 template <std::size_t N>
 int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
-                    double accuracy) {
+                    double accuracy, bool* repeatable) {
   // One lap and the run-in contain every kind of reversal.
   const double period = drives.period();
   Route<N> part = route;
   part.points.resize(std::min(static_cast<std::size_t>(route.first_lap / period) + 2, route.points.size()));
   if (!part.cutting.empty()) part.cutting.resize(part.points.size());
+  StatusCounter status;  // of the last run
   const auto trace = [&](int substeps) {
     std::vector<ContourSample> seen;
-    drives.run<N>(controller, part, {substeps, false, false}, 1, 0, &seen);
+    status = {};
+    drives.run<N>(controller, part, {substeps, false, false}, 1, 0, &seen, &status);
     return seen;
   };
   const double least = least_substeps(drives.rate_bound(), period);
@@ -189,6 +218,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     return true;
   };
   bool followed = false;
+  std::optional<int> acceptable;
   const auto judge = [&](int n, const auto& coarse, const auto& fine) {
     const bool follows_now = follows(coarse) && follows(fine);
     // Too few sub-steps may lose the path; if many sub-steps lose it too, the loop does.
@@ -197,9 +227,17 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     RunError error;
     for (std::size_t k = 0; k < coarse.size(); ++k)
       error.add(std::abs(fine[k].contour_error - coarse[k].contour_error));
+    // A loop that swings between the limits of its drive is unstable, however alike its swings are.
+    const double limited = static_cast<double>(status.count(Status::kOutputLimited));
+    const bool swings = limited > kMostLimited * static_cast<double>(coarse.size());
+    if (follows_now && !swings && !acceptable && n >= kEnoughSubsteps && alike(coarse, fine)) acceptable = n;
     return error.within(accuracy) && follows_now ? Substeps::kEnough : Substeps::kMore;
   };
   if (const auto n = search_substeps(least, trace, judge)) return *n;
+  if (acceptable) {
+    if (repeatable != nullptr) *repeatable = false;
+    return *acceptable;
+  }
   if (!followed) {
     throw Refused(
         "the loop does not follow the path (error above a tenth of its extent): it is unstable or too slow "
@@ -214,7 +252,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,          \
                                   std::uint64_t, std::uint32_t, std::vector<ContourSample>*, StatusCounter*, \
                                   std::vector<control::Drift>*);                                             \
-  template int choose_substeps<N>(Drives&, const AnyController<N>&, const Route<N>&, double);
+  template int choose_substeps<N>(Drives&, const AnyController<N>&, const Route<N>&, double, bool*);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)
 STRIBECK_INSTANTIATE(3)

@@ -70,9 +70,11 @@ struct Refused : std::runtime_error {
 
 /// Smallest number of sub-steps for which the trace of the contour error of this run, with quantisers and noise off, is within
 /// `accuracy` [m] of a converged one. Doubles the number until a run agrees with one of twice as many. A law that switches is
-/// not reproducible sample by sample with any number; pass the contouring law on the same route instead.
+/// not reproducible sample by sample with any number; pass the contouring law on the same route instead. A loop in stick-slip
+/// multiplies every difference: where no number is enough, its largest and RMS errors must agree within a tenth. Such a run is as
+/// good as one with other noise, and `repeatable` is then false.
 template <std::size_t N>
 int choose_substeps(Drives& drives, const AnyController<N>& controller, const Route<N>& route,
-                    double accuracy);
+                    double accuracy, bool* repeatable = nullptr);
 
 }  // namespace stribeck::sim

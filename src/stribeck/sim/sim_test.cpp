@@ -159,6 +159,28 @@ TEST(Compare, IsTheSameOnAnyNumberOfThreads) {
   }
 }
 
+TEST(Compare, WhatCannotBeSimulatedIsARowThatSaysWhy) {
+  auto spec = test::bi_table();
+  spec.travels = {test::circle(9.5e-3, 1.0)};
+  spec.trials = 2;
+  spec.controllers = biaxial_controllers();
+  // Far too fast for a period of 5 ms.
+  spec.controllers[1].law = control::ContouringParams::critical(4000.0, 4000.0);
+  const auto alone = compare(test::biaxial_table(), test::printed(), [&] {
+    auto one = spec;
+    one.controllers = {spec.controllers[5]};
+    return one;
+  }());
+  const auto result = compare(test::biaxial_table(), test::printed(), spec);
+  EXPECT_NE(result.rows[1].refused.find("edge of stability"), std::string::npos) << result.rows[1].refused;
+  EXPECT_TRUE(std::isnan(result.rows[1].mean.max_contour_error));
+  EXPECT_TRUE(result.rows[1].trace.empty());
+  EXPECT_EQ(result.rows[5].refused, "");
+  EXPECT_EQ(result.rows[5].mean.rms, alone.rows[0].mean.rms);
+  spec.controllers = {spec.controllers[1]};
+  EXPECT_THROW(compare(test::biaxial_table(), test::printed(), spec), Refused);
+}
+
 TEST(Compare, TrialsDifferAndTheSeedDecides) {
   auto spec = test::bi_table();
   spec.travels = {test::circle(9.5e-3, 1.0)};

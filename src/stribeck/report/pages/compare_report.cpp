@@ -96,6 +96,7 @@ void settings(Page& page, const CompareReportInput& input) {
   int least_steps = std::numeric_limits<int>::max();
   int most_steps = 0;
   for (const sim::CompareRow& r : input.result.rows) {
+    if (r.substeps == 0) continue;
     least_steps = std::min(least_steps, r.substeps);
     most_steps = std::max(most_steps, r.substeps);
   }
@@ -295,6 +296,18 @@ std::vector<TravelBlock> blocks_of(const CompareReportInput& input) {
   return blocks;
 }
 
+namespace {
+
+/// The blocks without the rows that could not be simulated: those have nothing to draw.
+std::vector<TravelBlock> simulated(std::vector<TravelBlock> blocks) {
+  for (TravelBlock& b : blocks)
+    std::erase_if(b.rows, [](const sim::CompareRow* r) { return !r->refused.empty(); });
+  std::erase_if(blocks, [](const TravelBlock& b) { return b.rows.empty(); });
+  return blocks;
+}
+
+}  // namespace
+
 std::string compare_report(const CompareReportInput& input) {
   const sim::CompareResult& result = input.result;
   const std::vector<TravelBlock> blocks = blocks_of(input);
@@ -309,13 +322,14 @@ std::string compare_report(const CompareReportInput& input) {
   page.warnings(all_warnings(input));
 
   figures(page, input, blocks);
-  bars_of_figures(page, input, blocks);
-  magnified_contours(page, blocks);
+  const std::vector<TravelBlock> drawn = simulated(blocks);
+  bars_of_figures(page, input, drawn);
+  magnified_contours(page, drawn);
   change_since_identification(page, input);
-  errors_along_path_and_time(page, input, blocks);
-  reversals(page, input, blocks);
+  errors_along_path_and_time(page, input, drawn);
+  reversals(page, input, drawn);
   friction_maps(page, input);
-  forces(page, input, blocks);
+  forces(page, input, drawn);
 
   const bool identified = std::any_of(input.axes.begin(), input.axes.end(),
                                       [](const AxisEvidence& e) { return !e.models.empty(); });

@@ -115,7 +115,7 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   }
   if (!learned.empty()) text += " " + listed(learned) + ".";
   const auto plain = std::find_if(rows.begin(), rows.end(), [](const auto* r) { return is_plain(*r); });
-  if (plain != rows.end() && *plain != &other)
+  if (plain != rows.end() && *plain != &other && (*plain)->refused.empty())
     text += fmt::format(" {} leaves {}.", full_name(**plain), maximum_and_rms(**plain));
   return text;
 }
@@ -135,7 +135,7 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
   const sim::CompareRow* plain = nullptr;
   const sim::CompareRow* conventional = nullptr;
   for (const sim::CompareRow* r : rows) {
-    if (r == best) continue;
+    if (r == best || !r->refused.empty()) continue;
     if (is_plain(*r) && plain == nullptr) plain = r;
     if (r->controller.friction == sim::FrictionUse::kConventional) {
       if (conventional == nullptr || r->controller.observer == best->controller.observer) conventional = r;

@@ -150,7 +150,9 @@ std::string color_of(const sim::CompareRow& row, const Rows& all) {
 
 std::vector<ScaleGroup> scale_groups(const Rows& rows) {
   std::vector<std::pair<double, const sim::CompareRow*>> by_size;
-  for (const sim::CompareRow* r : rows) by_size.emplace_back(largest({r}, true), r);
+  for (const sim::CompareRow* r : rows) {
+    if (r->refused.empty()) by_size.emplace_back(largest({r}, true), r);
+  }
   std::stable_sort(by_size.begin(), by_size.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<ScaleGroup> groups;
@@ -233,10 +235,12 @@ Lap last_lap(const std::vector<sim::ContourSample>& trace, const sim::Travel& tr
     const double whole = travel.part() != nullptr ? 0.0 : std::floor(turns);
     all.emplace_back((turns - whole) * period + first_angle(travel), &s);
   }
+  const double duration = all.empty() ? 0.0 : all.back().second->time - all.front().second->time;
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (std::size_t k = 0; k < all.size(); ++k) {
-    // Less than a lap was scored: the rest is a gap, not a line.
-    if (k > 0 && all[k].first - all[k - 1].first > 3.0 * longest) {
+    // Less than a lap was scored: the rest is a gap, not a line. Neither is there one from the end of the lap to its beginning.
+    const bool seam = k > 0 && all[k].second->time - all[k - 1].second->time < -0.5 * duration;
+    if (k > 0 && (seam || all[k].first - all[k - 1].first > 3.0 * longest)) {
       lap.angle.push_back(kNaN);
       lap.samples.push_back(nullptr);
     }

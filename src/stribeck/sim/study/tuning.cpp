@@ -114,8 +114,10 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
 
 std::vector<TravelScore> scores(const CompareResult& run, std::size_t which, std::size_t controllers) {
   std::vector<TravelScore> s;
-  for (std::size_t r = which; r < run.rows.size(); r += controllers)
+  for (std::size_t r = which; r < run.rows.size(); r += controllers) {
+    if (!run.rows[r].refused.empty()) throw Refused(run.rows[r].refused);
     s.push_back({run.rows[r].mean, run.rows[r].spread});
+  }
   return s;
 }
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <map>
@@ -81,6 +82,10 @@ report::ReproducedSection run_setting(const sim::Experiment& e, const sim::Setti
   spec.threads = o.threads;
   const sim::CompareResult result =
       sim::compare(known.machine, printed ? printed_knowledge(known.machine) : known.identified, spec);
+  for (const sim::CompareRow& row : result.rows) {
+    if (!row.refused.empty())
+      throw sim::Refused(fmt::format("{}, controller ({}): {}", e.id, row.controller.id, row.refused));
+  }
   return report::reproduced(
       e, s, result, printed ? "printed parameters of the thesis" : "identified from logs of this machine");
 }
