@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -11,6 +13,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
+#include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -91,6 +94,43 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
   }
 }
 
+/// Axes that move for long below the speeds at which a model of theirs was identified. At the reversals every axis does so shortly.
+std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
+                                           const std::vector<std::size_t>& axes,
+                                           const Parameters& parameters) {
+  constexpr double kLong = 0.2;  // share of the motion
+  std::vector<std::string> all;
+  if (parameters.axes.empty()) return all;
+  for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
+    const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
+      return r.travel == travel && !r.trace.empty();
+    });
+    if (row == result.rows.end()) continue;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      std::array<double, 2> begin{0.0, 0.0};
+      for (const CommissionedModel& m : parameters.axes[axes[i]].models) {
+        const auto [back, forward] = report::curve_begin(m.result);
+        begin = {std::fmin(begin[0], back), std::fmax(begin[1], forward)};
+      }
+      double moving = 0.0;
+      double below = 0.0;
+      for (const sim::ContourSample& s : row->trace) {
+        const double v = s.velocity[i];
+        if (v == 0.0) continue;
+        moving += 1.0;
+        below += v > begin[0] && v < begin[1] ? 1.0 : 0.0;
+      }
+      if (!(below > kLong * moving)) continue;
+      all.push_back(fmt::format(
+          "axis {} at {}: {:.0f} % of its motion is between {:.3g} and {:.3g} mm/s, where a model of it was not "
+          "identified (excite with --method jog, and give the result with --axis-file)",
+          result.axes[i], result.spec.travels[travel].pace_in_words(), 100.0 * below / moving, begin[0] * 1e3,
+          begin[1] * 1e3));
+    }
+  }
+  return all;
+}
+
 int compare(const CompareCommand& o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
@@ -113,7 +153,11 @@ int compare(const CompareCommand& o) {
   const auto printed = is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty()
                            ? printed_for(o, experiment)
                            : std::span<const report::PrintedTable>();
-  write_json(o.common.json, report::to_json(result, experiment));
+  const std::vector<std::string> uncovered =
+      coverage_warnings(result, sim::chosen_axes(machine, spec), parameters);
+  nlohmann::ordered_json json = report::to_json(result, experiment);
+  for (const std::string& warning : uncovered) json["warnings"].push_back(warning);
+  write_json(o.common.json, json);
   if (!o.common.report.empty()) {
     report::CompareReportInput input;
     input.result = result;
@@ -132,6 +176,7 @@ int compare(const CompareCommand& o) {
     input.parameters = parameters.words;
     input.command = typed_command();
     input.version = STRIBECK_VERSION;
+    input.warnings = uncovered;
     input.printed = printed;
     report::write_compare_report(o.common.report, input);
     write_evidence(o.common.report, machine, parameters);
@@ -139,6 +184,7 @@ int compare(const CompareCommand& o) {
   say(o.common, part_words(spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");
+  for (const std::string& warning : uncovered) say(o.common, "Warning: " + warning + ".\n");
   const auto drift = report::drift_words(result);
   if (!drift.empty())
     say(o.common, "Change since identification, estimated by adaptation at the end of the first trial:\n");
