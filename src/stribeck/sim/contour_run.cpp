@@ -12,7 +12,7 @@ namespace {
 constexpr int kLoopIsLost = 32;
 /// Weaker demand on a loop in stick-slip: largest and RMS error of two runs agree within this share, with many sub-steps.
 constexpr double kAlike = 0.1;
-constexpr int kEnoughSubsteps = 32;
+constexpr int kManySubsteps = 32;
 constexpr double kMostLimited = 1e-3;  ///< share of the periods with the drive at its limit
 
 /// Largest and RMS contour error of a run [m].
@@ -230,7 +230,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     // A loop that swings between the limits of its drive is unstable, however alike its swings are.
     const double limited = static_cast<double>(status.count(Status::kOutputLimited));
     const bool swings = limited > kMostLimited * static_cast<double>(coarse.size());
-    if (follows_now && !swings && !acceptable && n >= kEnoughSubsteps && alike(coarse, fine)) acceptable = n;
+    if (follows_now && !swings && !acceptable && n >= kManySubsteps && alike(coarse, fine)) acceptable = n;
     return error.within(accuracy) && follows_now ? Substeps::kEnough : Substeps::kMore;
   };
   if (const auto n = search_substeps(least, trace, judge)) return *n;
