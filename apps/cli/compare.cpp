@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -13,7 +11,6 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
-#include <stribeck/report/parameters.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -92,43 +89,6 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
                            io::write_toml(as_model(m.result), origin));
     }
   }
-}
-
-/// Axes that move for long below the speeds at which a model of theirs was identified. At the reversals every axis does so shortly.
-std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
-                                           const std::vector<std::size_t>& axes,
-                                           const Parameters& parameters) {
-  constexpr double kLong = 0.2;  // share of the motion
-  std::vector<std::string> all;
-  if (parameters.axes.empty()) return all;
-  for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
-    const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
-      return r.travel == travel && !r.trace.empty();
-    });
-    if (row == result.rows.end()) continue;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      std::array<double, 2> begin{0.0, 0.0};
-      for (const CommissionedModel& m : parameters.axes[axes[i]].models) {
-        const auto [back, forward] = report::curve_begin(m.result);
-        begin = {std::fmin(begin[0], back), std::fmax(begin[1], forward)};
-      }
-      double moving = 0.0;
-      double below = 0.0;
-      for (const sim::ContourSample& s : row->trace) {
-        const double v = s.velocity[i];
-        if (v == 0.0) continue;
-        moving += 1.0;
-        below += v > begin[0] && v < begin[1] ? 1.0 : 0.0;
-      }
-      if (!(below > kLong * moving)) continue;
-      all.push_back(fmt::format(
-          "axis {} at {}: {:.0f} % of its motion is between {:.3g} and {:.3g} mm/s, where a model of it was not "
-          "identified (excite with --method jog, and give the result with --axis-file)",
-          result.axes[i], result.spec.travels[travel].pace_in_words(), 100.0 * below / moving, begin[0] * 1e3,
-          begin[1] * 1e3));
-    }
-  }
-  return all;
 }
 
 int compare(const CompareCommand& o) {

@@ -245,7 +245,7 @@ Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
   return {ident::drive::identify_drive(with_positions, options)};
 }
 
-bool tells_mass_of(const ident::Result& result) {
+bool mass_is_determined(const ident::Result& result) {
   return result.mass > 0.0 && result.mass_interval.low > 0.0;
 }
 
@@ -289,7 +289,7 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
     return found;
   }
   Identification found = by_drive_fit(o, axis.records);
-  if (tells_mass_of(found.result)) return found;
+  if (mass_is_determined(found.result)) return found;
   std::optional<Identification> friction = friction_alone(o, axis);
   return friction ? std::move(*friction) : std::move(found);
 }

@@ -23,4 +23,10 @@ struct Parameters {
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                           const ParameterOptions& options, const sim::CompareSpec& spec);
 
+/// Axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine that the
+/// result has. At its reversals every axis is slow for a short time, which is no reason to warn.
+std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
+                                           const std::vector<std::size_t>& axes,
+                                           const Parameters& parameters);
+
 }  // namespace stribeck::workflow

@@ -156,22 +156,11 @@ double strokes_of(const Rows& rows) {
 
 /// Rows above a share of the top speed of their direction.
 Rows fast_rows(const AlignedLog& log, const Rows& rows) {
-  Rows out;
-  out.reserve(rows.size());
-  out.grid = rows.grid;
-  out.blocks = rows.blocks;
-  out.sampled = rows.sampled;
+  std::vector<std::size_t> fast;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (std::abs(velocity_of(log, rows, i)) < kFast * rows.grid[rows.side[i]].high) continue;
-    out.record.push_back(rows.record[i]);
-    out.at.push_back(rows.at[i]);
-    out.stretch.push_back(rows.stretch[i]);
-    out.side.push_back(rows.side[i]);
-    out.bin.push_back(rows.bin[i]);
-    out.lag.push_back(rows.lag[i]);
-    out.block.push_back(rows.block[i]);
+    if (std::abs(velocity_of(log, rows, i)) >= kFast * rows.grid[rows.side[i]].high) fast.push_back(i);
   }
-  return out;
+  return picked(rows, fast);
 }
 
 /// By how much the linear terms change on the fast rows, less what noise does; the map follows.

@@ -130,9 +130,7 @@ std::vector<std::size_t> sample(const Rows& rows) {
   return out;
 }
 
-Rows sampled(const Rows& rows) {
-  const std::vector<std::size_t> kept = sample(rows);
-  if (kept.size() == rows.size()) return rows;
+Rows picked(const Rows& rows, const std::vector<std::size_t>& kept) {
   Rows out;
   out.reserve(kept.size());
   for (const std::size_t i : kept) {
@@ -146,6 +144,14 @@ Rows sampled(const Rows& rows) {
   }
   out.grid = rows.grid;
   out.blocks = rows.blocks;
+  out.sampled = rows.sampled;
+  return out;
+}
+
+Rows sampled(const Rows& rows) {
+  const std::vector<std::size_t> kept = sample(rows);
+  if (kept.size() == rows.size()) return rows;
+  Rows out = picked(rows, kept);
   out.sampled = true;
   return out;
 }

@@ -46,7 +46,9 @@ Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, i
 
 /// Indices of rows spread evenly over the log, for quick looks at the data.
 std::vector<std::size_t> sample(const Rows& rows);
-/// The rows with these indices; all rows where there are few.
+/// The rows with these indices, without their instrument of the shift.
+Rows picked(const Rows& rows, const std::vector<std::size_t>& kept);
+/// The rows of sample(); all rows where there are few.
 Rows sampled(const Rows& rows);
 
 /// Renumbers the blocks of the rows.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kWindow = 64;
 constexpr std::size_t kDegree = 5;
 constexpr std::size_t kFewestWindows = 12;
-constexpr double kChanges = 0.01;  ///< of the way at top speed
+constexpr double kChanges = 0.01;  ///< of the travel at top speed
 /// A loop cannot be faster than its sampling: a force that changes by Δf from row to row comes from a position that moved by more than
 /// Δf·T²/m. Sensors of the current have noise of their own, which no position shows.
 constexpr double kFarTooSmooth = 0.01;
@@ -60,7 +60,7 @@ void name_commanded_position(const std::vector<Table>& tables, const RoughFit& r
     for (std::size_t k = 0; k + kWindow < m.rows(); k += kWindow)
       fastest = std::max(fastest, std::abs(m.x[k + kWindow] - m.x[k]));
   }
-  std::vector<double> ways, forces;
+  std::vector<double> positions, forces;
   double period = 0.0;
   for (const Table& m : tables) {
     if (!m.r.empty()) return;
@@ -69,23 +69,23 @@ void name_commanded_position(const std::vector<Table>& tables, const RoughFit& r
       // At a constant speed a coarse encoder may count the same in every row.
       const double middle = m.x[k + kWindow / 2];
       if (std::abs(m.x[k + kWindow] - 2.0 * middle + m.x[k]) < kChanges * fastest) continue;
-      ways.push_back(roughness(m.x, k, q));
+      positions.push_back(roughness(m.x, k, q));
       forces.push_back(roughness(m.f, k, q));
     }
   }
-  if (ways.size() < kFewestWindows) return;
+  if (positions.size() < kFewestWindows) return;
   // A programme has corners, at which no polynomial fits.
-  const double way = stats::quantile(std::move(ways), 0.25);
+  const double position = stats::quantile(std::move(positions), 0.25);
   const double force = stats::median(std::move(forces));
-  if (!(way < kFarTooSmooth * force * period * period / rough.mass)) return;
+  if (!(position < kFarTooSmooth * force * period * period / rough.mass)) return;
   notes.add_all(
       "commanded", tables.front().source, false,
       fmt::format(
           "the position looks like a reference: it is smooth to {} while the force changes, which "
           "no measured position is; mass and friction of a commanded motion are wrong: map the column "
           "of the actual position (--map x=…), and this one as r",
-          notes.travel(way)),
-      {way, force});
+          notes.travel(position)),
+      {position, force});
 }
 
 }  // namespace stribeck::ident::log::parts
