@@ -147,13 +147,6 @@ MatrixXd between_folds(const std::vector<VectorXd>& held_out, Index size, double
   return out * std::pow(stats::student_factor(folds - 1.0) / factor, 2.0);
 }
 
-double strokes_of(const Rows& rows) {
-  double strokes = 0.0;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    strokes += i == 0 || rows.stretch[i] != rows.stretch[i - 1] ? 1.0 : 0.0;
-  return strokes;
-}
-
 /// Rows above a share of the top speed of their direction.
 Rows fast_rows(const AlignedLog& log, const Rows& rows) {
   std::vector<std::size_t> fast;
@@ -370,11 +363,8 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   if (nuisance) add_prior(shift, noise, bread, scores.long_run);
   const MatrixXd inverse = bread.inverse(map_inverse);
   const double independent = n / (2.0 * memory.rows);
-  // What a model leaves out is the same in a whole stroke, so that strokes are what is independent at most.
-  const double freedom =
-      std::max(3.0, std::min(strokes_of(rows), independent - static_cast<double>(scores.long_run.rows())));
-  const double correction =
-      std::max(1.0, independent / std::max(3.0, independent - static_cast<double>(scores.long_run.rows())));
+  const double freedom = std::max(3.0, independent - static_cast<double>(scores.long_run.rows()));
+  const double correction = std::max(1.0, independent / freedom);
   out.long_run = correction * inverse * scores.long_run * inverse.transpose();
   out.stationary = noise * correction * inverse * bread.white * inverse.transpose();
   out.between = inverse * between_records(scores.of_record) * inverse.transpose();

@@ -39,7 +39,7 @@ TEST(Intervals, WhiteNoiseGivesTheClosedFormForTheMass) {
   const Fitted f = fitted(1, 2.0);
   const double closed = 2.0 / std::sqrt(f.fit.moments(0, 0));
   EXPECT_NEAR(f.intervals.error_at(0), closed, 0.2 * closed);
-  EXPECT_NEAR(f.intervals.factor, 2.13, 0.01);  // Student's, of 15 strokes
+  EXPECT_NEAR(f.intervals.factor, 1.96, 0.01);  // thousands of independent rows
 }
 
 // Of 40 noises the masses scatter as the standard error says: χ² with 39 degrees of freedom, 1 in 1000.
