@@ -1,12 +1,13 @@
 /// `stribeck reference -o FOLDER`: writes the pages of docs/reference from the declarations in the program. It is not in --help;
-/// tools/make-reference runs it, adds the page of the JSON keys and compares.
+/// tools/make-reference runs it, adds the page of the JSON keys and compares. With --install: man pages and completion, which
+/// the build makes beside the program.
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 
 #include <apps/cli/commands.hpp>
+#include <apps/cli/shell/shell_pages.hpp>
 #include <capi/axis_settings.hpp>
 #include <capi/parameters.hpp>
 #include <stribeck/ident/replay/replay_controller.hpp>
@@ -130,49 +131,31 @@ std::string parameters_page() {
 
 // ---- verbs
 
-/// The value of an option: `{a,b}` for the library's TEXT:{a,b}, `COUNT from 1 to 9` for UINT:from 1 to 9.
-std::string taken_by(const CLI::Option& o) {
-  const std::string all = o.get_type_name();
-  const auto colon = all.find(':');
-  std::string type = all.substr(0, colon);
-  if (type == "UINT" || type == "INT") type = "COUNT";
-  if (type == "FLOAT") type = "NUMBER";
-  if (colon == std::string::npos) return type;
-  const std::string which = all.substr(colon + 1);
-  return type == "TEXT" ? which : type + ' ' + which;
-}
-
 /// Names of an option with its value: `-o --output FILE`.
-std::string name_of(const CLI::Option& o) {
-  const bool positional = o.get_positional();
-  std::string name = o.get_name(positional, !positional);
-  std::replace(name.begin(), name.end(), ',', ' ');
-  if (o.get_type_size() != 0 && !o.get_type_name().empty()) name += " " + taken_by(o);
-  return name;
+std::string name_of(const DescribedOption& o) {
+  std::string name;
+  for (const std::string& n : o.names) name += (name.empty() ? "" : " ") + n;
+  return o.value.empty() ? name : name + " " + o.value;
 }
 
-std::string verb_section(const CLI::App& verb) {
-  std::string out = fmt::format("\n## {}\n\n{}.\n\n", verb.get_name(), verb.get_description());
+std::string verb_section(const DescribedVerb& verb) {
+  std::string out = fmt::format("\n## {}\n\n{}.\n\n", verb.name, verb.meaning);
   out += "| Option | Default | Meaning |\n|---|---|---|\n";
-  for (const CLI::Option* o : verb.get_options()) {
-    if (o == verb.get_help_ptr() || o->get_group().empty()) continue;
-    out +=
-        fmt::format("| `{}` | {} | {} |\n", cell(name_of(*o)),
-                    o->get_required() ? "required" : cell(o->get_default_str()), cell(o->get_description()));
+  for (const DescribedOption& o : verb.options) {
+    if (o.help) continue;
+    out += fmt::format("| `{}` | {} | {} |\n", cell(name_of(o)), o.required ? "required" : cell(o.initial),
+                       cell(o.meaning));
   }
-  const std::string footer = verb.get_footer();
-  if (!footer.empty()) out += fmt::format("\n```\n{}\n```\n", footer);
+  if (!verb.examples.empty()) out += fmt::format("\n```\n{}\n```\n", verb.examples);
   return out;
 }
 
-std::string verbs_page(const CLI::App& app) {
+std::string verbs_page(const DescribedCommand& command) {
   std::string out =
       page("Verbs and options",
            "`stribeck VERB …`; `stribeck VERB --help` shows the same. Exit codes: 0 done, 1 the answer "
            "is no, 2 wrong usage or input.\n");
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (!verb->get_group().empty()) out += verb_section(*verb);
-  }
+  for (const DescribedVerb& verb : command.verbs) out += verb_section(verb);
   return out;
 }
 
@@ -182,11 +165,18 @@ void add_reference(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand("reference", "Write the pages of docs/reference");
   verb->group("");
   auto folder = std::make_shared<std::string>();
+  auto install = std::make_shared<bool>(false);
   verb->add_option("-o,--output", *folder, "Folder of the pages")->required()->type_name("FOLDER");
-  verb->callback([folder, &app, &action] {
+  verb->add_flag("--install", *install,
+                 "In place of docs/reference: man pages and completion, laid out as below share/");
+  verb->callback([folder, install, &app, &action] {
     // The verbs are read now, because the action may run after they are gone.
-    const std::string verbs = verbs_page(app);
-    action = [folder, verbs] {
+    const DescribedCommand command = described_command(app, "stribeck " STRIBECK_VERSION);
+    action = [folder, install, command] {
+      if (*install) {
+        write_shell_pages(*folder, command);
+        return 0;
+      }
       const auto write = [&](const char* name, const std::string& text) {
         io::write_atomically(*folder + "/" + name, text);
       };
@@ -195,7 +185,7 @@ void add_reference(CLI::App& app, Action& action) {
       write("controller-file.md", controller_page());
       write("side-files.md", side_page());
       write("parameters.md", parameters_page());
-      write("verbs.md", verbs);
+      write("verbs.md", verbs_page(command));
       return 0;
     };
   });
