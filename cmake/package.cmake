@@ -1,0 +1,33 @@
+# `cpack -G DEB` and `cpack -G TGZ` in a build folder: two Debian packages, stribeck (what runs) and libstribeck-dev (headers, libraries,
+# examples), and one archive with everything, which works wherever it is unpacked.
+set(CPACK_PACKAGE_NAME stribeck)
+set(CPACK_PACKAGE_VENDOR "The Stribeck authors")
+set(CPACK_PACKAGE_CONTACT "The Stribeck authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_PACKAGE_FILE_NAME stribeck-${PROJECT_VERSION}-${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR})
+set(CPACK_STRIP_FILES ON)
+set(CPACK_VERBATIM_VARIABLES ON)
+set(CPACK_GENERATOR TGZ)
+set(CPACK_COMPONENTS_ALL program development)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME stribeck)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libstribeck-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The command stribeck with its man pages, completion, documents and machine
+files, and components for LinuxCNC where they were built.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and libraries for C++ and C, with files for CMake and pkg-config, and
+example programs.")
+# Only what really is linked, as dpkg-shlibdeps finds it. Plots of reports come from gnuplot.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot-qt | gnuplot-x11")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace")
+# What find_package(stribeck) looks for. A program in C needs none of them.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
+    "libeigen3-dev, libceres-dev, libnlopt-dev, libfmt-dev, libboost-dev, nlohmann-json3-dev, libudunits2-dev, libexpat1-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS stribeck)
+include(CPack)
