@@ -6,7 +6,7 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
-#include <stribeck/report/pages/circle_report.hpp>
+#include <stribeck/report/circle/circle_report.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
 
 namespace stribeck::cli {

@@ -551,6 +551,31 @@ TEST(Evaluate, TwoLogsSideBySide) {
   EXPECT_EQ(text_of(f / "page/index.html"), page);
 }
 
+// All rows: the directions are taken apart, and compared. The form is 5 um out and 1 um in; coordinates have six decimals.
+TEST(Evaluate, DirectionsApart) {
+  const Folder f;
+  std::string text = circle_log(0.005);
+  const std::string back = circle_log(-0.001);
+  const auto half = [](const std::string& all) { return all.find("0.401000,"); };
+  text = text.substr(0, half(text)) + back.substr(half(back));
+  const std::string log = f.write("both.csv", text);
+  ASSERT_EQ(command({"evaluate", log, "--map", "rx=rx", "--map", "ry=ry", "--json", f / "e.json"}).code, 0);
+  const auto json = nlohmann::json::parse(text_of(f / "e.json"))["logs"][0];
+  ASSERT_EQ(json["circles"].size(), 2U);
+  EXPECT_EQ(json["circles"][0]["direction"], "counter-clockwise");
+  EXPECT_EQ(json["circles"][1]["direction"], "clockwise");
+  const auto& test = json["circular_test"];
+  EXPECT_NEAR(test["directions"][0]["radial_deviation_max_um"].get<double>(), 5.0, 2e-3);
+  EXPECT_NEAR(test["directions"][1]["radial_deviation_min_um"].get<double>(), -1.0, 2e-3);
+  EXPECT_NEAR(test["directions"][0]["circular_deviation_um"].get<double>(), 0.0, 2e-3);
+  EXPECT_NEAR(test["bidirectional_circular_deviation_um"].get<double>(), 6.0, 2e-3);
+  EXPECT_NEAR(test["hysteresis_um"].get<double>(), 6.0, 2e-3);
+  EXPECT_NEAR(test["mean_radial_deviation_um"].get<double>(), 2.0, 0.02);
+  // One log with one direction beside one with two: nothing to compare.
+  const std::string one = f.write("one.csv", text.substr(0, half(text)));
+  expect_refused(f, {"evaluate", log, one}, "has 1 circles, one for each direction");
+}
+
 TEST(Evaluate, RefusesInOneLine) {
   const Folder f;
   const std::string a = f.write("a.csv", circle_log(0.005));
@@ -576,8 +601,6 @@ TEST(Evaluate, RefusesInOneLine) {
   refused({"--label", "a", "--label", "b"}, "got 2, expected 1");
   refused({"--beside", "clocks=1,2"}, "got 2 values, expected 1");
   refused({"--json", a}, "would be overwritten");
-  // All rows: there and back again is no revolution.
-  refused({}, "both directions of travel, expected one; got 800 rows");
   refused({"--size", "20 mm", "--where", "line=7"}, "a circle with a radius of 10.005 mm, expected 20 mm");
   refused({"--where", "line=7", "--json", f / "nowhere/e.json"}, "no folder");
   expect_refused(f, {"evaluate", f / "none.csv"}, "no such file");

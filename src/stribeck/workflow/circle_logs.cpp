@@ -1,19 +1,24 @@
 #include <fmt/format.h>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
+#include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/metrics.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
+
+namespace circle = ident::circle;
 
 namespace {
 
@@ -32,13 +37,37 @@ std::map<std::string, std::string> mapped(const CircleOptions& o) {
   return given;
 }
 
-/// The columns of a log that are used, all rows.
+/// The columns of a log that are used.
 struct Track {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> rx;  ///< empty: no command
   std::vector<double> ry;
+  std::vector<double> t;  ///< empty: no times
+
+  [[nodiscard]] circle::CircleSamples samples() const { return {x, y, rx, ry}; }
+
+  /// Its rows from `first` to before `last`, behind those of `to`.
+  void append_to(Track& to, std::size_t first, std::size_t last) const {
+    const auto copy = [&](const std::vector<double>& from, std::vector<double>& all) {
+      if (!from.empty()) all.insert(all.end(), from.begin() + first, from.begin() + last);
+    };
+    copy(x, to.x);
+    copy(y, to.y);
+    copy(rx, to.rx);
+    copy(ry, to.ry);
+    copy(t, to.t);
+  }
 };
+
+/// Times of the rows [s]; empty where the log has none of one unit for all.
+std::vector<double> times_of(const io::Log& log, std::size_t rows) {
+  const int at = io::time_column(log);
+  if (at < 0) return {};
+  const io::Column& column = log.columns[static_cast<std::size_t>(at)];
+  if (column.values.size() != rows || column.unit_text.empty()) return {};
+  return io::in_si(column, quantity("s", "s"));
+}
 
 Track track_of(const io::Log& log, const std::map<std::string, std::string>& map) {
   const io::Column* first = nullptr;
@@ -61,26 +90,27 @@ Track track_of(const io::Log& log, const std::map<std::string, std::string>& map
   t.y = values("y");
   t.rx = values("rx");
   t.ry = values("ry");
+  t.t = times_of(log, t.x.size());
   return t;
 }
 
-sim::CircleTest judge(const io::Log& log, const Track& track, const std::string& where, double radius) {
-  std::vector<std::uint8_t> counts;
-  if (!where.empty()) counts = rows_with(log, where);
-  if (!where.empty() && counts.size() != track.x.size())
+/// The rows that --where names; all without it.
+Track chosen_rows(const io::Log& log, const Track& track, const std::string& where) {
+  if (where.empty()) return track;
+  const std::vector<std::uint8_t> counts = rows_with(log, where);
+  if (counts.size() != track.x.size())
     throw io::InputError(
         {log.source, 0, where, "has another sampling rate than the positions (leave it out)"});
-  const auto chosen = [&](const std::vector<double>& all) {
-    if (where.empty()) return all;
-    std::vector<double> some;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (counts[i] != 0) some.push_back(all[i]);
-    }
-    return some;
-  };
-  const Track t{chosen(track.x), chosen(track.y), chosen(track.rx), chosen(track.ry)};
+  Track some;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] != 0) track.append_to(some, i, i + 1);
+  }
+  return some;
+}
+
+circle::CircleTest tested(const io::Log& log, const Track& t, const std::string& where, double radius) {
   try {
-    return sim::circle_test({t.x, t.y, t.rx, t.ry}, radius);
+    return circle::circle_test(t.samples(), radius, sim::kGlitchTravel);
   } catch (const std::invalid_argument& e) {
     throw io::InputError(
         {log.source, 0, where,
@@ -88,6 +118,48 @@ sim::CircleTest judge(const io::Log& log, const Track& track, const std::string&
              "{}; got {} rows (--where COLUMN=VALUE chooses rows, --size is the radius that was meant)",
              e.what(), t.x.size())});
   }
+}
+
+/// One circle for each direction of travel, without run-in and run-out.
+void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, const std::string& where,
+                 double radius, std::vector<std::string>& rows) {
+  const circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
+  // Where no circle is found, the test says what is missing.
+  if (motion.runs.empty()) {
+    one.circles.push_back(tested(log, t, where, radius));
+    rows.push_back(where);
+    return;
+  }
+  for (const bool counter_clockwise :
+       {motion.runs.front().counter_clockwise, !motion.runs.front().counter_clockwise}) {
+    Track own;
+    double revolutions = 0.0;
+    for (const circle::CircleRun& run : motion.runs) {
+      if (run.counter_clockwise != counter_clockwise) continue;
+      t.append_to(own, run.first, run.last);
+      revolutions += run.revolutions;
+    }
+    if (own.x.empty()) continue;
+    one.circles.push_back(tested(log, own, where, radius));
+    one.circles.back().revolutions = revolutions;
+    rows.push_back(where);
+  }
+}
+
+/// The circular test of all chosen rows of a log together; absent where they are circles at different places.
+void add_test(report::CircleLog& one, const Track& all, double radius) {
+  constexpr double kOnePlace = 0.01;  // of the radius
+  const circle::CircleTest& first = one.circles.front();
+  for (const circle::CircleTest& c : one.circles) {
+    if (std::hypot(c.centre_x - first.centre_x, c.centre_y - first.centre_y) > kOnePlace * radius) {
+      one.notes.push_back("the circles are at different places: no figures of both directions together");
+      return;
+    }
+  }
+  circle::CircleMotion motion = circle::circle_motion(all.samples(), all.t, radius);
+  one.notes.insert(one.notes.end(), motion.notes.begin(), motion.notes.end());
+  if (motion.runs.empty()) return;
+  one.test = circle::circular_test(all.samples(), motion);
 }
 
 /// Adds the heads of the further columns to the page; returns the entries for each log.
@@ -123,7 +195,6 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
   report::CircleReportInput input;
   input.title = fmt::format("Circle of {} mm", report::short_number(radius * 1e3));
   input.radius = radius;
-  input.rows = o.where;
   const auto beside = beside_columns(o, input);
   const auto map = mapped(o);
   for (std::size_t i = 0; i < o.logs.size(); ++i) {
@@ -134,10 +205,25 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
     report::CircleLog one;
     one.file = o.logs[i];
     one.label = o.labels.empty() ? std::filesystem::path(o.logs[i]).stem().string() : o.labels[i];
-    if (o.where.empty()) one.circles.push_back(judge(log, track, "", radius));
-    for (const std::string& where : o.where) one.circles.push_back(judge(log, track, where, radius));
+    Track all;
+    std::vector<std::string> rows;
+    for (const std::string& where : o.where.empty() ? std::vector<std::string>{""} : o.where) {
+      const Track chosen = chosen_rows(log, track, where);
+      add_circles(one, log, chosen, where, radius, rows);
+      chosen.append_to(all, 0, chosen.x.size());
+    }
+    add_test(one, all, radius);
+    for (const std::string& note : one.notes) input.warnings.push_back(one.label + ": " + note);
+    if (i == 0) input.rows = rows;
     for (const auto& words : beside) one.beside.push_back(words[i]);
     if (i > 0) {
+      if (one.circles.size() != input.logs.front().circles.size())
+        throw io::InputError(
+            {log.source,
+             0,
+             {},
+             fmt::format("has {} circles, one for each direction; {} has {}", one.circles.size(),
+                         input.logs.front().file, input.logs.front().circles.size())});
       for (std::size_t c = 0; c < one.circles.size(); ++c) {
         if (one.circles[c].counter_clockwise != input.logs.front().circles[c].counter_clockwise)
           throw io::InputError({log.source, 0, {}, "turns the other way than " + input.logs.front().file});

@@ -3,7 +3,7 @@
 /// Real time: no.
 /// Errors: InputError naming the log or the option.
 
-#include <stribeck/report/pages/circle_report.hpp>
+#include <stribeck/report/circle/circle_report.hpp>
 #include <string>
 #include <vector>
 

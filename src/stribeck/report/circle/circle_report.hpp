@@ -3,12 +3,15 @@
 ///
 ///   json   {"schema": "stribeck.evaluate/1", "radius_mm", "logs": [{"label", "file", "beside": {head: value}, "circles":
 ///           [{"rows": the --where that chose them or null, "direction": "counter-clockwise" or "clockwise", "revolutions",
-///           "max_contour_error_um", "quadrant_glitch_um", "rms_um", "circular_deviation_um"}]}]}
+///           "max_contour_error_um", "quadrant_glitch_um", "rms_um", "circular_deviation_um"}], "circular_test": {"directions",
+///           "mean_radial_deviation_um", "bidirectional_circular_deviation_um", "hysteresis_um", …}}]}
 ///
 /// Real time: no. Errors: io::InputError of files and of gnuplot.
 
 #include <nlohmann/json_fwd.hpp>
-#include <stribeck/sim/radial_error.hpp>
+#include <optional>
+#include <stribeck/ident/circle/circularity.hpp>
+#include <stribeck/ident/circle/radial_error.hpp>
 #include <string>
 #include <vector>
 
@@ -17,14 +20,16 @@ namespace stribeck::report {
 struct CircleLog {
   std::string label;
   std::string file;
-  std::vector<sim::CircleTest> circles;  ///< the same number for every log
-  std::vector<std::string> beside = {};  ///< entries of further columns of its row
+  std::vector<ident::circle::CircleTest> circles;        ///< the same number for every log
+  std::optional<ident::circle::CircularTest> test = {};  ///< of all of them; absent: at different places
+  std::vector<std::string> beside = {};                  ///< entries of further columns of its row
+  std::vector<std::string> notes = {};
 };
 
 struct CircleReportInput {
   std::string title;
   double radius = 0.0;                   ///< [m]
-  std::vector<std::string> rows = {};    ///< of each circle: COLUMN=VALUE; empty: all rows
+  std::vector<std::string> rows = {};    ///< of each circle: COLUMN=VALUE; "": all rows
   std::vector<std::string> beside = {};  ///< heads, with their unit in brackets
   std::vector<CircleLog> logs = {};
   std::vector<std::string> warnings = {};

@@ -5,15 +5,17 @@
 #include <random>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/sim/radial_error.hpp>
+#include <stribeck/ident/circle/radial_error.hpp>
 #include <string>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::ident::circle {
 namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
+
+constexpr double kGlitchTravel = 0.15e-3;
 
 struct Circle {
   std::vector<double> x, y, cx, cy;
@@ -31,7 +33,8 @@ struct Circle {
     }
   }
   [[nodiscard]] CircleTest judged(bool with_command = true) const {
-    return circle_test(with_command ? CircleSamples{x, y, cx, cy} : CircleSamples{x, y, {}, {}}, 10e-3);
+    return circle_test(with_command ? CircleSamples{x, y, cx, cy} : CircleSamples{x, y, {}, {}}, 10e-3,
+                       kGlitchTravel);
   }
 };
 
@@ -82,20 +85,20 @@ TEST(CircleTest, RefusesWhatIsNone) {
   const std::vector<double> few(10, 1.0);
   EXPECT_THAT(
       [&] {
-        circle_test({few, few, {}, {}}, 1e-2);
+        circle_test({few, few, {}, {}}, 1e-2, kGlitchTravel);
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("too few samples, expected at least")));
   const std::vector<double> rest(500, 1.0);
   EXPECT_THAT(
       [&] {
-        circle_test({rest, rest, {}, {}}, 1e-2);
+        circle_test({rest, rest, {}, {}}, 1e-2, kGlitchTravel);
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("the positions are no circle")));
 }
 
 std::string refusal(const Circle& c, double radius = 10e-3) {
   try {
-    static_cast<void>(circle_test({c.x, c.y, {}, {}}, radius));
+    static_cast<void>(circle_test({c.x, c.y, {}, {}}, radius, kGlitchTravel));
   } catch (const std::invalid_argument& e) {
     return e.what();
   }
@@ -197,4 +200,4 @@ TEST(LeastSquaresCircle, LimitsAndInvariance) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::ident::circle

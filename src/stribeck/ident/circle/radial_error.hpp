@@ -3,15 +3,14 @@
 ///
 ///   e = |p − c| − R          radial error, positive outside
 ///   max |e|;  RMS = √mean e²
-///   quadrant glitch          max |e| within the first 0.15 mm that an axis travels after it reversed: R·(1 − cos Δ) = 0.15 mm
-///   circular deviation G     largest minus smallest distance from the least-squares centre
+///   quadrant glitch          max |e| within the first `glitch_travel` that an axis travels after it reversed
+///   circular deviation G     width of the minimum zone (minimum_zone.hpp)
 ///
 ///   p positions [m], R intended radius [m], c centre of the least-squares circle of the command, or of p itself where there is no
 ///   command; an error of position is then hidden
 ///
-/// Source: ISO 230-4 for G, which it lets be taken about the least-squares circle (its own are the two circles of least distance);
-/// ISO 12181-1, formerly ISO 6318, for the least-squares circle.
-/// Not modelled: the path between two samples; ISO 230-4's run-in and its filter.
+/// Source: after ISO 230-4 for G; ISO 12181-1, formerly ISO 6318, for the least-squares circle.
+/// Not modelled: the path between two samples; run-in and run-out, which laps.hpp takes off.
 /// Real time: no.
 /// Errors: std::invalid_argument when there are fewer samples than kFewest, sizes differ, the travel is shorter than a revolution or
 /// has a sector of 10 degrees without samples, or the circle's radius differs from R by more than a fifth.
@@ -21,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::ident::circle {
 
 struct CircleTest {
   static constexpr std::size_t kFewest = 90;
@@ -58,6 +57,7 @@ struct LeastSquaresCircle {
 };
 LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<const double> y);
 
-CircleTest circle_test(const CircleSamples& samples, double radius);
+/// `glitch_travel` [m] as in the figures of merit of a simulation (sim/metrics.hpp).
+CircleTest circle_test(const CircleSamples& samples, double radius, double glitch_travel);
 
-}  // namespace stribeck::sim
+}  // namespace stribeck::ident::circle

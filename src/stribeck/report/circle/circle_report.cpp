@@ -7,10 +7,11 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
+#include <stribeck/report/circle/circle_parts.hpp>
+#include <stribeck/report/circle/circle_report.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/factors.hpp>
 #include <stribeck/report/html.hpp>
-#include <stribeck/report/pages/circle_report.hpp>
 #include <stribeck/report/text.hpp>
 
 namespace stribeck::report {
@@ -18,14 +19,14 @@ namespace {
 
 using Json = io::Json;
 
-std::string direction(const sim::CircleTest& t) {
+std::string direction(const ident::circle::CircleTest& t) {
   return t.counter_clockwise ? "counter-clockwise" : "clockwise";
 }
 
 /// "circle 2, clockwise (line=9)"; parts that do not distinguish circles are left out.
 std::string circle_name(const CircleReportInput& input, std::size_t c) {
   std::string name = direction(input.logs.front().circles[c]);
-  if (c < input.rows.size()) name += ", rows " + input.rows[c];
+  if (c < input.rows.size() && !input.rows[c].empty()) name += ", rows " + input.rows[c];
   return name;
 }
 
@@ -85,7 +86,7 @@ struct Drawn {
   std::vector<double> error;
 };
 
-Drawn drawn(const sim::CircleTest& t) {
+Drawn drawn(const ident::circle::CircleTest& t) {
   constexpr int kPerRevolution = 500;
   const double way = t.counter_clockwise ? 1.0 : -1.0;
   Drawn d;
@@ -131,7 +132,7 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
   std::vector<Plot> own;
   for (std::size_t i = 0; i < input.logs.size(); ++i) {
     const CircleLog& log = input.logs[i];
-    const sim::CircleTest& t = log.circles[c];
+    const ident::circle::CircleTest& t = log.circles[c];
     // The first log is the reference for the others, drawn in grey.
     const std::string color = controller_color("", i);
     const Drawn d = drawn(t);
@@ -181,7 +182,7 @@ std::string text_table(const CircleReportInput& input) {
     for (const CircleLog& log : input.logs) column.entries.push_back(clean_text(log.beside[b]));
     columns.push_back(column);
   }
-  return lay_out(columns);
+  return lay_out(columns) + "\n" + circular_test_text(input);
 }
 
 nlohmann::ordered_json to_json(const CircleReportInput& input) {
@@ -194,9 +195,9 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
         {"label", log.label}, {"file", log.file}, {"beside", Json::object()}, {"circles", Json::array()}};
     for (std::size_t b = 0; b < input.beside.size(); ++b) one["beside"][input.beside[b]] = log.beside[b];
     for (std::size_t c = 0; c < log.circles.size(); ++c) {
-      const sim::CircleTest& t = log.circles[c];
+      const ident::circle::CircleTest& t = log.circles[c];
       one["circles"].push_back(
-          {{"rows", c < input.rows.size() ? Json(input.rows[c]) : Json(nullptr)},
+          {{"rows", c < input.rows.size() && !input.rows[c].empty() ? Json(input.rows[c]) : Json(nullptr)},
            {"direction", direction(t)},
            {"revolutions", io::number_or_null(t.revolutions)},
            {"max_contour_error_um", io::number_or_null(t.max_error * kMicro)},
@@ -204,6 +205,7 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
            {"rms_um", io::number_or_null(t.rms * kMicro)},
            {"circular_deviation_um", io::number_or_null(t.circular_deviation * kMicro)}});
     }
+    one["circular_test"] = log.test ? circular_test_json(*log.test) : Json(nullptr);
     out["logs"].push_back(std::move(one));
   }
   return out;
@@ -215,7 +217,7 @@ std::string circle_report(const CircleReportInput& input) {
   const CircleLog* worst = best;
   const auto most = [](const CircleLog& log) {
     double e = 0.0;
-    for (const sim::CircleTest& t : log.circles) e = std::max(e, t.max_error);
+    for (const ident::circle::CircleTest& t : log.circles) e = std::max(e, t.max_error);
     return e;
   };
   for (const CircleLog& log : input.logs) {
@@ -243,16 +245,16 @@ std::string circle_report(const CircleReportInput& input) {
     const CircleLog& log = input.logs[i];
     std::vector<Cell> row{Cell{.text = log.label, .color = controller_color("", i)}};
     for (std::size_t c = 0; c < log.circles.size(); ++c) {
-      const auto cell = [&](double sim::CircleTest::*figure) {
+      const auto cell = [&](double ident::circle::CircleTest::*figure) {
         const double own = log.circles[c].*figure;
         bool least = input.logs.size() > 1;
         for (const CircleLog& other : input.logs) least = least && own <= other.circles[c].*figure;
         row.push_back(Cell{.text = micrometres(own), .best = least});
       };
-      cell(&sim::CircleTest::max_error);
-      cell(&sim::CircleTest::rms);
-      cell(&sim::CircleTest::quadrant_glitch);
-      cell(&sim::CircleTest::circular_deviation);
+      cell(&ident::circle::CircleTest::max_error);
+      cell(&ident::circle::CircleTest::rms);
+      cell(&ident::circle::CircleTest::quadrant_glitch);
+      cell(&ident::circle::CircleTest::circular_deviation);
     }
     for (const std::string& text : log.beside) row.push_back(Cell{.text = text});
     table.rows.push_back(std::move(row));
@@ -260,8 +262,9 @@ std::string circle_report(const CircleReportInput& input) {
   page.table(table);
   page.remark(
       "ccw, cw: counter-clockwise, clockwise. max: largest |radial error|. glitch: the same within the "
-      "first 0.15 mm after an axis turned round. G: circular deviation about the least-squares centre (ISO "
-      "230-4). Bold: the smallest.");
+      "first 0.15 mm after an axis turned round. G: circular deviation, the width of the minimum zone, after "
+      "ISO 230-4. Bold: the smallest.");
+  add_circular_test(page, input);
   for (std::size_t c = 0; c < best->circles.size(); ++c) add_circle(page, input, c);
   page.section("Again");
   page.code(input.command);

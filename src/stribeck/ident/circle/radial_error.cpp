@@ -4,10 +4,10 @@
 #include <sstream>
 #include <stdexcept>
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/sim/metrics.hpp>
-#include <stribeck/sim/radial_error.hpp>
+#include <stribeck/ident/circle/minimum_zone.hpp>
+#include <stribeck/ident/circle/radial_error.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::ident::circle {
 namespace {
 
 /// A sector without samples may hide a quadrant.
@@ -137,7 +137,7 @@ LeastSquaresCircle least_squares_circle(std::span<const double> x, std::span<con
   return {mean.x + centre.x, mean.y + centre.y, at.mean};
 }
 
-CircleTest circle_test(const CircleSamples& s, double radius) {
+CircleTest circle_test(const CircleSamples& s, double radius, double glitch_travel) {
   const std::size_t n = s.x.size();
   const bool commanded = !s.command_x.empty();
   if (n < CircleTest::kFewest) refuse("too few samples, expected at least ", CircleTest::kFewest);
@@ -154,8 +154,6 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
   double least_way = 0.0;
   double most_way = 0.0;
   std::array<bool, kSectors> seen{};
-  double nearest = HUGE_VAL;
-  double furthest = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = s.x[i] - t.centre_x;
     const double y = s.y[i] - t.centre_y;
@@ -166,9 +164,6 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
     least_way = std::min(least_way, way);
     most_way = std::max(most_way, way);
     seen[std::min(static_cast<std::size_t>(t.angle[i] / (2.0 * kPi) * kSectors), kSectors - 1)] = true;
-    const double r = std::hypot(s.x[i] - fitted.x, s.y[i] - fitted.y);
-    nearest = std::min(nearest, r);
-    furthest = std::max(furthest, r);
   }
   t.counter_clockwise = way > 0.0;
   t.revolutions = std::abs(way) / (2.0 * kPi);
@@ -186,9 +181,9 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
   if (std::abs(centre.radius - radius) > kRadius * radius)
     refuse("a circle with a radius of ", centre.radius * 1e3, " mm, expected ", radius * 1e3,
            " mm within a fifth");
-  t.circular_deviation = furthest - nearest;
+  t.circular_deviation = minimum_zone(s.x, s.y, {fitted.x, fitted.y}).width;
 
-  const double window = std::acos(std::max(0.0, 1.0 - kGlitchTravel / radius));
+  const double window = std::acos(std::max(0.0, 1.0 - glitch_travel / radius));
   double square = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const double e = std::abs(t.error[i]);
@@ -202,4 +197,4 @@ CircleTest circle_test(const CircleSamples& s, double radius) {
   return t;
 }
 
-}  // namespace stribeck::sim
+}  // namespace stribeck::ident::circle

@@ -1,0 +1,152 @@
+// Run-in, directions, laps, and the quantities after ISO 230-4, on circles made by formulas.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/circularity.hpp>
+#include <vector>
+
+namespace stribeck::ident::circle {
+namespace {
+
+using testing::HasSubstr;
+
+/// Travel on a circle of 50 mm whose radial error is given over angle and direction; 1 ms between rows.
+struct Travel {
+  std::vector<double> t, x, y, cx, cy;
+  double angle = 0.0;
+  double rate = 0.0;
+
+  template <class Error>
+  void go(double turns, double rate_at_end, const Error& error) {
+    const double goal = angle + 2.0 * kPi * turns;
+    const double way = turns > 0.0 ? 1.0 : -1.0;
+    const double rate_at_begin = rate;
+    const double begin = angle;
+    while (way * (goal - angle) > 0.0) {
+      const double done = std::abs((angle - begin) / (goal - begin));
+      // The square of the speed grows evenly along the way: constant acceleration.
+      rate = std::sqrt(
+          std::max(0.0, rate_at_begin * rate_at_begin * (1.0 - done) + rate_at_end * rate_at_end * done));
+      rate = std::max(rate, 0.02);
+      angle += way * rate * 1e-3;
+      add(50e-3 + error(angle, way));
+    }
+    rate = rate_at_end;
+  }
+  void add(double radius) {
+    t.push_back(1e-3 * static_cast<double>(t.size()));
+    x.push_back(0.2 + radius * std::cos(angle));
+    y.push_back(-0.1 + radius * std::sin(angle));
+    cx.push_back(0.2 + 50e-3 * std::cos(angle));
+    cy.push_back(-0.1 + 50e-3 * std::sin(angle));
+  }
+  [[nodiscard]] CircleMotion motion(bool commanded = true) const {
+    return circle_motion(samples(commanded), t, 50e-3);
+  }
+  [[nodiscard]] CircleSamples samples(bool commanded = true) const {
+    return commanded ? CircleSamples{x, y, cx, cy} : CircleSamples{x, y, {}, {}};
+  }
+};
+
+constexpr double kRate = 2.0;  // 100 mm/s
+
+template <class Error>
+Travel there_and_back(const Error& error) {
+  Travel travel;
+  for (const double way : {1.0, -1.0}) {
+    // While it gathers speed the axis is 50 um outside: a score of that would be seen.
+    const auto outside = [](double, double) { return 50e-6; };
+    travel.go(way * 0.1, kRate, outside);
+    travel.go(way * 2.3, kRate, error);
+    travel.go(way * 0.1, 0.0, outside);
+  }
+  return travel;
+}
+
+TEST(CircleMotion, RunInOffDirectionsAndLapsApart) {
+  const auto none = [](double, double) { return 0.0; };
+  for (const bool commanded : {true, false}) {
+    const Travel travel = there_and_back(none);
+    const CircleMotion m = travel.motion(commanded);
+    ASSERT_EQ(m.runs.size(), 2U);
+    EXPECT_TRUE(m.runs[0].counter_clockwise);
+    EXPECT_FALSE(m.runs[1].counter_clockwise);
+    for (const CircleRun& run : m.runs) {
+      // Where the speed is within a tenth of the final one the last part of the run-in counts: 0.1 turn · (1 − 0.83).
+      EXPECT_NEAR(run.revolutions, 2.3, 0.04);
+      EXPECT_NEAR(run.feed, 0.1, 0.002);
+      EXPECT_EQ(run.lap.back(), 2);
+    }
+    EXPECT_TRUE(m.notes.empty());
+  }
+}
+
+// Without enough travel the run-in stays, and this is said; an arc is left out, and said.
+TEST(CircleMotion, SaysWhatIsNotCut) {
+  const auto none = [](double, double) { return 0.0; };
+  Travel travel;
+  travel.go(0.1, kRate, none);
+  travel.go(0.8, kRate, none);
+  travel.go(0.1, 0.0, none);
+  travel.go(-0.4, 0.0, none);
+  const CircleMotion m = travel.motion();
+  ASSERT_EQ(m.runs.size(), 1U);
+  EXPECT_NEAR(m.runs[0].revolutions, 1.0, 1e-3);
+  ASSERT_EQ(m.notes.size(), 2U);
+  EXPECT_THAT(m.notes[0], HasSubstr("run-in and run-out are scored too"));
+  EXPECT_THAT(m.notes[1], HasSubstr("an arc of 144 deg is left out"));
+}
+
+// Closed form: e = ±b·cos 2φ + c by direction. Each direction is 2b wide, both together too; they differ by 2b; the mean is c.
+TEST(CircularTest, QuantitiesInClosedForm) {
+  constexpr double b = 4e-6;
+  constexpr double c = -3e-6;
+  const Travel travel =
+      there_and_back([](double phi, double way) { return way * b * std::cos(2.0 * phi) + c; });
+  const CircularTest t = circular_test(travel.samples(), travel.motion());
+  ASSERT_EQ(t.directions.size(), 2U);
+  // The nearest sample is at most half a step of 2 mrad from the top: b·(2·1e-3)²/2 = 8e-12; run-in of up to 1 % more is cut.
+  for (const DirectionTest& d : t.directions) {
+    EXPECT_NEAR(d.circular_deviation, 2.0 * b, 1e-9);
+    EXPECT_NEAR(d.radial_max, b + c, 1e-9);
+    EXPECT_NEAR(d.radial_min, -b + c, 1e-9);
+    ASSERT_EQ(d.laps.size(), 2U);
+    for (const LapTest& lap : d.laps) {
+      EXPECT_NEAR(lap.circular_deviation, 2.0 * b, 1e-9);
+      EXPECT_NEAR(lap.max_error, b - c, 1e-9);
+    }
+  }
+  ASSERT_TRUE(t.bidirectional && t.hysteresis);
+  EXPECT_NEAR(*t.bidirectional, 2.0 * b, 1e-9);
+  EXPECT_NEAR(*t.hysteresis, 2.0 * b, 1e-9);
+  // 2.3 laps are no whole number: the quarter that is travelled once more pulls the least-squares radius by some percent of b.
+  EXPECT_NEAR(t.mean_radial_deviation, c, 0.1 * b);
+}
+
+// Limits: one direction has no hysteresis. Invariance: mirrored in x, the directions exchange and no quantity changes.
+TEST(CircularTest, OneDirectionAndMirror) {
+  const auto error = [](double phi, double way) {
+    return 2e-6 * std::sin(3.0 * phi) + 1e-6 * way * std::cos(phi + 0.3);
+  };
+  Travel one;
+  one.go(0.1, kRate, error);
+  one.go(2.0, kRate, error);
+  const CircularTest single = circular_test(one.samples(), one.motion());
+  EXPECT_EQ(single.directions.size(), 1U);
+  EXPECT_FALSE(single.bidirectional || single.hysteresis);
+  const Travel travel = there_and_back(error);
+  Travel mirrored = travel;
+  for (double& v : mirrored.x) v = -v;
+  for (double& v : mirrored.cx) v = -v;
+  const CircularTest a = circular_test(travel.samples(), travel.motion());
+  const CircularTest b = circular_test(mirrored.samples(), mirrored.motion());
+  EXPECT_NEAR(*a.hysteresis, *b.hysteresis, 1e-11);
+  EXPECT_NEAR(*a.bidirectional, *b.bidirectional, 1e-12);
+  EXPECT_NEAR(a.directions[0].circular_deviation, b.directions[0].circular_deviation, 1e-12);
+  EXPECT_FALSE(b.directions[0].counter_clockwise);
+}
+
+}  // namespace
+}  // namespace stribeck::ident::circle

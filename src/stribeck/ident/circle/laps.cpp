@@ -1,0 +1,248 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/laps.hpp>
+#include <stribeck/ident/circle/minimum_zone.hpp>
+
+namespace stribeck::ident::circle {
+namespace {
+
+constexpr double kTurn = 2.0 * kPi;
+constexpr double kWholeTurn = 0.985 * kTurn;  // more than circle_test() asks for
+constexpr double kTurnedBack = 10.0 * kPi / 180.0;
+constexpr double kSectorOfRun = 5.0 * kPi / 180.0;
+/// Positions farther off than this share of the radius belong to the way to the circle.
+constexpr double kOffCircle = 0.2;
+
+/// Middle of the box round all points, then twice the least-squares circle of those near it; absent where there is none.
+std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius) {
+  if (x.empty()) return std::nullopt;
+  const auto [left, right] = std::minmax_element(x.begin(), x.end());
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  Centre c{0.5 * (*left + *right), 0.5 * (*low + *high)};
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> near_x;
+    std::vector<double> near_y;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (std::abs(std::hypot(x[i] - c.x, y[i] - c.y) - radius) > kOffCircle * radius) continue;
+      near_x.push_back(x[i]);
+      near_y.push_back(y[i]);
+    }
+    if (near_x.size() < CircleTest::kFewest) return std::nullopt;
+    try {
+      const LeastSquaresCircle fitted = least_squares_circle(near_x, near_y);
+      c = {fitted.x, fitted.y};
+    } catch (const std::invalid_argument&) {
+      return std::nullopt;
+    }
+  }
+  return c;
+}
+
+/// Rows [first, last) in which the angle goes one way.
+struct Stretch {
+  std::size_t first;
+  std::size_t last;
+};
+
+/// Splits rows on the circle where the angle turns back; `turned` goes on from lap to lap.
+std::vector<Stretch> one_way(const std::vector<double>& turned, std::size_t first, std::size_t last) {
+  std::vector<Stretch> out;
+  std::size_t begin = first;
+  std::size_t lowest = first;
+  std::size_t highest = first;
+  int way = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    if (turned[i] > turned[highest]) highest = i;
+    if (turned[i] < turned[lowest]) lowest = i;
+    const bool fell = turned[highest] - turned[i] > kTurnedBack;
+    const bool rose = turned[i] - turned[lowest] > kTurnedBack;
+    if (way == 0) {
+      if (fell || rose) way = rose ? 1 : -1;
+      continue;
+    }
+    if (way > 0 ? !fell : !rose) {
+      // In its own direction a run only needs the extreme ahead.
+      (way > 0 ? lowest : highest) = i;
+      continue;
+    }
+    const std::size_t turn = way > 0 ? highest : lowest;
+    out.push_back({begin, turn + 1});
+    begin = turn + 1;
+    way = -way;
+    lowest = highest = i;
+  }
+  if (way != 0) out.push_back({begin, last});
+  return out;
+}
+
+/// First row at which each further sector of the stretch has been passed; the last entry is its end.
+std::vector<std::size_t> sector_rows(const std::vector<double>& turned, const Stretch& s) {
+  std::vector<std::size_t> rows{s.first};
+  double passed = kSectorOfRun;
+  for (std::size_t i = s.first; i < s.last; ++i) {
+    const double way = std::abs(turned[i] - turned[s.first]);
+    if (way < passed) continue;
+    rows.push_back(i);
+    passed = (std::floor(way / kSectorOfRun) + 1.0) * kSectorOfRun;
+  }
+  return rows;
+}
+
+/// The stretch without run-in and run-out.
+Stretch at_speed(const std::vector<double>& turned, std::span<const double> time, const Stretch& s) {
+  const std::vector<std::size_t> rows = sector_rows(turned, s);
+  if (rows.size() < 8) return s;
+  const auto when = [&](std::size_t row) { return time.empty() ? static_cast<double>(row) : time[row]; };
+  std::vector<double> took;
+  for (std::size_t k = 1; k < rows.size(); ++k) took.push_back(when(rows[k]) - when(rows[k - 1]));
+  std::vector<double> sorted = took;
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  // A border of a sector lies between two rows.
+  const double per_sector =
+      static_cast<double>(rows.back() - rows.front()) / static_cast<double>(took.size());
+  const double most = usual * (1.02 + 1.0 / std::max(per_sector, 1.0));
+  std::size_t begin = 0;
+  while (begin < took.size() && took[begin] > most) ++begin;
+  std::size_t end = took.size();
+  while (end > begin && took[end - 1] > most) --end;
+  if (begin >= end) return s;
+  // What is slow after the last whole sector is run-out too.
+  const double left = std::abs(turned[s.last - 1] - turned[rows.back()]);
+  const bool slow_end = when(s.last - 1) - when(rows.back()) > most * std::max(left / kSectorOfRun, 0.1) &&
+                        when(s.last - 1) - when(rows.back()) > 3.0 * usual / std::max(per_sector, 1.0);
+  Stretch out = s;
+  if (begin > 0) out.first = rows[std::min(begin + 1, rows.size() - 1)];
+  if (end < took.size()) {
+    out.last = rows[end > 0 ? end - 1 : 0] + 1;
+  } else if (slow_end) {
+    out.last = rows.back() + 1;
+  }
+  return out.first < out.last ? out : s;
+}
+
+/// Ten usual steps: longer ones are gaps.
+double longest_step(std::span<const double> time) {
+  if (time.size() < 2) return HUGE_VAL;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
+  std::nth_element(steps.begin(), steps.begin() + steps.size() / 2, steps.end());
+  return 10.0 * steps[steps.size() / 2];
+}
+
+/// Rows on the circle, each with the angle that goes on from lap to lap.
+struct OnCircle {
+  std::vector<double> turned;
+  std::vector<Stretch> rows;
+};
+
+OnCircle on_circle(std::span<const double> x, std::span<const double> y, std::span<const double> time,
+                   const Centre& c, double radius) {
+  const double longest = longest_step(time);
+  OnCircle out;
+  bool inside = false;
+  double before = 0.0;
+  double turned = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double dx = x[i] - c.x;
+    const double dy = y[i] - c.y;
+    const double angle = std::atan2(dy, dx);
+    turned = inside ? turned + std::remainder(angle - before, kTurn) : angle;
+    before = angle;
+    out.turned.push_back(turned);
+    const bool now = std::abs(std::hypot(dx, dy) - radius) <= kOffCircle * radius;
+    const bool gap = i > 0 && !time.empty() && !(time[i] > time[i - 1] && time[i] - time[i - 1] <= longest);
+    if (now && (!inside || gap)) out.rows.push_back({i, i});
+    inside = now;
+    if (now) out.rows.back().last = i + 1;
+  }
+  return out;
+}
+
+double turn_of(const std::vector<double>& turned, const Stretch& s) {
+  return std::abs(turned[s.last - 1] - turned[s.first]);
+}
+
+CircleRun run_of(const std::vector<double>& turned, std::span<const double> time, const Stretch& s,
+                 double radius) {
+  CircleRun run;
+  run.first = s.first;
+  run.last = s.last;
+  run.counter_clockwise = turned[s.last - 1] > turned[s.first];
+  run.revolutions = turn_of(turned, s) / kTurn;
+  run.feed = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = s.first; i < s.last; ++i) {
+    run.lap.push_back(static_cast<int>(std::max(0.0, std::abs(turned[i] - turned[s.first]) / kTurn)));
+    if (!time.empty()) run.time.push_back(time[i]);
+  }
+  if (!time.empty()) {
+    const double lasted = run.time.back() - run.time.front();
+    if (lasted > 0.0) run.feed = run.revolutions * kTurn * radius / lasted;
+  }
+  return run;
+}
+
+}  // namespace
+
+CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time, double radius) {
+  CircleMotion out;
+  out.radius = radius;
+  out.commanded = !s.command_x.empty();
+  const std::span<const double> guide_x = out.commanded ? s.command_x : s.x;
+  const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
+  const auto centre = centre_of(guide_x, guide_y, radius);
+  if (!centre) return out;
+  const OnCircle on = on_circle(guide_x, guide_y, time, *centre, radius);
+  for (const Stretch& rows : on.rows) {
+    for (const Stretch& way : one_way(on.turned, rows.first, rows.last)) {
+      const double turn = turn_of(on.turned, way);
+      if (turn < kWholeTurn) {
+        if (turn > 2.0 * kTurnedBack)
+          out.notes.push_back(
+              fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, a circle is a whole revolution",
+                          way.first + 1, way.last, turn * 180.0 / kPi));
+        continue;
+      }
+      Stretch scored = at_speed(on.turned, time, way);
+      if (turn_of(on.turned, scored) < kWholeTurn) {
+        out.notes.push_back(fmt::format(
+            "rows {} to {}: run-in and run-out are scored too: without them less than one revolution is left",
+            way.first + 1, way.last));
+        scored = way;
+      }
+      out.runs.push_back(run_of(on.turned, time, scored, radius));
+    }
+  }
+  out.centre_x = centre->x;
+  out.centre_y = centre->y;
+  if (!out.commanded && !out.runs.empty()) {
+    // The centre of what is scored, not of the way to it.
+    std::vector<double> x;
+    std::vector<double> y;
+    for (const CircleRun& run : out.runs) {
+      x.insert(x.end(), s.x.begin() + run.first, s.x.begin() + run.last);
+      y.insert(y.end(), s.y.begin() + run.first, s.y.begin() + run.last);
+    }
+    const LeastSquaresCircle all = least_squares_circle(x, y);
+    out.centre_x = all.x;
+    out.centre_y = all.y;
+  }
+  for (CircleRun& run : out.runs) {
+    for (std::size_t i = run.first; i < run.last; ++i) {
+      const double x = s.x[i] - out.centre_x;
+      const double y = s.y[i] - out.centre_y;
+      const double angle = std::atan2(y, x);
+      run.angle.push_back(
+          i == run.first ? angle : run.angle.back() + std::remainder(angle - run.angle.back(), kTurn));
+      run.error.push_back(std::hypot(x, y) - radius);
+    }
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident::circle

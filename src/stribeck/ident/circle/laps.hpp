@@ -1,0 +1,47 @@
+#pragma once
+/// Finds the circular motion in a record of positions: directions apart, run-in and run-out off.
+///
+///   e = |p − c| − R          radial error over the angle of travel
+///
+/// Motion of one direction is a run; it ends where the angle turns back by more than 10 degrees, or where the positions leave the
+/// circle by more than a fifth of R. At both ends of a run, sectors of 5 degrees that take clearly longer than usual are
+/// run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution would be left. A gap
+/// of the time ends a run too. The ends are those of the command where there is one: it has no noise.
+///
+///   p positions [m], R intended radius [m], c centre of the command, or of all runs' least-squares circle
+///
+/// Not modelled: a feed that changes within a run. Real time: no. Errors: none; a record without a circle has no runs.
+
+#include <cstddef>
+#include <span>
+#include <stribeck/ident/circle/radial_error.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::circle {
+
+struct CircleRun {
+  bool counter_clockwise = true;
+  std::size_t first = 0;  ///< row of the record
+  std::size_t last = 0;   ///< row after the last one
+  double revolutions = 0.0;
+  double feed = 0.0;          ///< [m/s]; NaN: the record has no times
+  std::vector<double> angle;  ///< of the positions; goes on from lap to lap [rad]
+  std::vector<double> error;  ///< [m]
+  std::vector<double> time;   ///< [s]; empty: none
+  std::vector<int> lap;       ///< 0, 1, …; the last may be a part
+};
+
+struct CircleMotion {
+  double radius = 0.0;  ///< intended [m]
+  double centre_x = 0.0;
+  double centre_y = 0.0;
+  bool commanded = false;       ///< the centre is that of the command
+  std::vector<CircleRun> runs;  ///< of at least a revolution, in order of time
+  std::vector<std::string> notes;
+};
+
+/// `time` may be empty.
+CircleMotion circle_motion(const CircleSamples& samples, std::span<const double> time, double radius);
+
+}  // namespace stribeck::ident::circle
