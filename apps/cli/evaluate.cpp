@@ -33,7 +33,8 @@ int evaluate(const EvaluateCommand& o) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, Action& action) {
-  auto* verb = app.add_subcommand("evaluate", "Compute the radial error of measured circles from any log");
+  auto* verb =
+      app.add_subcommand("evaluate", "Measured circles from any log: circular test and causes of the error");
   auto o = std::make_shared<EvaluateCommand>();
   verb->add_option("logs", o->what.logs, "Logs of the same program, one log for each control")
       ->required()
@@ -51,6 +52,8 @@ void add_evaluate(CLI::App& app, Action& action) {
       ->type_name("NAME");
   verb->add_option("--beside", o->what.beside, "A further column of the table, with one value for each log")
       ->type_name("HEAD=VALUE,VALUE");
+  verb->add_flag("--together", o->what.together,
+                 "The logs are of one machine, e.g. at several feeds: one diagnosis over all of them");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(

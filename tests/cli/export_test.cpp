@@ -576,6 +576,55 @@ TEST(Evaluate, DirectionsApart) {
   expect_refused(f, {"evaluate", log, one}, "has 1 circles, one for each direction");
 }
 
+/// Both directions of a circle of 10 mm with a backlash of x [mm]: x is behind the motion by half of it.
+std::string backlash_log(double backlash, double step_s) {
+  std::string text = "t [s],x [mm],y [mm],rx [mm],ry [mm]\n";
+  constexpr int kRows = 2400;
+  for (int i = 0; i < 2 * kRows; ++i) {
+    const int k = i < kRows ? i : 2 * kRows - i;
+    const double phi = 2.0 * M_PI * (k + 0.5) / 2000;
+    const double way = i < kRows ? 1.0 : -1.0;
+    const double behind = std::sin(phi) * way > 0.0 ? 0.5 * backlash : -0.5 * backlash;
+    text += std::to_string(step_s * i) + "," + std::to_string(10.0 * std::cos(phi) + behind) + "," +
+            std::to_string(10.0 * std::sin(phi)) + "," + std::to_string(10.0 * std::cos(phi)) + "," +
+            std::to_string(10.0 * std::sin(phi)) + "\n";
+  }
+  return text;
+}
+
+// Causes in text, JSON and page; several feeds together, or each log by itself.
+TEST(Evaluate, CausesOfTheError) {
+  const Folder f;
+  const std::string slow = f.write("slow.csv", backlash_log(0.004, 0.002));
+  const std::string fast = f.write("fast.csv", backlash_log(0.004, 0.001));
+  std::vector<std::string> words{"evaluate", slow,     fast,         "--map",    "rx=rx",   "--map",
+                                 "ry=ry",    "--json", f / "e.json", "--report", f / "page"};
+  const Said apart = command(words);
+  ASSERT_EQ(apart.code, 0) << apart.err;
+  EXPECT_THAT(apart.out, HasSubstr("Causes of fast: backlash x (4.00 µm)"));
+  auto json = nlohmann::json::parse(text_of(f / "e.json"));
+  EXPECT_TRUE(json["diagnosis"].is_null());
+  EXPECT_EQ(json["logs"][1]["diagnosis"]["causes"][0]["cause"], "backlash");
+  words.emplace_back("--together");
+  const Said together = command(words);
+  ASSERT_EQ(together.code, 0) << together.err;
+  EXPECT_THAT(together.out, AllOf(HasSubstr("Causes of all logs together"),
+                                  HasSubstr("Next: check coupling, nut and bearings")));
+  json = nlohmann::json::parse(text_of(f / "e.json"));
+  EXPECT_TRUE(json["logs"][0]["diagnosis"].is_null());
+  const auto& cause = json["diagnosis"]["causes"][0];
+  EXPECT_EQ(cause["cause"], "backlash");
+  EXPECT_EQ(cause["axis"], "x");
+  EXPECT_EQ(cause["rank"], 1);
+  EXPECT_TRUE(cause["parameter_cures"]);
+  // Coordinates have six decimals.
+  EXPECT_NEAR(cause["size_um"].get<double>(), 4.0, 0.01);
+  EXPECT_EQ(json["diagnosis"]["peaks"].size(), 16U);
+  EXPECT_NEAR(json["diagnosis"]["peaks"][0]["feed_mm_per_min"].get<double>() / 1e3, 0.95, 0.2);
+  EXPECT_THAT(text_of(f / "page/index.html"),
+              AllOf(HasSubstr("Causes of all logs together"), HasSubstr("Quadrant peaks")));
+}
+
 TEST(Evaluate, RefusesInOneLine) {
   const Folder f;
   const std::string a = f.write("a.csv", circle_log(0.005));

@@ -2,10 +2,12 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
+#include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
@@ -147,7 +149,9 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
 }
 
 /// The circular test of all chosen rows of a log together; absent where they are circles at different places.
-void add_test(report::CircleLog& one, const Track& all, double radius) {
+/// Its motion is added to `motions`.
+void add_test(report::CircleLog& one, const Track& all, double radius,
+              std::vector<circle::CircleMotion>& motions) {
   constexpr double kOnePlace = 0.01;  // of the radius
   const circle::CircleTest& first = one.circles.front();
   for (const circle::CircleTest& c : one.circles) {
@@ -160,6 +164,7 @@ void add_test(report::CircleLog& one, const Track& all, double radius) {
   one.notes.insert(one.notes.end(), motion.notes.begin(), motion.notes.end());
   if (motion.runs.empty()) return;
   one.test = circle::circular_test(all.samples(), motion);
+  motions.push_back(std::move(motion));
 }
 
 /// Adds the heads of the further columns to the page; returns the entries for each log.
@@ -197,6 +202,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
   input.radius = radius;
   const auto beside = beside_columns(o, input);
   const auto map = mapped(o);
+  std::vector<circle::CircleMotion> motions;
   for (std::size_t i = 0; i < o.logs.size(); ++i) {
     io::ReadOptions read;
     read.times_needed = false;  // no times needed: the order of the rows is enough
@@ -212,7 +218,10 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
       add_circles(one, log, chosen, where, radius, rows);
       chosen.append_to(all, 0, chosen.x.size());
     }
-    add_test(one, all, radius);
+    std::vector<circle::CircleMotion> own;
+    add_test(one, all, radius, own);
+    if (!o.together && !own.empty()) one.diagnosis = circle::diagnose(own);
+    motions.insert(motions.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
     for (const std::string& note : one.notes) input.warnings.push_back(one.label + ": " + note);
     if (i == 0) input.rows = rows;
     for (const auto& words : beside) one.beside.push_back(words[i]);
@@ -235,6 +244,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
     }
     input.logs.push_back(std::move(one));
   }
+  if (o.together && !motions.empty()) input.together = circle::diagnose(motions);
   return input;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of the page, text and JSON of `evaluate`: the circular test after ISO 230-4.
+/// Parts of the page, text and JSON of `evaluate`: the circular test after ISO 230-4, the causes.
 ///
 /// Inside report only. Real time: no. Errors: none.
 
@@ -14,5 +14,13 @@ namespace stribeck::report {
 std::string circular_test_text(const CircleReportInput& input);
 void add_circular_test(Page& page, const CircleReportInput& input);
 nlohmann::ordered_json circular_test_json(const ident::circle::CircularTest& test);
+
+/// Table, next steps and remarks.
+std::string causes_text(const std::string& label, const ident::circle::Diagnosis& diagnosis);
+/// The largest causes in one line, for one log of several.
+std::string causes_line(const std::string& label, const ident::circle::Diagnosis& diagnosis);
+void add_causes(Page& page, const std::string& label, const ident::circle::Diagnosis& diagnosis,
+                double radius);
+nlohmann::ordered_json causes_json(const ident::circle::Diagnosis& diagnosis, double radius);
 
 }  // namespace stribeck::report

@@ -182,7 +182,15 @@ std::string text_table(const CircleReportInput& input) {
     for (const CircleLog& log : input.logs) column.entries.push_back(clean_text(log.beside[b]));
     columns.push_back(column);
   }
-  return lay_out(columns) + "\n" + circular_test_text(input);
+  std::string text = lay_out(columns) + "\n" + circular_test_text(input);
+  text += "\n";
+  if (input.together) text += causes_text("all logs together", *input.together);
+  for (const CircleLog& log : input.logs) {
+    if (log.diagnosis)
+      text +=
+          input.logs.size() > 1 ? causes_line(log.label, *log.diagnosis) : causes_text("", *log.diagnosis);
+  }
+  return text;
 }
 
 nlohmann::ordered_json to_json(const CircleReportInput& input) {
@@ -206,8 +214,10 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
            {"circular_deviation_um", io::number_or_null(t.circular_deviation * kMicro)}});
     }
     one["circular_test"] = log.test ? circular_test_json(*log.test) : Json(nullptr);
+    one["diagnosis"] = log.diagnosis ? causes_json(*log.diagnosis, input.radius) : Json(nullptr);
     out["logs"].push_back(std::move(one));
   }
+  out["diagnosis"] = input.together ? causes_json(*input.together, input.radius) : Json(nullptr);
   return out;
 }
 
@@ -265,6 +275,10 @@ std::string circle_report(const CircleReportInput& input) {
       "first 0.15 mm after an axis turned round. G: circular deviation, the width of the minimum zone, after "
       "ISO 230-4. Bold: the smallest.");
   add_circular_test(page, input);
+  if (input.together) add_causes(page, "all logs together", *input.together, input.radius);
+  for (const CircleLog& log : input.logs) {
+    if (log.diagnosis) add_causes(page, input.logs.size() > 1 ? log.label : "", *log.diagnosis, input.radius);
+  }
   for (std::size_t c = 0; c < best->circles.size(); ++c) add_circle(page, input, c);
   page.section("Again");
   page.code(input.command);

@@ -4,12 +4,14 @@
 ///   json   {"schema": "stribeck.evaluate/1", "radius_mm", "logs": [{"label", "file", "beside": {head: value}, "circles":
 ///           [{"rows": the --where that chose them or null, "direction": "counter-clockwise" or "clockwise", "revolutions",
 ///           "max_contour_error_um", "quadrant_glitch_um", "rms_um", "circular_deviation_um"}], "circular_test": {"directions",
-///           "mean_radial_deviation_um", "bidirectional_circular_deviation_um", "hysteresis_um", …}}]}
+///           "mean_radial_deviation_um", "bidirectional_circular_deviation_um", "hysteresis_um", …}, "diagnosis": null or {"causes", "peaks",
+///           "remarks", …}}], "diagnosis": the same of all logs with --together, else null}
 ///
 /// Real time: no. Errors: io::InputError of files and of gnuplot.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/ident/circle/radial_error.hpp>
 #include <string>
@@ -22,7 +24,9 @@ struct CircleLog {
   std::string file;
   std::vector<ident::circle::CircleTest> circles;        ///< the same number for every log
   std::optional<ident::circle::CircularTest> test = {};  ///< of all of them; absent: at different places
-  std::vector<std::string> beside = {};                  ///< entries of further columns of its row
+  std::optional<ident::circle::Diagnosis> diagnosis =
+      {};                                ///< absent: not enough rows, or of all logs together
+  std::vector<std::string> beside = {};  ///< entries of further columns of its row
   std::vector<std::string> notes = {};
 };
 
@@ -32,6 +36,7 @@ struct CircleReportInput {
   std::vector<std::string> rows = {};    ///< of each circle: COLUMN=VALUE; "": all rows
   std::vector<std::string> beside = {};  ///< heads, with their unit in brackets
   std::vector<CircleLog> logs = {};
+  std::optional<ident::circle::Diagnosis> together = {};  ///< of all logs, as measurements of one machine
   std::vector<std::string> warnings = {};
   std::string command = {};
   std::string version = {};

@@ -1,0 +1,389 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/causes_parts.hpp>
+#include <stribeck/ident/stats/uncertainty.hpp>
+
+namespace stribeck::ident::circle {
+namespace {
+
+constexpr double kLeastEffect = 50e-9;
+constexpr double kLeastShare = 0.01;  // of the largest effect
+constexpr double kBeyond = 1.5;       // half widths of the 95 % interval: three standard deviations
+
+struct Fitted {
+  CauseRows rows;
+  Design design;
+  CauseFit fit;
+};
+
+/// Radial error of one cause over the circle, both directions, at the fastest feed.
+struct Effect {
+  double span = 0.0;
+  double most = 0.0;  ///< largest size
+};
+
+Effect effect_of(const Fitted& f, const CauseColumns& cause) {
+  double low = HUGE_VAL;
+  double high = -HUGE_VAL;
+  for (const double way : {1.0, -1.0}) {
+    if (way < 0.0 && !f.rows.both_ways) continue;
+    for (int degree = 0; degree < 360; ++degree) {
+      CauseRow at;
+      at.angle = (degree + 0.5) * kPi / 180.0;
+      at.way = f.rows.both_ways ? way : f.rows.rows.front().way;
+      at.feed = f.rows.fastest;
+      at.log = cause.log;
+      const Eigen::VectorXd v = column_values(f.rows, f.design.columns, at);
+      const double e =
+          v.segment(cause.first, cause.count).dot(f.fit.coefficients.segment(cause.first, cause.count));
+      low = std::min(low, e);
+      high = std::max(high, e);
+    }
+  }
+  return {high - low, std::max(std::abs(low), std::abs(high))};
+}
+
+double amplitude_width(const stats::Uncertainty& u, const CauseFit& fit, const CauseColumns& c) {
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(fit.coefficients.size());
+  const double a = fit.coefficients(c.first);
+  const double b = fit.coefficients(c.first + 1);
+  const double amplitude = std::hypot(a, b);
+  g(c.first) = amplitude > 0.0 ? a / amplitude : 1.0;
+  g(c.first + 1) = amplitude > 0.0 ? b / amplitude : 0.0;
+  return u.half_width(g);
+}
+
+/// Size, interval and the numbers that the trade knows the cause by.
+Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns& c) {
+  Cause out;
+  out.kind = c.kind;
+  out.axis = c.axis;
+  const double first = f.fit.coefficients(c.first);
+  const double second = c.count > 1 ? f.fit.coefficients(c.first + 1) : 0.0;
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(f.fit.coefficients.size());
+  g(c.first) = 1.0;
+  out.size = first;
+  out.half_width = u.half_width(g);
+  const Effect effect = effect_of(f, c);
+  out.effect = effect.span;
+  const double radius = f.rows.radius;
+  const auto figure = [&](std::string name, double value, double half_width, std::string unit) {
+    out.figures.push_back({std::move(name), value, half_width, std::move(unit)});
+  };
+  switch (c.kind) {
+    case CauseKind::kBacklash: {
+      for (const double end : {1.0, -1.0}) {
+        g(c.first + 1) = end;
+        figure(end > 0.0 ? "at the positive end" : "at the negative end", (first + end * second) * 1e6,
+               u.half_width(g) * 1e6, "um");
+      }
+      break;
+    }
+    case CauseKind::kCyclic:
+      out.size = std::hypot(first, second);
+      out.half_width = amplitude_width(u, f.fit, c);
+      figure("pitch", c.pitch * 1e3, std::nan(""), "mm");
+      // A·cos(2π·x/p − phase), x from the centre.
+      figure("phase", std::atan2(second, first) * 180.0 / kPi, std::nan(""), "deg");
+      break;
+    case CauseKind::kServoMismatch:
+      // d·V·(τx − τy)/2·sin 2θ
+      if (f.rows.feeds_known)
+        figure("x later than y", 2e3 * first / f.rows.fastest, 2e3 * out.half_width / f.rows.fastest, "ms");
+      break;
+    case CauseKind::kScaleMismatch:
+      figure("x longer than y", 2e6 * first / radius, 2e6 * out.half_width / radius, "um/m");
+      // The circle is as large in x as radius and mismatch together say, in y as their difference.
+      for (const int axis : {0, 1}) {
+        const int common = f.design.columns.causes.front().first;
+        g(common) = axis == 0 ? 1.0 : -1.0;
+        figure(axis == 0 ? "scale error of x" : "scale error of y",
+               1e6 * (f.fit.coefficients(common) + (axis == 0 ? first : -first)) / radius,
+               1e6 * u.half_width(g) / radius, "um/m");
+      }
+      break;
+    case CauseKind::kSquareness:
+      figure("angle short of 90 deg", 2e6 * first / radius, 2e6 * out.half_width / radius, "um/m");
+      break;
+    case CauseKind::kRadius:
+      out.effect = std::abs(first);
+      figure("both axes longer", 1e6 * first / radius, 1e6 * out.half_width / radius, "um/m");
+      break;
+    case CauseKind::kLag:
+      out.effect = effect.most;
+      // V²·T²/(2R) of two axes that follow with the lag T.
+      figure("lag, if of second order", 1e3 * std::sqrt(std::max(0.0, 2.0 * first * radius)) / f.rows.fastest,
+             std::nan(""), "ms");
+      break;
+    case CauseKind::kCentre:
+      out.size = std::hypot(first, second);
+      out.half_width = amplitude_width(u, f.fit, c);
+      figure("x", first * 1e6, std::nan(""), "um");
+      figure("y", second * 1e6, std::nan(""), "um");
+      break;
+    default:
+      break;
+  }
+  return out;
+}
+
+/// Mean height of an axis' peaks; found where the mean, or half of the peaks alone, stand out of the rest.
+Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
+  Cause out;
+  out.kind = CauseKind::kReversalSpike;
+  out.axis = axis;
+  double sum = 0.0;
+  double squares = 0.0;
+  double noise = 0.0;
+  double width = 0.0;
+  int count = 0;
+  int clear = 0;
+  for (const QuadrantPeak& p : peaks) {
+    if (p.axis != axis) continue;
+    sum += p.height;
+    squares += p.height * p.height;
+    noise = std::max(noise, p.half_width_95);
+    width += p.width;
+    ++count;
+    // The largest of some ten independent steps of noise is beyond one half width: two are no chance.
+    if (std::abs(p.height) > 2.0 * p.half_width_95) ++clear;
+  }
+  if (count == 0) return out;
+  out.size = sum / count;
+  const double spread = count > 1 ? std::max(0.0, squares - sum * sum / count) / (count - 1) : 0.0;
+  out.half_width = std::hypot(noise, 1.96 * std::sqrt(spread)) / std::sqrt(static_cast<double>(count));
+  out.effect = std::abs(out.size);
+  out.found = 2 * clear > count;
+  out.figures.push_back({"width", width / count * 180.0 / kPi, std::nan(""), "deg"});
+  return out;
+}
+
+/// Angle in which an axis crosses its play after a reversal, and stands still.
+std::array<double, 2> crossing_of_play(const std::vector<Cause>& causes, double radius) {
+  std::array<double, 2> out{};
+  for (const Cause& c : causes) {
+    if (c.kind != CauseKind::kBacklash || !(c.size > kBeyond * c.half_width) || c.size < kLeastEffect)
+      continue;
+    double most = c.size;
+    for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * end.value);
+    out[static_cast<std::size_t>(*c.axis)] = std::acos(std::max(0.0, 1.0 - 1.2 * most / radius));
+  }
+  return out;
+}
+
+bool is_set_up(const Cause& c) { return c.kind == CauseKind::kCentre; }
+
+void rank(std::vector<Cause>& causes) {
+  double most = 0.0;
+  for (const Cause& c : causes) most = std::max(most, is_set_up(c) ? 0.0 : c.effect);
+  double all = 0.0;
+  for (Cause& c : causes) {
+    const bool clear =
+        c.kind == CauseKind::kReversalSpike ? c.found : std::abs(c.size) > kBeyond * c.half_width;
+    c.found = clear && c.effect > kLeastEffect && c.effect > kLeastShare * most;
+    if (c.found && !is_set_up(c)) all += c.effect;
+  }
+  for (Cause& c : causes) c.share = c.found && !is_set_up(c) ? c.effect / all : 0.0;
+  std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
+    if (a.found != b.found) return a.found;
+    if (is_set_up(a) != is_set_up(b)) return is_set_up(b);
+    return a.effect > b.effect;
+  });
+}
+
+/// Whether the spikes of an axis keep their time or their travel from feed to feed.
+void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radius,
+                   std::vector<std::string>& remarks) {
+  double slow = HUGE_VAL;
+  double fast = 0.0;
+  for (const QuadrantPeak& p : peaks) {
+    slow = std::min(slow, p.feed);
+    fast = std::max(fast, p.feed);
+  }
+  double angle_slow = 0.0;
+  double angle_fast = 0.0;
+  int count_slow = 0;
+  int count_fast = 0;
+  for (const QuadrantPeak& p : peaks) {
+    if (p.axis != axis) continue;
+    if (p.feed == slow) angle_slow += p.delay, ++count_slow;
+    if (p.feed == fast) angle_fast += p.delay, ++count_fast;
+  }
+  if (count_slow == 0 || count_fast == 0) return;
+  angle_slow /= count_slow;
+  angle_fast /= count_fast;
+  const double time = std::log(angle_fast / fast / (angle_slow / slow));
+  const double travel = std::log((1.0 - std::cos(angle_fast)) / (1.0 - std::cos(angle_slow)));
+  const char* name = axis == 0 ? "x" : "y";
+  const std::string tops = fmt::format(
+      "tops at {:.1f} ms and {:.1f} µm of travel at {:.0f} mm/min, at {:.1f} ms and {:.1f} µm at {:.0f} mm/min",
+      1e3 * angle_slow * radius / slow, 1e6 * radius * (1.0 - std::cos(angle_slow)), 6e4 * slow,
+      1e3 * angle_fast * radius / fast, 1e6 * radius * (1.0 - std::cos(angle_fast)), 6e4 * fast);
+  if (std::abs(time) < 0.5 * std::abs(travel)) {
+    remarks.push_back(fmt::format(
+        "spikes of {}: {}: the time stays, as where play is taken up or compensated late", name, tops));
+  } else if (std::abs(travel) < 0.5 * std::abs(time)) {
+    remarks.push_back(
+        fmt::format("spikes of {}: {}: the travel stays, as of friction before sliding", name, tops));
+  } else {
+    remarks.push_back(
+        fmt::format("spikes of {}: {}: neither stays, friction and play cannot be told apart", name, tops));
+  }
+}
+
+bool is_found(const std::vector<Cause>& causes, CauseKind kind) {
+  return std::any_of(causes.begin(), causes.end(), [&](const Cause& c) { return c.kind == kind && c.found; });
+}
+
+std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cause>& causes,
+                                    const std::vector<QuadrantPeak>& peaks, bool commanded) {
+  std::vector<std::string> out;
+  if (!rows.both_ways)
+    out.emplace_back(
+        "one direction of travel: squareness cannot be told from servo mismatch, nor scale mismatch from lateral play; "
+        "measure the other direction too");
+  if (!rows.feeds_differ &&
+      (is_found(causes, CauseKind::kRadius) || is_found(causes, CauseKind::kScaleMismatch)))
+    out.emplace_back(
+        "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be told from those of the "
+        "scales; measure at a second feed, at least twice as fast, and give both logs with --together");
+  if (is_found(causes, CauseKind::kReversalSpike)) {
+    if (!rows.feeds_differ) {
+      out.emplace_back(
+          "one feed: a spike of friction cannot be told from play that is taken up late; measure at a second feed and "
+          "give both logs with --together");
+    } else {
+      for (const int axis : {0, 1}) {
+        for (const Cause& c : causes) {
+          if (c.kind == CauseKind::kReversalSpike && c.axis == axis && c.found)
+            compare_feeds(peaks, axis, rows.radius, out);
+        }
+      }
+    }
+  }
+  if (is_found(causes, CauseKind::kStraightness))
+    out.emplace_back(
+        "a bow of a guide cannot be told from a scale whose error grows with the square of the travel");
+  if (is_found(causes, CauseKind::kRadius))
+    out.emplace_back(
+        "a radius cannot be told from an error of the instrument's length, unless that was calibrated");
+  if (!commanded)
+    out.emplace_back("without a commanded circle (--map rx=…, ry=…) an offset of the centre cannot be seen");
+  out.emplace_back(
+      "positions of a motor encoder hold no backlash, lateral play, squareness or straightness: these need a ball-bar, a "
+      "grid encoder or linear scales");
+  return out;
+}
+
+}  // namespace
+
+std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& motions) {
+  Fitted f;
+  f.rows = cause_rows(motions);
+  if (f.rows.rows.size() < 144) return std::nullopt;  // a row for each 2.5 degrees
+  const std::vector<Pitch> pitches = find_pitches(f.rows);
+  f.design = design_of(f.rows, pitches);
+  f.fit = fit_with_window(f.rows, f.design);
+  if (f.fit.rest.size() == 0 || !f.fit.coefficients.allFinite()) return std::nullopt;
+  std::vector<int> record;
+  std::vector<std::size_t> at;
+  for (const std::size_t i : f.fit.used) {
+    record.push_back(f.rows.rows[i].run);
+    at.push_back(f.rows.rows[i].at);
+  }
+  const stats::Uncertainty u(f.fit.X, f.fit.rest, f.fit.inverse, record, at);
+  Diagnosis out;
+  const bool commanded =
+      std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.commanded; });
+  for (const CauseColumns& c : f.design.columns.causes) {
+    if (c.kind == CauseKind::kCentre && !commanded) continue;
+    Cause cause = cause_of(f, u, c);
+    // Each log has its own set-up; the largest offset stands for all.
+    if (c.kind == CauseKind::kCentre && c.log > 0) {
+      if (cause.size > out.causes.back().size) out.causes.back() = std::move(cause);
+      continue;
+    }
+    out.causes.push_back(std::move(cause));
+  }
+  const std::vector<double> rest = rest_of_rows(f.rows, f.design, f.fit);
+  out.peaks = quadrant_peaks(f.rows, rest, f.fit.window, crossing_of_play(out.causes, f.rows.radius));
+  for (const int axis : {0, 1}) out.causes.push_back(spike_of(out.peaks, axis));
+  if (const auto vibration = find_vibration(motions, f.rows, f.design, f.fit)) {
+    Cause c;
+    c.kind = CauseKind::kVibration;
+    c.size = vibration->amplitude;
+    c.half_width = vibration->half_width;
+    c.effect = 2.0 * vibration->amplitude;
+    c.figures.push_back({"frequency", vibration->frequency, std::nan(""), "Hz"});
+    out.causes.push_back(std::move(c));
+  }
+  rank(out.causes);
+  out.remarks = remarks_on(f.rows, out.causes, out.peaks, commanded);
+  out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
+  out.window = f.fit.window;
+  const auto [low, high] =
+      std::minmax_element(f.rows.rows.begin(), f.rows.rows.end(),
+                          [](const CauseRow& a, const CauseRow& b) { return a.error < b.error; });
+  out.span = high->error - low->error;
+  return out;
+}
+
+CauseWords words_of(CauseKind kind) {
+  switch (kind) {
+    case CauseKind::kReversalSpike:
+      return {
+          "the axis sticks for a moment after it has reversed; negative: its compensation pushes too much",
+          "identify the friction of this axis (stribeck identify) and switch on friction compensation; check lubrication first",
+          true};
+    case CauseKind::kBacklash:
+      return {
+          "the slide follows the drive late by this distance after each reversal; negative: it is compensated too much",
+          "check coupling, nut and bearings for play; then set the backlash compensation to this value, or lower it where it is negative",
+          true};
+    case CauseKind::kLateralPlay:
+      return {"the slide moves sideways when it reverses",
+              "adjust the gibs or the preload of the guide of this axis", false};
+    case CauseKind::kCyclic:
+      return {
+          "the position error of this axis repeats with this pitch",
+          "compare the pitch with lead, gear, belt and scale; mend what has that pitch, or enter it in the screw error table",
+          true};
+    case CauseKind::kServoMismatch:
+      return {"one axis follows later than the other",
+              "set both axes to the same position gain, or to the lower of the two", true};
+    case CauseKind::kScaleMismatch:
+      return {"one axis travels farther than the other for the same command",
+              "check temperature and scale of both axes; then correct the scale factor or the error table",
+              true};
+    case CauseKind::kSquareness:
+      return {"the axes are not square to each other",
+              "align the guides; where the control has it, enter the angle in its squareness compensation",
+              true};
+    case CauseKind::kStraightness:
+      return {"a guide is bent along the other axis, or the scale errs with the square of the travel",
+              "measure the straightness along the whole travel; align the guide, or fill a cross-error table",
+              true};
+    case CauseKind::kRadius:
+      return {"the circle is larger or smaller than commanded in both axes alike",
+              "check temperature, the calibrated length of the instrument and the scales of both axes", true};
+    case CauseKind::kLag:
+      return {"the circle shrinks with the square of the feed because the axes lag",
+              "switch on velocity and acceleration feed-forward, or raise the position gain of both axes",
+              true};
+    case CauseKind::kVibration:
+      return {
+          "the tool swings at this frequency between the reversals",
+          "compare the frequency with motor, pump and gear; lower the velocity gain or set a notch filter",
+          true};
+    case CauseKind::kCentre:
+      return {"set-up: the instrument stood off the centre of the circle, the machine is not to blame",
+              "nothing on the machine; centre the instrument better", false};
+  }
+  return {};
+}
+
+}  // namespace stribeck::ident::circle

@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/causes_parts.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+
+namespace stribeck::ident::circle {
+namespace {
+
+constexpr double kDegree = kPi / 180.0;
+
+/// Mean over the laps of each step: what repeats from lap to lap, with fewer rows for the search of a pitch.
+CauseRows mean_laps(const CauseRows& all) {
+  CauseRows out = all;
+  out.rows.clear();
+  const int steps = static_cast<int>(std::floor(2.0 * kPi / all.step));
+  std::vector<double> angle;
+  std::vector<double> error;
+  std::vector<CauseRow> cells;
+  const auto close = [&] {
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      if (cells[k].samples == 0) continue;
+      cells[k].angle = angle[k] / cells[k].samples;
+      cells[k].error = error[k] / cells[k].samples;
+      out.rows.push_back(cells[k]);
+    }
+  };
+  int run = -1;
+  for (const CauseRow& row : all.rows) {
+    if (row.run != run) {
+      close();
+      run = row.run;
+      cells.assign(static_cast<std::size_t>(steps), CauseRow{});
+      angle.assign(cells.size(), 0.0);
+      error.assign(cells.size(), 0.0);
+    }
+    // Laps are brought to the same angles; a lap is no whole number of steps.
+    const double within = row.angle - 2.0 * kPi * std::floor(row.angle / (2.0 * kPi));
+    const auto k = std::min(static_cast<std::size_t>(within / all.step), cells.size() - 1);
+    const int samples = cells[k].samples;
+    cells[k] = row;
+    cells[k].at = k;
+    cells[k].samples = samples + 1;
+    angle[k] += within;
+    error[k] += row.error;
+  }
+  close();
+  return out;
+}
+
+/// How much two further columns lower the squared rest.
+double gain_of(const CauseFit& fit, const CauseRows& rows, const Pitch& pitch) {
+  const Eigen::Index n = fit.rest.size();
+  Eigen::MatrixXd two(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double a = rows.rows[fit.used[static_cast<std::size_t>(i)]].angle;
+    const double along = pitch.axis == 0 ? std::cos(a) : std::sin(a);
+    const double phase = 2.0 * kPi * rows.radius * along / pitch.length;
+    two(i, 0) = along * std::cos(phase);
+    two(i, 1) = along * std::sin(phase);
+  }
+  // Only what the other columns do not explain already counts.
+  const Eigen::MatrixXd cross = fit.X.transpose() * two;
+  const Eigen::MatrixXd own = two.transpose() * two - cross.transpose() * fit.inverse * cross;
+  const Eigen::VectorXd with = two.transpose() * fit.rest;
+  const double det = own(0, 0) * own(1, 1) - own(0, 1) * own(1, 0);
+  if (!(det > 1e-6 * own(0, 0) * own(1, 1))) return 0.0;
+  return (with(0) * with(0) * own(1, 1) - 2.0 * with(0) * with(1) * own(0, 1) +
+          with(1) * with(1) * own(0, 0)) /
+         det;
+}
+
+/// The pitch that lowers the rest most, beside those that are known.
+class PitchSearch {
+ public:
+  PitchSearch(const CauseRows& rows, const std::vector<Pitch>& known)
+      : rows_(rows), known_(known), fit_(fit_with_window(rows, design_of(rows, known))) {}
+
+  void over_all(double step) {
+    if (fit_.rest.size() == 0) return;
+    const double slow = 1.25 / rows_.radius;
+    const double fast = 0.25 / (rows_.radius * rows_.step);
+    for (const int axis : {0, 1}) {
+      for (double f = slow; f <= fast; f += step) {
+        if (!is_known(axis, f)) try_one(axis, f);
+      }
+    }
+  }
+  void from(const Pitch& pitch) { try_one(pitch.axis, 1.0 / pitch.length); }
+  void finer(double step) {
+    for (double finer = 0.25 * step; finer > 0.001 * step && gain_ > 0.0; finer *= 0.5) {
+      const double f = 1.0 / best_.length;
+      try_one(best_.axis, f - finer);
+      try_one(best_.axis, f + finer);
+    }
+  }
+  [[nodiscard]] bool clear(double times) const {
+    if (!(gain_ > 0.0)) return false;
+    const auto count = static_cast<double>(fit_.rest.size());
+    return gain_ >= times * std::max(fit_.variance * count - gain_, 0.0) / count;
+  }
+  [[nodiscard]] const Pitch& best() const { return best_; }
+
+ private:
+  /// Two pitches of one axis are told apart where they differ by most of a period over the diameter.
+  [[nodiscard]] bool is_known(int axis, double per_metre) const {
+    return std::any_of(known_.begin(), known_.end(), [&](const Pitch& p) {
+      return p.axis == axis && std::abs(1.0 / p.length - per_metre) < 0.75 / rows_.radius;
+    });
+  }
+  void try_one(int axis, double per_metre) {
+    const double gain = gain_of(fit_, rows_, {axis, 1.0 / per_metre});
+    if (gain <= gain_) return;
+    gain_ = gain;
+    best_ = {axis, 1.0 / per_metre};
+  }
+
+  const CauseRows& rows_;
+  std::vector<Pitch> known_;
+  CauseFit fit_;
+  double gain_ = 0.0;
+  Pitch best_;
+};
+
+}  // namespace
+
+CauseFit fit_causes(const CauseRows& rows, const Design& design, double window) {
+  CauseFit fit;
+  fit.window = window;
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const double behind = after_reversal(rows.rows[i]);
+    if (behind >= window && behind <= 0.5 * kPi - kDegree) fit.used.push_back(i);
+  }
+  const auto n = static_cast<Eigen::Index>(fit.used.size());
+  const int p = design.columns.count;
+  if (n < 2 * p) return fit;
+  fit.X.resize(n, p);
+  Eigen::VectorXd y(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::size_t row = fit.used[static_cast<std::size_t>(i)];
+    fit.X.row(i) = design.X.row(static_cast<Eigen::Index>(row));
+    y(i) = rows.rows[row].error;
+  }
+  fit.inverse = stats::inverse(stats::gram(fit.X));
+  fit.coefficients = fit.inverse * (fit.X.transpose() * y);
+  fit.rest = y - fit.X * fit.coefficients;
+  fit.variance = fit.rest.squaredNorm() / static_cast<double>(n - p);
+  return fit;
+}
+
+CauseFit fit_with_window(const CauseRows& rows, const Design& design) {
+  constexpr std::array<double, 8> kWindows{2.0, 4.0, 6.0, 9.0, 13.0, 18.0, 24.0, 32.0};
+  // What is left of a peak outside the window raises the variance; this much is chance.
+  constexpr double kChance = 1.03;
+  std::vector<CauseFit> fits;
+  double least = HUGE_VAL;
+  for (const double degrees : kWindows) {
+    fits.push_back(fit_causes(rows, design, degrees * kDegree));
+    if (fits.back().rest.size() > 0) least = std::min(least, fits.back().variance);
+  }
+  for (CauseFit& fit : fits) {
+    if (fit.rest.size() > 0 && fit.variance <= kChance * least) return std::move(fit);
+  }
+  return std::move(fits.front());
+}
+
+std::vector<Pitch> find_pitches(const CauseRows& all) {
+  constexpr std::size_t kMost = 2;
+  // The square of the rest that a pure chance takes off is chi-squared with two degrees of freedom, the largest of some hundred
+  // pitches about 13; rows that resemble their neighbours take off more.
+  constexpr double kClear = 40.0;
+  const CauseRows rows = mean_laps(all);
+  const double step = 1.0 / (10.0 * rows.radius);
+  std::vector<Pitch> found;
+  while (found.size() < kMost) {
+    PitchSearch search(rows, found);
+    search.over_all(step);
+    search.finer(step);
+    if (!search.clear(kClear)) break;
+    found.push_back(search.best());
+  }
+  // Each once more beside the others, whose effects moved the first search a little.
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    std::vector<Pitch> others = found;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    PitchSearch search(rows, others);
+    search.from(found[k]);
+    search.finer(step);
+    found[k] = search.best();
+  }
+  return found;
+}
+
+std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, const CauseFit& fit) {
+  const Eigen::VectorXd fitted = design.X * fit.coefficients;
+  std::vector<double> rest;
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    rest.push_back(rows.rows[i].error - fitted(static_cast<Eigen::Index>(i)));
+  return rest;
+}
+
+}  // namespace stribeck::ident::circle

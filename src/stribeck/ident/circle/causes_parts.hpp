@@ -1,0 +1,108 @@
+#pragma once
+/// Steps of the diagnosis of a circle (causes.hpp): rows, columns of the fit, cyclic error, quadrant peaks, vibration.
+///
+/// Inside ident only: includes Eigen. Real time: no. Errors: none.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <stribeck/ident/circle/causes.hpp>
+#include <vector>
+
+namespace stribeck::ident::circle {
+
+/// Mean radial error over one step of the angle in one lap.
+struct CauseRow {
+  int run = 0;
+  int log = 0;
+  int lap = 0;
+  std::size_t at = 0;  ///< step within the run
+  double angle = 0.0;  ///< goes on [rad]
+  double error = 0.0;  ///< [m]
+  double way = 1.0;    ///< direction of travel
+  double feed = 0.0;   ///< [m/s]; NaN: unknown
+  int samples = 0;     ///< in the mean
+};
+
+struct CauseRows {
+  std::vector<CauseRow> rows;
+  double radius = 0.0;
+  double step = 0.0;  ///< [rad]
+  int logs = 0;
+  bool both_ways = false;
+  bool feeds_known = false;
+  bool feeds_differ = false;  ///< by more than a fifth
+  double fastest = 0.0;       ///< [m/s]
+};
+
+CauseRows cause_rows(const std::vector<CircleMotion>& motions);
+
+/// Angle from the last reversal of either axis, in the direction of travel: 0 to 90 degrees [rad].
+double after_reversal(const CauseRow& row);
+/// The quadrant border that was passed last: 0 … 3 for 0, 90, 180, 270 degrees.
+int last_border(const CauseRow& row);
+
+/// One cyclic error of one axis.
+struct Pitch {
+  int axis = 0;
+  double length = 0.0;  ///< [m]
+};
+
+/// Where the columns of a cause are.
+struct CauseColumns {
+  CauseKind kind;
+  std::optional<int> axis;
+  int first = 0;
+  int count = 1;
+  double pitch = 0.0;  ///< of a cyclic error [m]
+  int log = 0;         ///< of a centre
+};
+
+struct Columns {
+  std::vector<CauseColumns> causes;
+  int count = 0;
+};
+Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches);
+/// Radial error per coefficient at one angle [m/m]: one row of the fit, columns.count numbers.
+Eigen::VectorXd column_values(const CauseRows& rows, const Columns& columns, const CauseRow& at);
+/// The same of all rows.
+struct Design {
+  Columns columns;
+  Eigen::MatrixXd X;
+};
+Design design_of(const CauseRows& rows, const std::vector<Pitch>& pitches);
+
+/// The fit of all rows more than `window` behind a reversal.
+struct CauseFit {
+  std::vector<std::size_t> used;  ///< rows
+  Eigen::MatrixXd X;
+  Eigen::MatrixXd inverse;  ///< (XᵀX)⁻¹
+  Eigen::VectorXd coefficients;
+  Eigen::VectorXd rest;  ///< of the used rows [m]
+  double variance = 0.0;
+  double window = 0.0;
+};
+CauseFit fit_causes(const CauseRows& rows, const Design& design, double window);
+/// The same with the shortest window that leaves no more than any longer one.
+CauseFit fit_with_window(const CauseRows& rows, const Design& design);
+
+/// Pitches that lower the rest clearly, at most two.
+std::vector<Pitch> find_pitches(const CauseRows& rows);
+
+/// Measured less fitted of every row [m].
+std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, const CauseFit& fit);
+
+/// `hidden` is the angle behind a reversal of each axis that it needs to cross its play: no peak is looked for there [rad].
+std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
+                                         double window, const std::array<double, 2>& hidden);
+
+struct Vibration {
+  double amplitude = 0.0;  ///< [m]
+  double half_width = 0.0;
+  double frequency = 0.0;  ///< [Hz]
+};
+/// The strongest line of the rest over time between the reversals; absent: none, or no times.
+std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
+                                        const Design& design, const CauseFit& fit);
+
+}  // namespace stribeck::ident::circle

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/causes_parts.hpp>
+
+namespace stribeck::ident::circle {
+namespace {
+
+constexpr double kRightAngle = 0.5 * kPi;
+
+/// A quarter of a degree, more where the samples are farther apart or the rows would be too many for the fit.
+double step_of(const std::vector<CircleMotion>& motions) {
+  constexpr double kMostRows = 40000.0;
+  double step = 0.25 * kPi / 180.0;
+  double turned = 0.0;
+  for (const CircleMotion& m : motions) {
+    for (const CircleRun& run : m.runs) {
+      const double way = run.revolutions * 2.0 * kPi;
+      turned += way;
+      step = std::max(step, 1.001 * way / static_cast<double>(run.angle.size() - 1));
+    }
+  }
+  return std::max(step, turned / kMostRows);
+}
+
+void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
+  const double way = run.counter_clockwise ? 1.0 : -1.0;
+  CauseRow row;
+  double angle = 0.0;
+  double error = 0.0;
+  const auto close = [&] {
+    if (row.samples == 0) return;
+    row.angle = angle / row.samples;
+    row.error = error / row.samples;
+    out.rows.push_back(row);
+  };
+  for (std::size_t i = 0; i < run.angle.size(); ++i) {
+    const double turned = std::max(0.0, way * (run.angle[i] - run.angle.front()));
+    const auto at = static_cast<std::size_t>(turned / out.step);
+    if (row.samples > 0 && at > row.at) {
+      close();
+      row.samples = 0;
+    }
+    if (row.samples == 0) {
+      row = {number, log, static_cast<int>(turned / (2.0 * kPi)), at, 0.0, 0.0, way, run.feed, 0};
+      angle = error = 0.0;
+    }
+    angle += run.angle[i];
+    error += run.error[i];
+    ++row.samples;
+  }
+  close();
+}
+
+}  // namespace
+
+CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
+  CauseRows out;
+  if (motions.empty()) return out;
+  out.radius = motions.front().radius;
+  out.step = step_of(motions);
+  out.feeds_known = true;
+  bool forward = false;
+  bool back = false;
+  double slowest = HUGE_VAL;
+  int number = 0;
+  for (const CircleMotion& m : motions) {
+    for (const CircleRun& run : m.runs) {
+      add_run(out, run, out.logs, number++);
+      (run.counter_clockwise ? forward : back) = true;
+      out.feeds_known = out.feeds_known && std::isfinite(run.feed);
+      out.fastest = std::max(out.fastest, std::isfinite(run.feed) ? run.feed : 0.0);
+      slowest = std::min(slowest, std::isfinite(run.feed) ? run.feed : HUGE_VAL);
+    }
+    ++out.logs;
+  }
+  out.both_ways = forward && back;
+  out.feeds_known = out.feeds_known && !out.rows.empty();
+  out.feeds_differ = out.feeds_known && out.fastest > 1.2 * slowest;
+  return out;
+}
+
+double after_reversal(const CauseRow& row) {
+  const double turned = row.way * row.angle;
+  return turned - kRightAngle * std::floor(turned / kRightAngle);
+}
+
+int last_border(const CauseRow& row) {
+  const double quarters = std::floor(row.way * row.angle / kRightAngle);
+  const int passed = static_cast<int>(quarters - 4.0 * std::floor(quarters / 4.0));
+  return row.way > 0.0 ? passed : (4 - passed) % 4;
+}
+
+}  // namespace stribeck::ident::circle

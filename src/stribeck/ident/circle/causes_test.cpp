@@ -1,0 +1,136 @@
+// Causes of a circle's deviation, on virtual machines (test_virtual_circle.hpp).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stribeck/ident/circle/causes.hpp>
+#include <stribeck/ident/circle/test_virtual_circle.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::ident::circle {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+Diagnosis diagnosis_of(const VirtualMachine& m, const std::vector<double>& feeds) {
+  std::mt19937_64 random(19);
+  std::vector<CircleMotion> all;
+  for (const double feed : feeds) all.push_back(travel(m, feed, 1.3, random).motion(m.radius));
+  const auto d = diagnose(all);
+  EXPECT_TRUE(d.has_value());
+  return d.value_or(Diagnosis{});
+}
+
+std::vector<std::string> found_in(const Diagnosis& d) {
+  std::vector<std::string> out;
+  for (const Cause& c : d.causes) {
+    if (c.found) out.push_back(std::string(enum_name(c.kind)) + (c.axis ? (*c.axis == 0 ? " x" : " y") : ""));
+  }
+  return out;
+}
+
+const Cause& cause_in(const Diagnosis& d, CauseKind kind, int axis) {
+  return *std::find_if(d.causes.begin(), d.causes.end(),
+                       [&](const Cause& c) { return c.kind == kind && c.axis.value_or(axis) == axis; });
+}
+
+constexpr double kFeed = 0.05;
+
+// Limit: with no cause there is only noise, and nothing is found.
+TEST(Causes, NoneWithoutACause) { EXPECT_TRUE(found_in(diagnosis_of({}, {kFeed})).empty()); }
+
+// A spike of x beside a backlash of y that is compensated too much: the peaks are those of x, and the sizes come out.
+TEST(Causes, SpikeAndNegativeBacklash) {
+  VirtualMachine m;
+  m.spike[0] = 3e-6;
+  m.backlash[1] = -2e-6;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  EXPECT_EQ(found_in(d), (std::vector<std::string>{"reversal spike x", "backlash y"}));
+  // Three tenths of a micrometre is what the validation demands.
+  EXPECT_NEAR(cause_in(d, CauseKind::kReversalSpike, 0).size, 3e-6, 0.3e-6);
+  EXPECT_NEAR(cause_in(d, CauseKind::kBacklash, 1).size, -2e-6, 0.05e-6);
+  EXPECT_NEAR(d.causes[0].share + d.causes[1].share, 1.0, 1e-12);
+  ASSERT_EQ(d.peaks.size(), 8U);
+  for (const QuadrantPeak& p : d.peaks) {
+    if (p.axis != 0) continue;
+    EXPECT_NEAR(p.height, 3e-6, 0.3e-6);
+    // s·e^(1−s) squared is above a half from 0.44 to 1.86 of the time to its top, within two steps of a quarter of a degree.
+    EXPECT_NEAR(p.delay, m.spike_time * kFeed / m.radius, 0.5 * kPi / 180.0);
+    EXPECT_NEAR(p.width, 1.60 * m.spike_time * kFeed / m.radius, 0.5 * kPi / 180.0);
+  }
+  EXPECT_THAT(d.remarks, Contains(HasSubstr("a spike of friction cannot be told from play")));
+}
+
+// Invariance: with x and y exchanged, every cause is that of the other axis, and the direction of the lag turns round.
+TEST(Causes, AxesExchanged) {
+  VirtualMachine m;
+  m.backlash[0] = 4e-6;
+  m.scale[1] = 30e-6;
+  m.cyclic[1] = 1e-6;
+  VirtualMachine other = m;
+  std::swap(other.backlash[0], other.backlash[1]);
+  std::swap(other.scale[0], other.scale[1]);
+  std::swap(other.cyclic[0], other.cyclic[1]);
+  const Diagnosis a = diagnosis_of(m, {kFeed});
+  const Diagnosis b = diagnosis_of(other, {kFeed});
+  EXPECT_NEAR(cause_in(a, CauseKind::kBacklash, 0).size, cause_in(b, CauseKind::kBacklash, 1).size, 0.03e-6);
+  EXPECT_NEAR(cause_in(a, CauseKind::kScaleMismatch, 0).size, -cause_in(b, CauseKind::kScaleMismatch, 0).size,
+              0.03e-6);
+  const Cause& cyclic = cause_in(a, CauseKind::kCyclic, 1);
+  EXPECT_NEAR(cyclic.size, cause_in(b, CauseKind::kCyclic, 0).size, 0.03e-6);
+  EXPECT_NEAR(cyclic.size, 1e-6, 0.03e-6);
+  EXPECT_EQ(cyclic.figures[0].name, "pitch");
+  EXPECT_NEAR(cyclic.figures[0].value, 10.0, 0.02);
+  EXPECT_NEAR(cyclic.figures[1].value, 0.7 * 180.0 / kPi, 3.0);
+}
+
+// One direction cannot tell squareness from servo mismatch, and says so; two feeds tell a lag from a small radius.
+TEST(Causes, SaysWhatCannotBeToldApart) {
+  VirtualMachine m;
+  m.tilt = 40e-6;
+  std::mt19937_64 random(3);
+  VirtualRecord record = travel(m, kFeed, 1.3, random);
+  const std::size_t half = record.t.size() / 2;
+  for (auto* column : {&record.t, &record.x, &record.y, &record.cx, &record.cy}) column->resize(half);
+  const auto one = diagnose({record.motion(m.radius)});
+  ASSERT_TRUE(one);
+  EXPECT_EQ(found_in(*one), std::vector<std::string>{"squareness"});
+  EXPECT_THAT(one->remarks, Contains(HasSubstr("squareness cannot be told from servo mismatch")));
+  VirtualMachine lagging;
+  lagging.lag[0] = lagging.lag[1] = 0.02;
+  const Diagnosis slow = diagnosis_of(lagging, {kFeed});
+  EXPECT_EQ(found_in(slow), std::vector<std::string>{"radius"});
+  EXPECT_THAT(slow.remarks, Contains(HasSubstr("measure at a second feed")));
+  const Diagnosis both = diagnosis_of(lagging, {kFeed / 3.0, kFeed});
+  EXPECT_EQ(found_in(both), std::vector<std::string>{"lag"});
+  // V²T²/(2R)
+  EXPECT_NEAR(cause_in(both, CauseKind::kLag, 0).size, 5e-6, 0.1e-6);
+  EXPECT_NEAR(cause_in(both, CauseKind::kLag, 0).figures[0].value, 20.0, 0.3);
+}
+
+// Too few rows: no diagnosis in place of a poor one.
+TEST(Causes, NoneOfFewRows) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int i = 0; i <= 100; ++i) {
+    x.push_back(0.1 * std::cos(2.0 * kPi * i / 100));
+    y.push_back(0.1 * std::sin(2.0 * kPi * i / 100));
+  }
+  const CircleMotion m = circle_motion({x, y, {}, {}}, {}, 0.1);
+  ASSERT_EQ(m.runs.size(), 1U);
+  EXPECT_FALSE(diagnose({m}).has_value());
+}
+
+TEST(Causes, EachHasANextStep) {
+  for (const auto& [kind, name] : EnumNames<CauseKind>::names) {
+    EXPECT_FALSE(words_of(kind).meaning.empty()) << name;
+    EXPECT_FALSE(words_of(kind).next_step.empty()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace stribeck::ident::circle

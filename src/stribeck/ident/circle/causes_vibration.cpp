@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/circle/causes_parts.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/order.hpp>
+
+namespace stribeck::ident::circle {
+namespace {
+
+constexpr std::size_t kSegment = 512;
+
+/// Radial error that the fit explains.
+class Explained {
+ public:
+  Explained(const CauseRows& rows, const Design& design, const CauseFit& fit)
+      : rows_(rows), design_(design), fit_(fit) {}
+  [[nodiscard]] double at(const CircleRun& run, int log, std::size_t i) const {
+    CauseRow row;
+    row.log = log;
+    row.angle = run.angle[i];
+    row.way = run.counter_clockwise ? 1.0 : -1.0;
+    row.feed = run.feed;
+    return column_values(rows_, design_.columns, row).dot(fit_.coefficients);
+  }
+
+ private:
+  const CauseRows& rows_;
+  const Design& design_;
+  const CauseFit& fit_;
+};
+
+/// A piece of the rest without its cubic trend, times Hann's window.
+std::vector<double> tapered(const CircleRun& run, int log, std::size_t first, const Explained& explained) {
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(kSegment), 4);
+  Eigen::VectorXd y(X.rows());
+  for (Eigen::Index i = 0; i < X.rows(); ++i) {
+    const double u = 2.0 * static_cast<double>(i) / static_cast<double>(kSegment - 1) - 1.0;
+    X.row(i) << 1.0, u, u * u, u * u * u;
+    const std::size_t row = first + static_cast<std::size_t>(i);
+    y(i) = run.error[row] - explained.at(run, log, row);
+  }
+  y -= X * stats::least_squares(X, y).x;
+  std::vector<double> out(kSegment);
+  for (std::size_t i = 0; i < kSegment; ++i)
+    out[i] = y(static_cast<Eigen::Index>(i)) *
+             (1.0 - std::cos(2.0 * kPi * static_cast<double>(i) / static_cast<double>(kSegment)));
+  return out;
+}
+
+/// Squared amplitudes of the lines 0 … kSegment/2.
+std::vector<double> lines_of(const std::vector<double>& v) {
+  std::vector<double> out(kSegment / 2);
+  for (std::size_t line = 0; line < out.size(); ++line) {
+    const std::complex<double> turn =
+        std::polar(1.0, -2.0 * kPi * static_cast<double>(line) / static_cast<double>(kSegment));
+    std::complex<double> at(1.0, 0.0);
+    std::complex<double> sum;
+    for (const double value : v) {
+      sum += value * at;
+      at *= turn;
+    }
+    out[line] = std::norm(2.0 / static_cast<double>(kSegment) * sum);
+  }
+  return out;
+}
+
+/// First rows of pieces that lie between two reversals, outside the window behind them.
+std::vector<std::size_t> pieces(const CircleRun& run, double window) {
+  std::vector<std::size_t> out;
+  const double way = run.counter_clockwise ? 1.0 : -1.0;
+  const auto behind = [&](std::size_t i) {
+    const double turned = way * run.angle[i];
+    return turned - 0.5 * kPi * std::floor(turned / (0.5 * kPi));
+  };
+  for (std::size_t i = 0; i + kSegment <= run.angle.size();) {
+    const double from = behind(i);
+    const double turned = way * (run.angle[i + kSegment - 1] - run.angle[i]);
+    if (from >= window && from + turned < 0.5 * kPi) {
+      out.push_back(i);
+      i += kSegment;
+    } else {
+      ++i;
+    }
+  }
+  return out;
+}
+
+/// The strongest line of one run.
+std::optional<Vibration> vibration_of(const CircleRun& run, int log, double window,
+                                      const Explained& explained) {
+  constexpr std::size_t kMostPieces = 48;
+  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t kLowest = 5;  // slower lines belong to the form of the circle
+  // The largest of 250 lines of noise in a mean of eight pieces is three times the median; fewer pieces, more.
+  constexpr double kClear = 12.0;
+  if (run.time.empty() || !(run.time.back() > run.time.front())) return std::nullopt;
+  std::vector<std::size_t> all = pieces(run, window);
+  if (all.size() < kFewest) return std::nullopt;
+  const std::size_t skip = (all.size() + kMostPieces - 1) / kMostPieces;
+  std::vector<std::vector<double>> squares;
+  for (std::size_t k = 0; k < all.size(); k += skip)
+    squares.push_back(lines_of(tapered(run, log, all[k], explained)));
+  std::vector<double> mean(kSegment / 2, 0.0);
+  for (const auto& one : squares) {
+    for (std::size_t line = 0; line < mean.size(); ++line)
+      mean[line] += one[line] / static_cast<double>(squares.size());
+  }
+  const std::vector<double> judged(mean.begin() + kLowest, mean.end());
+  const auto top = static_cast<std::size_t>(std::max_element(judged.begin(), judged.end()) - judged.begin());
+  const double floor = stats::median(judged);
+  if (!(judged[top] > kClear * floor) || top == 0) return std::nullopt;
+  const std::size_t line = top + kLowest;
+  // A line between two places of the grid shows on both; Hann's window spreads it over neighbours, their sum holds 3/2 of it.
+  const auto power = [&](const std::vector<double>& v) {
+    double sum = 0.0;
+    for (std::size_t k = line - 2; k <= std::min(line + 2, v.size() - 1); ++k)
+      sum += std::max(0.0, v[k] - floor);
+    return sum / 1.5;
+  };
+  double scatter = 0.0;
+  const double middle = power(mean);
+  for (const auto& one : squares) scatter += (power(one) - middle) * (power(one) - middle);
+  const double pieces_used = static_cast<double>(squares.size());
+  Vibration v;
+  v.amplitude = std::sqrt(middle);
+  v.half_width = 1.96 * std::sqrt(scatter / (pieces_used * (pieces_used - 1.0))) / (2.0 * v.amplitude);
+  v.frequency = static_cast<double>(line) / static_cast<double>(kSegment) *
+                static_cast<double>(run.time.size() - 1) / (run.time.back() - run.time.front());
+  return v;
+}
+
+}  // namespace
+
+std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
+                                        const Design& design, const CauseFit& fit) {
+  const Explained explained(rows, design, fit);
+  std::optional<Vibration> best;
+  int log = 0;
+  for (const CircleMotion& m : motions) {
+    for (const CircleRun& run : m.runs) {
+      const auto v = vibration_of(run, log, fit.window, explained);
+      if (v && (!best || v->amplitude > best->amplitude)) best = v;
+    }
+    ++log;
+  }
+  return best;
+}
+
+}  // namespace stribeck::ident::circle
