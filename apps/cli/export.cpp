@@ -36,6 +36,8 @@ std::string target_list() {
 int run_export(const ExportCommand& o) {
   std::vector<std::string> inputs = o.what.files;
   for (const std::string& text : o.what.axis_files) inputs.push_back(axis_and_file(text).second);
+  if (!o.what.machine.empty()) inputs.push_back(o.what.machine);
+  if (!o.what.controller.empty()) inputs.push_back(o.what.controller);
   check_distinct(inputs, {o.what.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   targets::ExportRequest request = o.what;
@@ -77,8 +79,9 @@ void add_export(CLI::App& app, Action& action) {
   verb->add_flag(
       "--lincurve", o->what.lincurve,
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
-  verb->add_option("--speed", o->what.speed,
-                   "Largest speed of a table or a fit; left out: that of the identified range")
+  verb->add_option(
+          "--speed", o->what.speed,
+          "Largest speed of a table or a fit, or feed on the circle for sinumerik; left out: that of the identified range")
       ->type_name("SPEED");
   verb->add_option(
           "--gain", o->what.gain,
@@ -95,6 +98,21 @@ void add_export(CLI::App& app, Action& action) {
           "--axis-file", o->what.axis_files,
           "For a configuration: axis file written by identify, to be used for this axis; repeat for more axes")
       ->type_name("AXIS=FILE");
+  verb->add_option(
+          "--controller", o->what.controller,
+          "For sinumerik: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in")
+      ->type_name("NAME|FILE.toml");
+  verb->add_option("--period", o->what.period,
+                   "For sinumerik: period of the position loop; left out: 1 ms, or that of --machine")
+      ->type_name("TIME");
+  verb->add_option(
+          "--size", o->what.size,
+          "For sinumerik: radius of the circle on which the contour error is predicted; left out: 10 mm")
+      ->type_name("LENGTH");
+  verb->add_option(
+          "--machine", o->what.machine,
+          "For sinumerik: virtual machine for the prediction; left out: axes that are what was identified")
+      ->type_name("MACHINE.toml");
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);
   verb->footer(
@@ -102,6 +120,7 @@ void add_export(CLI::App& app, Action& action) {
       "  stribeck export x.toml y.toml --to linuxcnc --omega \"60 rad/s\" -o axes.hal\n"
       "  stribeck export x.toml --to linuxcnc --lincurve --speed \"100 mm/s\" -o lincurve.hal\n"
       "  stribeck export x.toml --to cia402 --gain \"12.5 N/%\" -o x.st\n"
+      "  stribeck export x.toml y.toml --to sinumerik --controller loop.toml --period \"2 ms\" --speed \"50 mm/s\" -o qec.arc\n"
       "  stribeck export x.toml y.toml --to all -o exports");
   verb->callback([o, &action] { action = [o] { return run_export(*o); }; });
 }

@@ -9,7 +9,7 @@ namespace stribeck::targets {
 
 // A target with a writer of its own: its name here and in all_targets(). One that holds the steady friction: its name here and in
 // kSteady.
-extern const Target kLinuxCnc;
+extern const Target kLinuxCnc, kSinumerik;
 extern const SteadyTarget kCsv, kC, kStructuredText, kCia402, kIsg, kAx8000, kKeba, kMitsubishi, kPmac,
     kIndraDrive, kMujoco, kModelica, kSimscape;
 
@@ -27,8 +27,9 @@ std::vector<Target> made() {
          "nearest to the friction in the form of the target; the largest and the RMS error are printed",
          [t](const ExportRequest& o) { return write_steady(*t, o); }});
   }
+  out.push_back(kSinumerik);
   out.push_back({"all", "axis files of identify",
-                 "a folder with each of the others but linuxcnc, and their errors side by side",
+                 "a folder with each of the others but linuxcnc and sinumerik, and their errors side by side",
                  "that of each is printed", write_all});
   return out;
 }

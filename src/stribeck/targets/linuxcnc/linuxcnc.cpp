@@ -14,6 +14,7 @@
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/linuxcnc/configuration.hpp>
+#include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -145,6 +146,7 @@ Exported export_configuration(const ExportRequest& o, const sim::Machine& machin
 
 /// Refuses options that would have no effect.
 void check_options(const ExportRequest& o, bool machine, bool folder) {
+  refuse_pulse_options(o);
   const auto refuse = [](const char* option, const char* why) {
     refuse_option(option, std::string("does not apply to ") + why);
   };

@@ -11,6 +11,7 @@
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -230,6 +231,7 @@ void refuse_others(const ExportRequest& o) {
   if (o.lincurve) refuse("--lincurve");
   if (!o.parameters.empty()) refuse("--parameters");
   if (!o.axis_files.empty()) refuse("--axis-file");
+  refuse_pulse_options(o);
 }
 
 }  // namespace

@@ -1,0 +1,37 @@
+#pragma once
+/// Which pulse takes most of the quadrant error away, over a grid of circles of the identified axis.
+///
+/// On each circle both axes are the identified one. The amplitude is that with the smallest sum of the peak at the quadrant and the
+/// largest contour error of the lap, by golden section; the time constant is the best one of a list on the user's circle, then the
+/// same on all.
+/// Real time: no.
+
+#include <stribeck/targets/pulse/circle.hpp>
+#include <vector>
+
+namespace stribeck::targets {
+
+struct PulseRow {
+  double radius = 0.0;        ///< [m]
+  double feed = 0.0;          ///< [m/s]
+  double acceleration = 0.0;  ///< at the quadrant, feed²/radius [m/s²]
+  double amplitude = 0.0;     ///< best of this circle [m/s]
+  CircleError without;        ///< without the pulse
+  CircleError best;           ///< with that amplitude
+  double cost = 0.0;          ///< what the search makes small [m]
+};
+
+struct PulseSearch {
+  double time_constant = 0.0;  ///< [s]
+  std::vector<PulseRow> rows;  ///< by radius, then by feed, the user's circle first
+};
+
+/// radius, feed: the user's circle, the largest and fastest of the grid.
+PulseSearch search_pulses(const friction::AxisModel& axis, const sim::ControllerSpec& loop, double period,
+                          double radius, double feed);
+
+/// The errors with one pulse on the circles of rows.
+std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::ControllerSpec& loop,
+                                   double period, const std::vector<PulseRow>& rows, const Pulse& pulse);
+
+}  // namespace stribeck::targets
