@@ -43,7 +43,7 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->add_option("--size", o->what.size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
   verb->add_option(
           "--map", o->what.maps,
-          "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre)")
+          "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre); of a ball-bar angle and radius")
       ->type_name("QUANTITY=COLUMN");
   verb->add_option("--where", o->what.where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")

@@ -625,6 +625,39 @@ TEST(Evaluate, CausesOfTheError) {
               AllOf(HasSubstr("Causes of all logs together"), HasSubstr("Quadrant peaks")));
 }
 
+// A ball-bar: angle and radius, no times. It stands 3 um off the centre, and the circle is 2 um too large.
+TEST(Evaluate, BallBarTable) {
+  const Folder f;
+  const auto table = [](const std::string& head) {
+    std::string text = head + "\n";
+    for (int i = 0; i <= 3000; ++i) {
+      const int k = i <= 1500 ? i : 3000 - i;
+      const double degrees = 0.25 * k - 5.0;
+      text += std::to_string(degrees) + "," +
+              std::to_string(100.002 + 0.003 * std::cos(degrees * M_PI / 180.0)) + "\n";
+    }
+    return text;
+  };
+  const std::string log = f.write("bar.csv", table("angle [deg],radius [mm]"));
+  const Said said = command({"evaluate", log, "--size", "100 mm", "--json", f / "e.json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(text_of(f / "e.json"))["logs"][0];
+  ASSERT_EQ(json["circles"].size(), 2U);
+  EXPECT_NEAR(json["circles"][0]["max_contour_error_um"].get<double>(), 5.0, 2e-3);
+  EXPECT_NEAR(json["circular_test"]["mean_radial_deviation_um"].get<double>(), 2.0, 2e-3);
+  EXPECT_THAT(said.out, HasSubstr("centre offset"));
+  const auto& peak = json["diagnosis"]["peaks"][0];
+  EXPECT_TRUE(peak["feed_mm_per_min"].is_null() && peak["width_ms"].is_null());
+  const std::string other = f.write("other.csv", table("W,R [mm]"));
+  EXPECT_EQ(
+      command({"evaluate", other, "--size", "100 mm", "--map", "angle=W deg", "--map", "radius=R"}).code, 0);
+  expect_refused(f, {"evaluate", other, "--size", "100 mm", "--map", "angle=W", "--map", "radius=R"},
+                 "--map angle=");
+  expect_refused(f, {"evaluate", other, "--map", "angle=W deg"}, "expected both or none");
+  expect_refused(f, {"evaluate", other, "--map", "angle=W deg", "--map", "radius=R", "--map", "x=R"},
+                 "expected one or the other");
+}
+
 TEST(Evaluate, RefusesInOneLine) {
   const Folder f;
   const std::string a = f.write("a.csv", circle_log(0.005));

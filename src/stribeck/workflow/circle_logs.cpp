@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -29,13 +30,19 @@ std::map<std::string, std::string> mapped(const CircleOptions& o) {
   std::map<std::string, std::string> given;
   for (const std::string& text : o.maps) {
     const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
-    if (what != "x" && what != "y" && what != "rx" && what != "ry")
-      refuse_option("--map", fmt::format("got {}, expected x, y (positions), rx or ry (commands)",
-                                         io::in_quotes(what)));
+    if (what != "x" && what != "y" && what != "rx" && what != "ry" && what != "angle" && what != "radius")
+      refuse_option("--map",
+                    fmt::format("got {}, expected x, y (positions), rx, ry (commands), angle or radius "
+                                "(ball-bar)",
+                                io::in_quotes(what)));
     if (!given.emplace(what, column).second) refuse_option("--map", fmt::format("{} is given twice", what));
   }
   if (given.count("rx") != given.count("ry"))
     refuse_option("--map", "got one of rx and ry, expected both or none");
+  if (given.count("angle") != given.count("radius"))
+    refuse_option("--map", "got one of angle and radius, expected both or none");
+  if (given.count("angle") != 0 && given.size() > 2)
+    refuse_option("--map", "got angle and radius beside positions, expected one or the other");
   return given;
 }
 
@@ -71,7 +78,47 @@ std::vector<double> times_of(const io::Log& log, std::size_t rows) {
   return io::in_si(column, quantity("s", "s"));
 }
 
-Track track_of(const io::Log& log, const std::map<std::string, std::string>& map) {
+/// The columns angle and radius of a ball-bar, mapped or named so; absent where the log has positions.
+std::optional<std::pair<NamedColumn, NamedColumn>> ball_bar_columns(
+    const io::Log& log, const std::map<std::string, std::string>& map) {
+  if (const auto angle = map.find("angle"); angle != map.end())
+    return std::pair{named_column(log, angle->second), named_column(log, map.at("radius"))};
+  if (!map.empty() || log.find("x") != nullptr) return std::nullopt;
+  const io::Column* angle = log.find("angle");
+  const io::Column* radius = log.find("radius");
+  if (angle == nullptr || radius == nullptr || angle->values.empty() || radius->values.empty())
+    return std::nullopt;
+  return std::pair{NamedColumn{angle, angle->unit_text}, NamedColumn{radius, radius->unit_text}};
+}
+
+/// A ball-bar measures the distance from its own centre: that is the centre of the command.
+Track ball_bar_track(const io::Log& log, const NamedColumn& angle, const NamedColumn& radius, double size) {
+  io::Column turned = *angle.column;
+  turned.unit_text = angle.unit;
+  if (turned.unit_text.empty())
+    throw io::InputError(
+        {log.source, 0, turned.name,
+         "has no unit, expected one of an angle (name the column \"angle [deg]\", or give --map "
+         "angle=\"angle deg\" --map radius=\"radius mm\")"});
+  const std::vector<double> angles = io::in_si(turned, quantity("rad", "deg"));
+  const std::vector<double> radii = positions(log, radius);
+  if (angles.size() != radii.size())
+    throw io::InputError({log.source, 0, turned.name,
+                          fmt::format("has {} rows, {} has {}: expected columns of one rate", angles.size(),
+                                      radius.column->name, radii.size())});
+  Track t;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    t.x.push_back(radii[i] * std::cos(angles[i]));
+    t.y.push_back(radii[i] * std::sin(angles[i]));
+    t.rx.push_back(size * std::cos(angles[i]));
+    t.ry.push_back(size * std::sin(angles[i]));
+  }
+  t.t = times_of(log, t.x.size());
+  return t;
+}
+
+Track track_of(const io::Log& log, const std::map<std::string, std::string>& map, double size) {
+  if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, bar->first, bar->second, size);
   const io::Column* first = nullptr;
   const auto values = [&](const std::string& what) -> std::vector<double> {
     const auto given = map.find(what);
@@ -207,7 +254,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
     io::ReadOptions read;
     read.times_needed = false;  // no times needed: the order of the rows is enough
     const io::Log log = io::read_log(o.logs[i], read);
-    const Track track = track_of(log, map);
+    const Track track = track_of(log, map, radius);
     report::CircleLog one;
     one.file = o.logs[i];
     one.label = o.labels.empty() ? std::filesystem::path(o.logs[i]).stem().string() : o.labels[i];
