@@ -1,4 +1,5 @@
 // Causes of a circle's deviation, on virtual machines (test_virtual_circle.hpp).
+// How often each cause is found, alone and in pairs: tests/acceptance/circle_causes_test.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
