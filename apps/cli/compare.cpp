@@ -57,7 +57,7 @@ void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<
 sim::CompareSpec spec_of(const CompareCommand& o, const std::string& experiment,
                          const sim::Machine& machine) {
   sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
-  add_beyond(s.controllers, experiment, o.parameters, machine);
+  add_beyond(s.controllers, experiment, o.parameters);
   for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
   keep_only(s.controllers, o.only);
   s.trials = o.trials;

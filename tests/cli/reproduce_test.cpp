@@ -107,7 +107,13 @@ TEST(Compare, RunsTheBuiltInControllersThatNeedBristles) {
 
 TEST(Compare, RefusesWhatWouldHaveNoEffect) {
   Folder f;
-  const std::string text = text_of(kSource + "/controllers/dynamic.toml");
+  std::string text = text_of(kSource + "/controllers/dynamic.toml");
+  const auto set = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  set("observer = \"kalman\"\nobserver_pole = \"60 1/s\"",
+      "observer = \"disturbance\"\nobserver_pole = \"20 1/s\"");
+  set("\nerror_rate = \"observed\"", "");
   const auto refused = [&](const std::string& from, const std::string& to, const std::string& key) {
     std::string changed = text;
     changed.replace(changed.find(from), from.size(), to);

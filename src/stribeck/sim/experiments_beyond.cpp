@@ -39,10 +39,6 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
   g.friction = FrictionUse::kWhole;
   g.feedforward = control::Feedforward::kDynamic;
   g.observer = Observer::kDisturbance;
-  ControllerSpec h = g;
-  h.id = "h";
-  h.label = "dynamic friction, adapting";
-  h.adaptation.enabled = true;
   ControllerSpec i = g;
   i.id = "i";
   i.label = "dynamic friction, Kalman";
@@ -53,6 +49,10 @@ std::vector<ControllerSpec> beyond_controllers(const ControllerSpec& thesis) {
         if constexpr (requires { law.error_rate; }) law.error_rate = control::ErrorRate::kObserved;
       },
       i.law);
+  ControllerSpec h = i;
+  h.id = "h";
+  h.label = "dynamic friction, adapting";
+  h.adaptation.enabled = true;
   ControllerSpec j = g;
   j.id = "j";
   j.label = "reversal logic, observer";

@@ -42,7 +42,7 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
   sim::TuneSpec s;
   s.compare = experiment_spec(experiment, o.path, o.speeds, machine, machine_file);
   s.reference = s.compare.controllers.back();  // the last of the thesis's own controllers
-  add_beyond(s.compare.controllers, experiment, parameters, machine);
+  add_beyond(s.compare.controllers, experiment, parameters);
   s.compare.trials = o.trials;
   s.compare.seed = o.seed;
   s.compare.threads = o.threads;

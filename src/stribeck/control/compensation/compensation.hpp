@@ -10,8 +10,8 @@
 ///
 /// Friction follows the reference, not the measurement: the sign of a measured velocity near zero is noise, and the force would
 /// chatter. Sign: F > 0 for ṙ > 0. Observers get the force that really acted, later by the delay. With adaptation the model is
-/// corrected while the machine runs (friction_rls.hpp). If a guarded loop oscillates, it loses the velocity of the
-/// observer at once and its estimate by halves (oscillation_guard.hpp).
+/// corrected while the machine runs (friction_rls.hpp). If a guarded loop oscillates, a disturbance observer of a third of the
+/// bandwidth takes the place of the Kalman observer; if it still does, the estimate goes by halves (oscillation_guard.hpp).
 /// Source: thesis (2.25) and chapter 3 for the steady form; docs/theory/feedforward.md for the rest. A delay must not be
 /// longer than kMostDelay periods. Not modelled: adaptation corrects dynamic and reversal feed-forward only.
 /// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite (setup.hpp).
@@ -75,6 +75,9 @@ class Compensation {
     double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
     bool limited = false;  ///< the last force was limited
+    bool slower =
+        false;  ///< the loop oscillated with the Kalman observer; the disturbance observer has its place
+    double calming = 0.0;  ///< for so long that oscillation may still ring [s]
     /// Commanded forces, and the feed-forward in each of them, newest first [N].
     std::array<double, kMostDelay + 3> force{};
     std::array<double, kMostDelay + 3> feedforward_history{};
@@ -86,7 +89,7 @@ class Compensation {
   Compensation(const CompensationParams& params, double period) noexcept
       : params_(params),
         period_(period),
-        observer_(params.observer_pole, params.model.mass, period),
+        observer_(disturbance_pole(params), params.model.mass, period),
         adaptive_(params.adaptive_gain, params.model.mass, period),
         kalman_(
             params.observer == Observer::kKalman
@@ -123,7 +126,9 @@ class Compensation {
     } else if (params_.observer == Observer::kDisturbance) {
       s.estimate = observer_.step(s.disturbance, net, velocity);
     } else if (params_.observer == Observer::kKalman) {
-      s.estimate = kalman_.step(s.kalman, net, position);
+      const double faster = kalman_.step(s.kalman, net, position);
+      const double slower = observer_.step(s.disturbance, net, velocity);
+      s.estimate = s.slower ? slower : faster;
     } else if (params_.observer == Observer::kAdaptive) {
       s.estimate = adaptive_.step(s.adaptive, net, velocity);
     }
@@ -135,8 +140,8 @@ class Compensation {
                      force_acting(s.feedforward_history) - force_acting(s.feedforward_history, 1) -
                          force_acting(s.change_by_theta_history),
                      doubtful ? s.adaptation.position + period_ * v : position, v,
-                     s.last_acceleration + middle * s.last_jerk, !s.limited && s.guard.trust == 1.0,
-                     bridged || doubtful);
+                     s.last_acceleration + middle * s.last_jerk,
+                     !s.limited && s.guard.trust == 1.0 && !(s.calming > 0.0), bridged || doubtful);
     DriftMonitor::step(s.drift, s.adaptation, s.last_velocity != 0.0, period_);
   }
 
@@ -177,9 +182,21 @@ class Compensation {
 
   /// Tells the observers the force [N] that was commanded after limits.
   void applied(State& s, double force, bool limited, StatusCounter& status) const noexcept {
-    if (params_.guarded && guard_.step(s.guard, force - s.friction - s.inertia_force, s.last_velocity)) {
+    if (s.calming > 0.0) {
+      s.calming -= period_;
+      s.guard.run = 0;
+    }
+    const double beyond = force - s.friction - s.inertia_force;
+    if (params_.guarded && guard_.step(s.guard, closeness(s) * beyond, s.last_velocity)) {
       status.raise(Status::kOscillation);
-      adaptation_.halve(s.adaptation);
+      if (params_.observer == Observer::kKalman && !s.slower) {
+        s.slower = true;
+        s.calming = kCalming;
+        s.guard.trust = 1.0;
+        adaptation_.forget(s.adaptation);  // what it learned in the oscillation is wrong
+      } else {
+        adaptation_.halve(s.adaptation);
+      }
     }
     for (std::size_t i = past_; i > 0; --i) {
       s.force[i] = s.force[i - 1];
@@ -195,7 +212,10 @@ class Compensation {
   [[nodiscard]] double mass() const noexcept { return params_.model.mass; }
   /// Whether velocity() may replace the differenced velocity: not after the loop has oscillated.
   [[nodiscard]] bool observes_velocity(const State& s) const noexcept {
-    return params_.observer == Observer::kKalman && s.guard.trust == 1.0;
+    return observes_velocity(params_, s);
+  }
+  [[nodiscard]] static bool observes_velocity(const CompensationParams& params, const State& s) noexcept {
+    return params.observer == Observer::kKalman && !s.slower && s.guard.trust == 1.0;
   }
   /// Velocity of the Kalman observer [m/s].
   [[nodiscard]] double velocity(const State& s) const noexcept { return s.kalman.estimate[1]; }
@@ -216,6 +236,7 @@ class Compensation {
       observer_.predict(s.disturbance, net);
     } else if (params_.observer == Observer::kKalman) {
       kalman_.predict(s.kalman, net);
+      observer_.predict(s.disturbance, net);
     } else if (params_.observer == Observer::kAdaptive) {
       s.adaptive.velocity = velocity;
     }
@@ -224,17 +245,16 @@ class Compensation {
   /// At rest, friction balances whatever acts on the axis, and creeps. What the observer has found of that goes into the bristle, so
   /// that the next start begins from there; the sum does not jump.
   void hand_over(State& s, double reference) const noexcept {
-    double* d = params_.observer == Observer::kDisturbance ? &s.disturbance.disturbance
-                : params_.observer == Observer::kKalman    ? &s.kalman.estimate[2]
-                                                           : nullptr;
+    const bool observed = params_.observer == Observer::kDisturbance || params_.observer == Observer::kKalman;
     // After an oscillation the observer's estimate must not come back through the bristle.
-    if (d == nullptr || !s.started || s.guard.trust < 1.0 || params_.feedforward != Feedforward::kDynamic)
+    if (!observed || !s.started || s.guard.trust < 1.0 || params_.feedforward != Feedforward::kDynamic)
       return;
     const double share = period_ / (period_ + kHandOver);
     const double moved = feedforward_.shift(s.feedforward.bristle, share * s.estimate, reference,
                                             adaptation_.scales(s.adaptation));
     s.estimate -= moved;
-    *d -= moved;
+    s.disturbance.disturbance -= moved;
+    s.kalman.estimate[2] -= moved;
     // Past commands are corrected as if this had been part of their feed-forward.
     for (double& force : s.feedforward_history) force += moved;
   }
@@ -246,6 +266,21 @@ class Compensation {
     const double felt = 2.0 * ((velocity - s.last_velocity) / period_ - s.last_acceleration) / period_;
     return clamp_to(felt, min_of(change, 0.0), max_of(change, 0.0));
   }
+
+  /// Pole of the disturbance observer [1/s]: beside a Kalman observer a third of that one's bandwidth.
+  static double disturbance_pole(const CompensationParams& p) noexcept {
+    if (p.observer != Observer::kKalman) return p.observer_pole;
+    return kSlower * (p.disturbance_density ? KalmanObserver::bandwidth(*p.disturbance_density,
+                                                                        p.encoder_resolution, p.model.mass)
+                                            : p.observer_pole);
+  }
+  static constexpr double kSlower = 1.0 / 3.0;
+  /// A Kalman observer loses little where it is replaced without need, so that it is watched more closely.
+  [[nodiscard]] double closeness(const State& s) const noexcept {
+    return params_.observer == Observer::kKalman && !s.slower ? 2.0 : 1.0;
+  }
+  /// How long the oscillation of a Kalman observer may take to ring down with the slower one [s].
+  static constexpr double kCalming = 0.5;
 
   /// Time constant of that transfer [s].
   static constexpr double kHandOver = 0.1;

@@ -95,5 +95,39 @@ TEST(DynamicCompensation, WhatTheGuardTookDoesNotComeBackThroughTheBristle) {
   }
 }
 
+/// Commands a force that swings at 10 Hz, until the guard has found `oscillations`.
+void swing(const Compensation& c, Compensation::State& s, std::uint32_t oscillations, StatusCounter& status) {
+  for (int k = 0; k < 10000 && s.guard.found < oscillations; ++k) {
+    c.observe(s, 0.0, 0.0);
+    const double friction = c.step(s, 0.0, 1e-3, 0.0, status);
+    c.applied(s, friction + 800.0 * std::sin(2.0 * kPi * 10.0 * kPeriod * k), false, status);
+  }
+}
+
+TEST(DynamicCompensation, AnOscillationTakesTheKalmanObserverFirstAndItsEstimateLater) {
+  CompensationParams params = whole(1000.0, 3e8);
+  params.observer = Observer::kKalman;
+  params.observer_pole = 60.0;
+  params.guarded = true;
+  params.adaptation.enabled = true;
+  const Compensation c(params, kPeriod);
+  Compensation::State s;
+  StatusCounter status;
+  EXPECT_TRUE(c.observes_velocity(s));
+  s.adaptation.theta[FrictionRls::kPositive] = 0.3;
+  swing(c, s, 1, status);
+  ASSERT_EQ(s.guard.found, 1U);
+  EXPECT_TRUE(s.slower);
+  EXPECT_FALSE(c.observes_velocity(s));
+  EXPECT_EQ(s.guard.trust, 1.0);
+  EXPECT_EQ(s.adaptation.theta[FrictionRls::kPositive], 0.0);
+  c.observe(s, 0.0, 0.0);
+  EXPECT_EQ(s.estimate, s.disturbance.disturbance);
+  // It may ring for half a second; what swings after that is no remainder.
+  swing(c, s, 2, status);
+  ASSERT_EQ(s.guard.found, 2U);
+  EXPECT_EQ(s.guard.trust, 0.5);
+}
+
 }  // namespace
 }  // namespace stribeck::control

@@ -147,9 +147,7 @@ class FrictionRls {
     if (!s.informed) {
       s.informed = true;
       s.position = s.reading = position;
-      if (s.recalled) return;
-      for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
-      s.deviation = spread_;
+      if (!s.recalled) forget(s);
       return;
     }
     // Somewhere within the encoder's step: as far as the reference went, unless the encoder says otherwise. Its own steps would
@@ -227,6 +225,13 @@ class FrictionRls {
   }
   /// By how much more the force acts late than assumed [s].
   [[nodiscard]] double delay(const State& s) const noexcept { return s.theta[kDelay] * period_; }
+  /// Begins again without corrections.
+  void forget(State& s) const noexcept {
+    s.theta = {};
+    s.p = {};
+    for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
+    s.deviation = spread_;
+  }
   /// Takes back half of the corrections.
   void halve(State& s) const noexcept { s.theta = 0.5 * s.theta; }
 

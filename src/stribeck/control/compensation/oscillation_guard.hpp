@@ -5,7 +5,8 @@
 ///   run        swings whose distances in time lie within a factor of two of each other, none longer than 0.5 s
 ///   after 8 swings in a run:   trust ← trust/2, counted; below 1/8 it is 0
 ///
-/// trust is the remaining share of the observer's estimate and of the adaptation. It does not recover until the state is
+/// trust is the remaining share of the observer's estimate and of the adaptation. Before it takes any, a Kalman observer is replaced
+/// (compensation.hpp). trust does not recover until the state is
 /// constructed anew: a machine that oscillated once must not try again by itself. A reversal of the reference also makes the
 /// force swing; it begins a new run.
 /// Source: hunting with an integrator and friction, Armstrong-Hélouvry, Dupont, Canudas de Wit 1994,

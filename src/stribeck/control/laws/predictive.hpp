@@ -345,7 +345,7 @@ class Predictive {
 
   [[nodiscard]] bool observed(const State& s, std::size_t i) const noexcept {
     return params_.error_rate == ErrorRate::kObserved &&
-           setup_.compensation[i].observer == Observer::kKalman && s.compensation[i].guard.trust == 1.0;
+           Compensation::observes_velocity(setup_.compensation[i], s.compensation[i]);
   }
 
   /// Mean acceleration of the reference over a period of the horizon.

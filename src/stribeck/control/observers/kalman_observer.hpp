@@ -84,6 +84,11 @@ class KalmanObserver {
     return cube * cube * mass * mass * resolution * resolution / 12.0;
   }
 
+  /// The bandwidth [1/s] of that density.
+  static double bandwidth(double density, double resolution, double mass) noexcept {
+    return cbrt(sqrt(12.0 * density) / (mass * resolution));
+  }
+
   /// Response of d̂ to a disturbance that acted over the last period [N], that is, the observer's own lag for one signal. `error` is
   /// the state of that response, zero at the start.
   double answer(Vec<double, 3>& error, double disturbance) const noexcept {

@@ -205,37 +205,14 @@ void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::Controll
   controllers.push_back(std::move(more));
 }
 
-namespace {
-
-/// The default with the Kalman observer of (i): its delay margin is about 0.19/ω, which is two periods for ω·T = 0.1.
-void use_kalman(std::vector<sim::ControllerSpec>& controllers, double period) {
-  constexpr double kSlowLoop = 0.1;          // ω·T
-  constexpr double kObserverOverLoop = 1.5;  // of beyond_controllers()
-  const auto of = [&](std::string_view id) {
-    return std::find_if(controllers.begin(), controllers.end(), [&](const auto& c) { return c.id == id; });
-  };
-  const auto adapting = of("h");
-  const auto kalman = of("i");
-  if (adapting == controllers.end() || kalman == controllers.end()) return;
-  if (kalman->observer_pole / kObserverOverLoop * period > kSlowLoop * (1.0 + 1e-9)) return;
-  const control::AdaptationParams adaptation = adapting->adaptation;
-  *adapting = *kalman;
-  adapting->id = "h";
-  adapting->label = "dynamic, Kalman, adapting";
-  adapting->adaptation = adaptation;
-}
-
-}  // namespace
-
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
-                const ParameterOptions& parameters, const sim::Machine& machine) {
+                const ParameterOptions& parameters) {
   const auto all = sim::experiments();
   const bool has = experiment.empty() || experiment == kOwn ||
                    sim::find_experiment(all, "beyond-" + experiment) != nullptr;
   if (!has || parameters.source == "thesis") return;
   for (sim::ControllerSpec& more : sim::beyond_controllers(controllers.back()))
     controllers.push_back(std::move(more));
-  if (experiment == kOwn) use_kalman(controllers, machine.sample_time);
 }
 
 const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,

@@ -78,10 +78,9 @@ void add_controller(std::vector<sim::ControllerSpec>& controllers, sim::Controll
                     const std::string& name);
 
 /// Adds controllers beyond the thesis to those of an experiment; an empty name means the circle of the biaxial table.
-/// Not with printed parameters, which have no bristles. On a machine of one's own whose loop is slow against the period, the default
-/// (h) has the Kalman observer of (i), for which there is margin then (docs/decisions/0008-default-controller.md).
+/// Not with printed parameters, which have no bristles.
 void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string& experiment,
-                const ParameterOptions& parameters, const sim::Machine& machine);
+                const ParameterOptions& parameters);
 
 /// The controller that is used by default: the adapting one where there is one, else the last of the first `printed`.
 const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,

@@ -54,7 +54,7 @@ sim::CompareSpec single_run(const SingleRunOptions& o, const ParameterOptions& p
     spec.travels.resize(1);
   }
   const std::size_t printed = spec.controllers.size();
-  add_beyond(spec.controllers, o.experiment, parameters, machine);
+  add_beyond(spec.controllers, o.experiment, parameters);
   spec.controllers = {chosen_controller(spec.controllers, printed, o.controller)};
   return spec;
 }
