@@ -10,8 +10,10 @@
 ///   [periods]. f force on the axis [N], x measured position. G: an observer outside the loop; its lag cancels. r: variance of ε
 ///   times its correlation (residual_noise.hpp). P₀: variance at the start. T_m: memory [s].
 ///
-/// A parameter that is not excited keeps its estimate, and P cannot wind up. Adaptation pauses at rest, at the limit of the
-/// drive and while freeze is set. The model follows the measured motion, because in pre-sliding the missing force shows in the
+///   used   θ·(1 − (σ/θ)⁴) where |θ| > σ, else 0       σ: standard deviation of θ, from P
+///
+/// Without evidence nothing is corrected. A parameter that is not excited keeps its estimate, and P cannot wind up. Adaptation
+/// pauses at rest, at the limit of the drive and while freeze is set. The model follows the measured motion, because in pre-sliding the missing force shows in the
 /// position only. Steps of θ in the feed-forward are removed from φ_δ; otherwise noise looks like a delay.
 /// To change: bounds and memory are in AdaptationParams; reasons and measurements in docs/theory/feedforward.md.
 /// Source: Ljung, System Identification, 1999, ch. 11.
@@ -159,7 +161,7 @@ class FrictionRls {
     const double travel = s.position - before;
     constexpr double kStep = 1e-3;
     std::array<FrictionScales, 4> scales;
-    scales.fill(this->scales(s));
+    scales.fill(estimated(s));
     scales[1].positive += kStep;
     scales[2].negative += kStep;
     scales[3].stiffness += kStep;
@@ -193,10 +195,10 @@ class FrictionRls {
     const double least = variance_ + rounding_ * resolution * resolution;
     const double sum = noise_.step(s.noise, s.residual, predicted_variance, least) + predicted_variance;
     const double share = s.residual / sum;
+    Vector used;
+    for (std::size_t i = 0; i < kCount; ++i) used[i] = evident(s, i);
     for (std::size_t i = 0; i < kCount; ++i) {
-      const double last = s.theta[i];
       s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
-      s.feedforward_change_by_theta += (s.theta[i] - last) * force_of[i];
       for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
     }
     for (std::size_t i = 0; i < kCount; ++i) {
@@ -211,20 +213,23 @@ class FrictionRls {
         }
       }
       s.deviation[i] = sqrt(max_of(s.p[i][i], 0.0));
+      s.feedforward_change_by_theta += (evident(s, i) - used[i]) * force_of[i];
     }
   }
 
+  /// Corrections of the feed-forward, as far as there is evidence for them.
   [[nodiscard]] FrictionScales scales(const State& s) const noexcept {
-    return {1.0 + s.theta[kPositive], 1.0 + s.theta[kNegative], 1.0 + s.theta[kViscous],
-            1.0 + s.theta[kStiffness]};
+    return {1.0 + evident(s, kPositive), 1.0 + evident(s, kNegative), 1.0 + evident(s, kViscous),
+            1.0 + evident(s, kStiffness)};
   }
   /// What to add to the force for the mass and the periodic term [N], for a reference there and with that acceleration.
   [[nodiscard]] double extra(const State& s, double position, double acceleration) const noexcept {
     const auto wave = periodic(position);
-    return s.theta[kMass] * mass_ * acceleration + s.theta[kSine] * wave[0] + s.theta[kCosine] * wave[1];
+    return evident(s, kMass) * mass_ * acceleration + evident(s, kSine) * wave[0] +
+           evident(s, kCosine) * wave[1];
   }
   /// By how much more the force acts late than assumed [s].
-  [[nodiscard]] double delay(const State& s) const noexcept { return s.theta[kDelay] * period_; }
+  [[nodiscard]] double delay(const State& s) const noexcept { return evident(s, kDelay) * period_; }
   /// Begins again without corrections.
   void forget(State& s) const noexcept {
     s.theta = {};
@@ -238,6 +243,20 @@ class FrictionRls {
   [[nodiscard]] bool enabled() const noexcept { return params_.enabled; }
 
  private:
+  /// The part of a correction that the data support: none below one standard deviation, 94 % at two.
+  [[nodiscard]] static double evident(const State& s, std::size_t i) noexcept {
+    const double theta = s.theta[i];
+    if (!(abs(theta) > s.deviation[i])) return 0.0;
+    const double share = s.deviation[i] * s.deviation[i] / (theta * theta);
+    return theta * (1.0 - share * share);
+  }
+
+  /// The model as estimated, for the residual.
+  [[nodiscard]] static FrictionScales estimated(const State& s) noexcept {
+    return {1.0 + s.theta[kPositive], 1.0 + s.theta[kNegative], 1.0 + s.theta[kViscous],
+            1.0 + s.theta[kStiffness]};
+  }
+
   /// At rest friction holds whatever the axis is left with. What the observer sees of that goes into the bristles, or the next start
   /// would take it for friction that has changed.
   void settle(State& s, double position, const std::array<FrictionScales, 4>& scales) const noexcept {

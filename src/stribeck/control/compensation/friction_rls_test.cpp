@@ -35,6 +35,23 @@ TEST(FrictionRls, LeavesATrueModelAlone) {
     EXPECT_NEAR(s.theta[i], 0.0, std::max(0.03, s.deviation[i] / 3.0)) << i;
 }
 
+TEST(FrictionRls, CorrectsNothingWithoutEvidence) {
+  const auto params = adapting(1000.0, 3e8);
+  const FrictionRls law(params.adaptation, params.model, params.encoder_resolution, 0.0, kPeriod);
+  const auto s = follow(params, 1000.0, 3e8, 5e4, 0, 40.0).state.adaptation;
+  const FrictionScales same = law.scales(s);
+  EXPECT_NE(s.theta[FrictionRls::kPositive], 0.0);
+  EXPECT_EQ(same.positive, 1.0);
+  EXPECT_EQ(same.negative, 1.0);
+  EXPECT_EQ(same.viscous, 1.0);
+  EXPECT_EQ(same.stiffness, 1.0);
+  EXPECT_EQ(law.extra(s, 0.0, 1.0), 0.0);
+  EXPECT_EQ(law.delay(s), 0.0);
+  // With evidence, nearly all of it.
+  const auto more = follow(params, 1300.0, 3e8, 5e4, 0, 40.0).state.adaptation;
+  EXPECT_NEAR(law.scales(more).positive, 1.3, 0.04);
+}
+
 TEST(FrictionRls, AModelHalfAgainTooHighIsTakenDownAndNothingOscillates) {
   const double known = follow(whole(1000.0, 3e8), 1000.0, 3e8, 5e4, 0, 40.0).worst;
   const double fixed = follow(whole(1500.0, 3e8), 1000.0, 3e8, 5e4, 0, 40.0).worst;
