@@ -86,7 +86,7 @@ class KalmanObserver {
 
   /// The bandwidth [1/s] of that density.
   static double bandwidth(double density, double resolution, double mass) noexcept {
-    return cbrt(sqrt(12.0 * density) / (mass * resolution));
+    return pow(sqrt(12.0 * density) / (mass * resolution), 1.0 / 3.0);
   }
 
   /// Response of d̂ to a disturbance that acted over the last period [N], that is, the observer's own lag for one signal. `error` is
