@@ -137,8 +137,11 @@ void add_simulate(CLI::App& app, Action& action) {
   verb->add_option("-o,--output", o->output, "CSV of the run")->required()->type_name("TRACE.csv");
   add_seed(*verb, o->seed);
   verb->add_option(
-      "--controller", o->run.controller,
-      "A controller of the experiment, by its letter, or a controller file; left out: (h), or the last controller of the thesis where there is no (h)");
+          "--controller", o->run.controller,
+          fmt::format(
+              "A controller of the experiment, by its letter, {}, or a controller file; left out: (h), or the last controller of the thesis where there is no (h)",
+              report::listed(built_in_controllers())))
+      ->type_name("ID|NAME|FILE.toml");
   std::vector<std::string> ids;
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   verb->add_option("--experiment", o->run.experiment,

@@ -58,6 +58,20 @@ TEST(Command, WalksFromMachineToCompensatedContour) {
 
 // In open loop every error grows with each slip: on this axis no number of sub-steps gives the same millimetre after
 // four ramps up and down. It is simulated all the same, and each ramp slips.
+TEST(Simulate, TakesABuiltInControllerByItsName) {
+  Folder f;
+  const auto simulate = [&](const std::string& controller) {
+    return command({"simulate", kMachine, "--laps", "0.25", "--controller", controller, "-o", f / "log.csv"});
+  };
+  EXPECT_EQ(simulate("cascade").code, 0);
+  const Said said = simulate("casacde");
+  EXPECT_EQ(said.code, 2);
+  EXPECT_NE(said.err.find("--controller: got \"casacde\", expected a file, one of the experiment's a, b, "),
+            std::string::npos)
+      << said.err;
+  EXPECT_NE(said.err.find("or one of cascade, "), std::string::npos) << said.err;
+}
+
 TEST(Simulate, PlaysRampsOnAnAxisThatMultipliesErrors) {
   Folder f;
   const std::string machine = std::string(STRIBECK_SOURCE_DIR) + "/machines/triaxial-tool-5ms.toml";

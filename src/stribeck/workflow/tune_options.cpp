@@ -1,40 +1,12 @@
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
-#include <stribeck/io/error.hpp>
-#include <stribeck/report/text.hpp>
-#include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/tune_options.hpp>
 
 namespace stribeck::workflow {
-
-namespace {
-
-/// A controller of the experiment by its id, a built-in one, or a file.
-sim::ControllerSpec chosen(const std::vector<sim::ControllerSpec>& known, const std::string& name) {
-  for (const sim::ControllerSpec& c : known) {
-    if (c.id == name) return c;
-  }
-  const std::vector<std::string> built_in = built_in_controllers();
-  std::error_code ignored;
-  if (std::find(built_in.begin(), built_in.end(), name) == built_in.end() &&
-      !std::filesystem::exists(name, ignored)) {
-    std::vector<std::string> ids;
-    for (const sim::ControllerSpec& c : known) ids.push_back(c.id);
-    refuse_option("--controller",
-                  fmt::format("got {}, expected a file, one of the experiment's {}, or one of {}",
-                              io::in_quotes(name), report::listed(ids), report::listed(built_in)));
-  }
-  return read_controller(name);
-}
-
-}  // namespace
 
 sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters, const sim::Machine& machine,
                         const std::string& machine_file) {
@@ -50,7 +22,7 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
     const std::vector<sim::ControllerSpec> known = std::move(s.compare.controllers);
     s.compare.controllers.clear();
     for (const std::string& name : o.controllers)
-      add_controller(s.compare.controllers, chosen(known, name), name);
+      add_controller(s.compare.controllers, chosen_controller(known, name), name);
   }
   s.limits.phase_margin = o.phase_margin * kPi / 180.0;
   s.limits.gain_margin = std::pow(10.0, o.gain_margin / 20.0);

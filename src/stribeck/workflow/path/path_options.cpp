@@ -4,11 +4,15 @@
 #include <cmath>
 #include <filesystem>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/path/point_path.hpp>
+#include <system_error>
 
 namespace stribeck::workflow {
 
@@ -221,6 +225,24 @@ const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerS
     if (c.adaptation.enabled) return c;
   }
   return controllers[printed - 1];
+}
+
+sim::ControllerSpec chosen_controller(const std::vector<sim::ControllerSpec>& known,
+                                      const std::string& name) {
+  for (const sim::ControllerSpec& c : known) {
+    if (c.id == name) return c;
+  }
+  const std::vector<std::string> built_in = built_in_controllers();
+  std::error_code ignored;
+  if (std::find(built_in.begin(), built_in.end(), name) == built_in.end() &&
+      !std::filesystem::exists(name, ignored)) {
+    std::vector<std::string> ids;
+    for (const sim::ControllerSpec& c : known) ids.push_back(c.id);
+    refuse_option("--controller",
+                  fmt::format("got {}, expected a file, one of the experiment's {}, or one of {}",
+                              io::in_quotes(name), report::listed(ids), report::listed(built_in)));
+  }
+  return read_controller(name);
 }
 
 double make_accuracy(const PathOptions& o) {

@@ -86,6 +86,9 @@ void add_beyond(std::vector<sim::ControllerSpec>& controllers, const std::string
 const sim::ControllerSpec& default_controller(const std::vector<sim::ControllerSpec>& controllers,
                                               std::size_t printed);
 
+/// A controller of the experiment by its id, a built-in one by its name, or that of a file; refuses anything else.
+sim::ControllerSpec chosen_controller(const std::vector<sim::ControllerSpec>& known, const std::string& name);
+
 double make_accuracy(const PathOptions& options);
 
 /// Refuses a path that the machine cannot travel: number of axes, travel, speed, acceleration, length.
