@@ -711,6 +711,10 @@ TEST(Evaluate, FindsPositionsByTheirNames) {
     timeless +=
         std::to_string(10 * std::cos(0.0631 * i)) + "," + std::to_string(10 * std::sin(0.0631 * i)) + "\n";
   EXPECT_EQ(command({"evaluate", f.write("timeless.csv", timeless)}).code, 0);
+  // Many controls write the names of axes in upper case.
+  std::string upper = timeless;
+  upper.replace(0, timeless.find('\n'), "X [mm],Y [mm]");
+  EXPECT_EQ(command({"evaluate", f.write("upper.csv", upper)}).code, 0);
   // A quarter says how much of a circle it is.
   const std::string quarter = f.write("quarter.csv", text.substr(0, text.find("0.101000")));
   expect_refused(f, {"evaluate", quarter},

@@ -290,6 +290,9 @@ NamedColumn named_column(const io::Log& log, const std::string& text) {
 
 NamedColumn position_column(const io::Log& log, const std::string& axis) {
   const io::Column* c = log.find(axis);
+  for (const io::Column& other : log.columns) {
+    if (c == nullptr && lower_case(other.name) == axis) c = &other;
+  }
   if (c == nullptr || c->values.empty()) {
     // A column without an axis in its name could belong to any axis.
     const std::vector<Candidate> all = candidates(log, known_column(LogQuantity::kPosition), axis);
