@@ -75,9 +75,8 @@ class Compensation {
     double inertia_force = 0.0;      ///< mass × acceleration at the last step [N]
     bool started = false;
     bool limited = false;  ///< the last force was limited
-    bool slower =
-        false;  ///< the loop oscillated with the Kalman observer; the disturbance observer has its place
-    double calming = 0.0;  ///< for so long that oscillation may still ring [s]
+    bool slower = false;   ///< the disturbance observer has taken the place of the Kalman observer
+    double calming = 0.0;  ///< time for which the oscillation that caused this may go on [s]
     /// Commanded forces, and the feed-forward in each of them, newest first [N].
     std::array<double, kMostDelay + 3> force{};
     std::array<double, kMostDelay + 3> feedforward_history{};
@@ -187,13 +186,13 @@ class Compensation {
       s.guard.run = 0;
     }
     const double beyond = force - s.friction - s.inertia_force;
-    if (params_.guarded && guard_.step(s.guard, closeness(s) * beyond, s.last_velocity)) {
+    if (params_.guarded && guard_.step(s.guard, guard_factor(s) * beyond, s.last_velocity)) {
       status.raise(Status::kOscillation);
       if (params_.observer == Observer::kKalman && !s.slower) {
         s.slower = true;
         s.calming = kCalming;
         s.guard.trust = 1.0;
-        adaptation_.forget(s.adaptation);  // what it learned in the oscillation is wrong
+        adaptation_.forget(s.adaptation);  // what it learned during the oscillation is wrong
       } else {
         adaptation_.halve(s.adaptation);
       }
@@ -267,7 +266,7 @@ class Compensation {
     return clamp_to(felt, min_of(change, 0.0), max_of(change, 0.0));
   }
 
-  /// Pole of the disturbance observer [1/s]: beside a Kalman observer a third of that one's bandwidth.
+  /// Pole of the disturbance observer [1/s]; beside a Kalman observer, a third of the Kalman observer's bandwidth.
   static double disturbance_pole(const CompensationParams& p) noexcept {
     if (p.observer != Observer::kKalman) return p.observer_pole;
     return kSlower * (p.disturbance_density ? KalmanObserver::bandwidth(*p.disturbance_density,
@@ -275,11 +274,11 @@ class Compensation {
                                             : p.observer_pole);
   }
   static constexpr double kSlower = 1.0 / 3.0;
-  /// A Kalman observer loses little where it is replaced without need, so that it is watched more closely.
-  [[nodiscard]] double closeness(const State& s) const noexcept {
+  /// Factor on the force that the guard sees. To replace a Kalman observer without need costs little, so swings of half the size count.
+  [[nodiscard]] double guard_factor(const State& s) const noexcept {
     return params_.observer == Observer::kKalman && !s.slower ? 2.0 : 1.0;
   }
-  /// How long the oscillation of a Kalman observer may take to ring down with the slower one [s].
+  /// After the change of observers the oscillation may take this long to end [s].
   static constexpr double kCalming = 0.5;
 
   /// Time constant of that transfer [s].

@@ -13,8 +13,8 @@
 ///   used   θ·(1 − (σ/θ)⁴) where |θ| > σ, else 0       σ: standard deviation of θ, from P
 ///
 /// Without evidence nothing is corrected. A parameter that is not excited keeps its estimate, and P cannot wind up. Adaptation
-/// pauses at rest, at the limit of the drive and while freeze is set. The model follows the measured motion, because in pre-sliding the missing force shows in the
-/// position only. Steps of θ in the feed-forward are removed from φ_δ; otherwise noise looks like a delay.
+/// pauses at rest, at the limit of the drive and while freeze is set. The model follows the measured motion, because in pre-sliding
+/// the missing force shows in the position only. Steps of θ in the feed-forward are removed from φ_δ; otherwise noise looks like a delay.
 /// To change: bounds and memory are in AdaptationParams; reasons and measurements in docs/theory/feedforward.md.
 /// Source: Ljung, System Identification, 1999, ch. 11.
 /// Not modelled: shape of the friction curve beyond level and slope; a period that drifts.

@@ -29,12 +29,12 @@ struct Effect {
 Effect effect_of(const Fitted& f, const CauseColumns& cause) {
   double low = HUGE_VAL;
   double high = -HUGE_VAL;
-  for (const double way : {1.0, -1.0}) {
-    if (way < 0.0 && !f.rows.both_ways) continue;
+  for (const double direction : {1.0, -1.0}) {
+    if (direction < 0.0 && !f.rows.both_directions) continue;
     for (int degree = 0; degree < 360; ++degree) {
       CauseRow at;
       at.angle = (degree + 0.5) * kPi / 180.0;
-      at.way = f.rows.both_ways ? way : f.rows.rows.front().way;
+      at.direction = f.rows.both_directions ? direction : f.rows.rows.front().direction;
       at.feed = f.rows.fastest;
       at.log = cause.log;
       const Eigen::VectorXd v = column_values(f.rows, f.design.columns, at);
@@ -242,7 +242,7 @@ bool is_found(const std::vector<Cause>& causes, CauseKind kind) {
 std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cause>& causes,
                                     const std::vector<QuadrantPeak>& peaks, bool commanded) {
   std::vector<std::string> out;
-  if (!rows.both_ways)
+  if (!rows.both_directions)
     out.emplace_back(
         "one direction of travel: squareness cannot be told from servo mismatch, nor scale mismatch from lateral play; "
         "measure the other direction too");

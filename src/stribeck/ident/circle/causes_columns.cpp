@@ -23,7 +23,7 @@ Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   add(CauseKind::kStraightness, 1);
   add(CauseKind::kBacklash, 0, 2);
   add(CauseKind::kBacklash, 1, 2);
-  if (rows.both_ways) {
+  if (rows.both_directions) {
     add(CauseKind::kServoMismatch, std::nullopt);
     add(CauseKind::kLateralPlay, 0);
     add(CauseKind::kLateralPlay, 1);
@@ -39,8 +39,8 @@ Eigen::VectorXd column_values(const CauseRows& rows, const Columns& c, const Cau
   const double co = std::cos(at.angle);
   const double si = std::sin(at.angle);
   // Sign of each axis' velocity: x = R·cos θ, y = R·sin θ.
-  const double vx = -at.way * sign(si);
-  const double vy = at.way * sign(co);
+  const double vx = -at.direction * sign(si);
+  const double vy = at.direction * sign(co);
   const double speed = rows.feeds_known ? at.feed / rows.fastest : 1.0;
   for (const CauseColumns& cause : c.causes) {
     double* out = v.data() + cause.first;
@@ -64,7 +64,7 @@ Eigen::VectorXd column_values(const CauseRows& rows, const Columns& c, const Cau
         out[1] = x ? -0.5 * vx * std::abs(co) : -0.5 * vy * std::abs(si);
         break;
       case CauseKind::kServoMismatch:
-        *out = at.way * speed * std::sin(2.0 * at.angle);
+        *out = at.direction * speed * std::sin(2.0 * at.angle);
         break;
       case CauseKind::kLateralPlay:
         *out = x ? -0.5 * vx * si : -0.5 * vy * co;

@@ -16,12 +16,12 @@ struct CauseRow {
   int run = 0;
   int log = 0;
   int lap = 0;
-  std::size_t at = 0;  ///< step within the run
-  double angle = 0.0;  ///< goes on [rad]
-  double error = 0.0;  ///< [m]
-  double way = 1.0;    ///< direction of travel
-  double feed = 0.0;   ///< [m/s]; NaN: unknown
-  int samples = 0;     ///< in the mean
+  std::size_t at = 0;      ///< step within the run
+  double angle = 0.0;      ///< goes on [rad]
+  double error = 0.0;      ///< [m]
+  double direction = 1.0;  ///< of travel, ±1
+  double feed = 0.0;       ///< [m/s]; NaN: unknown
+  int samples = 0;         ///< in the mean
 };
 
 struct CauseRows {
@@ -29,7 +29,7 @@ struct CauseRows {
   double radius = 0.0;
   double step = 0.0;  ///< [rad]
   int logs = 0;
-  bool both_ways = false;
+  bool both_directions = false;
   bool feeds_known = false;
   bool feeds_differ = false;  ///< by more than a fifth
   double fastest = 0.0;       ///< [m/s]

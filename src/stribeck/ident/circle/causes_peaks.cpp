@@ -30,8 +30,8 @@ std::map<PeakPlace, Profile> profiles(const CauseRows& rows, const std::vector<d
   std::map<PeakPlace, std::map<std::pair<int, long>, std::vector<double>>> passings;
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const CauseRow& row = rows.rows[i];
-    const auto quarter = static_cast<long>(std::floor(row.way * row.angle / (0.5 * kPi)));
-    auto& lap = passings[{-row.way, group(row), last_border(row)}][{row.run, quarter}];
+    const auto quarter = static_cast<long>(std::floor(row.direction * row.angle / (0.5 * kPi)));
+    auto& lap = passings[{-row.direction, group(row), last_border(row)}][{row.run, quarter}];
     if (lap.empty()) lap.assign(cells, none);
     lap[std::min(static_cast<std::size_t>(after_reversal(row) / rows.step), cells - 1)] = rest[i];
   }

@@ -15,16 +15,16 @@ double step_of(const std::vector<CircleMotion>& motions) {
   double turned = 0.0;
   for (const CircleMotion& m : motions) {
     for (const CircleRun& run : m.runs) {
-      const double way = run.revolutions * 2.0 * kPi;
-      turned += way;
-      step = std::max(step, 1.001 * way / static_cast<double>(run.angle.size() - 1));
+      const double angle = run.revolutions * 2.0 * kPi;
+      turned += angle;
+      step = std::max(step, 1.001 * angle / static_cast<double>(run.angle.size() - 1));
     }
   }
   return std::max(step, turned / kMostRows);
 }
 
 void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
-  const double way = run.counter_clockwise ? 1.0 : -1.0;
+  const double direction = run.counter_clockwise ? 1.0 : -1.0;
   CauseRow row;
   double angle = 0.0;
   double error = 0.0;
@@ -35,14 +35,14 @@ void add_run(CauseRows& out, const CircleRun& run, int log, int number) {
     out.rows.push_back(row);
   };
   for (std::size_t i = 0; i < run.angle.size(); ++i) {
-    const double turned = std::max(0.0, way * (run.angle[i] - run.angle.front()));
+    const double turned = std::max(0.0, direction * (run.angle[i] - run.angle.front()));
     const auto at = static_cast<std::size_t>(turned / out.step);
     if (row.samples > 0 && at > row.at) {
       close();
       row.samples = 0;
     }
     if (row.samples == 0) {
-      row = {number, log, static_cast<int>(turned / (2.0 * kPi)), at, 0.0, 0.0, way, run.feed, 0};
+      row = {number, log, static_cast<int>(turned / (2.0 * kPi)), at, 0.0, 0.0, direction, run.feed, 0};
       angle = error = 0.0;
     }
     angle += run.angle[i];
@@ -74,21 +74,21 @@ CauseRows cause_rows(const std::vector<CircleMotion>& motions) {
     }
     ++out.logs;
   }
-  out.both_ways = forward && back;
+  out.both_directions = forward && back;
   out.feeds_known = out.feeds_known && !out.rows.empty();
   out.feeds_differ = out.feeds_known && out.fastest > 1.2 * slowest;
   return out;
 }
 
 double after_reversal(const CauseRow& row) {
-  const double turned = row.way * row.angle;
+  const double turned = row.direction * row.angle;
   return turned - kRightAngle * std::floor(turned / kRightAngle);
 }
 
 int last_border(const CauseRow& row) {
-  const double quarters = std::floor(row.way * row.angle / kRightAngle);
+  const double quarters = std::floor(row.direction * row.angle / kRightAngle);
   const int passed = static_cast<int>(quarters - 4.0 * std::floor(quarters / 4.0));
-  return row.way > 0.0 ? passed : (4 - passed) % 4;
+  return row.direction > 0.0 ? passed : (4 - passed) % 4;
 }
 
 }  // namespace stribeck::ident::circle

@@ -20,7 +20,7 @@ class Explained {
     CauseRow row;
     row.log = log;
     row.angle = run.angle[i];
-    row.way = run.counter_clockwise ? 1.0 : -1.0;
+    row.direction = run.counter_clockwise ? 1.0 : -1.0;
     row.feed = run.feed;
     return column_values(rows_, design_.columns, row).dot(fit_.coefficients);
   }
@@ -69,14 +69,14 @@ std::vector<double> lines_of(const std::vector<double>& v) {
 /// First rows of pieces that lie between two reversals, outside the window behind them.
 std::vector<std::size_t> pieces(const CircleRun& run, double window) {
   std::vector<std::size_t> out;
-  const double way = run.counter_clockwise ? 1.0 : -1.0;
+  const double direction = run.counter_clockwise ? 1.0 : -1.0;
   const auto behind = [&](std::size_t i) {
-    const double turned = way * run.angle[i];
+    const double turned = direction * run.angle[i];
     return turned - 0.5 * kPi * std::floor(turned / (0.5 * kPi));
   };
   for (std::size_t i = 0; i + kSegment <= run.angle.size();) {
     const double from = behind(i);
-    const double turned = way * (run.angle[i + kSegment - 1] - run.angle[i]);
+    const double turned = direction * (run.angle[i + kSegment - 1] - run.angle[i]);
     if (from >= window && from + turned < 0.5 * kPi) {
       out.push_back(i);
       i += kSegment;

@@ -15,7 +15,7 @@ constexpr double kTurn = 2.0 * kPi;
 constexpr double kWholeTurn = 0.985 * kTurn;  // more than circle_test() asks for
 constexpr double kTurnedBack = 10.0 * kPi / 180.0;
 constexpr double kSectorOfRun = 5.0 * kPi / 180.0;
-/// Positions farther off than this share of the radius belong to the way to the circle.
+/// Positions farther off than this share of the radius belong to the approach to the circle.
 constexpr double kOffCircle = 0.2;
 
 /// Middle of the box round all points, then twice the least-squares circle of those near it; absent where there is none.
@@ -43,40 +43,40 @@ std::optional<Centre> centre_of(std::span<const double> x, std::span<const doubl
   return c;
 }
 
-/// Rows [first, last) in which the angle goes one way.
+/// Rows [first, last) in which the angle grows, or falls.
 struct Stretch {
   std::size_t first;
   std::size_t last;
 };
 
 /// Splits rows on the circle where the angle turns back; `turned` goes on from lap to lap.
-std::vector<Stretch> one_way(const std::vector<double>& turned, std::size_t first, std::size_t last) {
+std::vector<Stretch> one_direction(const std::vector<double>& turned, std::size_t first, std::size_t last) {
   std::vector<Stretch> out;
   std::size_t begin = first;
   std::size_t lowest = first;
   std::size_t highest = first;
-  int way = 0;
+  int direction = 0;
   for (std::size_t i = first; i < last; ++i) {
     if (turned[i] > turned[highest]) highest = i;
     if (turned[i] < turned[lowest]) lowest = i;
     const bool fell = turned[highest] - turned[i] > kTurnedBack;
     const bool rose = turned[i] - turned[lowest] > kTurnedBack;
-    if (way == 0) {
-      if (fell || rose) way = rose ? 1 : -1;
+    if (direction == 0) {
+      if (fell || rose) direction = rose ? 1 : -1;
       continue;
     }
-    if (way > 0 ? !fell : !rose) {
+    if (direction > 0 ? !fell : !rose) {
       // In its own direction a run only needs the extreme ahead.
-      (way > 0 ? lowest : highest) = i;
+      (direction > 0 ? lowest : highest) = i;
       continue;
     }
-    const std::size_t turn = way > 0 ? highest : lowest;
+    const std::size_t turn = direction > 0 ? highest : lowest;
     out.push_back({begin, turn + 1});
     begin = turn + 1;
-    way = -way;
+    direction = -direction;
     lowest = highest = i;
   }
-  if (way != 0) out.push_back({begin, last});
+  if (direction != 0) out.push_back({begin, last});
   return out;
 }
 
@@ -85,10 +85,10 @@ std::vector<std::size_t> sector_rows(const std::vector<double>& turned, const St
   std::vector<std::size_t> rows{s.first};
   double passed = kSectorOfRun;
   for (std::size_t i = s.first; i < s.last; ++i) {
-    const double way = std::abs(turned[i] - turned[s.first]);
-    if (way < passed) continue;
+    const double angle = std::abs(turned[i] - turned[s.first]);
+    if (angle < passed) continue;
     rows.push_back(i);
-    passed = (std::floor(way / kSectorOfRun) + 1.0) * kSectorOfRun;
+    passed = (std::floor(angle / kSectorOfRun) + 1.0) * kSectorOfRun;
   }
   return rows;
 }
@@ -199,21 +199,21 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   if (!centre) return out;
   const OnCircle on = on_circle(guide_x, guide_y, time, *centre, radius);
   for (const Stretch& rows : on.rows) {
-    for (const Stretch& way : one_way(on.turned, rows.first, rows.last)) {
-      const double turn = turn_of(on.turned, way);
+    for (const Stretch& one : one_direction(on.turned, rows.first, rows.last)) {
+      const double turn = turn_of(on.turned, one);
       if (turn < kWholeTurn) {
         if (turn > 2.0 * kTurnedBack)
           out.notes.push_back(
               fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, a circle is a whole revolution",
-                          way.first + 1, way.last, turn * 180.0 / kPi));
+                          one.first + 1, one.last, turn * 180.0 / kPi));
         continue;
       }
-      Stretch scored = at_speed(on.turned, time, way);
+      Stretch scored = at_speed(on.turned, time, one);
       if (turn_of(on.turned, scored) < kWholeTurn) {
         out.notes.push_back(fmt::format(
             "rows {} to {}: run-in and run-out are scored too: without them less than one revolution is left",
-            way.first + 1, way.last));
-        scored = way;
+            one.first + 1, one.last));
+        scored = one;
       }
       out.runs.push_back(run_of(on.turned, time, scored, radius));
     }
@@ -221,7 +221,7 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   out.centre_x = centre->x;
   out.centre_y = centre->y;
   if (!out.commanded && !out.runs.empty()) {
-    // The centre of what is scored, not of the way to it.
+    // The centre of what is scored, not of the approach to it.
     std::vector<double> x;
     std::vector<double> y;
     for (const CircleRun& run : out.runs) {

@@ -150,9 +150,9 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
   t.centre_x = centre.x;
   t.centre_y = centre.y;
 
-  double way = 0.0;
-  double least_way = 0.0;
-  double most_way = 0.0;
+  double turned = 0.0;
+  double least_turned = 0.0;
+  double most_turned = 0.0;
   std::array<bool, kSectors> seen{};
   for (std::size_t i = 0; i < n; ++i) {
     const double x = s.x[i] - t.centre_x;
@@ -160,18 +160,18 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     const double angle = std::atan2(y, x);
     t.angle.push_back(angle < 0.0 ? angle + 2.0 * kPi : angle);
     t.error.push_back(std::hypot(x, y) - radius);
-    if (i > 0) way += std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
-    least_way = std::min(least_way, way);
-    most_way = std::max(most_way, way);
+    if (i > 0) turned += std::remainder(t.angle[i] - t.angle[i - 1], 2.0 * kPi);
+    least_turned = std::min(least_turned, turned);
+    most_turned = std::max(most_turned, turned);
     seen[std::min(static_cast<std::size_t>(t.angle[i] / (2.0 * kPi) * kSectors), kSectors - 1)] = true;
   }
-  t.counter_clockwise = way > 0.0;
-  t.revolutions = std::abs(way) / (2.0 * kPi);
+  t.counter_clockwise = turned > 0.0;
+  t.revolutions = std::abs(turned) / (2.0 * kPi);
   constexpr double kWhole = 0.98 * 2.0 * kPi;
-  if (std::abs(way) < kWhole && most_way - least_way >= kWhole)
+  if (std::abs(turned) < kWhole && most_turned - least_turned >= kWhole)
     refuse("both directions of travel, expected one");
-  if (std::abs(way) < kWhole)
-    refuse("an arc of ", std::round((most_way - least_way) * 180.0 / kPi),
+  if (std::abs(turned) < kWhole)
+    refuse("an arc of ", std::round((most_turned - least_turned) * 180.0 / kPi),
            " deg, expected at least one revolution");
   for (std::size_t k = 0; k < kSectors; ++k) {
     if (!seen[k])
@@ -190,8 +190,8 @@ CircleTest circle_test(const CircleSamples& s, double radius, double glitch_trav
     t.max_error = std::max(t.max_error, e);
     square += e * e;
     // Since the last quadrant, in the direction of motion.
-    const double turned = t.counter_clockwise ? t.angle[i] : 2.0 * kPi - t.angle[i];
-    if (std::fmod(turned, 0.5 * kPi) <= window) t.quadrant_glitch = std::max(t.quadrant_glitch, e);
+    const double from_start = t.counter_clockwise ? t.angle[i] : 2.0 * kPi - t.angle[i];
+    if (std::fmod(from_start, 0.5 * kPi) <= window) t.quadrant_glitch = std::max(t.quadrant_glitch, e);
   }
   t.rms = std::sqrt(square / static_cast<double>(n));
   return t;
