@@ -9,68 +9,28 @@
 namespace stribeck::sim {
 namespace {
 
-/// A loop that is at the limit of its drives for more than this share of the ticks, and whose input varies by more than that share of
-/// its range while it is scored, is held together by the limit. Stable loops of V2 vary by 1 % with the coarsest encoder.
-constexpr double kMostLimited = 1e-3;
-constexpr double kMostShaking = 0.02;
-
-/// Sub-steps of order three at 0.8 of the fastest rate: twice as fine as stability needs, and no fewer than for nominal machines.
-constexpr double kRatePerSubstep = 0.8;
-constexpr int kFewestSubsteps = 6;
-
-int substeps_of(const Drives& drives) {
-  const double n = std::ceil(drives.rate_bound() * drives.period() / kRatePerSubstep);
-  if (!(n <= kMostSubsteps))
-    throw Refused("the machine needs more than 512 sub-steps per control period for its fastest rate");
-  return std::max(kFewestSubsteps, static_cast<int>(n));
-}
-
-template <std::size_t N>
 void run_machines(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
                   const RobustnessSpec& spec, const std::vector<std::size_t>& axes, RobustnessResult& result,
                   const std::function<void(std::size_t, std::size_t)>& progress) {
-  std::vector<Route<N>> routes;
-  std::vector<AnyController<N>> controllers;
-  double fastest = 0.0;
-  for (const Travel& travel : spec.travels) {
-    routes.push_back(sample<N>(travel, nominal.sample_time));
-    for (const auto& p : routes.back().points) fastest = std::max(fastest, norm(p.velocity));
-    for (const ControllerSpec& c : spec.controllers) {
-      auto setup = make_setup<N>(nominal, knowledge, axes, c);
-      setup.lap = routes.back().lap;
-      controllers.push_back(make_controller<N>(c.law, setup));
-      RobustRow row;
-      row.controller = c;
-      row.travel = routes.size() - 1;
-      row.runs.resize(spec.machines);
-      result.rows.push_back(std::move(row));
-    }
+  const MachineRuns runs(nominal, knowledge, spec.travels, axes, spec.controllers, spec.seed);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    RobustRow row;
+    row.controller = spec.controllers[i % spec.controllers.size()];
+    row.travel = i / spec.controllers.size();
+    row.runs.resize(spec.machines);
+    result.rows.push_back(std::move(row));
   }
-  const auto run = [&](const Machine& machine, std::uint32_t trial, const auto& place) {
-    Drives drives(machine, axes, 1.05 * fastest);
-    double range = std::numeric_limits<double>::infinity();
-    for (const std::size_t i : axes) range = std::min(range, machine.axes[i].second.plant.converter.range);
-    const plant::Fidelity fidelity{substeps_of(drives), true, true};
-    for (std::size_t i = 0; i < controllers.size(); ++i) {
-      const Route<N>& route = routes[i / spec.controllers.size()];
-      StatusCounter status;
-      RobustRun& r = place(result.rows[i]);
-      r.metrics = drives.run<N>(controllers[i], route, fidelity, spec.seed, trial, nullptr, &status);
-      r.limited = status.count(Status::kOutputLimited) / static_cast<double>(N * route.points.size());
-      r.lost = !(r.metrics.max_contour_error <= kLost * route.size) ||
-               (r.limited > kMostLimited && r.metrics.input_variation > kMostShaking * range);
-    }
-  };
   parallel_for(
       spec.machines + std::size_t{1}, spec.threads, [] { return 0; },
       [&](int&, std::size_t job) {
         if (job == 0) {
-          run(nominal, 0, [](RobustRow& row) -> RobustRun& { return row.nominal; });
+          const std::vector<RobustRun> of_all = runs.run(nominal, 0);
+          for (std::size_t i = 0; i < of_all.size(); ++i) result.rows[i].nominal = of_all[i];
           return;
         }
-        const auto i = static_cast<std::uint32_t>(job - 1);
-        run(vary(nominal, spec.variation, spec.seed, i), i,
-            [&](RobustRow& row) -> RobustRun& { return row.runs[i]; });
+        const auto m = static_cast<std::uint32_t>(job - 1);
+        const std::vector<RobustRun> of_all = runs.run(vary(nominal, spec.variation, spec.seed, m), m);
+        for (std::size_t i = 0; i < of_all.size(); ++i) result.rows[i].runs[m] = of_all[i];
       },
       progress);
 }
@@ -94,9 +54,7 @@ RobustnessResult robustness(const Machine& nominal, const std::vector<AxisKnowle
     for (const std::size_t i : axes)
       of_machine.push_back(draw(spec.variation, spec.seed, m, static_cast<std::uint32_t>(i)));
   }
-  const bool known = with_axes(
-      axes.size(), [&](auto n) { run_machines<n>(nominal, knowledge, spec, axes, result, progress); });
-  if (!known) throw Refused("paths have 1, 2, 3 or 5 axes");
+  run_machines(nominal, knowledge, spec, axes, result, progress);
   return result;
 }
 

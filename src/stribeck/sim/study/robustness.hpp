@@ -3,20 +3,16 @@
 ///
 /// Machine i of a seed (variation.hpp) runs every controller on every travel. Controllers are built once, from the nominal
 /// machine and its identification; only the machines differ. Each machine has its own noise, the same for all controllers.
-///
-///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
-///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
-///           result, not an error.
+/// When a run is lost: machine_runs.hpp.
 ///
 /// Quantiles interpolate between order statistics, Q(p) = x_k + (h − k)(x_{k+1} − x_k) with h = p(n − 1); a lost run counts as
 /// infinite.
 ///
-/// The number of sub-steps follows from the fastest rate of the machine; choose_substeps() would cost more than the runs. Measured
-/// on 40 machines: docs/theory/robustness.md.
 /// Real time: no. Errors: Refused for a specification that means nothing.
 
 #include <functional>
 #include <stribeck/sim/compare.hpp>
+#include <stribeck/sim/study/machine_runs.hpp>
 #include <stribeck/sim/study/variation.hpp>
 
 namespace stribeck::sim {
@@ -29,13 +25,6 @@ struct RobustnessSpec {
   std::uint32_t machines = 100;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as the computer has
-};
-
-/// One controller on one machine.
-struct RobustRun {
-  Metrics metrics;
-  double limited = 0.0;  ///< share of the ticks and axes at the limit of the drive
-  bool lost = false;
 };
 
 /// One controller on one travel.

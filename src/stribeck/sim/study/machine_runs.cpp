@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stribeck/sim/study/machine_runs.hpp>
+
+namespace stribeck::sim {
+namespace {
+
+/// A loop that is at the limit of its drives for more than this share of the ticks, and whose input varies by more than that share of
+/// its range while it is scored, is held together by the limit. Stable loops of V2 vary by 1 % with the coarsest encoder.
+constexpr double kMostLimited = 1e-3;
+constexpr double kMostShaking = 0.02;
+
+/// Sub-steps of order three at 0.8 of the fastest rate: twice as fine as stability needs, and no fewer than for nominal machines.
+constexpr double kRatePerSubstep = 0.8;
+constexpr int kFewestSubsteps = 6;
+
+int substeps_of(const Drives& drives) {
+  const double n = std::ceil(drives.rate_bound() * drives.period() / kRatePerSubstep);
+  if (!(n <= kMostSubsteps))
+    throw Refused("the machine needs more than 512 sub-steps per control period for its fastest rate");
+  return std::max(kFewestSubsteps, static_cast<int>(n));
+}
+
+}  // namespace
+
+class MachineRuns::Loops {
+ public:
+  Loops() = default;
+  Loops(const Loops&) = delete;
+  Loops& operator=(const Loops&) = delete;
+  virtual ~Loops() = default;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  [[nodiscard]] virtual std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const = 0;
+};
+
+template <std::size_t N>
+class MachineRuns::LoopsOf : public Loops {
+ public:
+  LoopsOf(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
+          const std::vector<Travel>& travels, const std::vector<std::size_t>& axes,
+          const std::vector<ControllerSpec>& specs, std::uint64_t seed)
+      : axes_(axes), per_travel_(specs.size()), seed_(seed) {
+    for (const Travel& travel : travels) {
+      routes_.push_back(sample<N>(travel, nominal.sample_time));
+      for (const auto& p : routes_.back().points) fastest_ = std::max(fastest_, norm(p.velocity));
+      for (const ControllerSpec& c : specs) {
+        auto setup = make_setup<N>(nominal, knowledge, axes, c);
+        setup.lap = routes_.back().lap;
+        controllers_.push_back(make_controller<N>(c.law, setup));
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const override { return controllers_.size(); }
+
+  [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const override {
+    Drives drives(machine, axes_, 1.05 * fastest_);
+    double range = std::numeric_limits<double>::infinity();
+    for (const std::size_t i : axes_) range = std::min(range, machine.axes[i].second.plant.converter.range);
+    const plant::Fidelity fidelity{substeps_of(drives), true, true};
+    std::vector<RobustRun> all(controllers_.size());
+    for (std::size_t i = 0; i < controllers_.size(); ++i) {
+      const Route<N>& route = routes_[i / per_travel_];
+      StatusCounter status;
+      RobustRun& r = all[i];
+      r.metrics = drives.run<N>(controllers_[i], route, fidelity, seed_, trial, nullptr, &status);
+      r.limited = status.count(Status::kOutputLimited) / static_cast<double>(N * route.points.size());
+      r.lost = !(r.metrics.max_contour_error <= kLost * route.size) ||
+               (r.limited > kMostLimited && r.metrics.input_variation > kMostShaking * range);
+    }
+    return all;
+  }
+
+ private:
+  std::vector<std::size_t> axes_;
+  std::size_t per_travel_;
+  std::uint64_t seed_;
+  double fastest_ = 0.0;
+  std::vector<Route<N>> routes_;
+  std::vector<AnyController<N>> controllers_;
+};
+
+MachineRuns::MachineRuns(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
+                         const std::vector<Travel>& travels, const std::vector<std::size_t>& axes,
+                         const std::vector<ControllerSpec>& controllers, std::uint64_t seed) {
+  const bool known = with_axes(axes.size(), [&](auto n) {
+    loops_ = std::make_shared<LoopsOf<n>>(nominal, knowledge, travels, axes, controllers, seed);
+  });
+  if (!known) throw Refused("paths have 1, 2, 3 or 5 axes");
+}
+
+std::size_t MachineRuns::size() const { return loops_->size(); }
+
+std::vector<RobustRun> MachineRuns::run(const Machine& machine, std::uint32_t trial) const {
+  return loops_->run(machine, trial);
+}
+
+}  // namespace stribeck::sim

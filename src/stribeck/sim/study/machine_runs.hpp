@@ -1,0 +1,49 @@
+#pragma once
+/// Runs the same controllers on the same travels on one machine after another.
+///
+/// Controllers are built once, from the nominal machine and its identification; only the machines differ.
+///
+///   lost    the contour error passed a tenth of the path's extent; or a drive was at its limit for more than 0.1 % of the
+///           ticks and mean |Δu| is above 2 % of its range: an unstable loop that the limit holds together. A
+///           result, not an error.
+///
+/// The number of sub-steps follows from the fastest rate of the machine; choose_substeps() would cost more than the runs. Measured
+/// on 40 machines: docs/theory/robustness.md.
+/// Threads: run() is safe. Real time: no. Errors: Refused for controllers that cannot be built, and for a machine that needs too many
+/// sub-steps.
+
+#include <cstdint>
+#include <memory>
+#include <stribeck/sim/compare.hpp>
+#include <vector>
+
+namespace stribeck::sim {
+
+/// One controller on one machine.
+struct RobustRun {
+  Metrics metrics;
+  double limited = 0.0;  ///< share of the ticks and axes at the limit of the drive
+  bool lost = false;
+};
+
+class MachineRuns {
+ public:
+  /// knowledge is that of the nominal machine, for its axes.
+  MachineRuns(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
+              const std::vector<Travel>& travels, const std::vector<std::size_t>& axes,
+              const std::vector<ControllerSpec>& controllers, std::uint64_t seed);
+
+  /// Number of travels times controllers.
+  [[nodiscard]] std::size_t size() const;
+
+  /// On a machine with the axes of the nominal one; travel by travel, controller by controller. The noise depends on seed and trial.
+  [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const;
+
+ private:
+  class Loops;
+  template <std::size_t N>
+  class LoopsOf;
+  std::shared_ptr<const Loops> loops_;
+};
+
+}  // namespace stribeck::sim
