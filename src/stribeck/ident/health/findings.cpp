@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stribeck/ident/health/findings.hpp>
+#include <stribeck/ident/stats/order.hpp>
+
+namespace stribeck::ident::health {
+namespace {
+
+constexpr double kSameChange = 7.0;     // days between steps of one change
+constexpr std::size_t kBeside = 10;     // tests before and after
+constexpr double kMedianSpread = 1.25;  // standard deviation of a median to that of a mean
+
+/// Value and half width of one number in one test; absent where the test does not have it.
+using Get = std::function<std::optional<std::array<double, 2>>(const HealthTest&)>;
+
+Channel channel_of(const std::vector<HealthTest>& tests, Number number, std::array<double, 2> at,
+                   double scale, const Limits& limits, const Get& get) {
+  Channel c{number, at, scale, {}, {}};
+  for (const HealthTest& t : tests) {
+    if (const auto value = get(t)) c.readings.push_back({t.day, (*value)[0], (*value)[1], t.temperature});
+  }
+  c.trend = trend_of(c.readings, {scale, limits.step, limits.drift});
+  return c;
+}
+
+std::optional<std::array<double, 2>> pair_of(const Force& f) { return {{f.value, f.half_width}}; }
+
+void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::vector<Channel>& out) {
+  const Measured& first = *tests.front().axis;
+  const double level = 0.5 * std::abs(first.forward.value + first.backward.value);
+  if (!(level > 0.0)) return;
+  const auto add = [&](Number number, std::array<double, 2> at, const Get& get, double scale) {
+    out.push_back(channel_of(tests, number, at, scale, limits, get));
+  };
+  add(
+      Number::kForward, {}, [](const HealthTest& t) { return pair_of(t.axis->forward); }, level);
+  add(
+      Number::kBackward, {}, [](const HealthTest& t) { return pair_of(t.axis->backward); }, level);
+  if (first.coulomb && first.viscous) {
+    using Value = std::optional<std::array<double, 2>>;
+    const double top = first.motion.top_speed;
+    add(
+        Number::kCoulomb, {},
+        [](const HealthTest& t) { return t.axis->coulomb ? pair_of(*t.axis->coulomb) : Value(); }, level);
+    add(
+        Number::kViscous, {},
+        [top](const HealthTest& t) {
+          return t.axis->viscous ? Value({top * t.axis->viscous->value, top * t.axis->viscous->half_width})
+                                 : Value();
+        },
+        level);
+  }
+  add(
+      Number::kOffset, {}, [](const HealthTest& t) { return pair_of(t.axis->offset); }, level);
+  if (first.mass) {
+    using Value = std::optional<std::array<double, 2>>;
+    add(
+        Number::kMass, {},
+        [](const HealthTest& t) {
+          return t.axis->mass ? Value({t.axis->mass->value, t.axis->mass->half_width}) : Value();
+        },
+        first.mass->value);
+  }
+  for (std::size_t j = 0; j < first.places.size(); ++j)
+    add(
+        Number::kPlace, {first.places[j].from, first.places[j].to},
+        [j](const HealthTest& t) { return pair_of(t.axis->places[j].more); }, level);
+  for (std::size_t j = 0; j < first.periodic.size(); ++j)
+    add(
+        Number::kPeriodic, {first.periodic[j].period, 0.0},
+        [j](const HealthTest& t) { return pair_of(t.axis->periodic[j].amplitude); }, level);
+}
+
+void add_circle(const std::vector<HealthTest>& tests, const Limits& limits, std::vector<Channel>& out) {
+  constexpr double kLeast = 1e-6;  // [m]
+  const CircleMeasured& first = *tests.front().circle;
+  const auto add = [&](Number number, double value, const Get& get) {
+    out.push_back(channel_of(tests, number, {}, 2.0 * std::max(value, kLeast), limits, get));
+  };
+  using Value = std::optional<std::array<double, 2>>;
+  add(Number::kCircularDeviation, first.circular_deviation, [](const HealthTest& t) {
+    return Value({t.circle->circular_deviation, 0.0});
+  });
+  if (first.hysteresis)
+    add(Number::kHysteresis, *first.hysteresis, [](const HealthTest& t) {
+      return t.circle->hysteresis ? Value({*t.circle->hysteresis, 0.0}) : Value();
+    });
+}
+
+/// How much a number changed at a day: its own step, or the medians before and after.
+Shift shift_at(const Channel& c, std::size_t index, double day) {
+  Shift s{index, 0.0, 0.0, false};
+  std::vector<double> before, after;
+  for (std::size_t i = 0; i < c.trend.values.size(); ++i) {
+    (c.readings[i].day < day ? before : after).push_back(c.trend.values[i]);
+  }
+  if (before.empty() || after.empty() || !c.trend.known()) return s;
+  if (before.size() > kBeside) before.erase(before.begin(), before.end() - kBeside);
+  if (after.size() > kBeside) after.resize(kBeside);
+  const auto n = static_cast<double>(before.size()), m = static_cast<double>(after.size());
+  s.share = c.share(stats::median(after) - stats::median(before));
+  s.deviation = c.share(kMedianSpread * c.trend.scatter * std::sqrt(1.0 / n + 1.0 / m));
+  for (const Step& step : c.trend.steps) {
+    if (std::abs(step.day - day) > kSameChange) continue;
+    s.share = c.share(step.change);
+    s.deviation = c.share(step.half_width) / 1.96;
+  }
+  return s;
+}
+
+Shift drift_of(const Channel& c, std::size_t index) {
+  if (!c.trend.known()) return {index, 0.0, 0.0, false};
+  return {index, c.share(c.trend.now - c.trend.reference), c.share(c.trend.drift_half_width) / 1.96, false};
+}
+
+void judge(Change& change, const std::vector<Channel>& channels) {
+  constexpr double kLeast = 0.02;
+  for (Shift& s : change.shifts) s.counts = std::abs(s.share) >= std::max(kLeast, 3.0 * s.deviation);
+  change.causes = causes_of(channels, change.shifts);
+}
+
+void add_steps(Health& health) {
+  struct Found {
+    const Step* step;
+    double size;
+  };
+  std::vector<Found> all;
+  for (const Channel& c : health.channels) {
+    for (const Step& s : c.trend.steps) all.push_back({&s, c.share(std::abs(s.change))});
+  }
+  // The largest first: it gives the day of its change.
+  std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.size > b.size; });
+  for (const Found& found : all) {
+    const Step& s = *found.step;
+    const auto same = std::find_if(health.changes.begin(), health.changes.end(),
+                                   [&](const Change& c) { return std::abs(c.day - s.day) <= kSameChange; });
+    if (same == health.changes.end()) {
+      Change change;
+      change.day = s.day;
+      change.earliest = s.earliest;
+      change.latest = s.latest;
+      change.probability = s.probability;
+      change.beyond_limit = s.beyond_limit;
+      change.undone = s.undone;
+      health.changes.push_back(std::move(change));
+    } else if (s.beyond_limit && !s.undone) {
+      same->beyond_limit = true;
+      same->undone = false;
+    }
+  }
+  for (Change& change : health.changes) {
+    for (std::size_t i = 0; i < health.channels.size(); ++i)
+      change.shifts.push_back(shift_at(health.channels[i], i, change.day));
+    judge(change, health.channels);
+  }
+}
+
+void add_drift(Health& health) {
+  const auto drifted = std::find_if(health.channels.begin(), health.channels.end(),
+                                    [](const Channel& c) { return c.trend.drifted; });
+  if (drifted == health.channels.end()) return;
+  // Where steps beyond the limit already say it, they are the change.
+  const bool by_steps = std::all_of(health.channels.begin(), health.channels.end(),
+                                    [](const Channel& c) { return !c.trend.drifted || c.trend.stepped; });
+  if (by_steps) return;
+  Change change;
+  change.slow = true;
+  change.day = change.earliest = change.latest = drifted->readings.back().day;
+  change.beyond_limit = true;
+  for (std::size_t i = 0; i < health.channels.size(); ++i)
+    change.shifts.push_back(drift_of(health.channels[i], i));
+  judge(change, health.channels);
+  health.changes.push_back(std::move(change));
+}
+
+}  // namespace
+
+Health health_of(const std::vector<HealthTest>& tests, const Limits& limits) {
+  Health out;
+  if (tests.empty()) return out;
+  if (tests.front().axis) add_axis(tests, limits, out.channels);
+  if (tests.front().circle) add_circle(tests, limits, out.channels);
+  add_steps(out);
+  add_drift(out);
+  std::stable_sort(out.changes.begin(), out.changes.end(),
+                   [](const Change& a, const Change& b) { return a.day < b.day; });
+  return out;
+}
+
+}  // namespace stribeck::ident::health

@@ -1,0 +1,140 @@
+#pragma once
+/// What the tests of an axis show together: a trend for each number, changes found in them, and likely causes.
+///
+/// Every force counts as a share of the friction level, which is the mean of both directions in the first test; a mass as a share of
+/// itself; a length of the circular test as a share of twice its first value, at least of 2 µm. Steps within a week of each other, in whichever numbers, are
+/// one change. Its effect on every other number is the difference of the medians of ten tests before and after. A slow change is a
+/// number that has left its drift limit; its effect is that since the first tests.
+///
+/// Causes follow from the pattern alone (causes.cpp has the rules): several may fit, and none is proven.
+/// Real time: no. Errors: none.
+
+#include <array>
+#include <optional>
+#include <stribeck/core/fields.hpp>
+#include <stribeck/ident/health/measured.hpp>
+#include <stribeck/ident/health/trend.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stribeck::ident::health {
+
+/// Of a circle of two axes [m].
+struct CircleMeasured {
+  double radius = 0.0;
+  double circular_deviation = 0.0;  ///< G(b), or G where only one direction was travelled
+  double max_error = 0.0;
+  std::optional<double> hysteresis{};  ///< H
+
+  static constexpr auto fields() {
+    using C = CircleMeasured;
+    return std::tuple{
+        field("radius", &C::radius, quantity("m", "mm").positive(), "commanded radius"),
+        field("circular_deviation", &C::circular_deviation, quantity("m", "um").not_negative(),
+              "circular deviation G(b) of both directions; G where there is one"),
+        field("max_error", &C::max_error, quantity("m", "um").not_negative(), "largest contour error"),
+        field("hysteresis", &C::hysteresis, quantity("m", "um").not_negative(), "circular hysteresis H")
+            .or_default()};
+  }
+};
+
+/// One test: of an axis, or of a circle.
+struct HealthTest {
+  double day = 0.0;           ///< days since 1970-01-01; a later test of the same day some thousandths more
+  double temperature = kNaN;  ///< [°C]
+  std::optional<Measured> axis{};
+  std::optional<CircleMeasured> circle{};
+};
+
+enum class Number {
+  kForward,
+  kBackward,
+  kCoulomb,
+  kViscous,
+  kOffset,
+  kMass,
+  kPlace,
+  kPeriodic,
+  kCircularDeviation,
+  kHysteresis
+};
+
+struct Limits {
+  double step = 0.1;
+  double drift = 0.25;
+};
+
+struct Channel {
+  Number number = Number::kForward;
+  std::array<double, 2> at{};  ///< place: from, to [m]; periodic: period [m]
+  double scale = 1.0;  ///< what counts as 100 % [N, kg or m]; viscous friction is shown as force at top speed
+  std::vector<Reading> readings;
+  Trend trend;
+
+  [[nodiscard]] double share(double value) const { return value / scale; }
+};
+
+/// How a number changed at a time.
+struct Shift {
+  std::size_t channel = 0;
+  double share = 0.0;      ///< of the scale
+  double deviation = 0.0;  ///< standard deviation, as a share
+  bool counts = false;     ///< at least three standard deviations and 2 %
+};
+
+struct Cause {
+  std::string what;
+  std::string why;
+  std::string next;
+};
+
+struct Change {
+  bool slow = false;  ///< a drift beyond its limit; otherwise a step
+  double day = 0.0;
+  double earliest = 0.0;  ///< 95 %; of a step
+  double latest = 0.0;
+  double probability = 1.0;
+  bool beyond_limit = false;
+  bool undone = false;
+  std::vector<Shift> shifts;  ///< one for each channel
+  std::vector<Cause> causes;
+
+  /// Whether it lasts and is beyond its limit.
+  [[nodiscard]] bool matters() const noexcept { return beyond_limit && !undone; }
+};
+
+struct Health {
+  std::vector<Channel> channels;
+  std::vector<Change> changes;  ///< in order of time
+
+  [[nodiscard]] bool changed() const noexcept {
+    for (const Change& c : changes) {
+      if (c.matters()) return true;
+    }
+    return false;
+  }
+};
+
+/// Tests of one axis or of one circle, ascending in time, all of the same plan.
+Health health_of(const std::vector<HealthTest>& tests, const Limits& limits = {});
+
+/// The causes that fit a pattern of shifts, the likeliest first.
+std::vector<Cause> causes_of(const std::vector<Channel>& channels, const std::vector<Shift>& shifts);
+
+}  // namespace stribeck::ident::health
+
+template <>
+struct stribeck::EnumNames<stribeck::ident::health::Number> {
+  using N = stribeck::ident::health::Number;
+  static constexpr std::array names{std::pair{N::kForward, std::string_view{"forward"}},
+                                    std::pair{N::kBackward, std::string_view{"backward"}},
+                                    std::pair{N::kCoulomb, std::string_view{"coulomb"}},
+                                    std::pair{N::kViscous, std::string_view{"viscous"}},
+                                    std::pair{N::kOffset, std::string_view{"offset"}},
+                                    std::pair{N::kMass, std::string_view{"mass"}},
+                                    std::pair{N::kPlace, std::string_view{"place"}},
+                                    std::pair{N::kPeriodic, std::string_view{"periodic"}},
+                                    std::pair{N::kCircularDeviation, std::string_view{"circular-deviation"}},
+                                    std::pair{N::kHysteresis, std::string_view{"hysteresis"}}};
+};

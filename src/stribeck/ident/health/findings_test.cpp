@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stribeck/ident/health/findings.hpp>
+
+namespace stribeck::ident::health {
+namespace {
+
+/// Factors and additions from a day on.
+struct Event {
+  double coulomb = 1.0, viscous = 1.0, mass = 1.0, load = 0.0, place = 0.0, wave = 0.0;
+};
+
+/// Coulomb 100 N, viscous 60 N at the top speed, mass 500 kg, with a scatter of 1 %.
+std::vector<HealthTest> tests_with(const Event& event, int days = 80, int from = 60) {
+  std::mt19937 generator(11);
+  std::normal_distribution<double> normal;
+  std::vector<HealthTest> out;
+  for (int d = 0; d < days; ++d) {
+    const Event now = d >= from ? event : Event{};
+    const auto force = [&](double value) { return Force{value + 1.2 * normal(generator), 0.5}; };
+    const double c = 100.0 * now.coulomb, v = 60.0 * now.viscous;
+    Measured m;
+    m.motion = {{0.0, 0.08}, 0.02, 0.1, 60.0};
+    m.forward = force(c + 0.5 * v + now.load + 0.25 * now.place);
+    m.backward = force(c + 0.5 * v - now.load + 0.25 * now.place);
+    m.offset = force(now.load);
+    m.coulomb = force(c + 0.25 * now.place);
+    m.viscous = Viscous{(v + normal(generator)) / 0.02, 10.0};
+    m.mass = Mass{500.0 * now.mass + 2.0 * normal(generator), 1.0};
+    for (int j = 0; j < 4; ++j)
+      m.places.push_back({0.02 * j, 0.02 * (j + 1), force(j == 2 ? 0.75 * now.place : -0.25 * now.place)});
+    m.periodic.push_back({0.01, force(2.0 + now.wave)});
+    HealthTest t;
+    t.day = d;
+    t.axis = m;
+    out.push_back(t);
+  }
+  return out;
+}
+
+/// The first cause of the only change that matters.
+std::string cause_of(const Event& event) {
+  const Health health = health_of(tests_with(event));
+  for (const Change& c : health.changes) {
+    if (!c.matters()) continue;
+    EXPECT_NEAR(c.day, 60.0, 1.0);
+    return c.causes.front().what;
+  }
+  return "no change";
+}
+
+Event event_of(double Event::*member, double value) {
+  Event e;
+  e.*member = value;
+  return e;
+}
+
+TEST(HealthFindings, NothingIsFoundWhereNothingHappened) {
+  const Health health = health_of(tests_with({}));
+  EXPECT_FALSE(health.changed());
+  EXPECT_TRUE(health.changes.empty());
+  EXPECT_EQ(health.channels.size(), 11U);
+}
+
+TEST(HealthFindings, NamesTheLikelyCause) {
+  EXPECT_EQ(cause_of(event_of(&Event::coulomb, 0.75)), "preload lost");
+  EXPECT_EQ(cause_of(event_of(&Event::coulomb, 1.3)),
+            "tighter than before: preload, misalignment, wipers or chips");
+  EXPECT_EQ(cause_of(event_of(&Event::load, 25.0)), "load or counterbalance");
+  EXPECT_EQ(cause_of(event_of(&Event::viscous, 1.5)), "stiffer lubricant: cold, too much, or another grease");
+  EXPECT_EQ(cause_of(event_of(&Event::mass, 1.2)), "more mass: workpiece, fixture or tool");
+  EXPECT_EQ(cause_of(event_of(&Event::place, 40.0)), "wear or dirt between 40 and 60 mm");
+  EXPECT_EQ(cause_of(event_of(&Event::wave, 20.0)), "screw, bearing or coupling out of true (period 10 mm)");
+  Event dry;
+  dry.coulomb = 1.3;
+  dry.viscous = 0.6;
+  EXPECT_EQ(cause_of(dry), "lubricant missing or old");
+  Event greased;
+  greased.coulomb = 0.8;
+  greased.viscous = 1.4;
+  EXPECT_EQ(cause_of(greased), "freshly lubricated");
+  Event gain;
+  gain.coulomb = gain.viscous = gain.mass = 1.2;
+  EXPECT_EQ(cause_of(gain), "scale of the force: gain, current sensor or motor constant");
+}
+
+TEST(HealthFindings, StepsOfOneDayAreOneChange) {
+  Event dry;
+  dry.coulomb = 1.3;
+  dry.viscous = 0.6;
+  const Health health = health_of(tests_with(dry));
+  ASSERT_EQ(health.changes.size(), 1U);
+  EXPECT_EQ(health.changes[0].shifts.size(), health.channels.size());
+  EXPECT_GT(health.changes[0].probability, 0.98);
+}
+
+TEST(HealthFindings, SlowWearIsASlowChange) {
+  std::vector<HealthTest> tests = tests_with({}, 200, 1000);
+  for (std::size_t d = 50; d < tests.size(); ++d) {
+    const double more = 0.4 * static_cast<double>(d - 50);
+    tests[d].axis->forward.value += more;
+    tests[d].axis->backward.value += more;
+    tests[d].axis->coulomb->value += more;
+  }
+  const Health health = health_of(tests);
+  ASSERT_FALSE(health.changes.empty());
+  EXPECT_TRUE(health.changes.back().slow);
+  EXPECT_TRUE(health.changed());
+}
+
+TEST(HealthFindings, ACircleThatBecomesLessRoundIsFound) {
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  std::vector<HealthTest> tests;
+  for (int d = 0; d < 60; ++d) {
+    HealthTest t;
+    t.day = d;
+    t.circle = CircleMeasured{0.05, (d < 40 ? 8e-6 : 14e-6) + 0.2e-6 * normal(generator), 6e-6, {}};
+    tests.push_back(t);
+  }
+  const Health health = health_of(tests);
+  ASSERT_EQ(health.changes.size(), 1U);
+  EXPECT_EQ(health.changes[0].day, 40.0);
+  EXPECT_EQ(health.changes[0].causes.front().what, "lost motion, friction or servo gains of the two axes");
+}
+
+}  // namespace
+}  // namespace stribeck::ident::health
