@@ -1,59 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <stribeck/io/sha256.hpp>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/page/page_files.hpp>
+#include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
 
 namespace stribeck::report {
 namespace {
-
-constexpr std::string_view kStyle = R"(
-:root{--ink:#202124;--soft:#5f6368;--line:#dadce0;--paper:#fff;--card:#f8f9fa;--mark:#0072b2;--warn:#fff4e0;--warn-line:#e69f00}
-@media (prefers-color-scheme:dark){:root{--ink:#e8eaed;--soft:#a8adb3;--line:#45494d;--paper:#1b1c1e;--card:#26282b;
---mark:#6bb8e8;--warn:#3a2f1a;--warn-line:#e69f00}}
-*{box-sizing:border-box}
-body{margin:0 auto;padding:1.5rem 1.25rem 4rem;max-width:1160px;background:var(--paper);color:var(--ink);
-font:16px/1.5 system-ui,"Segoe UI","Liberation Sans",Arial,sans-serif}
-h1{font-size:1.7rem;line-height:1.2;margin:.5rem 0 .2rem}
-h2{font-size:1.25rem;margin:2.4rem 0 .6rem;padding-top:.5rem;border-top:1px solid var(--line)}
-h3{font-size:1.02rem;margin:1.4rem 0 .4rem}
-p{margin:.5rem 0;max-width:78ch}
-.subtitle,.remark,figcaption,caption{color:var(--soft);font-size:.88rem}
-.remark{max-width:90ch}
-.lead{font-size:1.06rem;padding:.8rem 1rem;background:var(--card);border-left:4px solid var(--mark);border-radius:4px;max-width:none}
-.scroll{overflow-x:auto}
-table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}
-caption{text-align:left;padding:.2rem 0 .4rem;font-weight:600;color:var(--ink)}
-th,td{padding:.26rem .5rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-td.n,th.n .unit,td small,td:not(:first-child):not(:last-child){white-space:nowrap}
-td.n .note{white-space:normal;margin-left:auto;max-width:11em}
-th{font-weight:600;vertical-align:bottom;border-bottom:2px solid var(--line)}
-th small,td small{color:var(--soft);font-weight:400;font-size:.8rem}
-td span.note,th span.unit{display:block;color:var(--soft);font-weight:400;font-size:.78rem}
-th.n,td.n{text-align:right}
-tbody tr:hover{background:var(--card)}
-.swatch{display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.45em;box-shadow:0 0 0 1px var(--soft)}
-figure{margin:1rem 0 1.4rem;break-inside:avoid}
-figcaption{margin-top:.35rem;max-width:100ch}
-.plots{display:grid;gap:8px}
-.plots>div{background:#fff;border:1px solid var(--line);border-radius:6px;padding:4px}
-.across-2{grid-template-columns:repeat(2,1fr)}
-.across-3{grid-template-columns:repeat(3,1fr)}
-.across-4{grid-template-columns:repeat(4,1fr)}
-svg{display:block;width:100%;height:auto}
-@media (max-width:900px){.across-2{grid-template-columns:1fr}.across-3,.across-4{grid-template-columns:repeat(2,1fr)}
-td small{display:block}td.n .note{max-width:6.6em}th,td{padding:.26rem .35rem}}
-.list{background:var(--card);border-left:4px solid var(--line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
-.list ul{margin:.3rem 0;padding-left:1.2rem}
-.warnings{background:var(--warn);border-left:4px solid var(--warn-line);border-radius:4px;padding:.5rem 1rem;margin:1rem 0}
-.warnings ul{margin:.3rem 0;padding-left:1.2rem}
-details{margin:.8rem 0;border:1px solid var(--line);border-radius:6px;padding:.4rem .9rem}
-summary{cursor:pointer;font-weight:600}
-pre{background:var(--card);padding:.7rem .9rem;border-radius:4px;overflow-x:auto;font-size:.85rem;white-space:pre-wrap}
-@media print{body{max-width:none;padding:0;font-size:11pt}h2{break-after:avoid}.scroll{overflow:visible}
-table{font-size:8.5pt}th,td{padding:.15rem .35rem}}
-)";
 
 /// Markup of a text, with newlines as they are.
 std::string escape(std::string_view text, bool keep_newlines) {
@@ -87,11 +46,6 @@ std::string element(std::string_view tag, std::string_view text) {
   return fmt::format("<{0}>{1}</{2}>\n", tag, escape_html(text), tag.substr(0, tag.find(' ')));
 }
 
-bool is_color(std::string_view c) {
-  return c.size() == 7 && c[0] == '#' &&
-         c.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
-}
-
 /// A head may be broken between words, but not after the bar of an absolute value: "mean |ε|".
 std::string head_markup(std::string_view head) {
   std::string out;
@@ -105,11 +59,57 @@ std::string head_markup(std::string_view head) {
 std::string cell_markup(const Cell& cell, bool number) {
   std::string out = number ? "<td class=\"n\">" : "<td>";
   if (is_color(cell.color))
-    out += fmt::format("<span class=\"swatch\" style=\"background:{}\"></span>", cell.color);
+    out +=
+        fmt::format("<span class=\"swatch\" data-color=\"{0}\" style=\"background:{0}\"></span>", cell.color);
   out += cell.best ? "<b>" + escape_html(cell.text) + "</b>" : escape_html(cell.text);
   if (!cell.spread.empty()) out += " <small>" + escape_html(cell.spread) + "</small>";
   if (!cell.note.empty()) out += "<span class=\"note\">" + escape_html(cell.note) + "</span>";
   return out + "</td>";
+}
+
+/// The colour that stands for this one on a dark page: greys are turned round, and others are lightened until they can be seen.
+std::string dark_color(std::string_view color) {
+  std::array<double, 3> rgb{};
+  for (std::size_t k = 0; k < rgb.size(); ++k)
+    rgb[k] = std::stoi(std::string(color.substr(1 + 2 * k, 2)), nullptr, 16) / 255.0;
+  const auto luminance = [&] {
+    const auto linear = [](double v) {
+      return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    };
+    return 0.2126 * linear(rgb[0]) + 0.7152 * linear(rgb[1]) + 0.0722 * linear(rgb[2]);
+  };
+  const auto [low, high] = std::minmax_element(rgb.begin(), rgb.end());
+  constexpr double kPaper = 0.125;  // white becomes the paper of a dark page
+  if (*high - *low < 0.08) {
+    for (double& v : rgb) v = kPaper + (0.93 - kPaper) * (1.0 - v);
+  } else {
+    constexpr double kVisible = 0.22;  // a contrast of 4.5 to the paper
+    while (luminance() < kVisible) {
+      for (double& v : rgb) v += 0.08 * (1.0 - v);
+    }
+  }
+  const auto byte = [](double v) { return static_cast<int>(std::lround(255.0 * v)); };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(rgb[0]), byte(rgb[1]), byte(rgb[2]));
+}
+
+/// Rules that replace the colours of drawings and swatches for readers of dark pages. Drawings keep their colours, so that they can
+/// be taken out of the page.
+std::string dark_colors(std::string_view body) {
+  std::set<std::string> colors;
+  for (const std::string_view key : {"stroke=", "fill=", "color="}) {
+    for (std::size_t at = body.find(key); at != std::string_view::npos; at = body.find(key, at + 1)) {
+      const std::string_view value = body.substr(std::min(at + key.size() + 1, body.size()), 7);
+      if (is_color(value)) colors.emplace(value);
+    }
+  }
+  if (colors.empty()) return {};
+  std::string out = "@media screen and (prefers-color-scheme:dark){svg{color:#e8eaed}\n";
+  for (const std::string& c : colors) {
+    out += fmt::format(
+        "[stroke=\"{0}\"]{{stroke:{1}}}[fill=\"{0}\"]{{fill:{1}}}[data-color=\"{0}\"]{{background:{1}!important}}\n",
+        c, dark_color(c));
+  }
+  return out + "}\n";
 }
 
 }  // namespace
@@ -119,7 +119,14 @@ std::string escape_html(std::string_view text) { return escape(text, false); }
 Page::Page(std::string title, std::string subtitle)
     : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
 
-void Page::section(std::string_view heading) { add(element("h2", heading)); }
+void Page::section(std::string_view heading) {
+  sections_.emplace_back(heading);
+  if (sections_.size() == 1) {
+    first_section_ = body_.size() - 1;
+    first_section_at_ = body_.back().size();
+  }
+  add(fmt::format("<h2 id=\"section-{}\">{}</h2>\n", sections_.size(), escape_html(heading)));
+}
 void Page::subsection(std::string_view heading) { add(element("h3", heading)); }
 void Page::paragraph(std::string_view text) { add(element("p", text)); }
 void Page::lead(std::string_view text) { add(element("p class=\"lead\"", text)); }
@@ -152,9 +159,23 @@ void Page::table(const Table& table) {
 
 void Page::figure(const Plot& plot, std::string_view caption) { figures({plot}, 1, caption); }
 
+void Page::numbers(const std::vector<KeyNumber>& numbers) {
+  if (numbers.empty()) return;
+  add("<dl class=\"numbers\">\n");
+  for (const KeyNumber& n : numbers) {
+    add(fmt::format("<div><dt>{}</dt><dd>{}", escape_html(n.name), escape_html(n.value)));
+    if (!n.unit.empty()) add(" <small>" + escape_html(printed_unit(n.unit)) + "</small>");
+    add("</dd></div>\n");
+  }
+  add("</dl>\n");
+}
+
 void Page::figures(const std::vector<Plot>& plots, int across, std::string_view caption) {
   if (plots.empty()) return;
-  add(fmt::format("<figure><div class=\"plots across-{}\">", across));
+  constexpr int kNarrow = 700;  // a drawing of this width would be blown up to the width of the page [px]
+  const bool narrow = plots.size() == 1 && plots.front().width < kNarrow;
+  add(fmt::format("<figure><div class=\"plots across-{}{}{}\">", across, narrow ? " narrow" : "",
+                  plots.size() == 1 ? " alone" : ""));
   for (const Plot& p : plots) {
     add("<div>");
     plots_.push_back(p);
@@ -185,24 +206,49 @@ void Page::details(std::string_view summary, const std::function<void()>& fill) 
   add("</details>\n");
 }
 
+std::string Page::contents() const {
+  constexpr std::size_t kWorthContents = 3;
+  if (sections_.size() < kWorthContents) return {};
+  std::string out = "<nav class=\"contents\" aria-label=\"Contents\"><b>Contents</b><ol>\n";
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    out += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escape_html(sections_[i]));
+  out += "</ol></nav>\n";
+  if (!plots_.empty()) {
+    out +=
+        "<p class=\"remark with-script\" hidden>Figures answer: a drag zooms, a double click shows all again; the pointer reads "
+        "values; a click on an entry of a legend hides its curve. Keys: arrows, +, −, 0.</p>\n";
+  }
+  return out;
+}
+
 std::string Page::html() const {
   const std::vector<std::string> drawings = render(plots_);
+  std::string body;
+  for (std::size_t i = 0; i < body_.size(); ++i) {
+    if (i == first_section_ && !sections_.empty()) {
+      body += body_[i].substr(0, first_section_at_) + contents() + body_[i].substr(first_section_at_);
+    } else {
+      body += body_[i];
+    }
+    if (i < drawings.size()) body += drawings[i];
+  }
+  const std::string_view script = plots_.empty() ? std::string_view() : page_script();
   std::string out =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      // Even if a text were not escaped, nothing would run or be fetched.
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-      "'unsafe-inline'\">\n";
+      // Even if a text were not escaped, nothing would be fetched, and no script would run but the page's own.
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'";
+  if (!script.empty()) out += fmt::format("; script-src 'sha256-{}'", io::base64(io::sha256(script)));
+  out += "\">\n";
   out += element("title", title_);
-  out += "<style>";
-  out += kStyle;
+  out += "<style>\n";
+  out += page_style();
+  out += dark_colors(body);
   out += "</style>\n</head>\n<body>\n";
   out += element("h1", title_);
   if (!subtitle_.empty()) out += element("p class=\"subtitle\"", subtitle_);
-  for (std::size_t i = 0; i < body_.size(); ++i) {
-    out += body_[i];
-    if (i < drawings.size()) out += drawings[i];
-  }
+  out += body;
+  if (!script.empty()) out += fmt::format("<script>{}</script>\n", script);
   out += "</body>\n</html>\n";
   return out;
 }

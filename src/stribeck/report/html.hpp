@@ -1,6 +1,7 @@
 #pragma once
-/// A page of text, tables and figures in one file: styles and drawings are inside, and there are no scripts or downloads.
-/// Follows the reader's light or dark setting (drawings stay on white) and can be printed.
+/// A page of text, tables and figures in one file: styles, drawings and one script are inside, and nothing is downloaded. Without
+/// scripts the figures stand still. Follows the reader's light or dark setting and can be printed.
+/// Contents with links stand before the first section, if there are three or more.
 ///
 /// Every text is escaped; markup cannot be passed in. Figures are drawn together when html() is called.
 /// Real time: no.
@@ -38,6 +39,13 @@ struct Table {
   std::vector<std::vector<Cell>> rows = {};
 };
 
+/// A number that is shown large.
+struct KeyNumber {
+  std::string name = {};
+  std::string value = {};
+  std::string unit = {};
+};
+
 class Page {
  public:
   explicit Page(std::string title, std::string subtitle = {});
@@ -47,6 +55,8 @@ class Page {
   void paragraph(std::string_view text);
   /// A highlighted paragraph: the result in words.
   void lead(std::string_view text);
+  /// The few numbers that matter, for the first screen.
+  void numbers(const std::vector<KeyNumber>& numbers);
   /// A small remark, e.g. the source of numbers.
   void remark(std::string_view text);
   void code(std::string_view text);
@@ -65,11 +75,15 @@ class Page {
 
  private:
   void add(std::string_view markup) { body_.back() += markup; }
+  [[nodiscard]] std::string contents() const;
 
   std::string title_;
   std::string subtitle_;
   std::vector<std::string> body_{std::string()};  ///< a drawing goes between two parts
   std::vector<Plot> plots_;
+  std::vector<std::string> sections_;
+  std::size_t first_section_ = 0;  ///< part of the body
+  std::size_t first_section_at_ = 0;
 };
 
 }  // namespace stribeck::report

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/report/page/page_files.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <string>
 
@@ -15,6 +16,13 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline const std::string kHostile =
     "x\"><script>alert(1)</script> `touch stribeck_pwned` $(touch stribeck_pwned) @pwd {/Bold b}_c 50% %s "
     "'q' \\n \n\x01 \xff id='gnuplot_canvas' </svg>&amp;";
+
+/// The page without the one script that belongs to it, whose text is no text of the page.
+inline std::string without_script(std::string page) {
+  const std::string own = "<script>" + std::string(page_script()) + "</script>";
+  if (const std::size_t at = page.find(own); at != std::string::npos) page.erase(at, own.size());
+  return page;
+}
 
 inline sim::Metrics metrics(double max, double rms) {
   sim::Metrics m;

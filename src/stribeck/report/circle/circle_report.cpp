@@ -71,9 +71,11 @@ struct Magnifier {
       Series s = around(angle, std::vector<double>(angle.size(), e), "", e == 0.0 ? "#9aa0a6" : "#b6bbc0",
                         e == 0.0 ? 1.0 : 0.8);
       s.dashed = e != 0.0;
+      s.scale = true;
       plot.series.push_back(std::move(s));
     }
     plot.axes = false;
+    plot.ring = Ring{0.0, 0.0, 1.0, kMicro / per_metre};
     plot.equal_aspect = true;
     plot.x_range = Range{-1.6, 1.6};
     plot.y_range = Range{-1.6, 1.6};

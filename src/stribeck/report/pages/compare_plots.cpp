@@ -68,9 +68,9 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
   const double magnification = round_down(std::min(kRoom * curve.size / worst, kMostMagnification));
   const double ring = round_down(0.4 * worst);
 
-  Series line{.color = "#9aa0a6", .width = 1.0};
-  std::array<Series, 2> rings{Series{.color = "#b6bbc0", .width = 0.8, .dashed = true},
-                              Series{.color = "#b6bbc0", .width = 0.8, .dashed = true}};
+  Series line{.color = "#9aa0a6", .width = 1.0, .scale = true};
+  std::array<Series, 2> rings{Series{.color = "#b6bbc0", .width = 0.8, .dashed = true, .scale = true},
+                              Series{.color = "#b6bbc0", .width = 0.8, .dashed = true, .scale = true}};
   constexpr int kPoints = 240;
   Vec2 low{{1e9, 1e9}};
   Vec2 high{{-1e9, -1e9}};
@@ -117,6 +117,8 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
     }
     Plot p;
     p.title = full_name(*r);
+    if (curve.shape == path::Shape::kCircle)
+      p.ring = Ring{middle[0], middle[1], curve.size * kMilli, kMilli / magnification};
     p.description = fmt::format("Contour of {} at {}, error magnified {} times", full_name(*r), block.text,
                                 magnification);
     p.axes = false;

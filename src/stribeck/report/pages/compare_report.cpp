@@ -227,11 +227,12 @@ void errors_along_path_and_time(Page& page, const CompareReportInput& input,
                                                          : "; a distance, without a sign") +
                      ". Vertical lines: an axis reverses" + (one_axis ? "." : ", a quadrant begins.")));
   }
-  page.section(capital_error + " over time");
-  for (const TravelBlock& b : blocks) {
-    const ScaledPlots drawn = time_plots(result, b.index, {.height = 260, .scored_only = false});
-    page.figures(drawn.plots, 1, drawn.caption("The whole run of the first trial, from rest to rest."));
-  }
+  page.details(capital_error + " over time", [&] {
+    for (const TravelBlock& b : blocks) {
+      const ScaledPlots drawn = time_plots(result, b.index, {.height = 260, .scored_only = false});
+      page.figures(drawn.plots, 1, drawn.caption("The whole run of the first trial, from rest to rest."));
+    }
+  });
 }
 
 void reversals(Page& page, const CompareReportInput& input, const std::vector<TravelBlock>& blocks) {

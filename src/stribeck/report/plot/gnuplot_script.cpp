@@ -5,20 +5,13 @@
 #include <cmath>
 #include <iterator>
 #include <set>
-#include <stribeck/report/plot/plot.hpp>
+#include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
 
 namespace stribeck::report {
 namespace {
 
-constexpr double kLeft = 66;  ///< margins [px]
-constexpr double kRight = 20;
-constexpr double kBottom = 48;
-constexpr double kTop = 12;
-constexpr double kLine = 21;  ///< height of a line of text
-constexpr double kLegendLine = 18;
-constexpr double kMarkerLine = 14;
 constexpr std::size_t kLongestText = 200;
 constexpr double kBandOpacity = 0.22;
 
@@ -42,157 +35,12 @@ std::string quoted_format(std::string_view text) {
   return out;
 }
 
-bool is_color(std::string_view c) {
-  return c.size() == 7 && c[0] == '#' &&
-         c.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
-}
-
 std::string color(std::string_view c) { return is_color(c) ? fmt::format("rgb '{}'", c) : "rgb '#444444'"; }
 
 /// An axis label; the unit in its brackets is shown as printed.
 std::string quoted_label(const std::string& label) {
   const std::size_t unit = std::min(label.rfind('['), label.size());
   return in_single_quotes(label.substr(0, unit) + printed_unit(std::string_view(label).substr(unit)));
-}
-
-struct Extent {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void add(double v, bool logarithmic) {
-    if (!std::isfinite(v) || (logarithmic && v <= 0.0)) return;
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
-  void add(const std::vector<double>& all, bool logarithmic) {
-    for (const double v : all) add(v, logarithmic);
-  }
-  /// The range with a margin on both sides; never empty.
-  [[nodiscard]] Range range(double room, bool logarithmic) const {
-    if (!(low <= high)) return logarithmic ? Range{1.0, 10.0} : Range{0.0, 1.0};
-    if (logarithmic) {
-      const double factor = std::max(1.05, std::pow(high / low, room));
-      return {low / factor, high * factor};
-    }
-    if (!(high > low))
-      return {low - 0.5 * std::max(std::abs(low), 1.0), low + 0.5 * std::max(std::abs(low), 1.0)};
-    return {low - room * (high - low), high + room * (high - low)};
-  }
-};
-
-struct Frame {
-  Range x;
-  Range y;
-  double left, right, top, bottom;  ///< margins [px]
-
-  [[nodiscard]] double width(const Plot& p) const { return std::max(1.0, p.width - left - right); }
-  [[nodiscard]] double height(const Plot& p) const { return std::max(1.0, p.height - top - bottom); }
-};
-
-bool has_legend(const Plot& p) {
-  return p.legend != Legend::kNone &&
-         std::any_of(p.series.begin(), p.series.end(), [](const Series& s) { return !s.label.empty(); });
-}
-
-/// Place of an entry of the legend above a plot.
-struct LegendEntry {
-  const Series* series;
-  double x;  ///< from the left border of the plot [px]
-  int row;
-};
-
-/// gnuplot's own legend overestimates widths and then wraps into the plot; here the rows are computed in
-/// advance.
-std::vector<LegendEntry> legend_entries(const Plot& p, double width) {
-  constexpr double kLetter = 6.3;  // mean width of a letter of the 12 px sans-serif
-  constexpr double kSample = 30;
-  constexpr double kBetween = 16;
-  std::vector<LegendEntry> entries;
-  if (p.legend != Legend::kAbove) return entries;
-  double x = 0;
-  int row = 0;
-  for (const Series& s : p.series) {
-    if (s.label.empty()) continue;
-    const double w = kSample + kLetter * static_cast<double>(text_width(s.label));
-    if (x > 0 && x + w > width) {
-      x = 0;
-      ++row;
-    }
-    entries.push_back({&s, x, row});
-    x += w + kBetween;
-  }
-  return entries;
-}
-
-/// Line of the label of each marker, 0 the lowest; −1 without a label. A label that would cover the one before it moves up by one
-/// line. Uses the frame's x and its left and right margins.
-std::vector<int> marker_rows(const Plot& p, const Frame& f) {
-  constexpr double kLetter = 5.8;  // mean width of a letter of the 11 px sans-serif
-  constexpr double kBetween = 6;
-  std::vector<int> rows;
-  std::vector<double> ends;  // end of the last label on each line [px]
-  for (const Marker& m : p.markers) {
-    if (m.label.empty() || !std::isfinite(m.x)) {
-      rows.push_back(-1);
-      continue;
-    }
-    const double at = (m.x - f.x.low) / (f.x.high - f.x.low) * f.width(p);
-    const double half = 0.5 * kLetter * static_cast<double>(text_width(m.label));
-    std::size_t row = 0;
-    while (row < ends.size() && at - half < ends[row] + kBetween) ++row;
-    if (row == ends.size()) ends.push_back(0.0);
-    ends[row] = at + half;
-    rows.push_back(static_cast<int>(row));
-  }
-  return rows;
-}
-
-Frame frame_of(const Plot& p) {
-  Frame f{};
-  f.left = p.axes ? (p.y_label.empty() ? kLeft - kLine : kLeft) : 4;
-  f.right = p.axes ? kRight : 4;
-  f.bottom = p.axes ? (p.x_label.empty() ? kBottom - kLine : kBottom) : 4;
-  f.top = p.axes ? kTop : 4;
-  if (!p.title.empty()) f.top += kLine;
-  const std::vector<LegendEntry> entries = legend_entries(p, f.width(p));
-  if (!entries.empty()) f.top += kLegendLine * (entries.back().row + 1);
-  Extent x;
-  Extent y;
-  bool bars = false;
-  for (const Series& s : p.series) {
-    x.add(s.x, p.log_x);
-    if (s.style != Style::kBand) y.add(s.y, p.log_y);
-    y.add(s.y_low, p.log_y);
-    y.add(s.y_high, p.log_y);
-    if (s.style == Style::kBars) {
-      bars = true;
-      for (const double v : s.x) {
-        x.add(v - 0.5 * s.width, false);
-        x.add(v + 0.5 * s.width, false);
-      }
-      y.add(0.0, p.log_y);
-    }
-  }
-  for (const Note& n : p.notes) y.add(n.y, p.log_y);
-  const auto good = [](const std::optional<Range>& r, bool logarithmic) {
-    return r && std::isfinite(r->low) && std::isfinite(r->high) && r->high > r->low &&
-           (!logarithmic || r->low > 0.0);
-  };
-  f.x = good(p.x_range, p.log_x) ? *p.x_range : x.range(bars ? 0.04 : 0.0, p.log_x);
-  f.y = good(p.y_range, p.log_y) ? *p.y_range : y.range(0.06, p.log_y);
-  if (bars && !p.y_range && y.low >= 0.0) f.y.low = 0.0;
-  const std::vector<int> rows = marker_rows(p, f);
-  if (!rows.empty()) f.top += kMarkerLine * (*std::max_element(rows.begin(), rows.end()) + 1);
-  if (p.equal_aspect) {
-    const double per_px = std::max((f.x.high - f.x.low) / f.width(p), (f.y.high - f.y.low) / f.height(p));
-    const auto widen = [](Range& r, double span) {
-      const double middle = 0.5 * (r.low + r.high);
-      r = {middle - 0.5 * span, middle + 0.5 * span};
-    };
-    widen(f.x, per_px * f.width(p));
-    widen(f.y, per_px * f.height(p));
-  }
-  return f;
 }
 
 /// Merges points that fall on the same pixel; keeps their order.
@@ -245,13 +93,12 @@ class Script {
     if (p.log_x) line("set logscale x");
     if (p.log_y) line("set logscale y");
     axes(p, f);
-    double y = p.axes ? 8 : 4;
     if (!p.title.empty()) {
       line("set label {} at screen {:.6f}, screen {:.6f} left font ',14' textcolor rgb '#202124'",
-           in_single_quotes(p.title), (p.axes ? f.left : 8.0) / p.width, 1.0 - (y + 8) / p.height);
-      y += kLine;
+           in_single_quotes(p.title), (p.axes ? f.left : 8.0) / p.width,
+           1.0 - ((p.axes ? 8 : 4) + 8.0) / p.height);
     }
-    legend(p, f, y);
+    legend(p, f, legend_top(p));
     const std::vector<int> rows = marker_rows(p, f);
     for (std::size_t k = 0; k < p.markers.size(); ++k) {
       const Marker& m = p.markers[k];
@@ -343,7 +190,7 @@ class Script {
       case Style::kLines:
       case Style::kSteps:
         line("set arrow from {} to {} nohead front lw {:.3g} dt {} lc {}", at(x, y), at(x + 24, y),
-             std::max(s.width, 1.5), s.dashed ? "(7,4)" : "1", color(s.color));
+             std::max(s.width, 1.5), dash_of(p, s), color(s.color));
         break;
       case Style::kBand:
       case Style::kBars:
@@ -377,18 +224,6 @@ class Script {
     }
     line("EOD");
     return name;
-  }
-
-  static bool drawable(const Series& s) {
-    const std::vector<double>& y = s.style == Style::kBand ? s.y_low : s.y;
-    const std::size_t n = std::min(s.x.size(), y.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      if (std::isfinite(s.x[i]) && std::isfinite(y[i]) &&
-          (s.style != Style::kBand || (i < s.y_high.size() && std::isfinite(s.y_high[i])))) {
-        return true;
-      }
-    }
-    return false;
   }
 
   /// A stem and two caps for each bar. gnuplot's own error bars cut a hole into the bar.
@@ -426,8 +261,8 @@ class Script {
           thin(x, y, static_cast<int>(p.detail * f.width(p)));
           const std::string name = data({&x, &y});
           draw(fmt::format("{} using 1:2 with {} lw {:.3g} dt {} {} {}", name,
-                           s.style == Style::kSteps ? "steps" : "lines", s.width, s.dashed ? "(7,4)" : "1",
-                           paint, title));
+                           s.style == Style::kSteps ? "steps" : "lines", s.width, dash_of(p, s), paint,
+                           title));
           break;
         }
         case Style::kPoints: {
@@ -444,7 +279,7 @@ class Script {
           const std::vector<double> wide(x.size(), s.width);
           draw(fmt::format("{} using 1:2:3 with boxes fs solid 0.9 noborder {} {}", data({&x, &y, &wide}),
                            paint, title));
-          if (s.y_low.size() >= x.size() && s.y_high.size() >= x.size()) {
+          if (has_whiskers(s)) {
             draw(fmt::format("{} using 1:2:3:4 with vectors nohead lw 1.2 lc rgb '#202124' notitle",
                              whiskers(s, x)));
           }

@@ -41,6 +41,7 @@ struct Series {
   std::string color = "#444444";  ///< #rrggbb
   double width = 1.6;             ///< of a line [px]; of a bar [units of x]; of a point, its size
   bool dashed = false;
+  bool scale = false;  ///< a line of the scale, from which no value is read
 };
 
 /// Vertical line at x, its label at the top.
@@ -69,6 +70,14 @@ struct Range {
 
 enum class Legend { kNone, kAbove, kTopLeft, kTopRight, kBottomLeft, kBottomRight };
 
+/// The circle around which a drawing shows errors magnified; a page lets its reader change the magnification.
+struct Ring {
+  double x = 0.0;
+  double y = 0.0;
+  double radius = 1.0;
+  double error_per_unit = 1.0;  ///< error [µm] for one unit of the drawing
+};
+
 struct Plot {
   std::string title = {};
   std::string description = {};  ///< for screen readers; empty: the title
@@ -89,6 +98,7 @@ struct Plot {
   int height = 320;
   double detail = 1.0;  ///< slices of a line per pixel; fewer make a smaller page
   std::vector<Series> series = {};
+  std::optional<Ring> ring = {};
 };
 
 /// One SVG element for each plot, in order.

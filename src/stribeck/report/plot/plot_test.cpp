@@ -243,5 +243,33 @@ TEST(Colors, AreFixedAndDifferent) {
   EXPECT_EQ(all.size(), 16u);
 }
 
+TEST(Plot, TellsAScriptWhereItsValuesStand) {
+  Plot p = line_plot();
+  p.title = "it's <b>";
+  p.series.push_back({.label = "two", .x = {0, 2}, .y = {0, 0.5}, .color = "#0072b2"});
+  p.series.push_back({.label = "not drawn", .x = {kNaN}, .y = {kNaN}});
+  p.ring = Ring{1.0, 0.5, 0.25, 8.0};
+  const std::string svg = render({p})[0];
+  const auto facts = attributes(svg, "data-plot");
+  ASSERT_EQ(facts.size(), 1u);
+  EXPECT_THAT(facts[0], HasSubstr("it&#39;s &lt;b&gt;"));
+  EXPECT_THAT(facts[0], HasSubstr("\"x\":[0.0,2.0,0]"));
+  EXPECT_THAT(facts[0], HasSubstr("\"n\":\"two\",\"c\":\"#0072b2\",\"g\":[2]"));
+  EXPECT_THAT(facts[0], Not(HasSubstr("not drawn")));
+  EXPECT_THAT(svg, HasSubstr("gnuplot_plot_2\""));
+  // 920 px less margins of 66 and 20 are 834 px for two units of x.
+  EXPECT_THAT(facts[0], HasSubstr("\"ring\":[483.0,"));
+  EXPECT_THAT(facts[0], HasSubstr(",104.3,0.01918465]"));
+}
+
+TEST(Plot, CurvesDifferInDashAndColour) {
+  Plot p = line_plot();
+  for (const char* label : {"two", "three"}) p.series.push_back({.label = label, .x = {0, 2}, .y = {0, 1}});
+  const std::string script = gnuplot_script({p});
+  EXPECT_THAT(script, HasSubstr("lw 1.6 dt 1 "));
+  EXPECT_THAT(script, HasSubstr("lw 1.6 dt (14,3) "));
+  EXPECT_THAT(script, HasSubstr("lw 1.6 dt (9,3,2,3) "));
+}
+
 }  // namespace
 }  // namespace stribeck::report

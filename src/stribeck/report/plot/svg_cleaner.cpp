@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/plot/frame.hpp>
 #include <stribeck/report/plot/svg_cleaner.hpp>
 #include <stribeck/report/text.hpp>
 #include <system_error>
@@ -65,6 +66,50 @@ std::string compact_path(std::string_view d) {
   return out;
 }
 
+/// A text for an attribute in single quotes: the many double quotes of JSON stay as they are.
+std::string quoted_once(std::string_view text) {
+  std::string out = escape_html(text);
+  constexpr std::string_view kQuote = "&quot;";
+  for (std::size_t at = out.find(kQuote); at != std::string::npos; at = out.find(kQuote, at))
+    out.replace(at, kQuote.size(), "\"");
+  return out;
+}
+
+/// Attributes that the outermost element holds for all.
+constexpr std::array<std::string_view, 6> kInherited{" fill=\"none\"",
+                                                     " color=\"black\"",
+                                                     " stroke=\"currentColor\"",
+                                                     " stroke-linecap=\"round\"",
+                                                     " stroke-linejoin=\"round\"",
+                                                     " font-family=\"sans-serif\""};
+
+/// The tag with colours as #rrggbb, and a group without what it inherits.
+std::string plain_tag(std::string_view tag) {
+  std::string out;
+  constexpr std::string_view kRgb = "rgb(";
+  for (std::size_t i = 0; i < tag.size();) {
+    if (tag.substr(i, kRgb.size()) != kRgb) {
+      out += tag[i++];
+      continue;
+    }
+    const std::size_t end = tag.find(')', i);
+    if (end == std::string_view::npos) return std::string(tag);
+    std::array<int, 3> parts{};
+    const char* at = tag.data() + i + kRgb.size();
+    for (int& part : parts) {
+      while (at < tag.data() + end && (*at == ' ' || *at == ',')) ++at;
+      at = std::from_chars(at, tag.data() + end, part).ptr;
+    }
+    out += fmt::format("#{:02x}{:02x}{:02x}", parts[0], parts[1], parts[2]);
+    i = end + 1;
+  }
+  if (tag.substr(0, 3) != "<g ") return out;
+  for (const std::string_view inherited : kInherited) {
+    if (const std::size_t at = out.find(inherited); at != std::string::npos) out.erase(at, inherited.size());
+  }
+  return out;
+}
+
 class SvgCleaner {
  public:
   SvgCleaner(std::string_view raw, std::string prefix) : raw_(raw), prefix_(std::move(prefix)) {}
@@ -74,8 +119,10 @@ class SvgCleaner {
     const std::string text =
         escape_html(clean_text(plot.description.empty() ? plot.title : plot.description));
     out_ = fmt::format(
-        "<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{}\"><title>{}</title>",
-        plot.width, plot.height, plot.width, text, text);
+        "<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" fill=\"none\" color=\"#000000\" stroke=\"currentColor\" "
+        "stroke-linecap=\"round\" stroke-linejoin=\"round\" font-family=\"sans-serif\" data-plot='{3}' role=\"img\" "
+        "aria-label=\"{2}\"><title>{2}</title>",
+        plot.width, plot.height, text, quoted_once(plot_facts(plot)));
     std::size_t at = raw_.find("<svg");
     at = at == std::string_view::npos ? raw_.size() : raw_.find('>', at) + 1;
     while (at < raw_.size()) {
@@ -157,9 +204,12 @@ class SvgCleaner {
     const std::string_view d = attribute(t, "d");
     if (is_named(t, "path") && !symbol && !d.empty()) {
       const auto at = static_cast<std::size_t>(d.data() - t.data());
-      rewrite(std::string(t.substr(0, at)) + compact_path(d) + std::string(t.substr(at + d.size())));
+      rewrite(plain_tag(t.substr(0, at)) + compact_path(d) + plain_tag(t.substr(at + d.size())));
     } else {
-      rewrite(t);
+      rewrite(plain_tag(t));
+      // Outside a group nothing had a border.
+      if (is_named(t, "rect") && open_.size() < 2 && attribute(t, "stroke").empty())
+        out_.insert(start + 5, " stroke=\"none\"");
     }
     if (is_named(t, "g") || is_named(t, "defs")) open_.push_back({start, out_.size() - start});
     return end;
@@ -179,11 +229,10 @@ class SvgCleaner {
     const std::string_view at = transform.substr(kTranslate.size(), transform.find(')') - kTranslate.size());
     const std::string_view scale =
         transform.substr(size + kScale.size(), transform.find(')', size) - size - kScale.size());
-    std::string look(attribute(t, "color"));
-    std::erase_if(look, is_blank);
+    const std::string look_of_dot = plain_tag(attribute(t, "color"));
     double radius = 0.0;
     std::from_chars(scale.data(), scale.data() + scale.size(), radius);
-    look = fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\"", look, 2.0 * radius);
+    const std::string look = fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\"", look_of_dot, 2.0 * radius);
     if (look != dots_look_) end_dots();
     dots_look_ = look;
     dots_ += fmt::format("M{}h0", at);
@@ -206,7 +255,8 @@ class SvgCleaner {
         continue;
       }
       const bool useless = quote == 0 ? c == '>' || c == '/' || c == '=' : c == quote;
-      if (blank && !useless) out_ += ' ';
+      const bool after_equals = quote == 0 && !out_.empty() && out_.back() == '=';
+      if (blank && !useless && !after_equals) out_ += ' ';
       blank = false;
       if (quote != 0) {
         if (c == quote) quote = 0;
