@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/report/html.hpp>
+#include <stribeck/report/study/study_parts.hpp>
+#include <stribeck/report/study/study_report.hpp>
+#include <stribeck/report/text.hpp>
+
+namespace stribeck::report {
+namespace {
+
+/// Points of a curve: one for each pixel of its width would be more than a reader sees.
+constexpr std::size_t kPoints = 250;
+
+std::string color_of_row(const StudyResult& r, const StudiedRow& row) {
+  std::size_t position = 0;
+  for (const StudiedRow& other : r.rows) {
+    if (other.motion != row.motion) continue;
+    if (other.controller == row.controller) break;
+    ++position;
+  }
+  return controller_color(row.controller, position);
+}
+
+std::string with_unit(const StudiedColumn& column) {
+  return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
+}
+
+/// Share of the machines whose figure is below a value, over that value.
+Plot shares_below(const StudyResult& r, const std::string& motion, std::size_t c) {
+  const StudiedColumn& column = r.columns[c];
+  Plot p;
+  p.title = motion;
+  p.description = fmt::format("share of the machines whose {} is below a value, {}", column.name, motion);
+  p.x_label = with_unit(column);
+  p.y_label = "machines below [%]";
+  p.y_range = Range{0.0, 100.0};
+  for (const StudiedRow& row : r.rows) {
+    if (row.motion != motion) continue;
+    const StudiedFigure& f = row.figures[c];
+    Series s;
+    s.label = "(" + clean_text(row.controller) + ")";
+    s.color = color_of_row(r, row);
+    s.style = Style::kSteps;
+    if (is_known(f)) {
+      s.x.push_back(f.spread.smallest() * column.shown);
+      s.y.push_back(0.0);
+    }
+    for (const sim::SharePoint& point : f.spread.shares(kPoints)) {
+      s.x.push_back(point.x * column.shown);
+      s.y.push_back(100.0 * point.share);
+    }
+    if (s.x.empty()) continue;
+    p.series.push_back(std::move(s));
+  }
+  return p;
+}
+
+/// Indices of one controller on one motion.
+Plot bars(const StudyResult& r, const StudiedRow& row) {
+  const StudiedFigure& f = row.figures.front();
+  Plot p;
+  p.title = fmt::format("({}) at {}", clean_text(row.controller), row.motion);
+  p.description = "share of the variance that comes from each factor, " + p.title;
+  p.y_label = "share of the variance [%]";
+  p.width = 560;
+  p.height = 300;
+  p.x_range = Range{0.4, static_cast<double>(f.indices.size()) + 0.6};
+  Series first{.label = "alone", .style = Style::kBars, .color = "#0072b2", .width = 0.32};
+  Series total{
+      .label = "with what it acts together with", .style = Style::kBars, .color = "#e69f00", .width = 0.32};
+  for (std::size_t i = 0; i < f.indices.size(); ++i) {
+    const auto add = [&](Series& s, const sim::Confident& c, double x) {
+      s.x.push_back(x);
+      s.y.push_back(100.0 * c.value);
+      s.y_low.push_back(100.0 * (std::isnan(c.low) ? c.value : c.low));
+      s.y_high.push_back(100.0 * (std::isnan(c.high) ? c.value : c.high));
+    };
+    const auto at = static_cast<double>(i + 1);
+    add(first, f.indices[i].first, at - 0.18);
+    add(total, f.indices[i].total, at + 0.18);
+    p.x_tics.push_back({at, r.factors[i].key});
+  }
+  p.series = {std::move(first), std::move(total)};
+  return p;
+}
+
+Table figures_table(const StudyResult& r, const std::string& motion) {
+  Table t;
+  t.columns = {{"controller", "", false},
+               {"figure", "", false},
+               {"nominal"},
+               {"5 %"},
+               {"median"},
+               {"95 %"},
+               {"99 %"},
+               {"worst"},
+               {"lost", "machines"}};
+  for (const StudiedRow& row : r.rows) {
+    if (row.motion != motion) continue;
+    bool begin = true;
+    for (std::size_t c = 0; c < r.columns.size(); ++c) {
+      const StudiedFigure& f = row.figures[c];
+      if (!is_known(f)) continue;
+      const StudiedColumn& column = r.columns[c];
+      std::vector<Cell> cells;
+      cells.push_back(begin ? Cell{"(" + clean_text(row.controller) + ") " + clean_text(row.label), "", "",
+                                   false, color_of_row(r, row)}
+                            : Cell{});
+      cells.push_back({with_unit(column)});
+      cells.push_back({row.nominal_lost ? "lost" : shown(column, f.nominal)});
+      for (const double p : kStudyQuantiles) {
+        const sim::Confident q = quantile_of(r, f, p);
+        cells.push_back({shown(column, q.value), "", interval(column, q)});
+      }
+      cells.push_back({shown(column, f.spread.largest())});
+      cells.push_back({begin ? std::to_string(row.lost) : std::string()});
+      t.rows.push_back(std::move(cells));
+      begin = false;
+    }
+  }
+  return t;
+}
+
+void add_indices(Page& page, const StudyResult& r) {
+  std::vector<Plot> plots;
+  Table t;
+  t.columns = {{"controller", "", false},
+               {"motion", "", false},
+               {"factor", "", false},
+               {"alone", "%"},
+               {"in all", "%"}};
+  for (const StudiedRow& row : r.rows) {
+    const StudiedFigure& f = row.figures.front();
+    bool known = false;
+    for (std::size_t i = 0; i < f.indices.size(); ++i) {
+      const sim::SobolIndex& s = f.indices[i];
+      known = known || std::isfinite(s.total.value);
+      t.rows.push_back({{"(" + clean_text(row.controller) + ")"},
+                        {row.motion},
+                        {clean_text(r.factors[i].key)},
+                        {per_cent(s.first.value), "", per_cent_interval(s.first)},
+                        {per_cent(s.total.value), "", per_cent_interval(s.total)}});
+    }
+    if (known) plots.push_back(bars(r, row));
+  }
+  if (t.rows.empty()) return;
+  page.section("Which factor matters");
+  page.paragraph(fmt::format(
+      "Share of the variance of \"{}\" over the machines. Alone: by how much it would fall if this factor were "
+      "known. In all: what would be left of it if all other factors were known. What the shares alone leave to "
+      "100 % comes from factors together, and from the noise.",
+      r.columns.front().name));
+  if (!plots.empty()) page.figures(plots, 2, "Bars: estimates; whiskers: 95 % confidence by bootstrap.");
+  page.table(t);
+}
+
+}  // namespace
+
+std::string study_report(const StudyReportInput& input) {
+  const StudyResult& r = input.result;
+  Page page("Study: " + clean_text(r.machine), "stribeck " + input.version);
+  page.lead(study_in_words(r) + ".");
+  page.paragraph("Controllers know the machine as its file says it, not how it differs. Compensators: " +
+                 clean_text(r.parameters) + ".");
+  Table factors;
+  factors.columns = {{"factor", "", false}, {"distribution", "", false}};
+  for (const StudiedFactor& f : r.factors)
+    factors.rows.push_back({{clean_text(f.key)}, {clean_text(f.distribution)}});
+  page.table(factors);
+  for (const std::string& motion : motions_of(r)) {
+    page.section(motion);
+    page.figure(shares_below(r, motion, 0),
+                "Share of the machines that stay below a value; lost ones never do.");
+    page.table(figures_table(r, motion));
+    page.remark(
+        "Small below a quantile: its interval of 95 % confidence, from order statistics; a dash where there are too few "
+        "machines for a limit.");
+  }
+  add_indices(page, r);
+  std::vector<std::string> warnings = lost_in_words(r);
+  warnings.insert(warnings.end(), r.warnings.begin(), r.warnings.end());
+  page.warnings(warnings);
+  page.section("Again");
+  page.code(input.command);
+  return page.html();
+}
+
+void write_study_report(const std::string& directory, const StudyReportInput& input) {
+  const std::string html = study_report(input);
+  io::make_directory(directory);
+  io::write_atomically(directory + "/index.html", html);
+}
+
+}  // namespace stribeck::report

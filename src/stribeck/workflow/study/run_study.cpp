@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/sim/in_order.hpp>
+#include <stribeck/sim/study/machine_runs.hpp>
+#include <stribeck/workflow/study/results_file.hpp>
+#include <stribeck/workflow/study/study.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr std::string_view kDone = "ok";
+constexpr std::string_view kLostWord = "lost";
+constexpr std::string_view kRefusedWord = "refused";
+
+/// Text of a cell of its own: neither commas nor quotes.
+std::string as_cell(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ',' || c == '"'; }, ' ');
+  return report::clean_text(text);
+}
+
+std::string motion_of(const Study& s, std::size_t row) {
+  return s.spec.travels[row / s.spec.controllers.size()].pace_in_words();
+}
+
+std::string head_of(const Study& s) {
+  std::string head = "run,sample";
+  for (const BoundFactor& f : s.factors) head += ',' + as_cell(f.head());
+  head += ",controller,motion,state,at_limit_percent";
+  for (const StudyColumn& c : s.columns) head += ',' + c.key;
+  return head;
+}
+
+/// Everything on which the rows depend. The number of samples is not among it where more of them leave the earlier ones as they were.
+std::string inputs_of(const Study& s, const Parameters& parameters, const std::string& version) {
+  std::string study = io::write_toml(s.file);
+  if (s.file.sampling == sim::Sampling::kRandom || s.file.sampling == sim::Sampling::kSobol) {
+    const std::string line = fmt::format("samples = {}\n", s.file.samples);
+    study.erase(study.find(line), line.size());
+  }
+  std::string text = fmt::format(
+      "# What results.csv was made with. The study goes on with the same alone.\nversion = \"{}\"\n\n# study\n{}"
+      "\n# machine\n{}",
+      version, study, io::write_toml(s.machine));
+  for (const sim::ControllerSpec& c : s.spec.controllers)
+    text += fmt::format("\n# controller {}\n{}", c.id, io::write_toml(c));
+  for (const sim::Travel& t : s.spec.travels)
+    text += fmt::format("\n# motion: {}, {}, {} laps and {} to settle\n", report::clean_text(t.name),
+                        t.pace_in_words(), io::number_text(t.laps), io::number_text(t.settle_laps));
+  for (const std::size_t i : s.axes) {
+    const sim::AxisKnowledge& k = parameters.knowledge[i];
+    for (const auto& [kind, model] :
+         {std::pair{"conventional", &k.conventional}, std::pair{"gaussian", &k.gaussian},
+          std::pair{"eccentric", &k.eccentric}, std::pair{"whole", &k.whole}}) {
+      if (*model)
+        text += fmt::format("\n# axis {}, {} model of the compensators\n{}", s.machine.axes[i].first, kind,
+                            io::write_toml(**model));
+    }
+  }
+  return text;
+}
+
+/// Rows of one run.
+std::string rows_of(const Study& s, const sim::Design& design, const sim::MachineRuns& runs,
+                    std::uint64_t run) {
+  const std::vector<double> values = s.values(design, run);
+  const std::uint64_t sample = run / s.runs_per_sample();
+  std::string begin = fmt::format("{},{}", run, sample);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    begin += ',' + io::number_text(s.factors[i].shown(values[i]));
+  std::vector<sim::RobustRun> all;
+  try {
+    all = runs.run(with_values(s.machine, s.factors, values), static_cast<std::uint32_t>(sample));
+  } catch (const sim::Refused&) {
+    // More sub-steps than are simulated: a machine that has no figures.
+  }
+  std::string text;
+  for (std::size_t row = 0; row < runs.size(); ++row) {
+    text += fmt::format("{},{},{},{}", begin, s.spec.controllers[row % s.spec.controllers.size()].id,
+                        as_cell(motion_of(s, row)),
+                        all.empty()     ? kRefusedWord
+                        : all[row].lost ? kLostWord
+                                        : kDone);
+    text += all.empty() ? "," : ',' + io::number_text(100.0 * all[row].limited);
+    for (const StudyColumn& c : s.columns) {
+      const double x = all.empty() ? kNaN : c.of(all[row].metrics);
+      text += std::isfinite(x) ? ',' + io::number_text(x) : ",";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// Refuses draws that no machine file may hold, before hours of runs.
+void check_machines(const Study& s, const sim::Design& design, std::uint64_t from, unsigned threads) {
+  sim::in_order(
+      from, s.runs, threads,
+      [&](std::uint64_t run) {
+        return why_impossible(with_values(s.machine, s.factors, s.values(design, run)), s.axes);
+      },
+      [&](std::uint64_t run, const std::string& wrong) {
+        if (wrong.empty()) return;
+        std::vector<std::string> drawn;
+        const std::vector<double> values = s.values(design, run);
+        for (std::size_t i = 0; i < values.size(); ++i)
+          drawn.push_back(fmt::format("{} = {}", s.factors[i].head(),
+                                      report::significant(s.factors[i].shown(values[i]), 4)));
+        throw io::InputError(io::Problem{
+            s.source, 0, "factors",
+            fmt::format("run {} ({}) makes a machine that cannot be: {} (narrow the distributions)", run,
+                        report::joined(drawn, ", "), wrong)});
+      });
+}
+
+// ---- summary
+
+/// Sums up the rows, one after the other.
+class Summary {
+ public:
+  explicit Summary(const Study& s)
+      : s_(s),
+        rows_(s.spec.travels.size() * s.spec.controllers.size()),
+        lost_(rows_, 0),
+        refused_(rows_, 0),
+        spreads_(rows_ * s.columns.size()),
+        group_(spreads_.size() * s.runs_per_sample()) {
+    if (s.file.indices) indices_.assign(spreads_.size(), sim::SobolIndices(s.factors.size()));
+  }
+
+  void add(std::uint64_t line, const std::vector<std::string_view>& cells, const std::string& path) {
+    const std::size_t begin = 2 + s_.factors.size();
+    if (cells.size() != begin + 4 + s_.columns.size())
+      throw io::InputError(io::Problem{path, line, {}, "is no row of this study"});
+    const std::uint64_t number = line - 2;
+    const std::size_t row = number % rows_;
+    const std::uint64_t within = number / rows_ % s_.runs_per_sample();
+    const std::string_view state = cells[begin + 2];
+    const bool lost = state == kLostWord;
+    lost_[row] += lost ? 1 : 0;
+    refused_[row] += state == kRefusedWord ? 1 : 0;
+    for (std::size_t c = 0; c < s_.columns.size(); ++c) {
+      const std::size_t at = row * s_.columns.size() + c;
+      double x = kNaN;
+      const std::string_view cell = cells[begin + 4 + c];
+      if (!cell.empty()) {
+        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
+        if (error != std::errc() || end != cell.data() + cell.size())
+          throw io::InputError(
+              io::Problem{path, line, {}, "got " + io::in_quotes(cell) + ", expected a number"});
+      }
+      if (lost) x = kInfinity;
+      // With indices, the other runs of a sample repeat values of A and B: they would count them several times.
+      if (!std::isnan(x) && within < 2) spreads_[at].add(x);
+      if (s_.file.indices) group_[at * s_.runs_per_sample() + within] = x;
+    }
+    if (s_.file.indices && row + 1 == rows_ && within + 1 == s_.runs_per_sample()) close_sample();
+  }
+
+  /// nominal: the runs on the machine as its file says it.
+  report::StudyResult result(const std::vector<sim::RobustRun>& nominal, const Parameters& parameters) const {
+    report::StudyResult r;
+    r.machine = s_.machine.name;
+    r.sampling = enum_name(s_.file.sampling);
+    r.samples = s_.samples;
+    r.runs = s_.runs;
+    r.seed = s_.file.seed;
+    r.parameters = parameters.words;
+    for (const BoundFactor& f : s_.factors) r.factors.push_back({f.key, f.in_words()});
+    for (const StudyColumn& c : s_.columns) {
+      const std::string head(c.figure->head(s_.axes.size() == 1));
+      const bool per_axis = std::holds_alternative<sim::Figure::OfAxis>(c.figure->member);
+      r.columns.push_back({c.key, per_axis ? head + ' ' + s_.machine.axes[s_.axes[c.axis]].first : head,
+                           std::string(c.figure->unit), c.figure->scale / c.figure->key_scale});
+    }
+    for (std::size_t row = 0; row < rows_; ++row) {
+      const sim::ControllerSpec& controller = s_.spec.controllers[row % s_.spec.controllers.size()];
+      report::StudiedRow one{controller.id,
+                             controller.label,
+                             motion_of(s_, row),
+                             lost_[row],
+                             refused_[row],
+                             nominal[row].lost,
+                             {}};
+      for (std::size_t c = 0; c < s_.columns.size(); ++c) {
+        const std::size_t at = row * s_.columns.size() + c;
+        report::StudiedFigure f{s_.columns[c].of(nominal[row].metrics), spreads_[at], {}, 0};
+        if (s_.file.indices) {
+          f.index_samples = indices_[at].samples();
+          for (std::size_t i = 0; i < s_.factors.size(); ++i) f.indices.push_back(indices_[at].index(i));
+        }
+        one.figures.push_back(std::move(f));
+      }
+      warn(one, r.warnings);
+      r.rows.push_back(std::move(one));
+    }
+    return r;
+  }
+
+ private:
+  void close_sample() {
+    const std::vector<unsigned char> counts = sim::bootstrap_counts(s_.file.seed, sample_++);
+    const std::size_t n = s_.runs_per_sample();
+    for (std::size_t at = 0; at < spreads_.size(); ++at) {
+      const double* const f = &group_[at * n];
+      if (!std::all_of(f, f + n, [](double x) { return std::isfinite(x); })) continue;
+      indices_[at].add(f[0], f[1], std::span<const double>(f + 2, n - 2), counts);
+    }
+  }
+
+  void warn(const report::StudiedRow& row, std::vector<std::string>& warnings) const {
+    const std::string who = fmt::format("({}) at {}", row.controller, row.motion);
+    if (row.refused > 0) {
+      warnings.push_back(
+          fmt::format("{}: {} of {} machines need more sub-steps than are simulated; they are left out", who,
+                      row.refused, s_.runs));
+    }
+    if (row.lost > 0 && s_.file.indices && !row.figures.empty()) {
+      warnings.push_back(fmt::format("{}: the indices leave out {} of {} samples, in which a run was lost",
+                                     who, s_.samples - row.figures.front().index_samples, s_.samples));
+    }
+  }
+
+  const Study& s_;
+  std::size_t rows_;
+  std::vector<std::uint64_t> lost_;
+  std::vector<std::uint64_t> refused_;
+  std::vector<sim::Spread> spreads_;  ///< row by row
+  std::vector<sim::SobolIndices> indices_;
+  std::vector<double> group_;  ///< results of the runs of one sample
+  std::uint64_t sample_ = 0;
+};
+
+}  // namespace
+
+report::StudyResult run_study(const Study& study, const StudyOptions& options,
+                              const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  sim::CompareSpec spec = study.spec;
+  spec.threads = options.threads;
+  const Parameters parameters = get_parameters(study.machine, study.machine_file, study.parameters, spec);
+  const sim::MachineRuns runs(study.machine, parameters.knowledge, spec.travels, study.axes, spec.controllers,
+                              study.file.seed);
+  const sim::Design design = study.design();
+  ResultsFile file(options.folder, inputs_of(study, parameters, options.version),
+                   {head_of(study), runs.size(), study.runs});
+  check_machines(study, design, file.finished(), options.threads);
+  sim::in_order(
+      file.finished(), study.runs, options.threads,
+      [&](std::uint64_t run) { return rows_of(study, design, runs, run); },
+      [&](std::uint64_t run, const std::string& rows) {
+        file.add(rows);
+        if (progress) progress(run + 1, study.runs);
+      });
+  file.keep();
+  Summary summary(study);
+  for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
+    summary.add(line, cells, file.path());
+  });
+  return summary.result(runs.run(study.machine, 0), parameters);
+}
+
+}  // namespace stribeck::workflow
