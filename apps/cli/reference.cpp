@@ -17,6 +17,7 @@
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <stribeck/workflow/machine/description.hpp>
+#include <stribeck/workflow/study/study_file.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -78,6 +79,16 @@ std::string controller_page() {
                   "What `controllers/*.toml`, `--controller FILE.toml` and the files of `tune` hold. {}",
                   kHowToRead)) +
          io::markdown_by_table(io::keys_of<sim::ControllerSpec>(), 2);
+}
+
+std::string study_page() {
+  return page(
+             "Study files",
+             fmt::format(
+                 "What `study STUDY.toml` takes: the machine, what of it varies, controllers and figures of merit. "
+                 "Paths count from the folder of the file. [Guide](../guides/study.md). {}",
+                 kHowToRead)) +
+         io::markdown_by_table(io::keys_of<workflow::StudyFile>(), 2);
 }
 
 std::string side_page() {
@@ -183,6 +194,7 @@ void add_reference(CLI::App& app, Action& action) {
       write("machine-file.md", machine_page());
       write("axis-file.md", axis_page());
       write("controller-file.md", controller_page());
+      write("study-file.md", study_page());
       write("side-files.md", side_page());
       write("parameters.md", parameters_page());
       write("verbs.md", verbs_page(command));

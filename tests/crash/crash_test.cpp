@@ -261,5 +261,111 @@ TEST_F(Crash, KilledAtRandomMomentsOfTheLongVerbs) {
   }
 }
 
+/// A study that is stopped goes on: with the same bytes as one that was not.
+class StoppedStudy : public testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = f.write("study.toml", "machine = \"" + std::string(STRIBECK_SOURCE_DIR) +
+                                      "/machines/uniaxial-drive.toml\"\n"
+                                      "controllers = [\"a\", \"pid\"]\nparameters = \"thesis\"\n"
+                                      "sampling = \"sobol\"\nsamples = 64\nindices = true\n"
+                                      "[[factors]]\nkey = \"x.friction\"\n"
+                                      "scale = { kind = \"uniform\", low = 0.7, high = 1.3 }\n"
+                                      "[[factors]]\nkey = \"x.mass\"\n"
+                                      "scale = { kind = \"normal\", mean = 1.0, sd = 0.05 }\n");
+    fs::create_directories(f / "whole");
+    ASSERT_EQ(run(f, words("whole", 1)), 0) << text_of(f / "said");
+    whole_ = results("whole");
+    ASSERT_EQ(whole_.size(), 4U);
+    fs::create_directories(f / "out");
+  }
+  [[nodiscard]] std::vector<std::string> words(const std::string& folder, int threads) const {
+    return {"study",     file_,
+            "-o",        f / folder,
+            "--json",    f / (folder + "/s.json"),
+            "--report",  f / (folder + "/page"),
+            "--threads", std::to_string(threads)};
+  }
+  /// All files, the page without the line that tells the command.
+  [[nodiscard]] Texts results(const std::string& folder) const {
+    Texts texts = texts_in(f / folder);
+    for (auto& [name, text] : texts) {
+      const auto at = text.find("stribeck study ");
+      if (name.ends_with(".html") && at != std::string::npos) text.erase(at, text.find('\n', at) - at);
+    }
+    return texts;
+  }
+  Folder f;
+  std::string file_;
+  Texts whole_;
+};
+
+TEST_F(StoppedStudy, GoesOnAfterFiftyKills) {
+  constexpr unsigned kSeed = 5;
+  std::mt19937 random(kSeed);
+  int kills = 0;
+  for (int round = 0; kills < 50; ++round) {
+    ASSERT_LT(round, 50);
+    fs::remove_all(f / "out");
+    fs::create_directories(f / "out");
+    for (;;) {
+      // A study writes some three times for each of its 256 runs.
+      const int k = 1 + static_cast<int>(random() % 120);
+      const int status = run(f, words("out", 1 + static_cast<int>(random() % 2)),
+                             {"STRIBECK_TEST_KILL=" + std::to_string(k), "STRIBECK_TEST_PIECE=150"});
+      if (WIFEXITED(status)) {
+        ASSERT_EQ(WEXITSTATUS(status), 0) << text_of(f / "said");
+        break;
+      }
+      ASSERT_EQ(WTERMSIG(status), SIGKILL);
+      ++kills;
+    }
+    EXPECT_EQ(results("out"), whole_) << "seed " << kSeed << ", after kill " << kills;
+  }
+}
+
+// At any instant, not at a call.
+TEST_F(StoppedStudy, GoesOnAfterAKillFromOutside) {
+  constexpr unsigned kSeed = 6;
+  std::mt19937 random(kSeed);
+  int kills = 0;
+  for (bool done = false; !done;) {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::vector<std::string> all = words("out", 2);
+      all.insert(all.begin(), STRIBECK_PROGRAM);
+      std::vector<char*> argv;
+      for (auto& w : all) argv.push_back(w.data());
+      argv.push_back(nullptr);
+      if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(99);
+      execv(argv[0], argv.data());
+      _exit(98);
+    }
+    usleep(static_cast<useconds_t>(30000 + random() % 120000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    done = WIFEXITED(status);
+    if (done) {
+      ASSERT_EQ(WEXITSTATUS(status), 0);
+    }
+    ASSERT_LT(++kills, 400);
+  }
+  EXPECT_EQ(results("out"), whole_) << "seed " << kSeed << ", after kill " << kills;
+}
+
+TEST_F(StoppedStudy, GoesOnAfterAFullDisk) {
+  for (const int k : {1, 2, 3, 4, 10, 100, 262, 264, 266}) {
+    fs::remove_all(f / "out");
+    fs::create_directories(f / "out");
+    const int status = run(f, words("out", 2), {"STRIBECK_TEST_FULL=" + std::to_string(k)});
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 2) << k;
+    EXPECT_THAT(text_of(f / "said"), HasSubstr("No space left")) << k;
+    ASSERT_EQ(run(f, words("out", 2)), 0) << text_of(f / "said");
+    EXPECT_EQ(results("out"), whole_) << k;
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::test

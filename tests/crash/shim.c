@@ -2,6 +2,7 @@
  *
  *   STRIBECK_TEST_KILL=N     the process is killed (SIGKILL) in place of the N-th call
  *   STRIBECK_TEST_FULL=N     from the N-th call on, nothing more can be written (ENOSPC)
+ *   STRIBECK_TEST_PIECE=N    of more than N bytes, one call writes half; otherwise of more than 4096
  *   STRIBECK_TEST_NAMED=1    the file system knows no files without a name
  */
 #define _GNU_SOURCE
@@ -40,7 +41,8 @@ ssize_t write(int fd, const void* bytes, size_t n) {
   }
   errno = error;
   /* In pieces, so that there is something between them. */
-  return NEXT(write)(fd, bytes, n > 4096 && fd > 2 ? n / 2 : n);
+  const long piece = limit_of("STRIBECK_TEST_PIECE");
+  return NEXT(write)(fd, bytes, n > (size_t)(piece > 0 ? piece : 4096) && fd > 2 ? n / 2 : n);
 }
 
 int fsync(int fd) {

@@ -1,0 +1,122 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kSource = STRIBECK_SOURCE_DIR;
+
+class StudyVerb : public testing::Test {
+ protected:
+  /// A study of 20 machines with one text replaced, once.
+  std::string study(const std::string& from = {}, const std::string& to = {}) const {
+    std::string text = "machine = \"" + kSource +
+                       "/machines/uniaxial-drive.toml\"\n"
+                       "controllers = [\"a\", \"pid\"]\n"
+                       "parameters = \"thesis\"\n"
+                       "sampling = \"random\"\n"
+                       "samples = 20\n"
+                       "[[factors]]\n"
+                       "key = \"x.friction\"\n"
+                       "scale = { kind = \"uniform\", low = 0.7, high = 1.3 }\n";
+    if (!from.empty()) {
+      const auto at = text.find(from);
+      EXPECT_NE(at, std::string::npos) << from;
+      text.replace(at, from.size(), to);
+    }
+    return f.write("study.toml", text);
+  }
+  /// One clear line, exit code 2, and no folder left behind.
+  void expect_refused(const std::string& from, const std::string& to, const std::string& part) const {
+    const Said said = command({"study", study(from, to), "-o", f / "bad"});
+    EXPECT_EQ(said.code, 2) << to << said.out;
+    EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+    EXPECT_THAT(said.err, testing::StartsWith("stribeck: "));
+    EXPECT_THAT(said.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(f / "bad")) << to;
+  }
+  Folder f;
+};
+
+TEST_F(StudyVerb, WritesRowsSummaryAndPage) {
+  const std::vector<std::string> words{"study",      study(),    "-o",       f / "o",     "--json",
+                                       f / "s.json", "--report", f / "page", "--threads", "2"};
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("20 machines that differ from \"uniaxial drive\": random draws, seed 1."));
+  EXPECT_THAT(said.out, HasSubstr("Compensators: printed parameters of the thesis."));
+  const auto json = nlohmann::json::parse(text_of(f / "s.json"));
+  EXPECT_EQ(json["rows"].size(), 2U);
+  EXPECT_EQ(json["rows"][0]["lost"], 0);
+  EXPECT_THAT(text_of(f / "page/index.html"), HasSubstr("Study: uniaxial drive"));
+  // Again: nothing is left to run, and the same comes out.
+  const std::string rows = text_of(f / "o/results.csv");
+  const std::string summary = text_of(f / "s.json");
+  EXPECT_EQ(command(words).out, said.out);
+  EXPECT_EQ(text_of(f / "o/results.csv"), rows);
+  EXPECT_EQ(text_of(f / "s.json"), summary);
+}
+
+TEST_F(StudyVerb, PathsCountFromTheFileOfTheStudy) {
+  std::filesystem::create_directories(f / "below");
+  f.write("below/m.toml", text_of(kSource + "/machines/uniaxial-drive.toml"));
+  f.write("below/c.toml", text_of(kSource + "/controllers/pid.toml"));
+  f.write("below/s.toml",
+          "machine = \"m.toml\"\ncontrollers = [\"c.toml\"]\nparameters = \"thesis\"\nsamples = 2\n"
+          "[[factors]]\nkey = \"x.mass\"\nscale = { kind = \"uniform\", low = 0.9, high = 1.1 }\n");
+  const Said said = command({"study", f / "below/s.toml", "-o", f / "o"});
+  EXPECT_EQ(said.code, 0) << said.err;
+}
+
+TEST_F(StudyVerb, BadFilesAreRefused) {
+  expect_refused("x.friction", "x.frction",
+                 "study.toml:8: factors[1]: \"x.frction\": \"frction\" is no key there");
+  expect_refused("x.friction", "q.friction", "expected AXIS.KEY with one of the axes that move, x, or *");
+  expect_refused("low = 0.7, high = 1.3", "low = 1.3, high = 1.3", "scale.high: expected a value above low");
+  expect_refused("\"uniform\", low = 0.7, high = 1.3", "\"list\", values = []", "got an empty list");
+  expect_refused("\"uniform\", low = 0.7, high = 1.3", "\"normal\", mean = 1.0, sd = -0.1",
+                 "scale.sd: got -0.1, expected a standard deviation above 0");
+  expect_refused("\"uniform\", low = 0.7, high = 1.3", "\"log-normal\", median = 0.0, sigma = 0.1",
+                 "scale.median: got 0, expected a median above 0");
+  expect_refused("low = 0.7", "low = nan", "factors[1].scale.low: got nan, expected a finite number");
+  expect_refused("low = 0.7", "low = -0.7", "scale reaches -0.7, expected above 0 (set its low)");
+  expect_refused("uniaxial-drive", "no-such-machine", "no-such-machine.toml: no such file");
+  expect_refused("samples = 20", "samples = 0", "samples: got 0, expected 1 to 5000000");
+  expect_refused("samples = 20", "samplse = 20", "unknown key (meant \"samples\"?)");
+  expect_refused("\"pid\"", "\"pdi\"", "study.toml:2: controllers: got \"pdi\"");
+  expect_refused("[[factors]]", "figures = [\"rms\"]\n[[factors]]", "study.toml:6: figures: got \"rms\"");
+  expect_refused("[[factors]]", "[motion]\nexperiment = \"none\"\n[[factors]]",
+                 "motion.experiment: got \"none\"");
+  expect_refused("[[factors]]", "[motion]\nspeeds = [\"9 kg\"]\n[[factors]]", "study.toml:");
+  expect_refused("sampling = \"random\"\nsamples = 20", "sampling = \"grid\"",
+                 "a grid needs kind = \"list\" or \"steps\"");
+}
+
+TEST_F(StudyVerb, TenMillionPointsAreRefusedAtOnce) {
+  f.write(
+      "grid.toml",
+      "machine = \"" + kSource +
+          "/machines/uniaxial-drive.toml\"\ncontrollers = [\"a\"]\nsampling = \"grid\"\n"
+          "[[factors]]\nkey = \"x.friction\"\nscale = { kind = \"steps\", low = 0.7, high = 1.3, points = 10000 }\n"
+          "[[factors]]\nkey = \"x.mass\"\nscale = { kind = \"steps\", low = 0.7, high = 1.3, points = 1000 }\n");
+  const Said said = command({"study", f / "grid.toml", "-o", f / "o"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.err, HasSubstr("factors: the grid has more than 5000000 runs"));
+}
+
+TEST_F(StudyVerb, ResultsDoNotReplaceAnInput) {
+  std::filesystem::create_directories(f / "o");
+  f.write("o/results.csv", "t [s],x [mm]\n0,1\n");
+  const Said said = command({"study", study(), "-o", f / "o"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_EQ(text_of(f / "o/results.csv"), "t [s],x [mm]\n0,1\n");
+}
+
+}  // namespace
+}  // namespace stribeck::test
