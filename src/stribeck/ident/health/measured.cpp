@@ -20,6 +20,8 @@ constexpr std::size_t kFewRows = 20;      // of one speed and direction
 constexpr std::size_t kMostRows = 30000;  // more add time and no knowledge
 constexpr std::size_t kPlaces = 4;
 constexpr double kAfterReversal = 1.0 / 400.0;  // of the stroke
+constexpr std::size_t kOwnSpeeds = 12;          // of rows between the speeds, each direction
+constexpr double kAtSpeed = 0.05;               // share
 constexpr double kOutside = 1.1;  // speeds beyond the plan by more than this factor are left out
 
 /// The rows of all logs that a test uses.
@@ -92,6 +94,9 @@ std::vector<double> constant_speeds(const std::vector<double>& speed) {
   return found.size() >= 2 && held >= kMost ? found : std::vector<double>{};
 }
 
+/// A length or speed with the digits that matter to a reader of the file.
+double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
+
 /// Index of the speed below, and the share of the one above.
 std::pair<std::size_t, double> between(const std::vector<double>& speeds, double v) {
   const auto above = std::upper_bound(speeds.begin(), speeds.end(), v);
@@ -123,7 +128,7 @@ std::vector<double> borders_of(const Rows& rows, const std::vector<double>& spee
   const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
   std::vector<double> borders;
   for (std::size_t j = 0; j <= kPlaces; ++j)
-    borders.push_back(*low + (*high - *low) * static_cast<double>(j) / kPlaces);
+    borders.push_back(rounded(*low + (*high - *low) * static_cast<double>(j) / kPlaces, 1e6));
   for (std::size_t j = 0; j < kPlaces; ++j) {
     const auto counts = counts_of(rows, speeds, borders[j], borders[j + 1]);
     const auto both = std::count_if(counts.begin(), counts.end(),
@@ -135,7 +140,7 @@ std::vector<double> borders_of(const Rows& rows, const std::vector<double>& spee
 
 /// Where the columns of each group begin.
 struct Columns {
-  std::size_t speeds = 0, places = 0, periods = 0;
+  std::size_t speeds = 0, places = 0, periods = 0, own = 0;
 
   [[nodiscard]] Eigen::Index force(std::size_t k, bool forward) const {
     return static_cast<Eigen::Index>(forward ? k : speeds + k);
@@ -145,26 +150,52 @@ struct Columns {
   [[nodiscard]] Eigen::Index wave(std::size_t p) const {
     return place(places) + 2 * static_cast<Eigen::Index>(p);
   }
-  [[nodiscard]] Eigen::Index count() const { return wave(periods); }
+  /// Speed of its own of a row between the speeds.
+  [[nodiscard]] Eigen::Index other(std::size_t k, bool forward) const {
+    return wave(periods) + static_cast<Eigen::Index>(forward ? k : own + k);
+  }
+  [[nodiscard]] Eigen::Index count() const { return wave(periods) + 2 * static_cast<Eigen::Index>(own); }
 };
+
+/// The columns of a matrix that hold more than a few rows; the others, and the rows that use them, say nothing.
+struct Kept {
+  std::vector<Eigen::Index> columns, rows;
+};
+
+Kept kept_of(const Eigen::MatrixXd& X, Eigen::Index from) {
+  constexpr double kFew = 3.0;
+  Kept kept;
+  for (Eigen::Index j = 0; j < X.cols(); ++j) {
+    if (j < from || X.col(j).squaredNorm() >= kFew) kept.columns.push_back(j);
+  }
+  for (Eigen::Index i = 0; i < X.rows(); ++i) {
+    bool lost = false;
+    for (Eigen::Index j = from; j < X.cols(); ++j)
+      lost = lost || (X(i, j) != 0.0 && !std::binary_search(kept.columns.begin(), kept.columns.end(), j));
+    if (!lost) kept.rows.push_back(i);
+  }
+  return kept;
+}
 
 /// The fit with its columns scaled to one.
 class Fit {
  public:
-  Fit(const Rows& rows, const Plan& plan)
-      : columns_{plan.speeds.size(), plan.borders.empty() ? 0 : plan.borders.size() - 2,
-                 plan.periods.size()} {
+  Fit(const Rows& rows, const Plan& plan, const std::string& source)
+      : columns_{plan.speeds.size(), plan.borders.empty() ? 0 : plan.borders.size() - 2, plan.periods.size(),
+                 plan.dwells ? kOwnSpeeds : 0} {
     std::vector<std::size_t> used;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      if (within(plan.speeds, std::abs(rows.v[k]))) used.push_back(k);
+      if (plan.dwells || within(plan.speeds, std::abs(rows.v[k]))) used.push_back(k);
     }
-    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(used.size()), columns_.count());
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(used.size()), columns_.count());
+    for (Eigen::Index i = 0; i < all.rows(); ++i) fill(rows, plan, used[static_cast<std::size_t>(i)], i, all);
+    const Kept kept = kept_of(all, columns_.other(0, true));
+    Eigen::MatrixXd X = all(kept.rows, kept.columns);
     Eigen::VectorXd y(X.rows());
     std::vector<int> record;
     std::vector<std::size_t> at;
     for (Eigen::Index i = 0; i < X.rows(); ++i) {
-      const std::size_t k = used[static_cast<std::size_t>(i)];
-      fill(rows, plan, k, i, X);
+      const std::size_t k = used[static_cast<std::size_t>(kept.rows[static_cast<std::size_t>(i)])];
       y(i) = rows.f[k];
       record.push_back(rows.record[k]);
       at.push_back(rows.at[k]);
@@ -174,7 +205,8 @@ class Fit {
     const stats::LeastSquares solved = stats::least_squares(X, y);
     if (solved.rank < X.cols())
       throw Refused(
-          "the motion does not tell mass, friction and places apart (repeat the motion of the first test)");
+          source +
+          ": the motion does not tell mass, friction and places apart (repeat the motion of the first test)");
     const Eigen::VectorXd e = y - X * solved.x;
     residual_ = std::sqrt(e.squaredNorm() / static_cast<double>(e.size()));
     theta_ = solved.x.cwiseQuotient(scale_);
@@ -183,7 +215,7 @@ class Fit {
 
   [[nodiscard]] const Columns& columns() const { return columns_; }
   [[nodiscard]] double residual() const { return residual_; }
-  [[nodiscard]] Eigen::VectorXd none() const { return Eigen::VectorXd::Zero(columns_.count()); }
+  [[nodiscard]] Eigen::VectorXd none() const { return Eigen::VectorXd::Zero(theta_.size()); }
   [[nodiscard]] double value(const Eigen::VectorXd& g) const { return g.dot(theta_); }
   [[nodiscard]] double half_width(const Eigen::VectorXd& g) const {
     return uncertainty_->half_width(g.cwiseQuotient(scale_));
@@ -194,9 +226,7 @@ class Fit {
  private:
   void fill(const Rows& rows, const Plan& plan, std::size_t k, Eigen::Index i, Eigen::MatrixXd& X) const {
     const bool forward = rows.v[k] > 0.0;
-    const auto [s, share] = between(plan.speeds, std::abs(rows.v[k]));
-    X(i, columns_.force(s, forward)) = 1.0 - share;
-    if (share > 0.0) X(i, columns_.force(s + 1, forward)) = share;
+    fill_friction(plan, std::abs(rows.v[k]), forward, i, X);
     X(i, columns_.mass()) = rows.a[k];
     if (columns_.places > 0) {
       // The last place is what the others leave, so that the sum over all is zero.
@@ -214,6 +244,25 @@ class Fit {
       X(i, columns_.wave(p)) = std::sin(angle);
       X(i, columns_.wave(p) + 1) = std::cos(angle);
     }
+  }
+
+  void fill_friction(const Plan& plan, double speed, bool forward, Eigen::Index i, Eigen::MatrixXd& X) const {
+    const auto [s, share] = between(plan.speeds, speed);
+    if (!plan.dwells) {
+      X(i, columns_.force(s, forward)) = 1.0 - share;
+      if (share > 0.0) X(i, columns_.force(s + 1, forward)) = share;
+      return;
+    }
+    const std::size_t nearest = s + (share > 0.5 ? 1 : 0);
+    if (std::abs(speed - plan.speeds[nearest]) <= kAtSpeed * plan.speeds[nearest]) {
+      X(i, columns_.force(nearest, forward)) = 1.0;
+      return;
+    }
+    const double at =
+        std::min(speed / (kOutside * plan.speeds.back()), 1.0) * static_cast<double>(kOwnSpeeds - 1);
+    const auto low = std::min(static_cast<std::size_t>(at), kOwnSpeeds - 2);
+    X(i, columns_.other(low, forward)) = 1.0 - (at - static_cast<double>(low));
+    X(i, columns_.other(low + 1, forward)) = at - static_cast<double>(low);
   }
 
   Columns columns_;
@@ -292,7 +341,8 @@ Plan plan_of(const std::vector<log::Record>& records, double period) {
   for (const double v : rows.v) speed.push_back(std::abs(v));
   Plan plan;
   plan.speeds = constant_speeds(speed);
-  if (plan.speeds.empty()) {
+  plan.dwells = !plan.speeds.empty();
+  if (!plan.dwells) {
     const double top = stats::quantile(speed, 0.99);
     for (const double share : {0.1, 0.2, 0.4, 0.7, 0.95}) plan.speeds.push_back(share * top);
   }
@@ -304,6 +354,7 @@ Plan plan_of(const std::vector<log::Record>& records, double period) {
   if (seen.empty())
     throw Refused(fmt::format("{}: no speed has {} rows in both directions, expected a motion to and fro",
                               records.front().source, kFewRows));
+  for (double& v : seen) v = rounded(v, std::pow(10.0, 3.0 - std::floor(std::log10(v))));
   plan.speeds = seen;
   plan.borders = borders_of(rows, plan.speeds);
   const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
@@ -314,6 +365,7 @@ Plan plan_of(const std::vector<log::Record>& records, double period) {
 
 Plan plan_of(const Measured& earlier) {
   Plan plan;
+  plan.dwells = earlier.motion.dwells;
   for (const AtSpeed& s : earlier.friction) plan.speeds.push_back(s.speed);
   for (const AtPlace& p : earlier.places) plan.borders.push_back(p.from);
   if (!earlier.places.empty()) plan.borders.push_back(earlier.places.back().to);
@@ -332,7 +384,7 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
           records.front().source, fewest, 1e3 * plan.speeds[k], counts[k][0] < counts[k][1] ? '-' : '+',
           kFewRows / 2));
   }
-  const Fit fit(rows, plan);
+  const Fit fit(rows, plan, records.front().source);
   Measured out;
   const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
   double squares = 0.0;
@@ -340,7 +392,8 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
   out.motion = {{*low, *high},
                 plan.speeds.back(),
                 std::sqrt(squares / static_cast<double>(rows.size())),
-                rows.duration};
+                rows.duration,
+                plan.dwells};
   add_friction(plan, fit, out);
   add_line(plan, fit, out);
   Eigen::VectorXd mass = fit.none();
@@ -364,12 +417,12 @@ std::vector<std::string> motion_differs(const TestMotion& motion, const TestMoti
                                 1e3 * reference.travel[1]));
     if (!why.empty()) break;
   }
-  constexpr double kTwice = 2.0;
-  if (motion.duration > kTwice * reference.duration || reference.duration > kTwice * motion.duration)
+  constexpr double kLonger = 1.1, kFaster = 1.5;
+  if (motion.duration > kLonger * reference.duration || reference.duration > kLonger * motion.duration)
     why.push_back(
         fmt::format("got {:.3g} s of sliding, expected {:.3g} s", motion.duration, reference.duration));
-  if (motion.acceleration > kTwice * reference.acceleration ||
-      reference.acceleration > kTwice * motion.acceleration)
+  if (motion.acceleration > kFaster * reference.acceleration ||
+      reference.acceleration > kFaster * motion.acceleration)
     why.push_back(fmt::format("got an RMS acceleration of {:.3g} mm/s2, expected {:.3g} mm/s2",
                               1e3 * motion.acceleration, 1e3 * reference.acceleration));
   return why;

@@ -4,7 +4,9 @@
 ///
 ///   f = m·a + Σ_k h_k(|v|)·F_k± + Σ_j sgn v·P_j(x) + Σ_λ (s_λ·sin + c_λ·cos)(2πx/λ) + noise
 ///
-///   F_k±   friction and load at speed k of the plan, by direction; between two speeds on a straight line (h_k)
+///   F_k±   friction and load at speed k of the plan, by direction. A motion that dwells at these speeds (jogs): rows within 5 % of one
+///          count for it, and all others for twelve speeds of their own, so that the shape of the curve between does not matter.
+///          Other motions: between two speeds on a straight line (h_k)
 ///   P_j    how much more friction a quarter of the travel has than the mean of all four; sum 0
 ///   a, v   log::reconstruct; rows within 1/400 of the stroke after a reversal are left out
 ///
@@ -13,7 +15,7 @@
 ///   offset              half the difference of both directions: a load, positive against +x
 ///
 /// Intervals: 95 %, under residuals that are correlated in time (stats/uncertainty.hpp). An absent value is not determined by the motion.
-/// Not modelled: pre-sliding; friction that jumps between two speeds of the plan, which widens the intervals.
+/// Not modelled: pre-sliding. Where the motion does not dwell: a curve between two speeds, which widens the intervals.
 /// Real time: no. Errors: Refused, where a log does not hold the motion of the plan.
 
 #include <array>
@@ -101,6 +103,7 @@ struct TestMotion {
   double top_speed = 0.0;          ///< [m/s]
   double acceleration = 0.0;       ///< RMS [m/s²]
   double duration = 0.0;           ///< of all rows [s]
+  bool dwells = false;             ///< at the speeds of the plan
 
   static constexpr auto fields() {
     using M = TestMotion;
@@ -108,7 +111,8 @@ struct TestMotion {
         field("travel", &M::travel, quantity("m", "mm"), "lowest and highest position"),
         field("top_speed", &M::top_speed, quantity("m/s", "mm/s").positive(), "highest speed of the plan"),
         field("acceleration", &M::acceleration, quantity("m/s2", "mm/s2").not_negative(), "RMS"),
-        field("duration", &M::duration, quantity("s", "s").positive(), "of the rows that were used")};
+        field("duration", &M::duration, quantity("s", "s").positive(), "of the rows that were used"),
+        field("dwells", &M::dwells, "whether it dwells at its speeds, as jogs do")};
   }
 };
 
@@ -145,6 +149,7 @@ struct Measured {
 /// What a test looks for.
 struct Plan {
   std::vector<double> speeds;   ///< ascending [m/s]
+  bool dwells = false;          ///< the motion dwells at them
   std::vector<double> borders;  ///< of the places; empty: none
   std::vector<double> periods;  ///< [m]
 };

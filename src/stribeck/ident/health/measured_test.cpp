@@ -65,8 +65,9 @@ TEST(HealthMeasured, FindsWhatTheAxisHas) {
   const Measured m = measure(logs, plan);
   for (const AtSpeed& s : m.friction) {
     const double friction = truth.coulomb + truth.viscous * s.speed;
-    EXPECT_NEAR(s.forward.value, friction + truth.load, 0.5) << s.speed;
-    EXPECT_NEAR(s.backward.value, friction - truth.load, 0.5) << s.speed;
+    // The sine adds rows up to 5 % below the top speed, where viscous friction is 4 N less.
+    EXPECT_NEAR(s.forward.value, friction + truth.load, 1.0) << s.speed;
+    EXPECT_NEAR(s.backward.value, friction - truth.load, 1.0) << s.speed;
   }
   EXPECT_NEAR(m.offset.value, 30.0, 0.2);
   ASSERT_TRUE(m.coulomb && m.viscous && m.mass);
@@ -111,6 +112,7 @@ TEST(HealthMeasured, APlanComesBackFromAMeasurement) {
   const Plan plan = plan_of(logs, 0.01);
   const Plan again = plan_of(measure(logs, plan));
   EXPECT_EQ(again.speeds, plan.speeds);
+  EXPECT_TRUE(again.dwells && plan.dwells);
   EXPECT_EQ(again.borders, plan.borders);
   EXPECT_EQ(again.periods, plan.periods);
 }

@@ -17,7 +17,7 @@ constexpr std::size_t kReferenceReadings = 10;
 constexpr double kLevelPrior = 0.5;     // of the scale
 constexpr double kSlopePrior = 0.002;   // of the scale, per day
 constexpr double kScatterPrior = 0.01;  // of the scale
-constexpr double kScatterWorth = 8.0;   // measurements
+constexpr double kScatterWorth = 4.0;   // measurements
 constexpr double kNormal = 1.4826;      // median magnitude of a normal distribution to its standard deviation
 
 /// Median of |y_{i+lag} − y_i − median|, as a standard deviation of one value.
@@ -32,21 +32,20 @@ double scatter_at(const std::vector<double>& y, std::size_t lag) {
 double scatter_of(const std::vector<double>& y, const std::vector<Reading>& readings, double scale) {
   const auto n = static_cast<double>(y.size());
   const double prior = kScatterPrior * scale;
-  double found = 0.0;
-  if (y.size() >= 6) {
+  constexpr std::size_t kEnough = 6;
+  if (y.size() >= kEnough) {
     const double near = std::pow(scatter_at(y, 1), 2.0);
     const double far = std::pow(scatter_at(y, 3), 2.0);
     // Of noise with the correlation ρ from one measurement to the next, far/near = 1 + ρ + ρ². Few measurements tell little of it.
     const double excess = near > 0.0 ? std::clamp(far / near - 1.0, 0.0, 0.75) * n / (n + 20.0) : 0.0;
     const double rho = 0.5 * (std::sqrt(1.0 + 4.0 * excess) - 1.0);
-    found = std::max(near, far) * (1.0 + rho) / (1.0 - rho);
+    const double found = std::max(near, far) * (1.0 + rho) / (1.0 - rho);
+    return std::sqrt((kScatterWorth * prior * prior + n * found) / (kScatterWorth + n));
   }
-  const double weight = y.size() >= 6 ? n : 0.0;
-  const double pooled = (kScatterWorth * prior * prior + weight * found) / (kScatterWorth + weight);
+  // Its own interval also holds what is wrong in the same way every day: it counts only as long as nothing better is known.
   std::vector<double> own;
   for (const Reading& r : readings) own.push_back(r.half_width / kTwoSided);
-  const double least = stats::median(own);
-  return std::sqrt(std::max(pooled, std::isfinite(least) ? least * least : 0.0));
+  return std::max(prior, stats::median(own));
 }
 
 /// Moves single wild values to where their neighbours allow.
@@ -54,11 +53,12 @@ std::vector<double> without_outliers(const std::vector<double>& y, double scatte
   std::vector<double> out = y;
   constexpr double kWild = 3.5;
   const std::size_t n = y.size();
-  if (n < 5) return out;
+  constexpr std::size_t kNeighbours = 5;
+  const std::size_t window = std::min(n, kNeighbours);
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t from = std::min(i < 2 ? 0 : i - 2, n - 5);
+    const std::size_t from = std::min(i < 2 ? 0 : i - 2, n - window);
     const auto begin = y.begin() + static_cast<std::ptrdiff_t>(from);
-    const double middle = stats::median({begin, begin + 5});
+    const double middle = stats::median({begin, begin + static_cast<std::ptrdiff_t>(window)});
     out[i] = std::clamp(y[i], middle - kWild * scatter, middle + kWild * scatter);
   }
   return out;
@@ -250,6 +250,7 @@ Trend trend_of(const std::vector<Reading>& readings, const TrendOptions& options
     for (std::size_t i = 0; i < n; ++i)
       out.values[i] -= out.per_degree * (readings[i].temperature - readings.front().temperature);
   }
+  out.drift_limit = options.drift_limit;
   out.scatter = scatter_of(out.values, readings, options.scale);
   const std::vector<double> y = without_outliers(out.values, out.scatter);
   std::vector<double> day;

@@ -8,7 +8,8 @@
 ///   pieces    each border between two measurements is a change with probability kChange; the likeliest division is found
 ///             exactly by dynamic programming, and the probability of each border by summing over all divisions (Fearnhead)
 ///   scatter   from differences of measurements one and three apart, so that steps and drift do not count; widened where
-///             neighbours are correlated; pulled towards 1 % of `scale` as by eight measurements, and at least the measurement's own
+///             neighbours are correlated; pulled towards 1 % of `scale` as by four measurements. Below six measurements: 1 %, or that of the
+///             measurement itself
 ///   outliers  a value beyond 3.5 times the scatter from the median of its five neighbours is moved there: a change needs three
 ///             measurements before it is believed
 ///   warmth    where temperatures are known, at least 20 and over 3 K: the slope by temperature from differences over
@@ -65,6 +66,7 @@ struct Trend {
   std::vector<Step> steps;         ///< in order of time
   std::vector<FittedPoint> curve;  ///< at every reading
   std::vector<double> values;      ///< readings less the effect of temperature
+  double drift_limit = 0.25;       ///< of the options
   double reference = kNaN;  ///< μ in the middle of the first readings, at most ten and before the first step
   double now = kNaN;        ///< μ at the last reading
   double drift_half_width = kNaN;  ///< 95 %, of now − reference

@@ -1,0 +1,25 @@
+#pragma once
+/// Words and numbers that text, JSON and page of health share. Inside report only. Real time: no.
+
+#include <stribeck/report/health/health_report.hpp>
+#include <string>
+
+namespace stribeck::report {
+
+/// "changed", "drifted", "ok", or "too few tests".
+std::string status_of(const ident::health::Channel& channel);
+/// "−12.3 %", "+0.4 %".
+std::string percent(double share, int digits = 1);
+/// "2026-04-02", or with the interval in which it may lie.
+std::string when(const ident::health::Change& change);
+/// "step" or "slow change", whether it is within its limits or was taken back.
+std::string kind_of(const ident::health::Change& change);
+/// The numbers that changed with it, the largest first.
+std::string effects_of(const ident::health::Change& change,
+                       const std::vector<ident::health::Channel>& channels);
+/// "120 tests from 2026-01-01 to 2026-04-30".
+std::string tests_of(const HealthAxis& axis);
+/// The verdict on one axis in one sentence.
+std::string verdict_of(const HealthAxis& axis);
+
+}  // namespace stribeck::report
