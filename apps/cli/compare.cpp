@@ -20,6 +20,7 @@
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
+#include <stribeck/workflow/traces.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -36,6 +37,7 @@ struct CompareCommand {
   std::vector<std::string> controllers;
   std::vector<std::string> only;
   PathOptions path;
+  std::string traces;  ///< directory of every trial's trace; empty: none
 };
 
 /// Leaves only those controllers, in their order.
@@ -91,6 +93,30 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
   }
 }
 
+/// Every trial of every controller at every speed as a CSV, computed anew: the comparison itself keeps one trace each.
+void write_traces(const std::string& folder, const sim::Machine& machine, const Parameters& parameters,
+                  const sim::CompareResult& result, bool quiet) {
+  Progress progress("traces", quiet);
+  std::size_t done = 0;
+  for (const sim::CompareRow& row : result.rows) {
+    sim::CompareSpec one = result.spec;
+    one.travels = {result.spec.travels[row.travel]};
+    one.controllers = {row.controller};
+    for (std::uint32_t trial = 0; row.refused.empty() && trial < result.spec.trials; ++trial) {
+      const sim::CompareResult run = sim::run_once(machine, parameters.knowledge, one, trial);
+      io::Log log = as_log(run.axes, run.rows.front().trace);
+      log.metadata = {{"machine", machine.name},
+                      {"controller", row.controller.id + ", " + row.controller.label},
+                      {"path", one.travels.front().name + ", " + one.travels.front().pace_in_words()},
+                      {"seed", std::to_string(one.seed)},
+                      {"trial", std::to_string(trial)}};
+      io::write_csv(fmt::format("{}/{}-{}-trial-{:03}.csv", folder, row.travel + 1, row.controller.id, trial),
+                    log);
+      progress(++done, result.rows.size() * result.spec.trials);
+    }
+  }
+}
+
 int compare(const CompareCommand& o) {
   std::vector<std::string> inputs = o.controllers;
   inputs.push_back(o.machine);
@@ -98,6 +124,8 @@ int compare(const CompareCommand& o) {
   for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
   check_distinct(inputs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
+  const OutputFolder trace_folder = o.traces.empty() ? OutputFolder() : OutputFolder(o.traces);
+  const report::Made made = made_from(inputs);
   const sim::Machine machine = load_machine(o.machine);
   const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
   const sim::CompareSpec spec = spec_of(o, experiment, machine);
@@ -109,6 +137,7 @@ int compare(const CompareCommand& o) {
     result = sim::compare(machine, parameters.knowledge, spec,
                           [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
+  if (!o.traces.empty()) write_traces(o.traces, machine, parameters, result, o.common.quiet);
   // The printed figures are those of one machine.
   const auto printed = is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty()
                            ? printed_for(o, experiment)
@@ -117,8 +146,8 @@ int compare(const CompareCommand& o) {
       coverage_warnings(result, sim::chosen_axes(machine, spec), parameters);
   nlohmann::ordered_json json = report::to_json(result, experiment);
   for (const std::string& warning : uncovered) json["warnings"].push_back(warning);
-  write_json(o.common.json, json);
-  if (!o.common.report.empty()) {
+  write_json(o.common.json, json, made);
+  if (folders_of(o.common).any()) {
     report::CompareReportInput input;
     input.result = result;
     for (const std::size_t i : sim::chosen_axes(machine, spec)) {
@@ -134,12 +163,13 @@ int compare(const CompareCommand& o) {
     input.experiment = experiment;
     input.origin = machine.origin;
     input.parameters = parameters.words;
-    input.command = typed_command();
-    input.version = STRIBECK_VERSION;
+    input.command = made.command;
+    input.version = made.version;
+    input.inputs = made.inputs;
     input.warnings = uncovered;
     input.printed = printed;
-    report::write_compare_report(o.common.report, input);
-    write_evidence(o.common.report, machine, parameters);
+    report::write_compare_report(folders_of(o.common), input);
+    if (!o.common.report.empty()) write_evidence(o.common.report, machine, parameters);
   }
   say(o.common, part_words(spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
@@ -180,6 +210,10 @@ void add_compare(CLI::App& app, Action& action) {
       ->delimiter(',')
       ->type_name("ID");
   add_path_options(*verb, o->path);
+  verb->add_option(
+          "--traces", o->traces,
+          "Write the trace of every trial as a CSV, SPEED-ID-trial-NUMBER.csv with speeds counted from 1")
+      ->type_name("DIR");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(

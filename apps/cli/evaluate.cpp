@@ -22,10 +22,12 @@ int evaluate(const EvaluateCommand& o) {
   check_distinct(o.what.logs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   report::CircleReportInput input = judge_circles(o.what);
-  input.command = typed_command();
-  input.version = STRIBECK_VERSION;
-  write_json(o.common.json, report::to_json(input));
-  if (!o.common.report.empty()) report::write_circle_report(o.common.report, input);
+  const report::Made made = made_from(o.what.logs);
+  input.command = made.command;
+  input.version = made.version;
+  input.inputs = made.inputs;
+  write_json(o.common.json, report::to_json(input), made);
+  report::write_circle_report(folders_of(o.common), input);
   say(o.common, report::text_table(input));
   return 0;
 }

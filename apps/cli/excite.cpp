@@ -95,16 +95,19 @@ int excite(const ExciteCommand& o) {
       {"machine", machine.name}, {"axis", o.axis}, {"method", std::string(enum_name(o.what.method))}};
   for (std::size_t i = 0; i < notes.size(); ++i) log.metadata.emplace_back(kNoteNames[i], notes[i]);
   if (!is_gcode(o.output)) io::write_csv(o.output, log);
-  report_log(o.common.report, log, fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)),
+  const report::Made made = made_from({o.machine, o.what.known});
+  report_log(o.common, made, log, fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)),
              e.says);
-  write_json(o.common.json, {{"schema", "stribeck.excite/1"},
-                             {"machine", machine.name},
-                             {"axis", o.axis},
-                             {"method", enum_name(o.what.method)},
-                             {"rows", e.t.size()},
-                             {"duration_s", e.t.back()},
-                             {"says", e.says},
-                             {"safety", notes}});
+  write_json(o.common.json,
+             {{"schema", "stribeck.excite/1"},
+              {"machine", machine.name},
+              {"axis", o.axis},
+              {"method", enum_name(o.what.method)},
+              {"rows", e.t.size()},
+              {"duration_s", e.t.back()},
+              {"says", e.says},
+              {"safety", notes}},
+             made);
   say(o.common, fmt::format("{}\nSafety: it {}.\nReference in {} ({} rows).\n", e.says,
                             fmt::join(notes, "; "), o.output, e.t.size()));
   if (!o.gcode.empty()) say(o.common, fmt::format("G-code in {}.\n", o.gcode));

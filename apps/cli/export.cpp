@@ -43,7 +43,7 @@ int run_export(const ExportCommand& o) {
   targets::ExportRequest request = o.what;
   request.command = typed_command();
   const targets::Exported written = targets::find_target(o.to)->write(request);
-  write_json(o.common.json, written.json);
+  write_json(o.common.json, written.json, made_from(inputs));
   say(o.common, written.text);
   return 0;
 }

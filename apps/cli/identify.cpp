@@ -59,6 +59,7 @@ void check_inspect(const IdentifyCommand& o) {
   none(o.solver != "derivatives", "--solver");
   none(!o.output.empty(), "--output");
   none(!o.common.report.empty(), "--report");
+  none(!o.common.plots.empty(), "--plots");
 }
 
 /// Refuses a log that is given twice, also under two names.
@@ -81,14 +82,15 @@ int inspect_logs(const IdentifyCommand& o, const LogOptions& log_options) {
     json.push_back(found.json);
     usable = usable && found.usable;
   }
-  write_json(o.common.json, json.size() == 1 ? json.front() : json);
+  write_json(o.common.json, json.size() == 1 ? json.front() : json, made_from(o.logs));
   return usable ? 0 : 1;
 }
 
-report::IdentifyReportInput page_input(const Identification& found, const AxisRecords& axis) {
+report::IdentifyReportInput page_input(const Identification& found, const AxisRecords& axis,
+                                       const report::Made& made) {
   std::vector<ident::Result> shown{found.result};
   shown.insert(shown.end(), found.beside.begin(), found.beside.end());
-  return {axis.axis, shown, axis.sources, typed_command(), STRIBECK_VERSION, found.quality};
+  return {axis.axis, shown, axis.sources, made.command, made.version, found.quality, made.inputs};
 }
 
 void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {
@@ -105,6 +107,7 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
   const sim::Machine machine = load_machine(o.logs.front());
   const std::vector<std::string> logs(o.logs.begin() + 1, o.logs.end());
   if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
+  const report::Made made = made_from(o.logs);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   const std::vector<LogsOfAxis> all = logs_by_axis(machine, logs, log_options);
   if (all.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log_options.axis));
@@ -115,12 +118,15 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
     }
     json.push_back(to_json(found, axis.axis));
-    if (!o.common.report.empty())
-      report::write_identify_report(o.common.report + "/" + one.axis, page_input(found, axis));
+    const auto below = [&](const std::string& folder) {
+      return folder.empty() ? folder : folder + "/" + one.axis;
+    };
+    report::write_identify_report({below(o.common.report), below(o.common.plots)},
+                                  page_input(found, axis, made));
     say(o.common,
         fmt::format("{}from {}\n{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis)));
   }
-  write_json(o.common.json, json);
+  write_json(o.common.json, json, made);
   return 0;
 }
 
@@ -138,8 +144,9 @@ int run_identify(const IdentifyCommand& o) {
   const AxisRecords axis = read_axis(o.logs, log_options);
   const Identification found = identify(axis, options);
   if (!o.output.empty()) write_axis_file(o.output, found, axis);
-  write_json(o.common.json, to_json(found, axis.axis));
-  if (!o.common.report.empty()) report::write_identify_report(o.common.report, page_input(found, axis));
+  const report::Made made = made_from(o.logs);
+  write_json(o.common.json, to_json(found, axis.axis), made);
+  report::write_identify_report(folders_of(o.common), page_input(found, axis, made));
   say(o.common, text_of(found, axis.axis));
   return 0;
 }

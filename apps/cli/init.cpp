@@ -66,7 +66,8 @@ int init(InitCommand o) {
   if (!o.common.quiet && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) ask(o.draft);
   io::write_atomically(o.output, draft_text(o.draft));
   const std::vector<std::string> open = open_keys(o.draft);
-  write_json(o.common.json, {{"schema", "stribeck.init/1"}, {"machine", o.draft.name}, {"fill_in", open}});
+  write_json(o.common.json, {{"schema", "stribeck.init/1"}, {"machine", o.draft.name}, {"fill_in", open}},
+             made_from({}));
   say(o.common, fmt::format("Machine file in {}.\n", o.output));
   if (!open.empty())
     say(o.common, fmt::format("To fill in, marked FILL IN: {}.\n", report::joined(open, ", ")));

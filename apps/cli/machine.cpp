@@ -49,10 +49,12 @@ int machine(const MachineCommand& o) {
     one["lacks"] = axis.lacks;
     axes.push_back(std::move(one));
   }
-  write_json(o.common.json, {{"schema", "stribeck.machine/1"},
-                             {"machine", m.name},
-                             {"sample_time_ms", m.sample_time * 1e3},
-                             {"axes", std::move(axes)}});
+  write_json(o.common.json,
+             {{"schema", "stribeck.machine/1"},
+              {"machine", m.name},
+              {"sample_time_ms", m.sample_time * 1e3},
+              {"axes", std::move(axes)}},
+             made_from({o.machine}));
   say(o.common, text);
   return 0;
 }

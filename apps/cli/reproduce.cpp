@@ -75,8 +75,12 @@ int run_reproduce(const ReproduceCommand& o) {
   }
   page.version = STRIBECK_VERSION;
   page.command = command_of(o.what);
-  write_json(o.common.json, report::reproduction_json(page));
-  if (!o.common.report.empty()) report::write_reproduction(o.common.report, page);
+  // The command that makes the same result, without threads and names of outputs.
+  report::Made made = made_from(o.what.controllers);
+  made.command = page.command;
+  page.inputs = made.inputs;
+  write_json(o.common.json, report::reproduction_json(page), made);
+  report::write_reproduction(folders_of(o.common), page);
   const std::string markdown = report::reproduction_markdown(page);
   if (!o.markdown.empty()) io::write_atomically(o.markdown, markdown);
   say(o.common, report::reproduction_text(page));

@@ -8,11 +8,13 @@
 #include <limits>
 #include <utility>
 
+#include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/io/sha256.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -25,6 +27,10 @@ void add_common(CLI::App& verb, Common& common, Page page) {
       ->type_name("FILE");
   if (page == Page::kReport) {
     verb.add_option("--report", common.report, "Write a self-contained HTML page, DIR/index.html")
+        ->type_name("DIR");
+    verb.add_option(
+            "--plots", common.plots,
+            "Write every figure of the page as SVG, PDF, PNG and CSV, and every table as Markdown, CSV and LaTeX")
         ->type_name("DIR");
   }
   verb.add_flag("--quiet", common.quiet, "Print nothing but errors");
@@ -137,7 +143,32 @@ OutputFolder check_outputs(const Common& common) {
   OutputFolder page = common.report.empty() ? OutputFolder() : OutputFolder(common.report);
   if (common.json != kStandardOutput) io::check_writable(common.json);
   io::check_writable(page_of(common));
+  if (!common.plots.empty()) {
+    const OutputFolder plots(common.plots);  // is removed again until there is something to write
+    io::check_writable(common.plots + "/figure-01.svg");
+  }
   return page;
+}
+
+report::PageFolders folders_of(const Common& common) { return {common.report, common.plots}; }
+
+report::Made made_from(const std::vector<std::string>& inputs) {
+  report::Made made{typed_command(), STRIBECK_VERSION, {}};
+  std::error_code ignored;
+  for (const std::string& file : inputs) {
+    if (!file.empty() && std::filesystem::is_regular_file(file, ignored))
+      made.inputs.push_back({file, io::sha256_of_file(file)});
+  }
+  return made;
+}
+
+void write_json(const std::string& path, nlohmann::ordered_json json, const report::Made& made) {
+  if (json.is_array()) {
+    for (auto& one : json) one["made"] = report::to_json(made);
+  } else {
+    json["made"] = report::to_json(made);
+  }
+  write_json(path, json);
 }
 
 void write_json(const std::string& path, const nlohmann::ordered_json& json) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/io/output_folder.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@ using namespace workflow;  // a verb reads its options and hands them to the wor
 struct Common {
   std::string json;    ///< file for programs, or kStandardOutput; empty: none
   std::string report;  ///< directory of the HTML page; empty: none
+  std::string plots;   ///< directory of its figures and tables as files; empty: none
   bool quiet = false;
 };
 /// Whether a verb writes a page.
@@ -74,7 +76,15 @@ std::string page_of(const Common& common);
 /// Checks the outputs that every verb may have, and makes the folder of its page.
 [[nodiscard]] OutputFolder check_outputs(const Common& common);
 
-/// Writes to the file, or to standard output; does nothing for an empty path.
+/// Where the page and its parts go.
+report::PageFolders folders_of(const Common& common);
+
+/// The command as typed, the version and the checksums of the files among `inputs`; other words among them, such as names of
+/// built-in controllers, are left out.
+report::Made made_from(const std::vector<std::string>& inputs);
+
+/// Writes to the file, or to standard output; does nothing for an empty path. With `made` under "made", in every item of a list.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);
+void write_json(const std::string& path, nlohmann::ordered_json json, const report::Made& made);
 
 }  // namespace stribeck::cli

@@ -43,6 +43,14 @@ struct SimulateCommand {
   std::string axis;
 };
 
+std::vector<std::string> inputs_of(const SimulateCommand& o) {
+  std::vector<std::string> inputs{o.machine, o.reference};
+  if (o.reference.empty() && is_file(o.run.path)) inputs.push_back(o.run.path.path);
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
+  if (!o.run.controller.empty()) inputs.push_back(o.run.controller);
+  return inputs;
+}
+
 /// Runs an axis along a file that excite wrote.
 int play_reference(const SimulateCommand& o, const sim::Machine& machine) {
   if (o.axis.empty()) refuse_option("--axis", "missing, expected the axis that --reference is for");
@@ -53,7 +61,7 @@ int play_reference(const SimulateCommand& o, const sim::Machine& machine) {
   io::Log log = as_log(recording);
   log.metadata = {{"machine", machine.name}, {"axis", o.axis}, {"seed", std::to_string(o.seed)}};
   io::write_csv(o.output, log);
-  report_log(o.common.report, log, fmt::format("Axis {} of {}", o.axis, machine.name),
+  report_log(o.common, made_from(inputs_of(o)), log, fmt::format("Axis {} of {}", o.axis, machine.name),
              fmt::format("{:.6g} s, as a control would log it", recording.t.back()));
   nlohmann::ordered_json json{{"schema", "stribeck.simulate/1"},
                               {"machine", machine.name},
@@ -71,7 +79,7 @@ int play_reference(const SimulateCommand& o, const sim::Machine& machine) {
         "ends there (check load, friction and start of the excitation)\n",
         o.axis, stop->position * 1e3, stop->speed * 1e3, stop->time);
   }
-  write_json(o.common.json, json);
+  write_json(o.common.json, json, made_from(inputs_of(o)));
   say(o.common,
       fmt::format("{:.6g} s of axis {} in {} ({} rows).\n", recording.t.back(), o.axis, o.output, log.rows));
   return end_stop ? kAnswerIsNo : 0;
@@ -98,12 +106,12 @@ int run_path(const SimulateCommand& o, const sim::Machine& machine) {
   const std::string figures =
       fmt::format("{} error max {:.2f} µm, RMS {:.3f} µm", one.axes.size() == 1 ? "tracking" : "contour",
                   m.max_contour_error * 1e6, m.rms * 1e6);
-  report_log(o.common.report, errors_first(log, one.axes),
+  report_log(o.common, made_from(inputs_of(o)), errors_first(log, one.axes),
              fmt::format("Controller ({}) on {}", controller.id, travel.name),
              fmt::format("{}, {}: {}", controller.label, pace, figures));
   auto json = report::to_json(one, o.run.experiment);
   json["schema"] = "stribeck.simulate/1";
-  write_json(o.common.json, json);
+  write_json(o.common.json, json, made_from(inputs_of(o)));
   say(o.common, part_words(spec));
   say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,
                             controller.label, travel.name, pace, figures, o.output, log.rows));
@@ -115,10 +123,7 @@ int run_path(const SimulateCommand& o, const sim::Machine& machine) {
 }
 
 int simulate(const SimulateCommand& o) {
-  std::vector<std::string> inputs{o.machine, o.reference};
-  if (o.reference.empty() && is_file(o.run.path)) inputs.push_back(o.run.path.path);
-  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
-  check_distinct(inputs, {o.output, page_of(o.common), o.common.json});
+  check_distinct(inputs_of(o), {o.output, page_of(o.common), o.common.json});
   if (!o.reference.empty() && !o.run.experiment.empty())
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
   const OutputFolder page_folder = check_outputs(o.common);

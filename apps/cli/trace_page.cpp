@@ -27,16 +27,17 @@ std::string quantity_of(const std::string& column) {
 
 }  // namespace
 
-void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+void report_log(const Common& common, const report::Made& made, const io::Log& log, const std::string& title,
                 const std::string& summary) {
-  if (directory.empty()) return;
-  report::TraceReportInput input{
-      title, summary, typed_command(), STRIBECK_VERSION, log.columns.front().values, {}};
+  const report::PageFolders folders = folders_of(common);
+  if (!folders.any()) return;
+  report::TraceReportInput input{title, summary,    made.command, made.version, log.columns.front().values,
+                                 {},    made.inputs};
   for (std::size_t i = 1; i < log.columns.size(); ++i) {
     const io::Column& c = log.columns[i];
     input.columns.push_back({c.name, c.unit_text, c.values, quantity_of(c.name)});
   }
-  report::write_trace_report(directory, input);
+  report::write_trace_report(folders, input);
 }
 
 }  // namespace stribeck::cli

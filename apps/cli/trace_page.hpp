@@ -4,14 +4,16 @@
 
 #include <string>
 
+#include <apps/cli/shared.hpp>
+
 namespace stribeck::io {
 struct Log;
 }
 
 namespace stribeck::cli {
 
-/// Writes a page with a log's columns over time; does nothing when `directory` is empty.
-void report_log(const std::string& directory, const io::Log& log, const std::string& title,
+/// Writes a page with a log's columns over time, where one is wanted.
+void report_log(const Common& common, const report::Made& made, const io::Log& log, const std::string& title,
                 const std::string& summary);
 
 }  // namespace stribeck::cli

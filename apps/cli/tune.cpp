@@ -69,10 +69,10 @@ int tune(const TuneCommand& o) {
     result = sim::tune(machine, parameters.knowledge, spec,
                        [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
-  write_json(o.common.json, report::to_json(result, spec));
-  if (!o.common.report.empty())
-    report::write_tune_report(o.common.report,
-                              {result, spec, parameters.words, typed_command(), STRIBECK_VERSION});
+  const report::Made made = made_from(inputs);
+  write_json(o.common.json, report::to_json(result, spec), made);
+  report::write_tune_report(folders_of(o.common),
+                            {result, spec, parameters.words, made.command, made.version, made.inputs});
   bool all = true;
   for (const sim::TunedController& c : result.controllers) {
     all = all && c.found();

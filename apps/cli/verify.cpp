@@ -46,10 +46,12 @@ int run_verify(const VerifyCommand& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   options.log = o.log.resolved();
   report::VerifyReportInput page = verify(options);
-  page.command = typed_command();
-  page.version = STRIBECK_VERSION;
-  write_json(o.common.json, report::to_json(page));
-  if (!o.common.report.empty()) report::write_verify_report(o.common.report, page);
+  const report::Made made = made_from(inputs);
+  page.command = made.command;
+  page.version = made.version;
+  page.inputs = made.inputs;
+  write_json(o.common.json, report::to_json(page), made);
+  report::write_verify_report(folders_of(o.common), page);
   say(o.common, report::text_table(page));
   return report::usable(page) ? 0 : 1;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <apps/cli/commands.hpp>
+#include <nlohmann/json.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <string>
 #include <vector>
@@ -29,6 +30,13 @@ inline Said command(std::vector<std::string> words) {
   said.out = testing::internal::GetCapturedStdout();
   said.err = testing::internal::GetCapturedStderr();
   return said;
+}
+
+/// A JSON document without what says how it was called.
+inline std::string result_of(const std::string& path) {
+  auto json = nlohmann::ordered_json::parse(text_of(path));
+  json.erase("made");
+  return json.dump();
 }
 
 inline const std::string kMachine = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";

@@ -56,9 +56,9 @@ TEST(Verify, ComparesAxisFilesOnALog) {
   EXPECT_THAT(said.out, HasSubstr("right.toml"));
   EXPECT_THAT(text_of(folder / "page/index.html"), HasSubstr("the best of 2 models"));
   // Same input, same bytes.
-  const std::string before = text_of(folder / "v.json");
+  const std::string before = result_of(folder / "v.json");
   command({"verify", right, wrong, log, "--controller", controller, "--json", folder / "v.json", "--quiet"});
-  EXPECT_EQ(text_of(folder / "v.json"), before);
+  EXPECT_EQ(result_of(folder / "v.json"), before);
 }
 
 TEST(Verify, GivesAVerdictAndAnExitCode) {

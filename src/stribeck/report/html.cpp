@@ -133,7 +133,18 @@ void Page::lead(std::string_view text) { add(element("p class=\"lead\"", text));
 void Page::remark(std::string_view text) { add(element("p class=\"remark\"", text)); }
 void Page::code(std::string_view text) { add("<pre><code>" + escape(text, true) + "</code></pre>\n"); }
 
+void Page::made(const Made& made) {
+  if (made.command.empty()) return;
+  section("How to make this page again");
+  code(made.command);
+  std::vector<std::string> files;
+  for (const InputFile& f : made.inputs) files.push_back(f.file + ": " + f.sha256);
+  list("SHA-256 of the files that were read:", files);
+  if (!made.version.empty()) remark("Program: stribeck " + made.version + ".");
+}
+
 void Page::table(const Table& table) {
+  tables_.push_back(table);
   add("<div class=\"scroll\"><table>\n");
   if (!table.caption.empty()) add(element("caption", table.caption));
   if (std::any_of(table.columns.begin(), table.columns.end(),

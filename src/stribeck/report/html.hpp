@@ -46,6 +46,19 @@ struct KeyNumber {
   std::string unit = {};
 };
 
+/// A file that a result came from.
+struct InputFile {
+  std::string file = {};
+  std::string sha256 = {};  ///< hexadecimal
+};
+
+/// What made a result.
+struct Made {
+  std::string command = {};
+  std::string version = {};
+  std::vector<InputFile> inputs = {};
+};
+
 class Page {
  public:
   explicit Page(std::string title, std::string subtitle = {});
@@ -71,7 +84,12 @@ class Page {
   /// A part that the reader can unfold; `fill` writes to this page.
   void details(std::string_view summary, const std::function<void()>& fill);
 
+  /// The last section: how to make the page again, and the checksums of what it came from; nothing without a command.
+  void made(const Made& made);
+
   [[nodiscard]] std::string html() const;
+  [[nodiscard]] const std::vector<Plot>& plots() const { return plots_; }
+  [[nodiscard]] const std::vector<Table>& tables() const { return tables_; }
 
  private:
   void add(std::string_view markup) { body_.back() += markup; }
@@ -81,6 +99,7 @@ class Page {
   std::string subtitle_;
   std::vector<std::string> body_{std::string()};  ///< a drawing goes between two parts
   std::vector<Plot> plots_;
+  std::vector<Table> tables_;
   std::vector<std::string> sections_;
   std::size_t first_section_ = 0;  ///< part of the body
   std::size_t first_section_at_ = 0;

@@ -223,7 +223,9 @@ nlohmann::ordered_json to_json(const CircleReportInput& input) {
   return out;
 }
 
-std::string circle_report(const CircleReportInput& input) {
+namespace {
+
+Page circle_report_page(const CircleReportInput& input) {
   Page page(input.title, "stribeck " + input.version);
   const CircleLog* best = &input.logs.front();
   const CircleLog* worst = best;
@@ -282,15 +284,16 @@ std::string circle_report(const CircleReportInput& input) {
     if (log.diagnosis) add_causes(page, input.logs.size() > 1 ? log.label : "", *log.diagnosis, input.radius);
   }
   for (std::size_t c = 0; c < best->circles.size(); ++c) add_circle(page, input, c);
-  page.section("Again");
-  page.code(input.command);
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_circle_report(const std::string& directory, const CircleReportInput& input) {
-  const std::string html = circle_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", html);
+}  // namespace
+
+std::string circle_report(const CircleReportInput& input) { return circle_report_page(input).html(); }
+
+void write_circle_report(const PageFolders& folders, const CircleReportInput& input) {
+  write_page(circle_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

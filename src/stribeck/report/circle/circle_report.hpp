@@ -14,6 +14,7 @@
 #include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/ident/circle/radial_error.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <string>
 #include <vector>
 
@@ -40,12 +41,13 @@ struct CircleReportInput {
   std::vector<std::string> warnings = {};
   std::string command = {};
   std::string version = {};
+  std::vector<InputFile> inputs = {};  ///< that the result came from
 };
 
 std::string text_table(const CircleReportInput& input);
 nlohmann::ordered_json to_json(const CircleReportInput& input);
 std::string circle_report(const CircleReportInput& input);
-/// Writes directory/index.html; makes the directory.
-void write_circle_report(const std::string& directory, const CircleReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_circle_report(const PageFolders& folders, const CircleReportInput& input);
 
 }  // namespace stribeck::report

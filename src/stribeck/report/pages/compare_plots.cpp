@@ -90,8 +90,7 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
       high[k] = std::max(high[k], (q[0][k] + magnification * worst) * kMilli);
     }
   }
-  double half = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) half = std::max(half, 0.5 * (high[k] - low[k]));
+  const double half = 0.5 * std::max(high[0] - low[0], high[1] - low[1]);
   const Vec2 middle = 0.5 * (low + high);
 
   Magnified m;

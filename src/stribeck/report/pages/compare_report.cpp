@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/laws.hpp>
 #include <stribeck/report/pages/compare_plots.hpp>
@@ -114,10 +113,7 @@ void settings(Page& page, const CompareReportInput& input) {
   if (!laws.rows.empty()) page.table(laws);
   page.remark(
       "Names as in a controller file (compare --controller). Several numbers in brackets belong to the directions along and across the path, or to the axes in order. Settings without effect and settings that were left out are not listed.");
-  if (!input.command.empty()) {
-    page.subsection("How to reproduce this page");
-    page.code(input.command);
-  }
+  page.made({input.command, input.version, input.inputs});
 }
 
 void identification(Page& page, const CompareReportInput& input) {
@@ -309,7 +305,9 @@ std::vector<TravelBlock> simulated(std::vector<TravelBlock> blocks) {
 
 }  // namespace
 
-std::string compare_report(const CompareReportInput& input) {
+namespace {
+
+Page compare_report_page(const CompareReportInput& input) {
   const sim::CompareResult& result = input.result;
   const std::vector<TravelBlock> blocks = blocks_of(input);
   std::vector<std::string> about;
@@ -342,13 +340,15 @@ std::string compare_report(const CompareReportInput& input) {
 
   page.section("Settings");
   settings(page, input);
-  return page.html();
+  return page;
 }
 
-void write_compare_report(const std::string& directory, const CompareReportInput& input) {
-  const std::string page = compare_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", page);
+}  // namespace
+
+std::string compare_report(const CompareReportInput& input) { return compare_report_page(input).html(); }
+
+void write_compare_report(const PageFolders& folders, const CompareReportInput& input) {
+  write_page(compare_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

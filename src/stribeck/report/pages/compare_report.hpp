@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <stribeck/report/printed.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <string>
@@ -44,12 +45,13 @@ struct CompareReportInput {
   std::string version = {};                 ///< of the program
   std::span<const PrintedTable> printed{};  ///< kBiaxialTables for bi-table; empty: nothing to compare with
   std::vector<std::string> warnings = {};   ///< from the caller, in addition to those found here
+  std::vector<InputFile> inputs = {};       ///< that the result came from
 };
 
 /// The page as text.
 std::string compare_report(const CompareReportInput& input);
 
-/// Writes directory/index.html; makes the directory.
-void write_compare_report(const std::string& directory, const CompareReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_compare_report(const PageFolders& folders, const CompareReportInput& input);
 
 }  // namespace stribeck::report

@@ -128,7 +128,9 @@ std::string counted(const ident::Result& r) {
   return fmt::format("{} {}{}", r.rows, one, r.rows == 1 ? "" : "s");
 }
 
-std::string identify_report(const IdentifyReportInput& input) {
+namespace {
+
+Page identify_report_page(const IdentifyReportInput& input) {
   std::vector<std::string> about;
   if (!input.source.empty()) about.push_back("from " + input.source);
   if (!input.version.empty()) about.push_back("stribeck " + input.version);
@@ -172,17 +174,16 @@ std::string identify_report(const IdentifyReportInput& input) {
     }
     first = false;
   }
-  if (!input.command.empty()) {
-    page.section("How to reproduce this page");
-    page.code(input.command);
-  }
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_identify_report(const std::string& directory, const IdentifyReportInput& input) {
-  const std::string page = identify_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", page);
+}  // namespace
+
+std::string identify_report(const IdentifyReportInput& input) { return identify_report_page(input).html(); }
+
+void write_identify_report(const PageFolders& folders, const IdentifyReportInput& input) {
+  write_page(identify_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct IdentifyReportInput {
   std::string command = {};
   std::string version = {};
   std::optional<ident::residual::Quality> quality = {};  ///< what the chosen one leaves, over time
+  std::vector<InputFile> inputs = {};                    ///< that the result came from
 };
 
 /// Kind of result and method, e.g. "conventional model by jog"; a method without a model in plain words.
@@ -30,7 +32,7 @@ std::string counted(const ident::Result& result);
 
 std::string identify_report(const IdentifyReportInput& input);
 
-/// Writes directory/index.html; makes the directory.
-void write_identify_report(const std::string& directory, const IdentifyReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_identify_report(const PageFolders& folders, const IdentifyReportInput& input);
 
 }  // namespace stribeck::report

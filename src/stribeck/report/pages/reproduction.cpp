@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/core/numbers.hpp>
-#include <stribeck/io/file.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/report/factors.hpp>
 #include <stribeck/report/pages/reproduction.hpp>
@@ -345,7 +344,9 @@ std::string as_text(const Table& table, bool spread = true) {
 
 }  // namespace
 
-std::string reproduction_html(const ReproductionInput& input) {
+namespace {
+
+Page reproduction_page(const ReproductionInput& input) {
   const bool any = std::any_of(input.sections.begin(), input.sections.end(), has_print);
   Page page(any ? "The thesis reproduced" : "Beyond the thesis",
             fmt::format("{}seed {}{}", input.trials > 0 ? fmt::format("{} trials · ", input.trials) : "",
@@ -385,17 +386,16 @@ std::string reproduction_html(const ReproductionInput& input) {
     page.list("", s.remarks);
     for (const auto& [plots, caption] : s.plots) page.figures(plots, plots.size() > 1 ? 2 : 1, caption);
   }
-  if (!input.command.empty()) {
-    page.section("How to reproduce this page");
-    page.code(input.command);
-  }
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_reproduction(const std::string& directory, const ReproductionInput& input) {
-  const std::string page = reproduction_html(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", page);
+}  // namespace
+
+std::string reproduction_html(const ReproductionInput& input) { return reproduction_page(input).html(); }
+
+void write_reproduction(const PageFolders& folders, const ReproductionInput& input) {
+  write_page(reproduction_page(input), folders);
 }
 
 std::string reproduction_markdown(const ReproductionInput& input) {

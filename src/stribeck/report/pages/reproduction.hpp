@@ -13,6 +13,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <string>
 #include <utility>
@@ -61,10 +62,11 @@ struct ReproductionInput {
   std::uint32_t trials = 10;  ///< 0: none of the sections has trials
   std::string command;
   std::string version;
+  std::vector<InputFile> inputs = {};  ///< that the result came from
 };
 
-/// Writes directory/index.html; makes the directory.
-void write_reproduction(const std::string& directory, const ReproductionInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_reproduction(const PageFolders& folders, const ReproductionInput& input);
 std::string reproduction_html(const ReproductionInput& input);
 std::string reproduction_markdown(const ReproductionInput& input);
 nlohmann::ordered_json reproduction_json(const ReproductionInput& input);

@@ -1,5 +1,4 @@
 #include <array>
-#include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/trace_report.hpp>
 #include <stribeck/report/plot/plot.hpp>
@@ -13,7 +12,9 @@ constexpr std::array<const char*, 8> kColors{"#0072b2", "#d55e00", "#009e73", "#
 
 }  // namespace
 
-std::string trace_report(const TraceReportInput& input) {
+namespace {
+
+Page trace_report_page(const TraceReportInput& input) {
   Page page(input.title, "stribeck " + input.version);
   page.lead(input.summary);
   page.section("Columns over time");
@@ -38,15 +39,16 @@ std::string trace_report(const TraceReportInput& input) {
     plot->series.push_back(std::move(series));
   }
   for (const Plot& p : plots) page.figure(p, "");
-  page.section("How to reproduce this page");
-  page.code(input.command);
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_trace_report(const std::string& directory, const TraceReportInput& input) {
-  const std::string html = trace_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", html);
+}  // namespace
+
+std::string trace_report(const TraceReportInput& input) { return trace_report_page(input).html(); }
+
+void write_trace_report(const PageFolders& folders, const TraceReportInput& input) {
+  write_page(trace_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

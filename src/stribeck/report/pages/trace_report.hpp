@@ -3,6 +3,7 @@
 /// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
+#include <stribeck/report/page/output.hpp>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,14 @@ struct TraceReportInput {
   std::string summary;  ///< in words
   std::string command;  ///< reproduces the page
   std::string version;
-  std::vector<double> time;          ///< [s]
-  std::vector<TraceColumn> columns;  ///< columns of one quantity and unit share a drawing
+  std::vector<double> time;            ///< [s]
+  std::vector<TraceColumn> columns;    ///< columns of one quantity and unit share a drawing
+  std::vector<InputFile> inputs = {};  ///< that the result came from
 };
 
 std::string trace_report(const TraceReportInput& input);
 
-/// Writes directory/index.html; makes the directory.
-void write_trace_report(const std::string& directory, const TraceReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_trace_report(const PageFolders& folders, const TraceReportInput& input);
 
 }  // namespace stribeck::report

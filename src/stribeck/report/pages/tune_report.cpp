@@ -268,7 +268,9 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
   return out;
 }
 
-std::string tune_report(const TuneReportInput& input) {
+namespace {
+
+Page tune_report_page(const TuneReportInput& input) {
   const sim::TuneResult& r = input.result;
   Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
   page.lead("Each controller at its best gains within the same limits: " + limits_in_words(r, input.spec) +
@@ -326,15 +328,16 @@ std::string tune_report(const TuneReportInput& input) {
   }
   page.table(gains);
   page.warnings(warnings);
-  page.section("Again");
-  page.code(input.command);
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_tune_report(const std::string& directory, const TuneReportInput& input) {
-  const std::string html = tune_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", html);
+}  // namespace
+
+std::string tune_report(const TuneReportInput& input) { return tune_report_page(input).html(); }
+
+void write_tune_report(const PageFolders& folders, const TuneReportInput& input) {
+  write_page(tune_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

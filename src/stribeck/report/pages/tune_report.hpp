@@ -11,6 +11,7 @@
 /// Real time: no. Errors: io::InputError of files.
 
 #include <nlohmann/json_fwd.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <stribeck/sim/study/tuning.hpp>
 #include <string>
 
@@ -29,11 +30,12 @@ struct TuneReportInput {
   std::string parameters;  ///< origin of the compensators' parameters
   std::string command;
   std::string version;
+  std::vector<InputFile> inputs = {};  ///< that the result came from
 };
 
 std::string tune_report(const TuneReportInput& input);
 
 /// Writes DIR/index.html.
-void write_tune_report(const std::string& directory, const TuneReportInput& input);
+void write_tune_report(const PageFolders& folders, const TuneReportInput& input);
 
 }  // namespace stribeck::report

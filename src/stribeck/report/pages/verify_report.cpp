@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/core/numbers.hpp>
-#include <stribeck/io/file.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
 #include <stribeck/report/shown_units.hpp>
@@ -199,7 +198,9 @@ std::vector<Plot> closed_error_plots(const VerifiedPart& part) {
 
 }  // namespace
 
-std::string verify_report(const VerifyReportInput& given) {
+namespace {
+
+Page verify_report_page(const VerifyReportInput& given) {
   const VerifyReportInput input = with_short_names(given);
   std::vector<std::string> about;
   if (!input.source.empty()) about.push_back("on " + input.source);
@@ -246,17 +247,16 @@ std::string verify_report(const VerifyReportInput& given) {
   }
   if (input.parts.size() > kShownParts)
     page.remark(fmt::format("Drawings of the first {} of {} parts.", kShownParts, input.parts.size()));
-  if (!input.command.empty()) {
-    page.section("How to reproduce this page");
-    page.code(input.command);
-  }
-  return page.html();
+  page.made({input.command, input.version, input.inputs});
+  return page;
 }
 
-void write_verify_report(const std::string& directory, const VerifyReportInput& input) {
-  const std::string page = verify_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", page);
+}  // namespace
+
+std::string verify_report(const VerifyReportInput& input) { return verify_report_page(input).html(); }
+
+void write_verify_report(const PageFolders& folders, const VerifyReportInput& input) {
+  write_page(verify_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

@@ -22,6 +22,7 @@
 #include <stribeck/ident/replay/drift_band.hpp>
 #include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/ident/replay/replay.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,6 +70,7 @@ struct VerifyReportInput {
   std::string command = {};
   std::string version = {};
   GradeLimits limits = {};
+  std::vector<InputFile> inputs = {};  ///< that the result came from
 };
 
 std::vector<Verdict> verdicts(const VerifyReportInput& input);
@@ -81,7 +83,7 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input);
 
 std::string verify_report(const VerifyReportInput& input);
 
-/// Writes directory/index.html; makes the directory.
-void write_verify_report(const std::string& directory, const VerifyReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_verify_report(const PageFolders& folders, const VerifyReportInput& input);
 
 }  // namespace stribeck::report

@@ -11,23 +11,55 @@
 
 namespace stribeck::report {
 
-std::vector<std::string> render(const std::vector<Plot>& plots) {
+namespace {
+
+/// The last bytes of a drawing.
+std::string_view end_of(Format format) {
+  switch (format) {
+    case Format::kPdf:
+      return "%%EOF\n";
+    case Format::kPng:
+      return std::string_view("IEND\xae\x42\x60\x82", 8);
+    case Format::kSvg:
+      break;
+  }
+  return "</svg>";
+}
+
+/// Without the time at which it was drawn: the same plot gives the same bytes.
+std::string timeless(std::string pdf) {
+  constexpr std::string_view kKey = "/CreationDate (D:";
+  if (const std::size_t key = pdf.find(kKey); key != std::string::npos) {
+    for (std::size_t at = key + kKey.size(); at < pdf.size() && pdf[at] != ')'; ++at) {
+      if (pdf[at] >= '0' && pdf[at] <= '9') pdf[at] = '0';
+    }
+  }
+  return pdf;
+}
+
+}  // namespace
+
+std::vector<std::string> render(const std::vector<Plot>& plots, Format format) {
   std::vector<std::string> drawings;
   if (plots.empty()) return drawings;
-  const std::string output = run_gnuplot(gnuplot_script(plots));
-  constexpr std::string_view kEnd = "</svg>";
+  const std::string output = run_gnuplot(gnuplot_script(plots, format));
+  const std::string_view last_bytes = end_of(format);
   std::string_view rest = output;
   for (const Plot& plot : plots) {
-    const std::size_t end = rest.find(kEnd);
+    const std::size_t end = rest.find(last_bytes);
     if (end == std::string_view::npos) {
       throw io::InputError(
           io::Problem{"", 0, "",
                       fmt::format("gnuplot drew {} of {} plots (version 5.4 is known to work)",
                                   drawings.size(), plots.size())});
     }
-    drawings.push_back(
-        cleaned_svg(rest.substr(0, end + kEnd.size()), plot, fmt::format("plot-{}-", drawings.size() + 1)));
-    rest.remove_prefix(end + kEnd.size());
+    const std::string_view drawing = rest.substr(0, end + last_bytes.size());
+    if (format == Format::kSvg) {
+      drawings.push_back(cleaned_svg(drawing, plot, fmt::format("plot-{}-", drawings.size() + 1)));
+    } else {
+      drawings.push_back(timeless(std::string(drawing)));
+    }
+    rest.remove_prefix(end + last_bytes.size());
   }
   return drawings;
 }

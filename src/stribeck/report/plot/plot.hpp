@@ -101,11 +101,13 @@ struct Plot {
   std::optional<Ring> ring = {};
 };
 
-/// One SVG element for each plot, in order.
-std::vector<std::string> render(const std::vector<Plot>& plots);
+enum class Format { kSvg, kPdf, kPng };
+
+/// One drawing for each plot, in order. An SVG is an element for a page; PDF and PNG are files, the same bytes for the same plot.
+std::vector<std::string> render(const std::vector<Plot>& plots, Format format = Format::kSvg);
 
 /// The input of gnuplot; for tests.
-std::string gnuplot_script(const std::vector<Plot>& plots);
+std::string gnuplot_script(const std::vector<Plot>& plots, Format format = Format::kSvg);
 
 /// Keeps the smallest and the largest value of each of `columns` slices of x, in order, and the ends of a stretch. A
 /// point that is not finite ends a stretch and is kept. For ascending x; other data are returned unchanged.
