@@ -21,10 +21,11 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The command stribeck with its man pages
 files, and components for LinuxCNC where they were built.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and libraries for C++ and C, with files for CMake and pkg-config, and
 example programs.")
-# Only what really is linked, as dpkg-shlibdeps finds it. Plots of reports come from gnuplot.
+# Only what really is linked, as dpkg-shlibdeps finds it. Plots of reports come from gnuplot, netCDF from a library that is loaded when
+# it is asked for.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot-qt | gnuplot-x11")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace, libnetcdf19 | libnetcdf22")
 # What find_package(stribeck) looks for. A program in C needs none of them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS

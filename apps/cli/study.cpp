@@ -4,6 +4,7 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/io/file.hpp>
 #include <stribeck/report/study/study_report.hpp>
 #include <stribeck/workflow/study/study.hpp>
 
@@ -14,15 +15,17 @@ struct StudyCommand {
   Common common;
   std::string file;
   std::string out;
+  std::string netcdf;
   unsigned threads = 0;
 };
 
 int study(const StudyCommand& o) {
   const Study study = read_study(o.file);
   check_distinct(study.inputs,
-                 {o.out + "/results.csv", o.out + "/inputs.txt", page_of(o.common), o.common.json});
+                 {o.out + "/results.csv", o.out + "/inputs.txt", o.netcdf, page_of(o.common), o.common.json});
   const OutputFolder folder(o.out);
   const OutputFolder page_folder = check_outputs(o.common);
+  io::check_writable(o.netcdf);
   StudyOptions options{o.out, o.threads, STRIBECK_VERSION};
   report::StudyResult result;
   {
@@ -31,6 +34,7 @@ int study(const StudyCommand& o) {
       progress(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
     });
   }
+  if (!o.netcdf.empty()) write_netcdf(study, o.out, o.netcdf, STRIBECK_VERSION);
   write_json(o.common.json, report::to_json(result));
   if (!o.common.report.empty())
     report::write_study_report(o.common.report, {result, typed_command(), STRIBECK_VERSION});
@@ -52,6 +56,9 @@ void add_study(CLI::App& app, Action& action) {
           "stopped goes on")
       ->required()
       ->type_name("DIR");
+  verb->add_option("--netcdf", o->netcdf,
+                   "Write the rows as a netCDF-4 file too, with units, for Python, MATLAB, Octave and R")
+      ->type_name("FILE.nc");
   verb->add_option("--threads", o->threads,
                    "Number of threads; 0: all cores. The result does not depend on it")
       ->check(whole_from(0, 4096))

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "command.hpp"
 
@@ -61,6 +63,49 @@ TEST_F(StudyVerb, WritesRowsSummaryAndPage) {
   EXPECT_EQ(command(words).out, said.out);
   EXPECT_EQ(text_of(f / "o/results.csv"), rows);
   EXPECT_EQ(text_of(f / "s.json"), summary);
+}
+
+/// What a program of the netCDF project reads; empty where it is not installed.
+std::string dump_of(const std::string& file) {
+  std::string text;
+  FILE* const pipe = ::popen(("ncdump '" + file + "' 2>/dev/null").c_str(), "r");
+  char buffer[4096];
+  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
+  ::pclose(pipe);
+  return text;
+}
+
+// More runs than are written at once, so that blocks meet.
+TEST_F(StudyVerb, RowsAsNetcdfHaveTheValuesOfTheTable) {
+  const std::string file = study("samples = 20", "samples = 600");
+  const Said said = command({"study", file, "-o", f / "o", "--netcdf", f / "o/rows.nc"});
+  if (said.err.find("libnetcdf") != std::string::npos) GTEST_SKIP() << said.err;
+  ASSERT_EQ(said.code, 0) << said.err;
+  const std::string dump = dump_of(f / "o/rows.nc");
+  if (dump.empty()) GTEST_SKIP() << "ncdump is not installed";
+  for (const char* part :
+       {"run = 600 ;", "case = 2 ;", "double x_friction(run) ;", "x_friction:units = \"1\" ;",
+        "x_friction:long_name = \"x.friction (scale)\" ;", "double max_contour_error_um(run, case) ;",
+        "max_contour_error_um:units = \"um\" ;", "input_variation_V:units = \"V\" ;",
+        "double mean_abs_tracking_um_x(run, case) ;", "state:flag_meanings = \"ok lost refused\" ;",
+        ":title = \"Study of the machine uniaxial drive\" ;", "controller = \"a\", \"pid\" ;"})
+    EXPECT_THAT(dump, HasSubstr(part));
+  // Each number of the table, in its order; ncdump prints 15 digits.
+  const std::size_t data = dump.find("\n x_friction =");
+  ASSERT_NE(data, std::string::npos);
+  std::istringstream rows(text_of(f / "o/results.csv"));
+  std::istringstream numbers(dump.substr(data + 14));
+  std::string line;
+  std::getline(rows, line);
+  for (int run = 0; run < 600; ++run) {
+    std::getline(rows, line);
+    const double in_table = std::stod(line.substr(line.find(',', line.find(',') + 1) + 1));
+    std::getline(rows, line);
+    double in_file = 0.0;
+    char comma = 0;
+    numbers >> in_file >> comma;
+    ASSERT_NEAR(in_file, in_table, 1e-13) << run;
+  }
 }
 
 TEST_F(StudyVerb, PathsCountFromTheFileOfTheStudy) {

@@ -65,4 +65,8 @@ struct StudyOptions {
 report::StudyResult run_study(const Study& study, const StudyOptions& options,
                               const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
+/// The rows of a finished study as a netCDF-4 file: factors over `run`, figures over `run` and `case` (controller and motion), with units.
+void write_netcdf(const Study& study, const std::string& folder, const std::string& path,
+                  const std::string& version);
+
 }  // namespace stribeck::workflow
