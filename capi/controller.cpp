@@ -161,6 +161,7 @@ stribeck_result start(Controller<N>& c, double period) {
     supervision[i] = s.supervision;
   }
   c.supervisor = control::Supervisor<N>(supervision, c.setup);
+  c.drives = control::DriveInterface<N>(c.setup);
   std::construct_at(&c.watch);
   ::new (capi::place_of<Law>(c)) capi::Running<Law>{Law(params, c.setup), {}};
   c.law = I;
@@ -208,7 +209,7 @@ std::uint32_t stribeck_capabilities(void) noexcept {
   return STRIBECK_HAS_CONTOURING | STRIBECK_HAS_DYNAMIC_FEEDFORWARD | STRIBECK_HAS_REVERSAL_FEEDFORWARD |
          STRIBECK_HAS_DISTURBANCE_OBSERVER | STRIBECK_HAS_KALMAN_OBSERVER | STRIBECK_HAS_ADAPTIVE_FRICTION |
          STRIBECK_HAS_FRICTION_ADAPTATION | STRIBECK_HAS_SLIDING_MODE | STRIBECK_HAS_PREDICTIVE |
-         STRIBECK_HAS_LEARNING | STRIBECK_HAS_SUPERVISION;
+         STRIBECK_HAS_LEARNING | STRIBECK_HAS_SUPERVISION | STRIBECK_HAS_DRIVE_LOOPS;
 }
 
 const char* stribeck_version(void) noexcept { return STRIBECK_VERSION; }

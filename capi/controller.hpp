@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <stribeck/control/drive_interface.hpp>
 #include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/path/motion_frame.hpp>
 
@@ -56,6 +57,9 @@ struct Controller : stribeck_controller {
   control::Setup<N> setup;
   control::Supervisor<N> supervisor;
   typename control::Supervisor<N>::State watch;
+  control::DriveInterface<N> drives;
+  typename control::DriveInterface<N>::State commands{};
+  Vec<double, N> measured_force;  ///< of the past period, as the drives report it [N]; NaN: none
   Frame<N> frame;
   std::size_t law = kLaws;  ///< index of the active law; kLaws: none
   std::size_t room = 0;     ///< memory for it behind this object [bytes]

@@ -13,6 +13,8 @@ struct stribeck_plant {
   std::optional<plant::Axis> axis;
   double force_gain = capi::kAbsent;  ///< [N/V]
   double range = capi::kAbsent;       ///< [V]
+  bool by_position = false;           ///< a drive_loop that takes a position
+  double last_command = 0.0;          ///< of a drive with a loop
   capi::Problem problem;
 };
 
@@ -91,6 +93,8 @@ stribeck_result stribeck_plant_configure(stribeck_plant* p, double period, doubl
     p->axis = std::move(axis);
     p->force_gain = p->params.force_gain();
     p->range = p->params.converter.range;
+    p->by_position =
+        p->params.drive_loop && p->params.drive_loop->loop.mode == friction::DriveMode::kPosition;
     return STRIBECK_OK;
   });
 }
@@ -107,6 +111,7 @@ stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::ui
     plant::Fidelity fidelity;
     fidelity.substeps = substeps;
     p->axis->start(position, fidelity, {seed, 0, 0});
+    p->last_command = p->by_position ? position : 0.0;
     return STRIBECK_OK;
   });
 }
@@ -114,8 +119,26 @@ stribeck_result stribeck_plant_start(stribeck_plant* p, double position, std::ui
 stribeck_result stribeck_plant_step(stribeck_plant* p, double voltage, double load) noexcept {
   if (p == nullptr) return STRIBECK_BAD_HANDLE;
   if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+  if (p->axis->has_loop()) {
+    p->problem.set({"drive_loop: this drive takes a command: stribeck_plant_step_command()"});
+    return STRIBECK_REFUSED;
+  }
   const bool finite = std::isfinite(voltage) && std::isfinite(load);
   p->axis->step(std::isfinite(voltage) ? voltage : 0.0, std::isfinite(load) ? load : 0.0);
+  return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
+}
+
+stribeck_result stribeck_plant_step_command(stribeck_plant* p, double command, double offset,
+                                            double load) noexcept {
+  if (p == nullptr) return STRIBECK_BAD_HANDLE;
+  if (!p->axis) return STRIBECK_NOT_CONFIGURED;
+  if (!p->axis->has_loop()) {
+    p->problem.set({"drive_loop: this drive has none"});
+    return STRIBECK_REFUSED;
+  }
+  const bool finite = std::isfinite(command) && std::isfinite(offset) && std::isfinite(load);
+  if (std::isfinite(command)) p->last_command = command;
+  p->axis->step(p->last_command, std::isfinite(load) ? load : 0.0, std::isfinite(offset) ? offset : 0.0);
   return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
 
@@ -136,6 +159,8 @@ double stribeck_plant_get(const stribeck_plant* p, stribeck_plant_signal signal)
       return p->force_gain;
     case STRIBECK_PLANT_FORCE_LIMIT:
       return p->force_gain * p->range;
+    case STRIBECK_PLANT_FORCE:
+      return p->force_gain * p->axis->voltage();
   }
   return capi::kAbsent;
 }

@@ -26,6 +26,10 @@ void forget(Controller<N>& c) {
   capi::with_law(c, [](auto& running) { renew(running.state); });
   capi::with_law(c, [&](auto& running) { c.supervisor.reset(c.watch, running.state); });
   c.phase = c.elapsed = capi::kAbsent;
+  for (std::size_t i = 0; i < N; ++i) {
+    renew(c.commands[i]);
+    c.measured_force[i] = capi::kAbsent;
+  }
   if constexpr (N > 1) renew(c.frame.state);
 }
 
@@ -62,6 +66,15 @@ template <std::size_t N>
 [[gnu::noinline]] Vec<double, N> stopped(Controller<N>& c) {
   return c.supervisor.stopped(c.watch);
 }
+/// Commands of drives with a loop of their own, for the forces that are put out.
+template <std::size_t N>
+[[gnu::noinline]] void command(Controller<N>& c, const path::PathPoint<N>& r, const Vec<double, N>& force) {
+  if (c.watch.fault == control::Fault::kNone) {
+    c.drives.command(c.commands, r, force);
+  } else {
+    c.drives.stop(c.commands, force, c.supervisor.limits(0).stop_periods);
+  }
+}
 
 /// `points` rows of the reference begin at `in`; the active law uses as many of them as it needs.
 template <std::size_t N>
@@ -85,6 +98,7 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
       f = stopped(c);
       return;
     }
+    c.drives.admit(c.commands, running.state, c.measured_force);
     if constexpr (requires { running.ahead; }) {
       if (points > 1) {
         const std::size_t n = std::min<std::size_t>(points, running.ahead.size());
@@ -98,8 +112,12 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
     f = judge<N>(c, running.state, r, step_of(running, r, measured));
   });
   if (!runs) return STRIBECK_NOT_CONFIGURED;
+  command<N>(c, r, f);
   c.elapsed = capi::kAbsent;
-  for (std::size_t i = 0; i < N; ++i) force[i] = f[i];
+  for (std::size_t i = 0; i < N; ++i) {
+    c.measured_force[i] = capi::kAbsent;
+    force[i] = f[i];
+  }
   if (c.watch.fault != control::Fault::kNone) return STRIBECK_FAULT;
   return finite ? STRIBECK_OK : STRIBECK_NOT_FINITE;
 }
@@ -117,6 +135,8 @@ void signals(const Controller<N>& c, std::size_t i, stribeck_axis_signals& out) 
     out.error_rate = common.error[i].rate;
     if (c.setup.compensation[i].adaptation.enabled)
       out.level = control::DriftMonitor::report(s.drift, s.adaptation, c.period).level;
+    out.command = c.commands[i].command;
+    out.offset = c.commands[i].offset;
     out.limited = s.limited && !c.watch.axes[i].cut ? 1 : 0;
     out.backed_off = s.guard.trust < 1.0 ? 1 : 0;
     if constexpr (requires { running.state.surface; }) {
@@ -187,6 +207,15 @@ stribeck_result stribeck_controller_set_elapsed(stribeck_controller* c, double e
   if (!good(c)) return STRIBECK_BAD_HANDLE;
   if (!(elapsed >= 0.0) && elapsed == elapsed) return STRIBECK_BAD_ARGUMENT;
   with(c, [&](auto& whole) { whole.elapsed = elapsed; });
+  return STRIBECK_OK;
+}
+
+stribeck_result stribeck_controller_set_measured_force(stribeck_controller* c, const double* force) noexcept {
+  if (!good(c)) return STRIBECK_BAD_HANDLE;
+  if (force == nullptr) return STRIBECK_BAD_ARGUMENT;
+  with(c, [&](auto& whole) {
+    for (std::size_t i = 0; i < whole.settings.size(); ++i) whole.measured_force[i] = force[i];
+  });
   return STRIBECK_OK;
 }
 

@@ -4,6 +4,10 @@
  *   loadrt stribeck_axis names=ax.x,ax.y             one axis each: ax.x.pos-cmd, …, function ax.x
  *   loadrt stribeck_contour names=ct axes=3          one path:      ct.0.pos-cmd, …, function ct
  *
+ * A drive that closes its own velocity or position loop (parameters drive-loop.*) gets `command`, in position units (per second), and
+ * `offset`, a force beside it; `force-fb` takes the force that it reports. Otherwise it gets `force` or `voltage`. Without enable
+ * `command` is no speed, or the encoder's position.
+ *
  * Parameters are taken over when enable rises; `pending` tells that some wait. Faults: supervisor.h, and with supervision.checks = 2
  * those of the library, as 100 and their number (docs/guides/faults.md); these stop the axes by braking and hold the load until enable
  * falls. `brake` asks for the holding brakes. Of a contour controller every axis is enabled together, and a fault of one axis takes
@@ -38,8 +42,8 @@ static char* names[MAX_INSTANCES] = {0};
 RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the controllers");
 
 struct axis {
-  hal_float_t *pos_cmd, *vel_cmd, *acc_cmd, *pos_fb;
-  hal_float_t *force, *voltage, *friction_ff, *disturbance, *pos_error;
+  hal_float_t *pos_cmd, *vel_cmd, *acc_cmd, *pos_fb, *force_fb;
+  hal_float_t *force, *voltage, *command, *offset, *friction_ff, *disturbance, *pos_error;
   hal_s32_t *fault, *bridged;
   hal_bit_t* saturated;
   hal_float_t ferror_limit, jump_limit, frozen_limit;
@@ -60,8 +64,9 @@ struct instance {
   double position_used, force_used; /* units that are in use */
   double period;
   int was_enabled;
-  int good;    /* the controller is configured */
-  int stopped; /* fault of the library's supervision, and its axis */
+  int good;              /* the controller is configured */
+  int by_position[AXES]; /* the drive takes a position */
+  int stopped;           /* fault of the library's supervision, and its axis */
   uint32_t stopped_axis;
   stribeck_controller* controller;
   size_t size;
@@ -131,6 +136,7 @@ static int configure(struct instance* s, double period) {
     struct values* v = &s->inner[a].values;
     values_taken(&parameters, v);
     for (uint32_t i = 0; i < parameters.count; ++i) {
+      if (strcmp(parameters.name[i], "drive_loop.mode") == 0) s->by_position[a] = same(v->used[i], 1.0);
       if (same(v->used[i], parameters.initial[i])) continue;
       if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
           STRIBECK_OK) {
@@ -161,6 +167,7 @@ struct inputs {
   int enable;
   int finite; /* all of `axis` */
   stribeck_axis_input axis[AXES];
+  double force[AXES]; /* that the drives report */
   struct limits limits[AXES];
 };
 
@@ -178,6 +185,7 @@ static void read_inputs(const struct instance* s, int enable, double period, str
     i->velocity = *x->vel_cmd * in->unit;
     i->acceleration = *x->acc_cmd * in->unit;
     i->measured = *x->pos_fb * in->unit;
+    in->force[a] = *x->force_fb * s->force_used;
     struct limits* l = &in->limits[a];
     l->ferror = x->ferror_limit * in->unit;
     l->jump = x->jump_limit * in->unit;
@@ -246,6 +254,7 @@ static int supervise(struct instance* s, const struct inputs* in) {
 static void step_controller(struct instance* s, struct inputs* in, double* wanted) {
   for (int a = 0; a < axes; ++a) in->axis[a].position += s->inner[a].watch.offset;
   stribeck_controller_set_phase(s->controller, *s->phase);
+  stribeck_controller_set_measured_force(s->controller, in->force);
   if (stribeck_controller_step(s->controller, in->axis, wanted) != STRIBECK_FAULT) return;
   stribeck_supervision why = {0};
   stribeck_controller_supervision(s->controller, &why, sizeof why);
@@ -258,6 +267,14 @@ static int fault_of(const struct instance* s, int a) {
   const enum fault f = s->inner[a].watch.fault;
   if (f == FAULT_NONE && s->stopped != 0 && s->stopped_axis == (uint32_t)a) return LIBRARY_FAULT + s->stopped;
   return (int)f;
+}
+
+/* `now` is null when the controller does not run. */
+static void write_command(const struct axis* x, const struct inputs* in, double measured,
+                          const stribeck_axis_signals* now, int by_position) {
+  const double rest = by_position && isfinite(measured) ? measured : 0.0;
+  *x->command = (now != NULL ? now->command : rest) / in->unit;
+  *x->offset = now != NULL ? now->offset : 0.0;
 }
 
 static void write_axis(const struct instance* s, int a, const struct inputs* in, double force,
@@ -281,6 +298,8 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
     struct supervisor* w = &s->inner[a].watch;
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
+    write_command(&s->axis[a], in, in->axis[a].measured, runs && w->mode == MODE_RUNNING ? &now : NULL,
+                  s->by_position[a]);
     const double force = supervisor_force(w, &in->limits[a], wanted[a]);
     supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
     write_axis(s, a, in, force, &now);
@@ -316,15 +335,12 @@ static int make_axis(struct axis* x, struct inner* inner, const char* prefix) {
     const char* name;
     hal_float_t** pin;
     hal_pin_dir_t direction;
-  } pins[] = {{"pos-cmd", &x->pos_cmd, HAL_IN},
-              {"vel-cmd", &x->vel_cmd, HAL_IN},
-              {"acc-cmd", &x->acc_cmd, HAL_IN},
-              {"pos-fb", &x->pos_fb, HAL_IN},
-              {"force", &x->force, HAL_OUT},
-              {"voltage", &x->voltage, HAL_OUT},
-              {"friction-ff", &x->friction_ff, HAL_OUT},
-              {"disturbance", &x->disturbance, HAL_OUT},
-              {"pos-error", &x->pos_error, HAL_OUT}};
+  } pins[] = {{"pos-cmd", &x->pos_cmd, HAL_IN},          {"vel-cmd", &x->vel_cmd, HAL_IN},
+              {"acc-cmd", &x->acc_cmd, HAL_IN},          {"pos-fb", &x->pos_fb, HAL_IN},
+              {"force-fb", &x->force_fb, HAL_IN},        {"force", &x->force, HAL_OUT},
+              {"voltage", &x->voltage, HAL_OUT},         {"command", &x->command, HAL_OUT},
+              {"offset", &x->offset, HAL_OUT},           {"friction-ff", &x->friction_ff, HAL_OUT},
+              {"disturbance", &x->disturbance, HAL_OUT}, {"pos-error", &x->pos_error, HAL_OUT}};
   for (size_t i = 0; i < sizeof pins / sizeof pins[0]; ++i) {
     if ((r = hal_pin_float_newf(pins[i].direction, pins[i].pin, component, "%s.%s", prefix, pins[i].name)) <
         0)

@@ -3,8 +3,9 @@
  *
  *   loadrt stribeck_plant names=pl.x,pl.y
  *
- * In: force [N] and voltage [V], which add up; cutting [N], a force on the table against the positive direction. Out: pos, the
- * true position of the table; pos-fb, the encoder; vel, friction [N]. Put its function at the end of the thread. Parameters are
+ * In: force [N] and voltage [V], which add up; of a drive with drive-loop.mode a command, in position units or those per second, and
+ * offset [N], a force beside it; cutting [N], a force on the table against the positive direction. Out: pos, the
+ * true position of the table; pos-fb, the encoder; vel, friction [N]; force-fb, the force of the drive [N]. Put its function at the end of the thread. Parameters are
  * taken over in the first period and whenever one of them changes; the drive then stands where it was, or at `start` when that has
  * changed. With parameters that are refused `ok` is off and no output changes any more; the log says which. Not for a thread with a
  * deadline while they change: it allocates.
@@ -30,8 +31,8 @@ struct own {
 
 struct instance {
   char name[HAL_NAME_LEN + 1];
-  hal_float_t *force, *voltage, *cutting;
-  hal_float_t *pos, *pos_fb, *vel, *friction;
+  hal_float_t *force, *voltage, *command, *offset, *cutting;
+  hal_float_t *pos, *pos_fb, *vel, *friction, *force_fb;
   hal_bit_t* ok;
   struct own own, used; /* as they are, and as the last configuration took them over */
   double period;        /* of the last configuration; 0: there was none */
@@ -91,9 +92,12 @@ static void update(void* arg, long period_ns) {
     *s->ok = configure(s, period) != 0;
   if (s->plant == NULL) return;
   const double unit = s->used.position_unit;
-  const double voltage =
-      *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
-  stribeck_plant_step(s->plant, voltage, *s->cutting);
+  if (stribeck_plant_step_command(s->plant, *s->command * unit, *s->offset, *s->cutting) ==
+      STRIBECK_REFUSED) {
+    const double voltage =
+        *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
+    stribeck_plant_step(s->plant, voltage, *s->cutting);
+  }
   s->position = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION);
   if (!isfinite(s->position)) {
     refused(s, "the drive left all bounds; change a parameter to put it back to its start");
@@ -107,6 +111,7 @@ static void update(void* arg, long period_ns) {
   *s->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
   *s->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;
   *s->friction = stribeck_plant_get(s->plant, STRIBECK_PLANT_FRICTION);
+  *s->force_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE);
 }
 
 static int make(const char* name) {
@@ -122,10 +127,11 @@ static int make(const char* name) {
     const char* name;
     hal_float_t** pin;
     hal_pin_dir_t direction;
-  } pins[] = {{"force", &s->force, HAL_IN},       {"voltage", &s->voltage, HAL_IN},
-              {"cutting", &s->cutting, HAL_IN},   {"pos", &s->pos, HAL_OUT},
-              {"pos-fb", &s->pos_fb, HAL_OUT},    {"vel", &s->vel, HAL_OUT},
-              {"friction", &s->friction, HAL_OUT}};
+  } pins[] = {{"force", &s->force, HAL_IN},        {"voltage", &s->voltage, HAL_IN},
+              {"command", &s->command, HAL_IN},    {"offset", &s->offset, HAL_IN},
+              {"cutting", &s->cutting, HAL_IN},    {"pos", &s->pos, HAL_OUT},
+              {"pos-fb", &s->pos_fb, HAL_OUT},     {"vel", &s->vel, HAL_OUT},
+              {"friction", &s->friction, HAL_OUT}, {"force-fb", &s->force_fb, HAL_OUT}};
   for (size_t i = 0; i < sizeof pins / sizeof pins[0]; ++i) {
     if ((r = hal_pin_float_newf(pins[i].direction, pins[i].pin, component, "%s.%s", name, pins[i].name)) < 0)
       return r;

@@ -6,10 +6,11 @@
 
 _Static_assert(STRIBECK_ABI == 1, "a change below is a change of STRIBECK_ABI");
 _Static_assert(sizeof(stribeck_axis_input) == 32, "four numbers");
-_Static_assert(sizeof(stribeck_axis_signals) == 96,
-               "six numbers, two switches; since then four numbers and a counter: it may grow");
+_Static_assert(sizeof(stribeck_axis_signals) == 112,
+               "six numbers, two switches; since then four numbers and a counter, two numbers: it may grow");
 _Static_assert(offsetof(stribeck_axis_signals, limited) == 48, "");
 _Static_assert(offsetof(stribeck_axis_signals, surface) == 56, "");
+_Static_assert(offsetof(stribeck_axis_signals, command) == 96, "");
 _Static_assert(sizeof(stribeck_parameter) == 112, "");
 _Static_assert(offsetof(stribeck_parameter, value) == 80, "");
 _Static_assert(STRIBECK_NO_MEMORY == -9 && STRIBECK_CHOICE == 3 && STRIBECK_PLANT_FORCE_LIMIT == 6, "");

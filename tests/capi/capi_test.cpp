@@ -12,6 +12,7 @@
 #include <new>
 #include <set>
 #include <span>
+#include <stribeck/control/drive_interface.hpp>
 #include <stribeck/control/laws/learning.hpp>
 #include <stribeck/control/laws/predictive.hpp>
 #include <stribeck/control/laws/sliding_mode.hpp>
@@ -823,6 +824,63 @@ TEST(CLaws, SlidingModeStaysWithinItsMeansAtRestAtACornerAndAtAReversal) {
       EXPECT_GT(std::abs(last[1]), 0.0);
     }
   }
+}
+
+TEST(CDrives, CommandsAreThoseOfTheCppInterface) {
+  Handle h(1);
+  h.set("mass", 50.0).set("friction.conventional.alpha0", 30.0).set("omega", 20.0);
+  h.choose("drive_loop.mode", "position")
+      .set("drive_loop.gain", 2e4)
+      .set("drive_loop.integral_time", 0.01)
+      .set("drive_loop.position_gain", 50.0)
+      .set("drive_loop.velocity_feedforward", 1.0)
+      .set("drive_loop.force_feedback", 1.0);
+  h.choose("observer", "disturbance");
+  h.configure();
+
+  control::Setup<1> setup;
+  setup.period = kPeriod;
+  control::CompensationParams& c = setup.compensation[0];
+  c.model.mass = 50.0;
+  c.model.friction.steady = friction::Conventional<double>{30.0, 0.0, {}};
+  c.model.drive_loop = friction::DriveLoop{friction::DriveMode::kPosition, 2e4, 0.01, 50.0, 1.0, false, true};
+  c.observer = control::Observer::kDisturbance;
+  const control::DriveInterface<1> drives(setup);
+  control::DriveInterface<1>::State commands{};
+  const control::Pd pd({.gains = control::Gains::critical(20.0), .compensation = c}, kPeriod);
+  control::Pd::State state;
+
+  for (int k = 0; k < 300; ++k) {
+    const double t = kPeriod * k;
+    const stribeck_axis_input in{1e-3 * std::sin(9.0 * t), 9e-3 * std::cos(9.0 * t),
+                                 -81e-3 * std::sin(9.0 * t), 1e-3 * std::sin(9.0 * t - 0.01)};
+    const double reported = 20.0 * std::cos(7.0 * t);
+    ASSERT_EQ(stribeck_controller_set_measured_force(h.c, &reported), STRIBECK_OK);
+    double force = 0.0;
+    ASSERT_EQ(stribeck_controller_step(h.c, &in, &force), STRIBECK_OK);
+    stribeck_axis_signals now{};
+    ASSERT_EQ(stribeck_controller_signals(h.c, 0, &now, sizeof now), STRIBECK_OK);
+
+    drives.admit(commands, state, {{reported}});
+    const double f = pd.step(state, {in.position, in.velocity, in.acceleration, in.measured});
+    drives.command(
+        commands,
+        {.position = {{in.position}}, .velocity = {{in.velocity}}, .acceleration = {{in.acceleration}}},
+        {{f}});
+    ASSERT_NEAR(force, f, 1e-9);
+    ASSERT_NEAR(now.command, commands[0].command, 1e-15);
+  }
+  EXPECT_EQ(stribeck_controller_set_measured_force(h.c, nullptr), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(stribeck_controller_set_measured_force(nullptr, nullptr), STRIBECK_BAD_HANDLE);
+}
+
+TEST(CDrives, APositionLoopWithoutItsGainIsRefused) {
+  Handle h(1);
+  h.set("mass", 50.0).set("friction.conventional.alpha0", 30.0);
+  h.choose("drive_loop.mode", "position").set("drive_loop.gain", 2e4);
+  EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
+  EXPECT_NE(std::string(stribeck_controller_problem(h.c)).find("position_gain"), std::string::npos)
+      << stribeck_controller_problem(h.c);
 }
 
 TEST(CPlant, IsTheCppPlant) {

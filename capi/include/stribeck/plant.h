@@ -32,9 +32,13 @@ stribeck_result stribeck_plant_configure(stribeck_plant*, double period,
 stribeck_result stribeck_plant_start(stribeck_plant*, double position, uint64_t seed,
                                      int32_t substeps) STRIBECK_NOEXCEPT;
 
-/* One period under a voltage [V]; what is not finite counts as 0 and is answered with STRIBECK_NOT_FINITE. `load` [N] acts on the
+/* One period under a voltage [V], of a drive without drive_loop; what is not finite counts as 0 and is answered with STRIBECK_NOT_FINITE. `load` [N] acts on the
  * table against the positive direction. */
 stribeck_result stribeck_plant_step(stribeck_plant*, double voltage, double load) STRIBECK_NOEXCEPT;
+
+/* The same for a drive with drive_loop: under a velocity [m/s] or position [m], by drive_loop.mode, and a force offset [N]. */
+stribeck_result stribeck_plant_step_command(stribeck_plant*, double command, double offset,
+                                            double load) STRIBECK_NOEXCEPT;
 
 typedef enum stribeck_plant_signal {
   STRIBECK_PLANT_ENCODER = 0,        /* [m] */
@@ -43,7 +47,8 @@ typedef enum stribeck_plant_signal {
   STRIBECK_PLANT_FRICTION = 3,       /* true [N] */
   STRIBECK_PLANT_VOLTAGE = 4,        /* after the D/A converter [V] */
   STRIBECK_PLANT_FORCE_PER_VOLT = 5, /* at standstill [N/V] */
-  STRIBECK_PLANT_FORCE_LIMIT = 6     /* at the converter's range [N] */
+  STRIBECK_PLANT_FORCE_LIMIT = 6,    /* at the converter's range [N] */
+  STRIBECK_PLANT_FORCE = 7           /* of the drive, mean over the last period [N] */
 } stribeck_plant_signal;
 
 /* NaN for a signal that there is not, or before configure. */

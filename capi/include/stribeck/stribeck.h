@@ -11,13 +11,15 @@
  * Laws, parameter "law" of every axis: contouring control, which is PD for one axis; sliding-mode; predictive, which may be given
  * points ahead; learning, which must be given the phase (docs/theory). Force on the axis in N, positive in the positive
  * direction; friction positive for a positive velocity. The frame of two and three axes comes from the commanded motion.
+ * Drives that close their velocity or position loop themselves: parameters drive_loop.*; the command of the coming period and the force
+ * offset beside it are in the signals (command, offset). Give the force that such a drive reports with set_measured_force.
  * A number that is "left out" is NaN. Elements of lists are named by their index, from 0.
  *
  * Supervision: what is no number for longer than 10 ms, encoder or command, stops the axes: the step then answers STRIBECK_FAULT with
  * the forces of the stop, until reset. With supervision.checks = all and the limits of the axis, each sample and the motion are judged
  * as well, and single wild samples are bridged (docs/theory/supervision.md, docs/guides/faults.md).
  *
- * Real time: step, step_ahead, set_phase, set_elapsed, reset, signals and supervision are safe: no allocation, exception, lock or input and output. They use
+ * Real time: step, step_ahead, set_phase, set_elapsed, set_measured_force, reset, signals and supervision are safe: no allocation, exception, lock or input and output. They use
  * what is in the handle and nothing else, so that two handles may run in two threads. The rest is for configuring; configure needs
  * up to some hundred microseconds. A handle may be thrown away with its memory; there is nothing to release.
  * Errors: a result below zero, and then nothing has changed, but for STRIBECK_NOT_FINITE: a step that got such a number goes on with the
@@ -68,7 +70,8 @@ enum {
   STRIBECK_HAS_SLIDING_MODE = 1u << 7,
   STRIBECK_HAS_PREDICTIVE = 1u << 8,
   STRIBECK_HAS_LEARNING = 1u << 9,
-  STRIBECK_HAS_SUPERVISION = 1u << 10
+  STRIBECK_HAS_SUPERVISION = 1u << 10,
+  STRIBECK_HAS_DRIVE_LOOPS = 1u << 11
 };
 
 uint32_t stribeck_abi(void) STRIBECK_NOEXCEPT;
@@ -150,6 +153,9 @@ stribeck_result stribeck_controller_set_phase(stribeck_controller*, double phase
 /* For the next step: time since the one before, as the host measured it [s]; NaN: one period. A late step is counted, and the encoder may
  * have moved farther. */
 stribeck_result stribeck_controller_set_elapsed(stribeck_controller*, double elapsed) STRIBECK_NOEXCEPT;
+/* For the next step: mean force of each axis over the past period, as drives with drive_loop.force_feedback report it [N]; NaN: none. */
+stribeck_result stribeck_controller_set_measured_force(stribeck_controller*,
+                                                       const double* force) STRIBECK_NOEXCEPT;
 /* Forgets all motion: the next step is a first one. After a fault it goes on with what adaptation had learned before. */
 stribeck_result stribeck_controller_reset(stribeck_controller*) STRIBECK_NOEXCEPT;
 
@@ -169,6 +175,9 @@ typedef struct stribeck_axis_signals {
   double lag;            /* predictive: time by which the reference is behind the one that was given [s] */
   double learned;        /* learning: force from earlier laps [N] */
   uint32_t bridged;      /* samples that were bridged since configure */
+  double
+      command; /* for the drive: velocity [m/s] or position [m] by drive_loop.mode; without drive_loop the force [N] */
+  double offset; /* force beside it, with drive_loop.force_offset [N] */
 } stribeck_axis_signals;
 
 /* `size` is sizeof(stribeck_axis_signals), so that the struct may grow at its end. */

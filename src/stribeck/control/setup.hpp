@@ -45,6 +45,17 @@ struct Setup {
   Vec<double, N> force_limit = spread<N>({}, std::numeric_limits<double>::infinity());  ///< [N]
 };
 
+/// Without observer and adaptation if the drive closes a loop of its own and does not report its force: they would take what its
+/// loop does for a disturbance.
+constexpr CompensationParams with_known_force(const CompensationParams& params) noexcept {
+  CompensationParams p = params;
+  if (p.model.drive_loop && !p.model.drive_loop->force_feedback) {
+    p.observer = Observer::kNone;
+    p.adaptation.enabled = false;
+  }
+  return p;
+}
+
 /// The parts of a controller that are the same in every law: errors from samples, compensation, limits.
 template <std::size_t N>
 class Common {
@@ -61,7 +72,8 @@ class Common {
   };
 
   Common(const Setup<N>& setup, ErrorRate form) noexcept : setup_(setup), form_(form) {
-    for (std::size_t i = 0; i < N; ++i) compensation_[i] = Compensation(setup.compensation[i], setup.period);
+    for (std::size_t i = 0; i < N; ++i)
+      compensation_[i] = Compensation(with_known_force(setup.compensation[i]), setup.period);
   }
 
   /// Tracking errors of this tick; false, and a status raised, when an input is not finite.

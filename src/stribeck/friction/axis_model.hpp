@@ -5,6 +5,8 @@
 ///
 /// Real time: safe.
 
+#include <optional>
+#include <stribeck/friction/drive_loop.hpp>
 #include <stribeck/friction/model.hpp>
 
 namespace stribeck::friction {
@@ -14,6 +16,7 @@ struct AxisModel {
   double load = 0.0;  ///< [N]
   Model friction;
   double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]
+  std::optional<DriveLoop> drive_loop{};  ///< absent: the drive takes the force itself as its command
 
   static constexpr auto fields() {
     return std::tuple{
@@ -25,7 +28,10 @@ struct AxisModel {
         field("delay", &AxisModel::delay, quantity("s", "ms").not_negative(),
               "computation delay: from the sample to the instant at which its force begins to act")
             .or_default(),
-        field("friction", &AxisModel::friction, "friction of the axis")};
+        field("friction", &AxisModel::friction, "friction of the axis"),
+        field("drive_loop", &AxisModel::drive_loop,
+              "velocity or position loop that the drive closes itself; left out: it takes a force")
+            .or_default()};
   }
 };
 

@@ -22,6 +22,7 @@ struct Axis::Implementation {
   Implementation(const AxisParams& p, double period_s, double v_max)
       : params(p), period(period_s), mechanics(make(p, v_max)) {
     if (const auto* c = std::get_if<CurrentDrive>(&p.drive)) amplifier_gain = c->amplifier_gain;
+    if (p.drive_loop) loop.emplace(*p.drive_loop, period_s, p.force_gain() * p.converter.range);
   }
 
   /// Sets the warmth of friction to its value in the middle of the coming period.
@@ -37,12 +38,38 @@ struct Axis::Implementation {
     double out = clamp_to(wanted, -da.range, da.range);
     if (fidelity.quantised) out = clamp_to(rounded(out, da.step()), -da.range, da.range - da.step());
     voltage = out;
-    if (const auto delay = static_cast<std::size_t>(params.delay_periods); delay > 0) {
-      out = waiting[0];
-      for (std::size_t i = 1; i < delay; ++i) waiting[i - 1] = waiting[i];
-      waiting[delay - 1] = voltage;
+    return {delayed(waiting, out), against(), cutting};
+  }
+
+  /// Load and noise of the coming period [N].
+  double against() { return params.load + (noise ? noise->next() : 0.0); }
+
+  /// The value of delay_periods ago; keeps this one.
+  [[nodiscard]] double delayed(std::array<double, 8>& queue, double value) const {
+    const auto delay = static_cast<std::size_t>(params.delay_periods);
+    if (delay == 0) return value;
+    const double out = queue[0];
+    for (std::size_t i = 1; i < delay; ++i) queue[i - 1] = queue[i];
+    queue[delay - 1] = value;
+    return out;
+  }
+
+  /// One period with the loops of the drive.
+  void step_with_loop(double command, double cutting, double offset) {
+    loop->command(delayed(waiting, command), delayed(waiting_offsets, offset));
+    const double against_now = against();
+    const double per_force = 1.0 / params.force_gain();
+    double sum = 0.0;
+    for (int i = 0; i < loop->cycles(); ++i) {
+      std::visit(
+          [&](auto& m) {
+            const double out = per_force * loop->force(i, m.drive_position());
+            sum += out;
+            m.advance({out, against_now, cutting}, loop->cycle(), fidelity.substeps);
+          },
+          mechanics);
     }
-    return {out, params.load + (noise ? noise->next() : 0.0), cutting};
+    voltage = sum / loop->cycles();
   }
 
   AxisParams params;
@@ -51,7 +78,9 @@ struct Axis::Implementation {
   AnyMechanics<Map> mechanics;
   std::optional<NoiseSource> noise;
   std::optional<double> amplifier_gain;
-  std::array<double, 8> waiting{};  ///< voltages that wait for their delay, oldest first
+  std::optional<RunningLoop> loop;
+  std::array<double, 8> waiting{};  ///< commands that wait for their delay, oldest first
+  std::array<double, 8> waiting_offsets{};
   double voltage = 0.0;
   double ticks = 0.0;  ///< since start() [periods]
 };
@@ -66,6 +95,11 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
   Implementation& s = *implementation_;
   std::visit([&](auto& m) { m.reset(x); }, s.mechanics);
   s.waiting = {};
+  s.waiting_offsets = {};
+  if (s.loop) {
+    s.loop->start(x, s.params.load, fidelity.quantised);
+    if (s.params.drive_loop->loop.mode == friction::DriveMode::kPosition) s.waiting.fill(x);
+  }
   s.voltage = 0.0;
   s.ticks = 0.0;
   s.fidelity = fidelity;
@@ -73,10 +107,11 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
   if (s.params.noise && fidelity.noisy) s.noise.emplace(*s.params.noise, s.period, stream);
 }
 
-void Axis::step(double voltage, double cutting) {
+void Axis::step(double command, double cutting, double offset) {
   Implementation& s = *implementation_;
   s.warm();
-  const Held held = s.held(voltage, cutting);
+  if (s.loop) return s.step_with_loop(command, cutting, offset);
+  const Held held = s.held(command, cutting);
   std::visit([&](auto& m) { m.advance(held, s.period, s.fidelity.substeps); }, s.mechanics);
 }
 
@@ -84,7 +119,7 @@ void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, d
                          double cutting_b) {
   Implementation& one = *a.implementation_;
   Implementation& other = *b.implementation_;
-  if (one.mechanics.index() != other.mechanics.index()) {
+  if (one.mechanics.index() != other.mechanics.index() || one.loop || other.loop) {
     a.step(voltage_a, cutting_a);
     b.step(voltage_b, cutting_b);
     return;
@@ -119,6 +154,11 @@ double Axis::velocity() const {
 double Axis::friction_force() const {
   return std::visit([](const auto& m) { return m.friction_force(); }, implementation_->mechanics);
 }
+bool Axis::has_loop() const { return implementation_->loop.has_value(); }
+bool Axis::reports_force() const {
+  const auto& loop = implementation_->params.drive_loop;
+  return loop && loop->loop.force_feedback;
+}
 double Axis::voltage() const { return implementation_->voltage; }
 double Axis::current() const {
   if (implementation_->amplifier_gain) return *implementation_->amplifier_gain * implementation_->voltage;
@@ -131,7 +171,8 @@ double Axis::power() const {
   return motor->resistance * i * i + motor->back_emf * motor->screw_ratio() * velocity() * i;
 }
 double Axis::rate_bound() const {
-  return std::visit([](const auto& m) { return m.rate_bound(); }, implementation_->mechanics);
+  const double rate = std::visit([](const auto& m) { return m.rate_bound(); }, implementation_->mechanics);
+  return implementation_->loop ? rate / implementation_->loop->cycles() : rate;
 }
 
 }  // namespace stribeck::plant

@@ -3,12 +3,14 @@
 ///
 ///   control word → D/A (bits, range) → delay → amplifier and motor → screw → axis with friction, noise
 ///   → encoder
+///   with a drive_loop: velocity or position command, force offset → delay → loops of the drive → amplifier and motor → …
 ///
 /// Real time: configure only.
 
 #include <cmath>
 #include <optional>
 #include <stribeck/friction/model.hpp>
+#include <stribeck/plant/drive_loop.hpp>
 
 namespace stribeck::plant {
 
@@ -158,6 +160,7 @@ struct AxisParams {
   Encoder encoder;
   int delay_periods = 0;  ///< of the control word, in addition to the hold [control periods]
   friction::Model friction;
+  std::optional<DriveLoop> drive_loop;
   std::optional<AxialMode> axial_mode;
   std::optional<ForceNoise> noise;
   std::optional<Warming> warming;
@@ -179,6 +182,9 @@ struct AxisParams {
               "whole control periods of delay of the control word, in addition to the hold")
             .or_default(),
         field("friction", &AxisParams::friction, "true friction; needs dynamics"),
+        field("drive_loop", &AxisParams::drive_loop,
+              "velocity or position loop that the drive closes itself; left out: it takes a force (voltage)")
+            .or_default(),
         field("axial_mode", &AxisParams::axial_mode, "first axial mode; left out: rigid").or_default(),
         field("noise", &AxisParams::noise, "force noise; left out: none").or_default(),
         field("warming", &AxisParams::warming, "change of friction during a run; left out: none")

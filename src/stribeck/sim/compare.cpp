@@ -86,6 +86,23 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
   }
 }
 
+/// Gains of the drive's own loops: those of the axis file, or else the drive's settings, which everybody can read.
+void take_drive_loop(friction::AxisModel& model, const plant::AxisParams& truth, const std::string& axis) {
+  if (!truth.drive_loop) {
+    if (model.drive_loop)
+      throw Refused(
+          "axis " + axis +
+          ": the axis file is for a drive with a loop of its own (drive_loop), the machine's takes a "
+          "force (add plant.drive_loop to the machine, or take drive_loop out of the axis file)");
+    return;
+  }
+  if (!model.drive_loop) model.drive_loop = truth.drive_loop->loop;
+  if (model.drive_loop->mode != truth.drive_loop->loop.mode ||
+      (model.drive_loop->force_offset && !truth.drive_loop->loop.force_offset))
+    throw Refused("axis " + axis +
+                  ": drive_loop of the axis file and of the machine have different commands");
+}
+
 template <std::size_t N>
 struct Cell {
   const Route<N>* route;
@@ -272,6 +289,7 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.model = knowledge[axes[i]].model(which.friction, name);
     if (which.friction == FrictionUse::kNominal)
       c.model.friction = straightened(c.model.friction, axis.limits.speed);
+    take_drive_loop(c.model, axis.plant, name);
     c.feedforward = which.friction == FrictionUse::kNone ? control::Feedforward::kNone : which.feedforward;
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;

@@ -45,7 +45,8 @@ struct Tick {
   double error = 0.0;       ///< contour error
   double orientation = 0.0;
   Vec<double, N> force;
-  Vec<double, N> voltage;
+  Vec<double, N> command;  ///< voltage, or what the loop of the drive takes
+  Vec<double, N> offset;   ///< force offset
   Vec<double, N> cutting;
   bool in_glitch = false;
   bool scored = false;
@@ -95,7 +96,7 @@ ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
           widened(r.acceleration),
           widened(tick.position),
           widened(tick.encoder),
-          widened(tick.voltage),
+          widened(tick.command),
           widened(tick.force),
           widened(friction),
           widened(tick.cutting),
@@ -108,12 +109,33 @@ ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
 
 template <std::size_t N>
 void move_drives(std::vector<plant::Axis>& axes, const Tick<N>& tick) {
-  if constexpr (N >= 2) {
-    plant::Axis::step_together(axes[0], tick.voltage[0], axes[1], tick.voltage[1], tick.cutting[0],
+  const auto alone = [&](std::size_t i) { axes[i].step(tick.command[i], tick.cutting[i], tick.offset[i]); };
+  std::size_t moved = 0;
+  if (N >= 2 && !axes[0].has_loop() && !axes[1].has_loop()) {
+    plant::Axis::step_together(axes[0], tick.command[0], axes[1], tick.command[1], tick.cutting[0],
                                tick.cutting[1]);
-    for (std::size_t i = 2; i < N; ++i) axes[i].step(tick.voltage[i], tick.cutting[i]);
-  } else {
-    axes[0].step(tick.voltage[0], tick.cutting[0]);
+    moved = 2;
+  }
+  for (std::size_t i = moved; i < N; ++i) alone(i);
+}
+
+/// Mean forces of the past period as the drives report them; NaN where a drive does not [N].
+template <std::size_t N>
+Vec<double, N> reported(const std::vector<plant::Axis>& axes, const std::vector<double>& gain) {
+  Vec<double, N> force;
+  for (std::size_t i = 0; i < N; ++i)
+    force[i] = axes[i].reports_force() ? gain[i] * axes[i].voltage() : Metrics::kUnknown;
+  return force;
+}
+
+/// The force and voltage that the loops of the drives made, known only afterwards.
+template <std::size_t N>
+void note_loops(ContourSample& sample, const std::vector<plant::Axis>& axes,
+                const std::vector<double>& gain) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!axes[i].has_loop()) continue;
+    sample.voltage[i] = axes[i].voltage();
+    sample.force[i] = gain[i] * axes[i].voltage();
   }
 }
 
@@ -175,13 +197,19 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
         errors<N>(route.path, tick.position, tick.tracking, near_phi(*law, route.points, k, period_));
     tick.error = error;
     tick.orientation = orientation;
+    law->acted(reported<N>(axes_, gain_));
     tick.force = law->step_ahead(points.subspan(k), tick.encoder);
-    for (std::size_t i = 0; i < N; ++i) tick.voltage[i] = tick.force[i] / gain_[i];
+    tick.command = law->command();
+    tick.offset = law->offset();
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!axes_[i].has_loop()) tick.command[i] = tick.force[i] / gain_[i];
+    }
     if (!route.cutting.empty()) tick.cutting = route.cutting[k];
     tick.in_glitch = glitch.step(r);
     tick.scored = tick.time >= route.scored_from && tick.time <= route.scored_to;
     if (seen != nullptr) seen->push_back(sample_of(tick, r, axes_));
     move_drives(axes_, tick);
+    if (seen != nullptr) note_loops<N>(seen->back(), axes_, gain_);
     if (tick.scored) metrics.add(scored(tick, axes_, gain_, period_));
   }
   if (status != nullptr) *status = law->status();

@@ -27,8 +27,10 @@ struct ContourSample {
   AxisValues acceleration;  ///< of the reference
   AxisValues position;      ///< true, of the table
   AxisValues encoder;
-  AxisValues voltage;           ///< commanded to the converters at this tick
-  AxisValues force;             ///< commanded to the drives at this tick
+  AxisValues
+      voltage;  ///< commanded to the converters at this tick; mean of the coming period if the drive has a loop
+  AxisValues
+      force;  ///< commanded to the drives at this tick; mean of the coming period if the drive has a loop
   AxisValues friction;          ///< true friction
   AxisValues cutting;           ///< true cutting force, mean over the coming period
   AxisValues cutting_estimate;  ///< its estimate (cutting_estimate.hpp)

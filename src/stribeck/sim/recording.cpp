@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stribeck/control/drive_interface.hpp>
 #include <stribeck/sim/contour_run.hpp>
 #include <stribeck/sim/recording.hpp>
 
@@ -12,10 +13,17 @@ namespace {
 constexpr std::uint32_t kClosedLoopTrial = 0x10000;
 constexpr std::uint32_t kOpenLoopTrial = 0x20000;
 
-/// The force on the axis at tick k for an encoder position.
-template <class Force>
+/// What goes to the drive at a tick.
+struct Output {
+  double force = 0.0;    ///< wanted [N]
+  double command = 0.0;  ///< of a drive with a loop of its own [m/s] or [m]
+  double offset = 0.0;   ///< force beside it [N]
+};
+
+/// The output at tick k for an encoder position. The log of a drive with a loop of its own has the force that its loop made.
+template <class Control>
 Recording record(const Machine& machine, std::size_t which, std::size_t rows, double start,
-                 const plant::Fidelity& fidelity, const plant::Stream& stream, Force&& force) {
+                 const plant::Fidelity& fidelity, const plant::Stream& stream, Control&& control) {
   const MachineAxis& axis = machine.axes[which].second;
   plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
   plant.start(start, fidelity, stream);
@@ -25,12 +33,13 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   for (auto* column : {&log.t, &log.x, &log.u, &log.f}) column->reserve(rows);
   for (std::size_t k = 0; k < rows; ++k) {
     const double x = plant.encoder();
-    const double f = force(k, x);
+    const Output out = control(k, x);
+    plant.step(plant.has_loop() ? out.command : out.force / gain, 0.0, out.offset);
+    const double f = plant.has_loop() ? gain * plant.voltage() : out.force;
     log.t.push_back(static_cast<double>(k) * machine.sample_time);
     log.x.push_back(x);
     log.u.push_back(f / gain);
     log.f.push_back(f);
-    plant.step(f / gain);
   }
   return log;
 }
@@ -85,17 +94,29 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
   params.compensation.observer = control::Observer::kDisturbance;
   params.compensation.observer_pole = a.commissioning.observer_pole;
   params.force_limit = a.force_limit();
+  if (a.plant.drive_loop) {
+    params.compensation.model.drive_loop = a.plant.drive_loop->loop;
+    params.compensation.model.drive_loop->force_feedback = false;  // the loop of the drive is enough to record
+  }
   const control::Pd controller(params, period);
+  const control::DriveInterface<1> drive({.period = period, .compensation = {params.compensation}});
   const auto run = [&](const plant::Fidelity& fidelity, std::size_t rows) {
     control::Pd::State state;
-    return record(machine, axis, rows, reference.front(), fidelity,
-                  {seed, kClosedLoopTrial, static_cast<std::uint32_t>(axis)}, [&](std::size_t k, double x) {
-                    const double before = reference[k > 0 ? k - 1 : 0];
-                    const double after = reference[k + 1 < reference.size() ? k + 1 : k];
-                    return controller.step(state,
-                                           {reference[k], (after - before) / (2.0 * period),
-                                            (after - 2.0 * reference[k] + before) / (period * period), x});
-                  });
+    control::DriveInterface<1>::State commands{};
+    return record(
+        machine, axis, rows, reference.front(), fidelity,
+        {seed, kClosedLoopTrial, static_cast<std::uint32_t>(axis)}, [&](std::size_t k, double x) {
+          const double before = reference[k > 0 ? k - 1 : 0];
+          const double after = reference[k + 1 < reference.size() ? k + 1 : k];
+          const path::PathPoint<1> r{
+              .position = {{reference[k]}},
+              .velocity = {{(after - before) / (2.0 * period)}},
+              .acceleration = {{(after - 2.0 * reference[k] + before) / (period * period)}}};
+          drive.admit(commands, state, {{x}});
+          const double f = controller.step(state, {r.position[0], r.velocity[0], r.acceleration[0], x});
+          drive.command(commands, r, {{f}});
+          return Output{f, commands[0].command, commands[0].offset};
+        });
   };
   // The first stretch contains reversals and speeds; a whole log would only double the work.
   const std::size_t part = std::min(reference.size(), static_cast<std::size_t>(20.0 / period) + 1);
@@ -108,11 +129,15 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
 
 Recording record_open_loop(const Machine& machine, std::size_t axis, const std::vector<double>& force,
                            double start, std::uint64_t seed, double accuracy) {
+  if (machine.axes[axis].second.plant.drive_loop)
+    throw Refused(
+        "axis " + machine.axes[axis].first +
+        ": its drive closes a loop of its own and takes no force: record a motion in closed loop (sine, jogs), whose log holds the drive's actual force");
   const double limit = machine.axes[axis].second.force_limit();
   const auto run = [&](const plant::Fidelity& fidelity) {
     return record(machine, axis, force.size(), start, fidelity,
                   {seed, kOpenLoopTrial, static_cast<std::uint32_t>(axis)},
-                  [&](std::size_t k, double) { return clamp_to(force[k], -limit, limit); });
+                  [&](std::size_t k, double) { return Output{clamp_to(force[k], -limit, limit)}; });
   };
   // Without a loop the position keeps every error of the steps: a hundredth of the noise of the travel
   // is enough.

@@ -178,8 +178,8 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     l.models.push_back(std::move(m));
     return as_model(result);
   };
-  if (hold(machine, axis, seed).falls()) {
-    // Forces in open loop would let it fall: everything in closed loop, jogs for friction, triangles of speed for the mass.
+  if (machine.axes[axis].second.plant.drive_loop || hold(machine, axis, seed).falls()) {
+    // The drive takes no force, or forces in open loop would let the axis fall: everything in closed loop, jogs for friction, triangles of speed for the mass.
     const ident::log::Record turns =
         add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
     const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));

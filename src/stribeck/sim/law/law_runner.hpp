@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <stribeck/control/compensation/drift_monitor.hpp>
+#include <stribeck/control/drive_interface.hpp>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/control/setup.hpp>
 #include <vector>
@@ -31,6 +32,14 @@ class LawRunner {
   virtual Vec<double, N> step(const Point& now, const Vec<double, N>& measured) = 0;
   /// The same with the points ahead, one per period, the present one first. A law that does not look ahead takes the first.
   virtual Vec<double, N> step_ahead(std::span<const Point> points, const Vec<double, N>& measured) = 0;
+
+  /// Call before a step: mean forces of the past period, as drives with a loop of their own report them [N].
+  virtual void acted(const Vec<double, N>& /*force*/) {}
+  /// Commands after a step for drives with a loop of their own: velocity [m/s] or position [m]. Zero from a runner that only gives
+  /// forces.
+  [[nodiscard]] virtual Vec<double, N> command() const { return {}; }
+  /// Force offsets beside them [N].
+  [[nodiscard]] virtual Vec<double, N> offset() const { return {}; }
 
   /// Lag of the reference behind its programme [s]; 0 for a law that does not slow down.
   [[nodiscard]] virtual double lag() const = 0;

@@ -14,20 +14,29 @@ class LawRunnerOf final : public LawRunner<N> {
  public:
   using Point = typename LawRunner<N>::Point;
 
-  explicit LawRunnerOf(Law law) : law_(std::make_shared<const Law>(std::move(law))) {}
+  LawRunnerOf(Law law, const control::Setup<N>& setup)
+      : parts_(std::make_shared<const Parts>(Parts{std::move(law), control::DriveInterface<N>(setup)})) {}
 
   [[nodiscard]] std::unique_ptr<LawRunner<N>> copy() const override {
     return std::make_unique<LawRunnerOf>(*this);
   }
   Vec<double, N> step(const Point& now, const Vec<double, N>& measured) override {
-    return law_->step(state_, now, measured);
+    return commanded(now, parts_->law.step(state_, now, measured));
   }
   Vec<double, N> step_ahead(std::span<const Point> points, const Vec<double, N>& measured) override {
     if constexpr (requires { Law::kPreview; }) {
-      return law_->step(state_, points.first(std::min(Law::kPreview + 1, points.size())), measured);
+      const auto seen = points.first(std::min(Law::kPreview + 1, points.size()));
+      return commanded(points.front(), parts_->law.step(state_, seen, measured));
     } else {
-      return law_->step(state_, points.front(), measured);
+      return step(points.front(), measured);
     }
+  }
+  void acted(const Vec<double, N>& force) override { parts_->drives.admit(drives_, state_, force); }
+  [[nodiscard]] Vec<double, N> command() const override {
+    return each([](const auto& s) { return s.command; });
+  }
+  [[nodiscard]] Vec<double, N> offset() const override {
+    return each([](const auto& s) { return s.offset; });
   }
   [[nodiscard]] double lag() const override {
     if constexpr (requires { state_.lag; }) {
@@ -46,8 +55,25 @@ class LawRunnerOf final : public LawRunner<N> {
   }
 
  private:
-  std::shared_ptr<const Law> law_;  ///< constant, and shared by all copies
+  struct Parts {
+    Law law;
+    control::DriveInterface<N> drives;
+  };
+
+  Vec<double, N> commanded(const Point& now, const Vec<double, N>& force) {
+    parts_->drives.command(drives_, now, force);
+    return force;
+  }
+  template <class F>
+  [[nodiscard]] Vec<double, N> each(F&& of) const {
+    Vec<double, N> v;
+    for (std::size_t i = 0; i < N; ++i) v[i] = of(drives_[i]);
+    return v;
+  }
+
+  std::shared_ptr<const Parts> parts_;  ///< constant, and shared by all copies
   typename Law::State state_;
+  typename control::DriveInterface<N>::State drives_{};
 };
 
 template <std::size_t N>
@@ -55,7 +81,7 @@ AnyController<N> make_controller(const control::LawParams& law, const control::S
   return std::visit(
       [&](const auto& params) -> AnyController<N> {
         using Law = typename std::decay_t<decltype(params)>::template Controller<N>;
-        return std::make_shared<const LawRunnerOf<Law, N>>(Law(params, setup));
+        return std::make_shared<const LawRunnerOf<Law, N>>(Law(params, setup), setup);
       },
       law);
 }

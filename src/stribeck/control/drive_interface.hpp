@@ -1,0 +1,155 @@
+#pragma once
+/// From the forces of a law to the commands of drives that close their velocity or position loop themselves.
+///
+///   w    = C⁻¹·U                              C(s) = K·(1 + 1/(T_n s)); w = 0 where the drive takes U as an offset
+///   v_c  = ṙ + w                              velocity command for the coming period [m/s]
+///   x_c  = r(end of the period) + δ           position command; the drive goes there in a straight line over the period [m]
+///          (c/K_v)·δ̇ + δ = ((1 − c)·ṙ + w)/K_v
+///   F    = U + C·(ṙ + [K_v·(r − x)] − v)      what acts then: the drive's own loop adds its feedback to the law's force
+///
+///   U force that the law wants [N]; C, K_v, c loops of the drive (friction/drive_loop.hpp). ṙ is that in the middle of the hold,
+///   later by the delay.
+///
+/// Observers and adaptation of the law need F. It cannot be told from set points and encoder: a lateness τ of the drive's own
+/// velocity is a force K·v·τ/T_n to its integral, thousands of newtons for a tenth of a millisecond. If the drive reports F, they get it;
+/// if not, they rest (setup.hpp), and the integral of the drive takes what the model does not explain.
+/// The integral of the drive holds the axis before the first period. The first U is taken as that force, so that nothing jumps; a
+/// constant part of U is left to the integral anyway.
+/// After a fault the axis stops by its own loop: set points run out with constant deceleration within the stop time.
+/// Source: Stribeck's own; docs/theory/drive-modes.md.
+/// Not modelled: cycle, delay, filters and limits of the drive.
+/// Real time: safe; the constructor configure only. Errors: none of its own; inputs must be finite.
+
+#include <stribeck/control/setup.hpp>
+#include <stribeck/friction/drive_loop.hpp>
+
+namespace stribeck::control {
+
+/// One axis.
+class DriveCommand {
+ public:
+  struct State {
+    double command = 0.0;   ///< of the coming period [m/s] or [m]
+    double offset = 0.0;    ///< force beside it [N]
+    double base = 0.0;      ///< first U [N]
+    double held = 0.0;      ///< part of U that the drive's integral has taken over [N]
+    double lead = 0.0;      ///< δ [m]
+    double velocity = 0.0;  ///< ṙ in the last command [m/s]
+    bool started = false;
+    int left = -1;  ///< periods until the end of a stop; -1: none has begun
+  };
+
+  DriveCommand() = default;
+  DriveCommand(const friction::DriveLoop& loop, double delay, double period) noexcept
+      : loop_(loop),
+        stiffness_(loop.stiffness()),
+        ahead_(delay + 0.5 * period),
+        period_(period),
+        integral_step_(stiffness_ * period) {
+    if (loop.mode == friction::DriveMode::kPosition) {
+      const double lag = *loop.velocity_feedforward / *loop.position_gain;
+      follow_ = lag > 0.0 ? 1.0 - exp(-period / lag) : 1.0;
+    }
+  }
+
+  /// The command for a force [N] and a point of the reference: position [m], velocity [m/s], acceleration [m/s²].
+  void step(State& s, double force, double reference, double velocity, double acceleration) const noexcept {
+    if (!s.started) {
+      s.started = true;
+      if (stiffness_ > 0.0) s.base = s.held = force;
+    }
+    double added = 0.0;
+    if (loop_.force_offset) {
+      s.offset = stiffness_ > 0.0 ? force - s.base : force;
+    } else {
+      added = (force - s.held) / (loop_.gain + 0.5 * integral_step_);
+      s.held += integral_step_ * added;
+    }
+    s.velocity = velocity + ahead_ * acceleration;
+    put(s, reference + ahead_end() * (velocity + 0.5 * ahead_end() * acceleration), added);
+  }
+
+  /// One period of a stop that takes `periods` in all.
+  void stop(State& s, int periods) const noexcept {
+    if (s.left < 0) s.left = periods;
+    const double share = s.left > 0 ? static_cast<double>(s.left - 1) / s.left : 0.0;
+    if (s.left > 0) --s.left;
+    const double velocity = share * s.velocity;
+    s.command = loop_.mode == friction::DriveMode::kVelocity
+                    ? velocity
+                    : s.command + 0.5 * period_ * (s.velocity + velocity);
+    s.velocity = velocity;
+  }
+
+ private:
+  void put(State& s, double reference, double added) const noexcept {
+    if (loop_.mode == friction::DriveMode::kVelocity) {
+      s.command = s.velocity + added;
+      return;
+    }
+    const double wanted = ((1.0 - *loop_.velocity_feedforward) * s.velocity + added) / *loop_.position_gain;
+    s.lead += follow_ * (wanted - s.lead);
+    s.command = reference + s.lead;
+  }
+  /// From the sample to the end of the hold [s].
+  [[nodiscard]] double ahead_end() const noexcept { return ahead_ + 0.5 * period_; }
+
+  friction::DriveLoop loop_;
+  double stiffness_ = 0.0;  ///< K/T_n [N/m]
+  double ahead_ = 0.0;      ///< from the sample to the middle of the hold [s]
+  double period_ = 1e-3;
+  double integral_step_ = 0.0;  ///< K·T/T_n [N·s/m]
+  double follow_ = 1.0;         ///< share by which δ follows in a period
+};
+
+/// All axes of a machine. An axis without a loop of its own keeps the law's force.
+template <std::size_t N>
+class DriveInterface {
+ public:
+  using V = Vec<double, N>;
+  using Law = typename Common<N>::State;
+  using State = std::array<DriveCommand::State, N>;
+
+  DriveInterface() = default;
+  explicit DriveInterface(const Setup<N>& setup) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const CompensationParams& c = setup.compensation[i];
+      present_[i] = c.model.drive_loop.has_value();
+      if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.delay, setup.period);
+    }
+  }
+
+  /// Before the law: tells it the mean forces of the past period that the drives report [N]; NaN: none.
+  void admit(const State& s, Law& law, const V& acted) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (present_[i] && s[i].started && isfinite(acted[i])) law.compensation[i].force[0] = acted[i];
+    }
+  }
+  /// After the law, for the forces that are to act. A reference that is not finite leaves the commands as they are.
+  void command(State& s, const path::PathPoint<N>& r, const V& force) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!present_[i]) {
+        s[i].command = force[i];
+      } else if (isfinite(r.position[i] + r.velocity[i] + r.acceleration[i])) {
+        axes_[i].step(s[i], force[i], r.position[i], r.velocity[i], r.acceleration[i]);
+      }
+    }
+  }
+  /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N].
+  void stop(State& s, const V& force, int periods) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (present_[i]) {
+        axes_[i].stop(s[i], periods);
+      } else {
+        s[i].command = force[i];
+      }
+    }
+  }
+  [[nodiscard]] bool present(std::size_t i) const noexcept { return present_[i]; }
+
+ private:
+  std::array<DriveCommand, N> axes_;
+  std::array<bool, N> present_{};
+};
+
+}  // namespace stribeck::control

@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stribeck/control/drive_interface.hpp>
+#include <stribeck/control/laws/contouring.hpp>
+#include <stribeck/control/pd.hpp>
+#include <vector>
+
+namespace stribeck::control {
+namespace {
+
+using friction::DriveLoop;
+using friction::DriveMode;
+
+constexpr double kPeriod = 1e-3;
+
+DriveLoop velocity_loop() { return {DriveMode::kVelocity, 2e4, 10e-3, {}, {}, false, false}; }
+DriveLoop position_loop(double feedforward) {
+  return {DriveMode::kPosition, 2e4, 10e-3, 50.0, feedforward, false, false};
+}
+
+/// The loops of a drive on an axis that cannot move, integrated in 400 steps per period.
+class BlockedDrive {
+ public:
+  BlockedDrive(const DriveLoop& loop, double holds) : loop_(loop), integral_(holds) {}
+
+  /// Mean force over one period [N].
+  double run(double command, double offset) {
+    constexpr int kSteps = 400;
+    const double dt = kPeriod / kSteps;
+    double sum = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+      const bool by_position = loop_.mode == DriveMode::kPosition;
+      const double at = last_ + (command - last_) * (i + 0.5) / kSteps;
+      const double speed = (command - last_) / kPeriod;
+      const double wanted =
+          by_position ? *loop_.position_gain * at + *loop_.velocity_feedforward * speed : command;
+      integral_ += 0.5 * dt * loop_.gain / *loop_.integral_time * wanted;
+      sum += loop_.gain * wanted + integral_ + offset;
+      integral_ += 0.5 * dt * loop_.gain / *loop_.integral_time * wanted;
+    }
+    last_ = command;
+    return sum / kSteps;
+  }
+
+ private:
+  DriveLoop loop_;
+  double integral_;
+  double last_ = 0.0;
+};
+
+/// Largest difference between the force that is wanted and the one that a blocked drive makes, as a share of its amplitude.
+double worst(const DriveLoop& loop) {
+  const DriveCommand command(loop, 0.0, kPeriod);
+  DriveCommand::State s;
+  BlockedDrive drive(loop, 300.0);
+  double most = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    const double wanted = 300.0 + 100.0 * std::sin(2.0 * kPi * 5.0 * kPeriod * k);
+    command.step(s, wanted, 0.0, 0.0, 0.0);
+    most = std::max(most, std::abs(drive.run(s.command, s.offset) - wanted));
+  }
+  return most / 100.0;
+}
+
+TEST(DriveCommand, ADriveWithAVelocityLoopMakesTheForceThatIsWanted) {
+  EXPECT_LT(worst(velocity_loop()), 1e-6);
+}
+
+TEST(DriveCommand, ADriveThatTakesAnOffsetMakesTheForceThatIsWanted) {
+  DriveLoop loop = velocity_loop();
+  loop.force_offset = true;
+  EXPECT_LT(worst(loop), 1e-12);
+}
+
+TEST(DriveCommand, ADriveWithAPositionLoopMakesItWithinThePeriodOfItsStraightLine) {
+  // The position moves in a straight line, half a period late without feed-forward: 2π·5 Hz·T/2 is 1.6 %.
+  EXPECT_LT(worst(position_loop(1.0)), 0.02);
+  EXPECT_LT(worst(position_loop(0.5)), 0.03);
+  EXPECT_LT(worst(position_loop(0.0)), 0.03);
+}
+
+TEST(DriveCommand, NothingJumpsWhenTheDriveAlreadyHoldsTheLoad) {
+  for (const bool offset : {false, true}) {
+    DriveLoop loop = velocity_loop();
+    loop.force_offset = offset;
+    const DriveCommand command(loop, 0.0, kPeriod);
+    DriveCommand::State s;
+    for (int k = 0; k < 3; ++k) {
+      command.step(s, 1760.0, 0.0, 0.0, 0.0);
+      EXPECT_EQ(s.command, 0.0);
+      EXPECT_EQ(s.offset, 0.0);
+    }
+  }
+}
+
+TEST(DriveCommand, FollowsTheReferenceThroughDelayAndHold) {
+  constexpr double kDelay = 0.4e-3;
+  const DriveCommand velocity(velocity_loop(), kDelay, kPeriod);
+  DriveCommand::State s;
+  velocity.step(s, 50.0, 0.1, 0.02, 3.0);
+  EXPECT_NEAR(s.command, 0.02 + 3.0 * 0.9e-3, 1e-15);
+  const DriveCommand position(position_loop(1.0), kDelay, kPeriod);
+  DriveCommand::State p;
+  position.step(p, 50.0, 0.1, 0.02, 3.0);
+  EXPECT_NEAR(p.command, 0.1 + 0.02 * 1.4e-3 + 1.5 * 1.4e-3 * 1.4e-3, 1e-15);
+}
+
+TEST(DriveCommand, WithoutFeedforwardTheDriveIsLedByItsLag) {
+  const DriveCommand position(position_loop(0.0), 0.0, kPeriod);
+  DriveCommand::State s;
+  position.step(s, 50.0, 0.1, 0.02, 0.0);
+  EXPECT_NEAR(s.command - (0.1 + 0.02 * kPeriod), 0.02 / 50.0, 1e-15);
+}
+
+TEST(DriveCommand, StopsWithConstantDeceleration) {
+  const DriveCommand velocity(velocity_loop(), 0.0, kPeriod);
+  const DriveCommand position(position_loop(1.0), 0.0, kPeriod);
+  DriveCommand::State v;
+  DriveCommand::State p;
+  velocity.step(v, 0.0, 0.0, 0.05, 0.0);
+  position.step(p, 0.0, 0.0, 0.05, 0.0);
+  const double begun = p.command;
+  for (int k = 1; k <= 50; ++k) {
+    velocity.stop(v, 50);
+    position.stop(p, 50);
+    EXPECT_NEAR(v.command, 0.05 * (50 - k) / 50.0, 1e-12);
+  }
+  EXPECT_NEAR(p.command - begun, 0.5 * 0.05 * 50e-3, 1e-12);
+  velocity.stop(v, 50);
+  EXPECT_EQ(v.command, 0.0);
+}
+
+Setup<1> setup_with(std::optional<DriveLoop> loop, Observer observer) {
+  Setup<1> setup;
+  setup.period = kPeriod;
+  setup.compensation[0].model.mass = 50.0;
+  setup.compensation[0].model.drive_loop = loop;
+  setup.compensation[0].observer = observer;
+  return setup;
+}
+
+TEST(DriveInterface, AnAxisWithoutLoopKeepsTheForceOfTheLaw) {
+  const DriveInterface<1> drives(setup_with({}, Observer::kNone));
+  DriveInterface<1>::State s{};
+  drives.command(s, {}, {{123.0}});
+  EXPECT_EQ(s[0].command, 123.0);
+  EXPECT_FALSE(drives.present(0));
+}
+
+TEST(DriveInterface, AReferenceThatIsNotFiniteLeavesTheCommand) {
+  const DriveInterface<1> drives(setup_with(velocity_loop(), Observer::kNone));
+  DriveInterface<1>::State s{};
+  path::PathPoint<1> r;
+  r.velocity[0] = 0.02;
+  drives.command(s, r, {{0.0}});
+  r.velocity[0] = std::numeric_limits<double>::quiet_NaN();
+  drives.command(s, r, {{0.0}});
+  EXPECT_EQ(s[0].command, 0.02);
+}
+
+/// Estimates of a Kalman observer while a mass at rest is held by a drive of which nothing is known but, perhaps, its force.
+double estimate_after(const DriveLoop& loop) {
+  const Setup<1> setup = setup_with(loop, Observer::kKalman);
+  const Contouring<1> law(ContouringParams::critical(40.0, 40.0), setup);
+  const DriveInterface<1> drives(setup);
+  Contouring<1>::State s;
+  DriveInterface<1>::State commands{};
+  for (int k = 0; k < 2000; ++k) {
+    drives.admit(commands, s, {{75.0}});
+    drives.command(commands, {}, law.step(s, {}, {{0.0}}));
+  }
+  return s.compensation[0].estimate;
+}
+
+TEST(DriveInterface, TheObserverSeesTheForceThatTheDriveReports) {
+  DriveLoop loop = velocity_loop();
+  loop.force_feedback = true;
+  EXPECT_NEAR(estimate_after(loop), 75.0, 0.1);
+}
+
+TEST(DriveInterface, WithoutAReportTheObserverRests) { EXPECT_EQ(estimate_after(velocity_loop()), 0.0); }
+
+}  // namespace
+}  // namespace stribeck::control
