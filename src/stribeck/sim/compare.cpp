@@ -86,9 +86,13 @@ void check_law(const ControllerSpec& which, const control::Setup<N>& setup) {
   }
 }
 
-/// Gains of the drive's own loops: those of the axis file, or else the drive's settings, which everybody can read.
-void take_drive_loop(friction::AxisModel& model, const plant::AxisParams& truth, const std::string& axis) {
-  if (!truth.drive_loop) {
+/// Gains of the drive's own loops: those of the axis file, or else those of the machine.
+void take_drive_loop(friction::AxisModel& model, const MachineAxis& machine, const std::string& axis) {
+  const std::optional<plant::DriveLoop>& truth = machine.plant.drive_loop;
+  if (!truth && machine.drive_loop)
+    throw Refused("axis " + axis +
+                  ": drive_loop is given, but the simulated drive has none (add plant.drive_loop)");
+  if (!truth) {
     if (model.drive_loop)
       throw Refused(
           "axis " + axis +
@@ -96,9 +100,9 @@ void take_drive_loop(friction::AxisModel& model, const plant::AxisParams& truth,
           "force (add plant.drive_loop to the machine, or take drive_loop out of the axis file)");
     return;
   }
-  if (!model.drive_loop) model.drive_loop = truth.drive_loop->loop;
-  if (model.drive_loop->mode != truth.drive_loop->loop.mode ||
-      (model.drive_loop->force_offset && !truth.drive_loop->loop.force_offset))
+  if (!model.drive_loop) model.drive_loop = machine.known_loop();
+  if (model.drive_loop->mode != truth->loop.mode ||
+      (model.drive_loop->force_offset && !truth->loop.force_offset))
     throw Refused("axis " + axis +
                   ": drive_loop of the axis file and of the machine have different commands");
 }
@@ -289,7 +293,7 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     c.model = knowledge[axes[i]].model(which.friction, name);
     if (which.friction == FrictionUse::kNominal)
       c.model.friction = straightened(c.model.friction, axis.limits.speed);
-    take_drive_loop(c.model, axis.plant, name);
+    take_drive_loop(c.model, axis, name);
     c.feedforward = which.friction == FrictionUse::kNone ? control::Feedforward::kNone : which.feedforward;
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;

@@ -116,6 +116,8 @@ struct MachineAxis {
   AxisLimits limits;
   Commissioning commissioning;
   Published published;
+  /// Settings of the drive's own loops as its user knows them; absent: those of plant.drive_loop.
+  std::optional<friction::DriveLoop> drive_loop{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -123,7 +125,16 @@ struct MachineAxis {
         field("limits", &MachineAxis::limits, "what the axis may do"),
         field("commissioning", &MachineAxis::commissioning, "known before identification"),
         field("published", &MachineAxis::published, "printed parameters, for --parameters thesis")
+            .or_default(),
+        field("drive_loop", &MachineAxis::drive_loop,
+              "velocity or position loop of the drive as its user knows it; left out: plant.drive_loop")
             .or_default()};
+  }
+  /// What a controller knows of the drive's own loops: they are settings that its user can read.
+  [[nodiscard]] std::optional<friction::DriveLoop> known_loop() const {
+    if (drive_loop) return drive_loop;
+    if (plant.drive_loop) return plant.drive_loop->loop;
+    return {};
   }
   template <class Report>
   void validate(Report&& report) const {

@@ -95,8 +95,9 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
   params.compensation.observer_pole = a.commissioning.observer_pole;
   params.force_limit = a.force_limit();
   if (a.plant.drive_loop) {
-    params.compensation.model.drive_loop = a.plant.drive_loop->loop;
-    params.compensation.model.drive_loop->force_feedback = false;  // the loop of the drive is enough to record
+    params.compensation.model.drive_loop = a.known_loop();
+    params.compensation.model.drive_loop->force_feedback =
+        false;  // the loop of the drive is enough to record
   }
   const control::Pd controller(params, period);
   const control::DriveInterface<1> drive({.period = period, .compensation = {params.compensation}});

@@ -64,6 +64,19 @@ std::vector<std::string> instances(const Axes& axes) {
 
 }  // namespace
 
+namespace {
+
+/// The outputs of a controller to its drive: a force, or for a drive with a loop of its own a command with a force offset beside it;
+/// the force that acts is then the one that the drive reports.
+std::string output_lines(const HalAxis& a, const std::string& controller) {
+  if (!a.model.drive_loop) return fmt::format("net {}-force {}.force\n", a.letter, controller);
+  return fmt::format(
+      "net {0}-command {1}.command\nnet {0}-offset {1}.offset\nnet {0}-force => {1}.force-fb\n", a.letter,
+      controller);
+}
+
+}  // namespace
+
 std::string axis_control(const Configuration& c) {
   std::string out =
       c.comment + "# One stribeck_axis for each joint. Parameters: docs/guides/linuxcnc.md of Stribeck.\n";
@@ -72,8 +85,9 @@ std::string axis_control(const Configuration& c) {
     std::string text = fmt::format(
         "\naddf ax.{0} servo-thread\nnet {0}-enable => ax.{0}.enable\nnet {0}-cmd => ax.{0}.pos-cmd\n"
         "net {0}-vel => ax.{0}.vel-cmd\nnet {0}-acc => ax.{0}.acc-cmd\nnet {0}-fb => ax.{0}.pos-fb\n"
-        "net {0}-force ax.{0}.force\nnet {0}-faulted ax.{0}.faulted => joint.{1}.amp-fault-in\n",
+        "net {0}-faulted ax.{0}.faulted => joint.{1}.amp-fault-in\n",
         a.letter, i);
+    text += output_lines(a, "ax." + a.letter);
     text += setp("ax." + a.letter, "position-unit", unit_of(a));
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
     return text + supervision_lines("ax." + a.letter, *a.machine, c.omega) +
@@ -94,8 +108,9 @@ std::string contour_control(const Configuration& c) {
     const std::string name = fmt::format("ct.{}", i);
     std::string text = fmt::format(
         "\nnet {0}-cmd => {1}.pos-cmd\nnet {0}-vel => {1}.vel-cmd\nnet {0}-acc => {1}.acc-cmd\n"
-        "net {0}-fb => {1}.pos-fb\nnet {0}-force {1}.force\n",
+        "net {0}-fb => {1}.pos-fb\n",
         a.letter, name);
+    text += output_lines(a, name);
     text += setp(name, "force-limit", a.machine->force_limit());
     return text + supervision_lines(name, *a.machine, c.omega) +
            controller_lines(name, a.model, c.omega, c.feedforward);
@@ -112,6 +127,21 @@ double viscous_of(const friction::AxisModel& model) {
   return std::visit(
       [](const auto& map) { return 0.5 * (map.viscous_coefficient(1.0) + map.viscous_coefficient(-1.0)); },
       model.friction.steady);
+}
+
+}  // namespace
+
+namespace {
+
+/// LinuxCNC's own pid in front of a drive with a loop of its own: a position loop for a velocity drive, the commanded position for a
+/// position drive. Friction is left to the drive.
+std::string pid_of_loop(const HalAxis& a, double omega) {
+  const bool by_position = a.model.drive_loop->mode == friction::DriveMode::kPosition;
+  return fmt::format(
+      "\naddf pid.{0}.do-pid-calcs servo-thread\nnet {0}-enable => pid.{0}.enable\n"
+      "net {0}-cmd => pid.{0}.command\nnet {0}-fb => pid.{0}.feedback\nnet {0}-command pid.{0}.output\n"
+      "setp pid.{0}.Pgain {1}\nsetp pid.{0}.FF0 {2}\nsetp pid.{0}.FF1 {3}\nsetp pid.{0}.error-previous-target 0\n",
+      a.letter, number(by_position ? 0.0 : 0.5 * omega), by_position ? 1 : 0, by_position ? 0 : 1);
 }
 
 }  // namespace
@@ -133,6 +163,7 @@ std::string pid_control(const Configuration& c, bool with_lincurve) {
                        names(c.axes, "ff."), points, names(c.axes, "sum."));
   }
   out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
+    if (a.model.drive_loop) return pid_of_loop(a, c.omega);
     const double unit = unit_of(a);
     const double mass = a.model.mass;
     const std::string pid = "pid." + a.letter;
@@ -225,9 +256,14 @@ std::string drives(const Configuration& c) {
   out += fmt::format("loadrt stribeck_plant names={}\n", names(c.axes, "pl."));
   out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
     const std::string name = "pl." + a.letter;
-    std::string text = fmt::format(
-        "\naddf {1} servo-thread\nnet {0}-force => {1}.force\nnet {0}-fb {1}.pos-fb\nnet {0}-pos {1}.pos\n",
-        a.letter, name);
+    std::string text =
+        fmt::format("\naddf {1} servo-thread\nnet {0}-fb {1}.pos-fb\nnet {0}-pos {1}.pos\n", a.letter, name);
+    text +=
+        a.machine->plant.drive_loop
+            ? fmt::format(
+                  "net {0}-command => {1}.command\nnet {0}-offset => {1}.offset\nnet {0}-force {1}.force-fb\n",
+                  a.letter, name)
+            : fmt::format("net {0}-force => {1}.force\n", a.letter, name);
     text += setp(name, "position-unit", unit_of(a));
     text += setp(name, "start", in_units(a, home_of(a)));
     text += fmt::format("setp {}.seed {}\n", name, i + 1);

@@ -61,6 +61,9 @@ std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Ma
       [&](int&, std::size_t k) {
         models[open[k]] = workflow::commission_axis(machine, open[k], needs, 1).knowledge.whole.value();
       });
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!models[i].drive_loop) models[i].drive_loop = machine.axes[i].second.known_loop();
+  }
   return models;
 }
 

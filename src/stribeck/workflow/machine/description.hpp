@@ -105,6 +105,7 @@ struct AxisDescription {
   sim::AxisLimits limits;
   RoughAxis commissioning;
   std::optional<DriveData> drive;
+  std::optional<friction::DriveLoop> drive_loop;
   sim::Published published;
 
   static constexpr auto fields() {
@@ -116,6 +117,11 @@ struct AxisDescription {
         field("limits", &A::limits, "what the axis may do"),
         field("commissioning", &A::commissioning, "known before identification"),
         field("drive", &A::drive, "motor and transmission, from their data sheets").or_default(),
+        field(
+            "drive_loop", &A::drive_loop,
+            "velocity or position loop that the drive closes itself, from its settings; left out: plant.drive_loop, or a "
+            "drive that takes a force")
+            .or_default(),
         field("published", &A::published, "printed parameters, for --parameters thesis").or_default()};
   }
   template <class Report>
