@@ -16,6 +16,7 @@
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/machine/drive_mode.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
@@ -29,6 +30,7 @@ struct CompareCommand {
   Common common;
   std::string machine;
   std::string experiment;
+  std::string drive;
   ParameterOptions parameters;
   std::uint32_t trials = 10;
   std::uint64_t seed = 1;
@@ -126,7 +128,8 @@ int compare(const CompareCommand& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   const OutputFolder trace_folder = o.traces.empty() ? OutputFolder() : OutputFolder(o.traces);
   const report::Made made = made_from(inputs);
-  const sim::Machine machine = load_machine(o.machine);
+  sim::Machine machine = load_machine(o.machine);
+  if (!o.drive.empty()) set_drive_mode(machine, o.drive);
   const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
   const sim::CompareSpec spec = spec_of(o, experiment, machine);
   check_travel(machine, o.machine, spec);
@@ -139,9 +142,10 @@ int compare(const CompareCommand& o) {
   }
   if (!o.traces.empty()) write_traces(o.traces, machine, parameters, result, o.common.quiet);
   // The printed figures are those of one machine.
-  const auto printed = is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty()
-                           ? printed_for(o, experiment)
-                           : std::span<const report::PrintedTable>();
+  const auto printed =
+      is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty() && o.drive.empty()
+          ? printed_for(o, experiment)
+          : std::span<const report::PrintedTable>();
   const std::vector<std::string> uncovered =
       coverage_warnings(result, sim::chosen_axes(machine, spec), parameters);
   nlohmann::ordered_json json = report::to_json(result, experiment);
@@ -202,6 +206,11 @@ void add_compare(CLI::App& app, Action& action) {
           "--speed", o->speeds,
           "Speed along the path, repeatable; left out: 3 and 9.5 mm/s, on a machine of your own by its limits")
       ->type_name("SPEED");
+  verb->add_option(
+          "--drive", o->drive,
+          "Drives of the axes: force, velocity, position, velocity-offset or position-offset, each with the loops of "
+          "a usual servo drive (docs/theory/drive-modes.md); left out: as the machine file has them")
+      ->check(one_of(drive_modes()));
   verb->add_option("--controller", o->controllers,
                    fmt::format("An additional controller, repeatable: {}, or a controller file",
                                report::listed(built_in_controllers())))

@@ -95,6 +95,15 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
         axes.size(), spec.threads, [] { return 0; },
         [&](int&, std::size_t k) { p.axes[axes[k]] = commission_axis(machine, axes[k], needs, spec.seed); });
     for (const std::size_t i : axes) p.knowledge[i] = p.axes[i].knowledge;
+    // Axes that cannot take pulses have logs of their own (commission.hpp).
+    std::vector<std::string> closed;
+    for (const std::size_t i : axes) {
+      const auto pulses = [](const auto& log) { return log.first.ends_with("-pulses.csv"); };
+      if (std::none_of(p.axes[i].logs.begin(), p.axes[i].logs.end(), pulses))
+        closed.push_back(machine.axes[i].first);
+    }
+    const std::string in_closed_loop = fmt::format(
+        "strokes of constant acceleration, {} periods of a sine about the middle and jogs", kPositionPeriods);
     std::vector<std::string> what{"pulses"};
     const bool by_jogs = needs.conventional && machine.axes.size() > 2;
     if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
@@ -102,7 +111,13 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     if (by_jogs) what.push_back("jogs");
     if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
       what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
-    p.words = "identified from logs of this machine: " + report::listed(what) + " on each axis";
+    p.words = "identified from logs of this machine: ";
+    if (closed.size() == axes.size()) {
+      p.words += in_closed_loop + " on each axis";
+    } else {
+      if (!closed.empty()) p.words += fmt::format("{} on {}; ", in_closed_loop, report::listed(closed));
+      p.words += report::listed(what) + (closed.empty() ? " on each axis" : " on the others");
+    }
   }
   for (const Given& given : models) take(given, machine, p);
   return p;
