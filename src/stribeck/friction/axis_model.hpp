@@ -15,7 +15,7 @@ struct AxisModel {
   double mass = 0.0;  ///< equivalent mass, reflected inertia included [kg]
   double load = 0.0;  ///< [N]
   Model friction;
-  double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]
+  double delay = 0.0;                     ///< from the command of a force to the beginning of its hold [s]
   std::optional<DriveLoop> drive_loop{};  ///< absent: the drive takes the force itself as its command
 
   static constexpr auto fields() {

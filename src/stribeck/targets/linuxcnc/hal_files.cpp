@@ -84,10 +84,10 @@ std::string axis_control(const Configuration& c) {
   out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
     std::string text = fmt::format(
         "\naddf ax.{0} servo-thread\nnet {0}-enable => ax.{0}.enable\nnet {0}-cmd => ax.{0}.pos-cmd\n"
-        "net {0}-vel => ax.{0}.vel-cmd\nnet {0}-acc => ax.{0}.acc-cmd\nnet {0}-fb => ax.{0}.pos-fb\n"
-        "net {0}-faulted ax.{0}.faulted => joint.{1}.amp-fault-in\n",
-        a.letter, i);
+        "net {0}-vel => ax.{0}.vel-cmd\nnet {0}-acc => ax.{0}.acc-cmd\nnet {0}-fb => ax.{0}.pos-fb\n",
+        a.letter);
     text += output_lines(a, "ax." + a.letter);
+    text += fmt::format("net {0}-faulted ax.{0}.faulted => joint.{1}.amp-fault-in\n", a.letter, i);
     text += setp("ax." + a.letter, "position-unit", unit_of(a));
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
     return text + supervision_lines("ax." + a.letter, *a.machine, c.omega) +
@@ -256,14 +256,14 @@ std::string drives(const Configuration& c) {
   out += fmt::format("loadrt stribeck_plant names={}\n", names(c.axes, "pl."));
   out += each(c.axes, [&](const HalAxis& a, std::size_t i) {
     const std::string name = "pl." + a.letter;
-    std::string text =
-        fmt::format("\naddf {1} servo-thread\nnet {0}-fb {1}.pos-fb\nnet {0}-pos {1}.pos\n", a.letter, name);
+    std::string text = fmt::format("\naddf {} servo-thread\n", name);
     text +=
         a.machine->plant.drive_loop
             ? fmt::format(
                   "net {0}-command => {1}.command\nnet {0}-offset => {1}.offset\nnet {0}-force {1}.force-fb\n",
                   a.letter, name)
             : fmt::format("net {0}-force => {1}.force\n", a.letter, name);
+    text += fmt::format("net {0}-fb {1}.pos-fb\nnet {0}-pos {1}.pos\n", a.letter, name);
     text += setp(name, "position-unit", unit_of(a));
     text += setp(name, "start", in_units(a, home_of(a)));
     text += fmt::format("setp {}.seed {}\n", name, i + 1);
