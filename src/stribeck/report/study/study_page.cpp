@@ -169,7 +169,7 @@ std::string study_report(const StudyReportInput& input) {
   factors.columns = {{"factor", "", false}, {"distribution", "", false}};
   for (const StudiedFactor& f : r.factors)
     factors.rows.push_back({{clean_text(f.key)}, {clean_text(f.distribution)}});
-  page.table(factors);
+  if (!factors.rows.empty()) page.table(factors);
   for (const std::string& motion : motions_of(r)) {
     page.section(motion);
     page.figure(shares_below(r, motion, 0),

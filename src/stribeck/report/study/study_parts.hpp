@@ -57,8 +57,10 @@ inline std::string study_in_words(const StudyResult& r) {
                           : r.sampling == "latin-hypercube" ? "Latin hypercube"
                           : r.sampling == "sobol"           ? "Sobol' sequence"
                                                             : "random draws";
-  std::string words = fmt::format("{} machine{} that differ from \"{}\": {}", r.runs, r.runs == 1 ? "" : "s",
-                                  clean_text(r.machine), how);
+  const char* const plural = r.runs == 1 ? "" : "s";
+  const std::string what =
+      r.factors.empty() ? fmt::format("run{} of", plural) : fmt::format("machine{} that differ from", plural);
+  std::string words = fmt::format("{} {} \"{}\": {}", r.runs, what, clean_text(r.machine), how);
   if (r.runs != r.samples)
     words += fmt::format(" of {} samples, {} runs each", r.samples, r.runs / r.samples);
   return words + fmt::format(", seed {}", r.seed);

@@ -61,7 +61,7 @@ double random_share(std::uint64_t seed, std::uint64_t a, std::uint64_t b) noexce
 
 Design::Design(Sampling sampling, std::uint64_t samples, std::size_t dimensions, std::uint64_t seed)
     : sampling_(sampling), samples_(samples), seed_(seed) {
-  if (sampling != Sampling::kSobol) return;
+  if (sampling != Sampling::kSobol || dimensions == 0) return;
   // Sample n is the sum without carry of the directions at the digits of n's Gray code; n = 2^(k+1) − 1 has the digit k alone.
   directions_.resize(kBits * dimensions);
   boost::random::sobol sequence(dimensions);

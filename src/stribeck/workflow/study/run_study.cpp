@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
@@ -67,36 +68,73 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
   return text;
 }
 
-/// Rows of one run.
-std::string rows_of(const Study& s, const sim::Design& design, const sim::MachineRuns& runs,
-                    std::uint64_t run) {
-  const std::vector<double> values = s.values(design, run);
-  const std::uint64_t sample = run / s.runs_per_sample();
-  std::string begin = fmt::format("{},{}", run, sample);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    begin += ',' + io::number_text(s.factors[i].shown(values[i]));
-  std::vector<sim::RobustRun> all;
-  try {
-    all = runs.run(with_values(s.machine, s.factors, values), static_cast<std::uint32_t>(sample));
-  } catch (const sim::Refused&) {
-    // More sub-steps than are simulated: a machine that has no figures.
-  }
-  std::string text;
-  for (std::size_t row = 0; row < runs.size(); ++row) {
-    text += fmt::format("{},{},{},{}", begin, s.spec.controllers[row % s.spec.controllers.size()].id,
-                        as_cell(motion_of(s, row)),
-                        all.empty()     ? kRefusedWord
-                        : all[row].lost ? kLostWord
-                                        : kDone);
-    text += all.empty() ? "," : ',' + io::number_text(100.0 * all[row].limited);
-    for (const StudyColumn& c : s.columns) {
-      const double x = all.empty() ? kNaN : c.of(all[row].metrics);
-      text += std::isfinite(x) ? ',' + io::number_text(x) : ",";
+/// Separates the noise of an identification from that of the runs.
+constexpr std::uint64_t kLogs = 0x6c6f6773;
+
+/// Runs a study's controllers on one machine after another.
+class Runner {
+ public:
+  Runner(const Study& s, const Parameters& parameters)
+      : s_(s),
+        design_(s.design()),
+        once_(s.machine, parameters.knowledge, s.spec.travels, s.axes, s.spec.controllers, s.file.seed) {}
+
+  [[nodiscard]] const sim::Design& design() const { return design_; }
+  /// Number of rows of a run.
+  [[nodiscard]] std::size_t rows() const { return once_.size(); }
+  [[nodiscard]] std::vector<sim::RobustRun> nominal() const { return once_.run(s_.machine, 0); }
+
+  /// The rows of a run as text.
+  [[nodiscard]] std::string text(std::uint64_t run) const {
+    const std::vector<double> values = s_.values(design_, run);
+    const std::uint64_t sample = run / s_.runs_per_sample();
+    std::string begin = fmt::format("{},{}", run, sample);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      begin += ',' + io::number_text(s_.factors[i].shown(values[i]));
+    std::vector<sim::RobustRun> all;
+    try {
+      all = run_on(with_values(s_.machine, s_.factors, values), sample);
+    } catch (const sim::Refused&) {
+      // More sub-steps than are simulated: a machine that has no figures.
+    } catch (const ident::Refused&) {
+      // A machine whose own logs do not identify it has no compensators.
     }
-    text += '\n';
+    std::string text;
+    for (std::size_t row = 0; row < rows(); ++row) {
+      text += fmt::format("{},{},{},{}", begin, s_.spec.controllers[row % s_.spec.controllers.size()].id,
+                          as_cell(motion_of(s_, row)),
+                          all.empty()     ? kRefusedWord
+                          : all[row].lost ? kLostWord
+                                          : kDone);
+      text += all.empty() ? "," : ',' + io::number_text(100.0 * all[row].limited);
+      for (const StudyColumn& c : s_.columns) {
+        const double x = all.empty() ? kNaN : c.of(all[row].metrics);
+        text += std::isfinite(x) ? ',' + io::number_text(x) : ",";
+      }
+      text += '\n';
+    }
+    return text;
   }
-  return text;
-}
+
+ private:
+  [[nodiscard]] std::vector<sim::RobustRun> run_on(const sim::Machine& machine, std::uint64_t sample) const {
+    const auto trial = static_cast<std::uint32_t>(sample);
+    const StudyIdentification how = s_.file.identification;
+    if (how == StudyIdentification::kOnce) return once_.run(machine, trial);
+    sim::CompareSpec spec = s_.spec;
+    spec.threads = 1;
+    spec.seed = sim::random_bits(s_.file.seed, kLogs, sample);
+    const Parameters own = get_parameters(how == StudyIdentification::kRepeated ? s_.machine : machine,
+                                          s_.machine_file, s_.parameters, spec);
+    const sim::MachineRuns runs(s_.machine, own.knowledge, spec.travels, s_.axes, spec.controllers,
+                                s_.file.seed);
+    return runs.run(machine, trial);
+  }
+
+  const Study& s_;
+  sim::Design design_;
+  sim::MachineRuns once_;
+};
 
 /// Refuses draws that no machine file may hold, before hours of runs.
 void check_machines(const Study& s, const sim::Design& design, std::uint64_t from, unsigned threads) {
@@ -172,6 +210,10 @@ class Summary {
     r.runs = s_.runs;
     r.seed = s_.file.seed;
     r.parameters = parameters.words;
+    if (s_.file.identification == StudyIdentification::kRepeated)
+      r.parameters += ", identified again in every sample under other noise";
+    if (s_.file.identification == StudyIdentification::kOfEachMachine)
+      r.parameters += ", each machine from its own logs";
     for (const BoundFactor& f : s_.factors) r.factors.push_back({f.key, f.in_words()});
     for (const StudyColumn& c : s_.columns) {
       const std::string head(c.figure->head(s_.axes.size() == 1));
@@ -218,7 +260,7 @@ class Summary {
     const std::string who = fmt::format("({}) at {}", row.controller, row.motion);
     if (row.refused > 0) {
       warnings.push_back(
-          fmt::format("{}: {} of {} machines need more sub-steps than are simulated; they are left out", who,
+          fmt::format("{}: {} of {} machines could not be simulated or identified; they are left out", who,
                       row.refused, s_.runs));
     }
     if (row.lost > 0 && s_.file.indices && !row.figures.empty()) {
@@ -244,15 +286,12 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options,
   sim::CompareSpec spec = study.spec;
   spec.threads = options.threads;
   const Parameters parameters = get_parameters(study.machine, study.machine_file, study.parameters, spec);
-  const sim::MachineRuns runs(study.machine, parameters.knowledge, spec.travels, study.axes, spec.controllers,
-                              study.file.seed);
-  const sim::Design design = study.design();
+  const Runner runner(study, parameters);
   ResultsFile file(options.folder, inputs_of(study, parameters, options.version),
-                   {head_of(study), runs.size(), study.runs});
-  check_machines(study, design, file.finished(), options.threads);
+                   {head_of(study), runner.rows(), study.runs});
+  check_machines(study, runner.design(), file.finished(), options.threads);
   sim::in_order(
-      file.finished(), study.runs, options.threads,
-      [&](std::uint64_t run) { return rows_of(study, design, runs, run); },
+      file.finished(), study.runs, options.threads, [&](std::uint64_t run) { return runner.text(run); },
       [&](std::uint64_t run, const std::string& rows) {
         file.add(rows);
         if (progress) progress(run + 1, study.runs);
@@ -262,7 +301,7 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options,
   for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
     summary.add(line, cells, file.path());
   });
-  return summary.result(runs.run(study.machine, 0), parameters);
+  return summary.result(runner.nominal(), parameters);
 }
 
 }  // namespace stribeck::workflow

@@ -20,6 +20,9 @@ inline constexpr std::size_t kMostFactors = 50;
 
 enum class StudyParameters { kIdentified, kThesis };
 
+/// Whose logs the compensators of a run come from.
+enum class StudyIdentification { kOnce, kRepeated, kOfEachMachine };
+
 struct StudyFactor {
   std::string key;
   std::optional<sim::AnyDistribution<double>> scale;
@@ -84,6 +87,7 @@ struct StudyFile {
   bool indices = false;
   std::uint64_t seed = 1;
   StudyParameters parameters = StudyParameters::kIdentified;
+  StudyIdentification identification = StudyIdentification::kOnce;
   std::vector<std::string> axis_files;
   StudyMotion motion;
   std::vector<StudyFactor> factors;
@@ -114,14 +118,29 @@ struct StudyFile {
               "of the compensators: identified (from simulated logs of the machine as its file says it) or "
               "thesis (as printed there)")
             .or_default(),
+        field(
+            "identification", &S::identification,
+            "once: from logs of the machine as its file says it; repeated: the same again in every sample, under other noise; "
+            "of-each-machine: from logs of the machine of every run")
+            .or_default()
+            .when([](const S& s) { return s.parameters == StudyParameters::kIdentified; },
+                  "goes with parameters = \"identified\""),
         field("axis_files", &S::axis_files, "axis files in their place, each \"AXIS=FILE\"").or_default(),
         field("motion", &S::motion, "path and speeds").or_default(),
-        field("factors", &S::factors, "what varies, one [[factors]] each; they act in this order")};
+        field(
+            "factors", &S::factors,
+            "what varies, one [[factors]] each; they act in this order; may be left out with identification = "
+            "\"repeated\"")
+            .or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {
-    if (factors.empty())
+    if (factors.empty() && identification != StudyIdentification::kRepeated)
       report("factors", "got none, expected one or more (write [[factors]] with a key and a scale)");
+    if (factors.empty() && indices)
+      report("indices", "there is no factor whose share they could tell (leave it out)");
+    if (factors.empty() && sampling == sim::Sampling::kGrid)
+      report("sampling", "a grid needs factors (choose another sampling)");
     if (factors.size() > kMostFactors) report("factors", "got more than 50 factors, expected at most 50");
     if (controllers.empty()) report("controllers", "got an empty list, expected one or more, e.g. [\"f\"]");
     if (figures.empty())
@@ -136,4 +155,12 @@ struct stribeck::EnumNames<stribeck::workflow::StudyParameters> {
   using enum stribeck::workflow::StudyParameters;
   static constexpr std::array names{std::pair{kIdentified, std::string_view{"identified"}},
                                     std::pair{kThesis, std::string_view{"thesis"}}};
+};
+
+template <>
+struct stribeck::EnumNames<stribeck::workflow::StudyIdentification> {
+  using enum stribeck::workflow::StudyIdentification;
+  static constexpr std::array names{std::pair{kOnce, std::string_view{"once"}},
+                                    std::pair{kRepeated, std::string_view{"repeated"}},
+                                    std::pair{kOfEachMachine, std::string_view{"of-each-machine"}}};
 };

@@ -203,6 +203,65 @@ TEST(Study, ImpossibleDrawsAreFoundBeforeTheFirstRun) {
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1);
 }
 
+std::string identified(const std::string& how, const std::string& factors) {
+  return "machine = \"" + kMachines +
+         "uniaxial-drive.toml\"\ncontrollers = [\"reversal\"]\nfigures = [\"rms_um\"]\nseed = 3\n" +
+         "identification = \"" + how + "\"\n" + factors;
+}
+
+// One machine whose runs have no noise, identified again and again: its error is a band where one identification gives a single number.
+TEST(Study, RepeatedIdentificationIsABand) {
+  Folder f;
+  const std::string quiet =
+      "sampling = \"random\"\nsamples = 4\n"
+      "[[factors]]\nkey = \"x.noise.rms\"\nvalue = { kind = \"list\", values = [\"0 N\"] }\n";
+  EXPECT_EQ(run(f, identified("once", quiet), "once").rows[0].figures[0].spread.deviation(), 0.0);
+  const auto r = run(f, identified("repeated", quiet), "one", 1);
+  static_cast<void>(run(f, identified("repeated", quiet), "two", 2));
+  EXPECT_EQ(text_of(f / "one/results.csv"), text_of(f / "two/results.csv"));
+  const sim::Spread& rms = r.rows[0].figures[0].spread;
+  EXPECT_GT(rms.deviation(), 0.0);
+  EXPECT_LT(rms.deviation(), rms.mean());
+  EXPECT_THAT(r.parameters, HasSubstr("identified again in every sample under other noise"));
+  // Without any factor.
+  const auto alone = run(f, identified("repeated", "sampling = \"random\"\nsamples = 2\n"), "alone");
+  EXPECT_THAT(report::text_table(alone),
+              testing::StartsWith("2 runs of \"uniaxial drive\": random draws, seed 3."));
+}
+
+// Half the friction: a model from the machine's own logs is better than one from the nominal machine.
+TEST(Study, AMachineOfItsOwnLogs) {
+  Folder f;
+  const std::string half =
+      "samples = 1\n[[factors]]\nkey = \"x.friction\"\nscale = { kind = \"list\", values = [0.5] }\n";
+  std::string pid = identified("once", half);
+  pid.replace(pid.find("\"reversal\""), 10, "\"a\", \"reversal\"");
+  const double once = run(f, pid, "once").rows[1].figures[0].spread.mean();
+  pid.replace(pid.find("once"), 4, "of-each-machine");
+  const auto own = run(f, pid, "own");
+  EXPECT_LT(own.rows[1].figures[0].spread.mean(), 0.7 * once);
+  EXPECT_THAT(own.parameters, HasSubstr("each machine from its own logs"));
+}
+
+TEST(Study, SettingsOfIdentificationAreChecked) {
+  const auto refused = [](const std::string& text) {
+    Folder f;
+    try {
+      static_cast<void>(read_study(f.write("study.toml", text)));
+    } catch (const io::InputError& e) {
+      return e.problems().front().text();
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(refused(identified("repeated", "")), "nothing");
+  EXPECT_THAT(refused(identified("once", "")), HasSubstr("factors: got none, expected one or more"));
+  EXPECT_THAT(refused(identified("repeated", "indices = true\n")), HasSubstr("indices: there is no factor"));
+  EXPECT_THAT(refused(identified("repeated", "sampling = \"grid\"\n")),
+              HasSubstr("sampling: a grid needs factors"));
+  EXPECT_THAT(refused(identified("repeated", "parameters = \"thesis\"\n")),
+              HasSubstr("identification: goes with parameters = \"identified\" only"));
+}
+
 TEST(InOrder, HandsOverInOrderAndStopsAtTheFirstError) {
   for (const unsigned threads : {1U, 2U, 5U}) {
     std::vector<std::uint64_t> seen;
