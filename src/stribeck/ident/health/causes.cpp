@@ -107,8 +107,8 @@ void add_friction(const Pattern& p, std::vector<Cause>& out) {
     out.push_back({"preload lost, or the axis was warmer", "friction falls at all speeds",
                    "give --temperature with the tests; check preload of nut, bearings and guide"});
   } else {
-    out.push_back({"lubricant missing, dirt, or the axis was colder", "friction rises at all speeds",
-                   "lubricate and repeat; give --temperature with the tests"});
+    out.push_back({"tighter than before, or the axis was colder", "friction rises at all speeds",
+                   "look at wipers, covers and lubricant; give --temperature with the tests"});
   }
 }
 

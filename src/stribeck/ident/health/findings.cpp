@@ -49,7 +49,7 @@ void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::v
           return t.axis->viscous ? Value({top * t.axis->viscous->value, top * t.axis->viscous->half_width})
                                  : Value();
         },
-        level);
+        std::max(level, std::abs(top * first.viscous->value)));
   }
   add(
       Number::kOffset, {}, [](const HealthTest& t) { return pair_of(t.axis->offset); }, level);

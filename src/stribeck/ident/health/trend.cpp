@@ -147,9 +147,11 @@ class Pieces {
     p.slope_variance = 1.0 / (slope_information + 1.0 / slope_prior_);
     p.level = centre_ + p.level_variance * level_information * mean_v;
     p.slope = p.slope_variance * tv / noise_;
-    p.evidence = -0.5 * (vv / noise_ + mean_v * mean_v / (level_prior_ + noise_ / n) +
-                         std::log1p(level_prior_ * level_information) +
-                         std::log1p(slope_prior_ * slope_information) - p.slope * tv / noise_);
+    p.evidence =
+        -0.5 *
+        (vv / noise_ + mean_v * mean_v / (level_prior_ + noise_ / n) +
+         std::log((1.0 + level_prior_ * level_information) * (1.0 + slope_prior_ * slope_information)) -
+         p.slope * tv / noise_);
     return p;
   }
 
@@ -159,8 +161,9 @@ class Pieces {
 };
 
 double log_add(double a, double b) {
-  const double high = std::max(a, b);
-  return std::isinf(high) ? high : high + std::log1p(std::exp(std::min(a, b) - high));
+  const double high = std::max(a, b), apart = std::min(a, b) - high;
+  constexpr double kNothing = -40.0;  // below the rounding of the sum
+  return std::isinf(high) || apart < kNothing ? high : high + std::log1p(std::exp(apart));
 }
 
 /// The likeliest division, and the probability that a piece begins at each reading.
@@ -171,10 +174,10 @@ struct Division {
 
 Division divide(const Pieces& pieces, std::size_t n) {
   const double change = std::log(kChange);
-  std::vector<double> best(n + 1, -kInfinity), before(n + 1, -kInfinity), after(n + 1, -kInfinity);
+  std::vector<double> best(n + 1, -kInfinity);
   std::vector<std::size_t> from(n + 1, 0);
   std::vector<std::vector<double>> evidence(n + 1);
-  best[0] = before[0] = -change;  // the first piece is no change
+  best[0] = -change;  // the first piece is no change
   for (std::size_t to = kShortest; to <= n; ++to) {
     evidence[to].resize(to);
     for (std::size_t i = 0; i + kShortest <= to; ++i) {
@@ -183,19 +186,25 @@ Division divide(const Pieces& pieces, std::size_t n) {
         best[to] = best[i] + e;
         from[to] = i;
       }
-      before[to] = log_add(before[to], before[i] + e);
     }
   }
+  Division out;
+  out.probability.resize(n, 0.0);
+  for (std::size_t to = n; to > 0; to = from[to]) out.begins.push_back(from[to]);
+  std::reverse(out.begins.begin(), out.begins.end());
+  if (out.begins.size() == 1) return out;  // no border, of which nobody asks the probability
+  std::vector<double> before(n + 1, -kInfinity), after(n + 1, -kInfinity);
+  before[0] = -change;
   after[n] = 0.0;
+  for (std::size_t to = kShortest; to <= n; ++to) {
+    for (std::size_t i = 0; i + kShortest <= to; ++i)
+      before[to] = log_add(before[to], before[i] + evidence[to][i]);
+  }
   for (std::size_t i = n - kShortest + 1; i-- > 0;) {
     for (std::size_t to = i + kShortest; to <= n; ++to)
       after[i] = log_add(after[i], after[to] + evidence[to][i]);
   }
-  Division out;
-  out.probability.resize(n, 0.0);
   for (std::size_t i = 1; i < n; ++i) out.probability[i] = std::exp(before[i] + after[i] - before[n]);
-  for (std::size_t to = n; to > 0; to = from[to]) out.begins.push_back(from[to]);
-  std::reverse(out.begins.begin(), out.begins.end());
   return out;
 }
 

@@ -12,6 +12,7 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/sha256.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/health/archive.hpp>
 
@@ -119,16 +120,9 @@ void ArchiveFolder::add(const ArchivedTest& test, std::vector<ArchiveFile>& file
 }
 
 std::string checksum_of(const std::vector<std::string>& files) {
-  std::uint64_t sum = 0xcbf29ce484222325U;
-  const auto mix = [&](unsigned char c) {
-    sum ^= c;
-    sum *= 0x100000001b3U;
-  };
-  for (const std::string& file : files) {
-    for (const char c : io::read_text(file)) mix(static_cast<unsigned char>(c));
-    mix(0);  // between two files
-  }
-  return fmt::format("{:016x}", sum);
+  std::string all;
+  for (const std::string& file : files) all += io::sha256_of_file(file);
+  return files.size() == 1 ? all : io::hexadecimal(io::sha256(all));
 }
 
 }  // namespace stribeck::workflow

@@ -10,7 +10,6 @@
 /// Real time: no.
 /// Errors: InputError naming the file and its key.
 
-#include <cstdint>
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/health/date.hpp>
@@ -38,17 +37,19 @@ struct ArchivedTest {
 
   static constexpr auto fields() {
     using A = ArchivedTest;
-    return std::tuple{field("format", &A::format, "what this file is, with the number of its format"),
-                      field("date", &A::date, "day of the test, e.g. 2026-11-23"),
-                      field("machine", &A::machine, "name of the machine"),
-                      field("axis", &A::axis, "name of the axis; circle: a circle of two axes"),
-                      field("logs", &A::logs, "logs from which it was measured"),
-                      field("checksum", &A::checksum, "FNV-1a of the bytes of the logs, 64 bits"),
-                      field("temperature", &A::temperature, pure_number().at_least(-50.0).at_most(150.0),
-                            "temperature as it was given, in degrees Celsius")
-                          .or_default(),
-                      field("measured", &A::measured, "numbers of an axis").or_default(),
-                      field("circle", &A::circle, "numbers of a circle").or_default()};
+    return std::tuple{
+        field("format", &A::format, "what this file is, with the number of its format"),
+        field("date", &A::date, "day of the test, e.g. 2026-11-23"),
+        field("machine", &A::machine, "name of the machine"),
+        field("axis", &A::axis, "name of the axis; circle: a circle of two axes"),
+        field("logs", &A::logs, "logs from which it was measured"),
+        field("checksum", &A::checksum,
+              "SHA-256 of the log; of several logs that of their checksums, one behind the other"),
+        field("temperature", &A::temperature, pure_number().at_least(-50.0).at_most(150.0),
+              "temperature as it was given, in degrees Celsius")
+            .or_default(),
+        field("measured", &A::measured, "numbers of an axis").or_default(),
+        field("circle", &A::circle, "numbers of a circle").or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -88,7 +89,7 @@ class ArchiveFolder {
   int lock_ = -1;
 };
 
-/// FNV-1a of the bytes of all files, in hexadecimal digits.
+/// SHA-256 of the file; of several files that of their checksums.
 std::string checksum_of(const std::vector<std::string>& files);
 
 }  // namespace stribeck::workflow
