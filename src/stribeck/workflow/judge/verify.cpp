@@ -61,6 +61,7 @@ std::vector<Model> read_models(const VerifyOptions& o) {
                           path, "expected an axis file as identify -o writes it; the log comes last")});
     models.back().axis = axis_named_in(path);
   }
+  for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});
   return models;
 }
 

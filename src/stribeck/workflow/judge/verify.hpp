@@ -12,9 +12,11 @@
 /// Real time: no.
 /// Errors: InputError for files and options, ident::Refused where no part can be replayed.
 
+#include <stribeck/friction/axis_model.hpp>
 #include <stribeck/report/pages/verify_report.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace stribeck::workflow {
@@ -26,6 +28,8 @@ struct VerifyOptions {
   std::string controller{};   ///< file; empty: no closed loop
   std::string force_shift{};  ///< known one, "3.5 ms"; empty: found in the log
   report::GradeLimits limits{};
+  /// Models that are no file yet, by the name that they will have.
+  std::vector<std::pair<std::string, friction::AxisModel>> models{};
 };
 
 report::VerifyReportInput verify(const VerifyOptions& options);

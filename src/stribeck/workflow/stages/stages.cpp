@@ -1,0 +1,343 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/json.hpp>
+#include <stribeck/io/sha256.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/judge/verify.hpp>
+#include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/stages/stages.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+namespace fs = std::filesystem;
+using io::Json;
+using report::CommissionStage;
+using Axis = report::CommissionedAxisReport;
+
+constexpr double kMassKnown = 0.1;  // half width of its interval, as a share
+constexpr std::string_view kVerify = "verify";
+
+/// The files of the folder in the order of their names; hidden ones and those of this program are left out.
+std::vector<std::string> files_in(const std::string& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    static constexpr std::array<std::string_view, 6> kOthers{".toml", ".json", ".html",
+                                                             ".ngc",  ".hal",  ".md"};
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') || !entry.is_regular_file()) continue;
+    if (std::find(kOthers.begin(), kOthers.end(), entry.path().extension().string()) != kOthers.end())
+      continue;
+    files.push_back(entry.path().string());
+  }
+  if (error) throw io::InputError({folder, 0, {}, "cannot be read: " + error.message()});
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string name_in(const std::string& path) { return fs::path(path).filename().string(); }
+
+/// Whether an excitation was recorded, by the name that excite was given here.
+bool recorded(const std::vector<std::string>& logs, const std::string& method) {
+  return std::any_of(logs.begin(), logs.end(), [&](const std::string& log) {
+    const std::string name = name_in(log);
+    const bool other = method == "sine" && name.find("position-sine") != std::string::npos;
+    return !other && name.find(method) != std::string::npos;
+  });
+}
+
+/// What one identification from some of the logs gives.
+struct Candidate {
+  AxisRecords records;
+  Identification found;
+};
+
+bool mass_known(const ident::Result& r) {
+  return r.mass > 0.0 && r.mass_interval.high - r.mass_interval.low <= 2.0 * kMassKnown * r.mass;
+}
+
+class AxisStages {
+ public:
+  /// `own`: SHA-256 of the axis file that an earlier command wrote; empty: none.
+  AxisStages(const StageOptions& options, LogsOfAxis logs, std::string own)
+      : options_(options), logs_(std::move(logs)), own_(std::move(own)) {
+    axis_.axis = logs_.axis;
+  }
+
+  Axis run() {
+    if (logs_.logs.empty()) {
+      axis_.open.push_back("no log of this axis");
+      record("sine");
+      return axis_;
+    }
+    std::optional<Candidate> chosen;
+    for (const std::string& candidate : held_out_candidates()) {
+      std::vector<std::string> others = logs_.logs;
+      std::erase(others, candidate);
+      chosen = identified(others);
+      if (chosen && !mass_known(chosen->found.result)) chosen.reset();
+      if (!chosen) continue;
+      axis_.held_out = candidate;
+      axis_.logs = others;
+      break;
+    }
+    axis_.open.clear();
+    if (!chosen) return not_verified();
+    describe(chosen->found.result);
+    verify_and_promote(*chosen);
+    return axis_;
+  }
+
+ private:
+  std::optional<Candidate> identified(const std::vector<std::string>& logs) {
+    if (logs.empty()) return std::nullopt;
+    try {
+      auto [records, found] = identify_logs(logs, logs_.options, {});
+      return Candidate{std::move(records), std::move(found)};
+    } catch (const ident::Refused& e) {
+      axis_.open.push_back(e.what());
+      return std::nullopt;
+    }
+  }
+
+  /// Logs to hold out, the most suitable one first.
+  [[nodiscard]] std::vector<std::string> held_out_candidates() const {
+    std::vector<std::string> order(logs_.logs.rbegin(), logs_.logs.rend());
+    std::stable_partition(order.begin(), order.end(), [](const std::string& log) {
+      return name_in(log).find(kVerify) != std::string::npos;
+    });
+    return order;
+  }
+
+  void describe(const ident::Result& r) {
+    axis_.mass = r.mass;
+    axis_.mass_low = r.mass_interval.low;
+    axis_.mass_high = r.mass_interval.high;
+    axis_.load = r.load;
+    axis_.velocity_low = r.velocity_range[0];
+    axis_.velocity_high = r.velocity_range[1];
+    axis_.open.insert(axis_.open.end(), r.cannot_tell.begin(), r.cannot_tell.end());
+  }
+
+  /// No log can be held out: the model of all of them, if they determine one.
+  Axis not_verified() {
+    const std::optional<Candidate> all = identified(logs_.logs);
+    if (!all || !mass_known(all->found.result)) return not_determined(all);
+    axis_.logs = logs_.logs;
+    describe(all->found.result);
+    axis_.stage = CommissionStage::kNotVerified;
+    axis_.open.push_back("no log is left to verify the model: the others alone do not determine the mass");
+    record("position-sine");
+    return axis_;
+  }
+
+  Axis not_determined(const std::optional<Candidate>& all) {
+    axis_.stage = CommissionStage::kNotDetermined;
+    axis_.logs = logs_.logs;
+    if (all) {
+      describe(all->found.result);
+      axis_.open.push_back(fmt::format("the mass is known to {:.2g} %, expected {:g} %",
+                                       50.0 * (axis_.mass_high - axis_.mass_low) / std::abs(axis_.mass),
+                                       100.0 * kMassKnown));
+    }
+    for (const char* method : {"constant-acceleration", "sine", "jog"}) {
+      if (recorded(logs_.logs, method)) continue;
+      record(method);
+      return axis_;
+    }
+    axis_.open.push_back("sine, constant-acceleration and jog are recorded: look at what the logs contain");
+    axis_.next.push_back(
+        fmt::format("stribeck identify --inspect {} --axis {}", report::joined(logs_.logs, " "), axis_.axis));
+    return axis_;
+  }
+
+  /// The command that designs the log to record next.
+  void record(const std::string& method) {
+    const std::string suffix = axis_.stage == CommissionStage::kNotVerified ? std::string(kVerify) : method;
+    axis_.next.push_back(
+        fmt::format("stribeck excite {} --axis {} --method {} -o {}-{}-reference.csv --gcode {}-{}.ngc",
+                    options_.machine, axis_.axis, method, axis_.axis, suffix, axis_.axis, suffix));
+    axis_.next.push_back(fmt::format("run it, record it as {}/{}-{}.csv, and give this command again",
+                                     options_.folder, axis_.axis, suffix));
+  }
+
+  void verify_and_promote(const Candidate& chosen) {
+    const std::string text = io::write_toml(
+        axis_file_model(chosen.found, chosen.records),
+        fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}), verified on {}.", axis_.axis,
+                    chosen.found.result.model, chosen.records.sources, options_.version,
+                    ident::name_of(chosen.found.result.method), axis_.held_out));
+    const std::string path = options_.output + "/" + axis_.axis + ".toml";
+    VerifyOptions what;
+    what.log = logs_.options;
+    what.logs = {axis_.held_out};
+    what.limits = options_.limits;
+    what.models = {{path, as_model(chosen.found.result)}};
+    const report::VerifyReportInput judged = verify(what);
+    const report::Verdict verdict = report::verdicts(judged).front();
+    axis_.force_error = 100.0 * verdict.error;
+    axis_.verdict = name_of(verdict.grade);
+    if (!report::usable(judged)) {
+      axis_.stage = CommissionStage::kRefused;
+      axis_.open.push_back(fmt::format("the model fails on {} and is not promoted; expected at most {:g} %",
+                                       axis_.held_out, options_.limits.usable));
+      if (std::error_code ignored; fs::exists(path, ignored))
+        axis_.open.push_back(path + " is still that of earlier logs");
+      axis_.next.push_back(fmt::format("stribeck identify {} --axis {} --report identify-{}",
+                                       report::joined(axis_.logs, " "), axis_.axis, axis_.axis));
+      return;
+    }
+    if (std::error_code ignored; fs::exists(path, ignored) && io::sha256_of_file(path) != own_)
+      throw io::InputError(
+          {path,
+           0,
+           {},
+           "was not written by this command, or has been changed since: it is not replaced (move it away, or choose another --output)"});
+    io::write_atomically(path, text);
+    axis_.stage = CommissionStage::kReady;
+    axis_.axis_file = path;
+    axis_.axis_file_sha256 = io::hexadecimal(io::sha256(text));
+    axis_.next.push_back(
+        fmt::format("stribeck export {} --to linuxcnc --lincurve -o {}.hal", path, axis_.axis));
+  }
+
+  const StageOptions& options_;
+  LogsOfAxis logs_;
+  std::string own_;
+  Axis axis_;
+};
+
+/// The machine as logs_by_axis needs it: with the gain of a real drive, where its file has one.
+sim::Machine machine_of(const MachineDescription& description) {
+  sim::Machine machine = as_machine(description);
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    const AxisDescription& a = description.axes[i].second;
+    if (!a.plant && a.force_per_volt() > 0.0)
+      machine.axes[i].second.plant.drive = plant::CurrentDrive{a.force_per_volt(), {}};
+  }
+  return machine;
+}
+
+/// The logs of each axis, those without any too; what is no log is left out with the reason.
+std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const sim::Machine& machine,
+                                    std::vector<std::string>& skipped) {
+  std::vector<LogsOfAxis> all;
+  for (const auto& [name, axis] : machine.axes) {
+    if (o.log.axis.empty() || o.log.axis == name) {
+      all.push_back({name, o.log, {}});
+      all.back().options.axis = name;
+    }
+  }
+  for (const std::string& file : files_in(o.folder)) {
+    try {
+      for (const LogsOfAxis& one : logs_by_axis(machine, {file}, o.log)) {
+        static_cast<void>(read_axis({file}, one.options));
+        for (LogsOfAxis& axis : all) {
+          if (axis.axis != one.axis) continue;
+          axis.logs.push_back(file);
+          if (axis.options.gain.empty()) axis.options.gain = one.options.gain;
+        }
+      }
+    } catch (const io::InputError& e) {
+      skipped.emplace_back(e.what());
+    } catch (const ident::Refused& e) {
+      skipped.emplace_back(e.what());
+    }
+  }
+  return all;
+}
+
+/// What the result of an axis depends on.
+std::string key_of(const StageOptions& o, const LogsOfAxis& logs) {
+  std::string all = fmt::format("{}\n{}\n{}\n{}\n{:g} {:g}\n", o.version, io::sha256_of_file(o.machine),
+                                o.machine, o.output, o.limits.good, o.limits.usable);
+  const LogOptions& l = logs.options;
+  for (const auto* list : {&l.maps, &l.where, &l.runs, &l.keep}) all += report::joined(*list, "\n") + "\n\n";
+  all += fmt::format("{}\n{}\n{}\n{}\n", l.axis, l.gain, l.lead, l.sample_time);
+  for (const std::string& log : logs.logs) {
+    all += log + " " + io::sha256_of_file(log);
+    // A side file says how its log is read.
+    if (const std::string side = log + ".toml"; fs::exists(side)) all += " " + io::sha256_of_file(side);
+    all += "\n";
+  }
+  return io::hexadecimal(io::sha256(all));
+}
+
+constexpr std::string_view kSchema = "stribeck.commission-state/1";
+
+/// Results of earlier commands, by axis: {"key", "result"}. A state that cannot be read is no state.
+Json read_state(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return Json::object();
+  const Json state = Json::parse(io::read_text(path), nullptr, false);
+  if (!state.is_object() || state.value("schema", "") != kSchema || !state.contains("axes") ||
+      !state["axes"].is_object())
+    throw io::InputError(
+        {path, 0, {}, "is no state of stribeck commission (remove it: everything is then computed again)"});
+  return state["axes"];
+}
+
+/// The stored result of an axis; absent: its inputs are others, or its axis file is gone or was changed.
+std::optional<Axis> stored(const Json& state, const std::string& axis, const std::string& key) {
+  const auto at = state.find(axis);
+  Axis out;
+  if (at == state.end() || !at->is_object() || at->value("key", "") != key || !at->contains("result") ||
+      !report::read_axis_state((*at)["result"], out))
+    return std::nullopt;
+  std::error_code ignored;
+  if (!out.axis_file.empty() && (!fs::exists(out.axis_file, ignored) ||
+                                 io::sha256_of_file(out.axis_file) != at->value("axis_file_sha256", "")))
+    return std::nullopt;
+  out.unchanged = true;
+  return out;
+}
+
+}  // namespace
+
+report::CommissionReportInput commission_from_logs(const StageOptions& o) {
+  const MachineDescription description = read_description(o.machine);
+  report::CommissionReportInput input;
+  input.machine = description.name;
+  const std::vector<LogsOfAxis> all = sorted_logs(o, machine_of(description), input.skipped);
+  if (all.empty())
+    throw io::InputError(
+        {{},
+         0,
+         "--axis",
+         fmt::format("got {}, which {} does not have", io::in_quotes(o.log.axis), o.machine)});
+  const std::string path = o.output + "/commission.json";
+  Json state = read_state(path);
+  io::make_directory(o.output);
+  for (const LogsOfAxis& logs : all) {
+    const std::string key = key_of(o, logs);
+    if (const auto known = stored(state, logs.axis, key)) {
+      input.axes.push_back(*known);
+      continue;
+    }
+    std::string own;
+    if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
+      own = at->value("axis_file_sha256", "");
+    const Axis axis = AxisStages(o, logs, own).run();
+    Json entry{{"key", key}, {"result", report::to_json(axis)}};
+    entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
+    state[logs.axis] = std::move(entry);
+    input.axes.push_back(axis);
+  }
+  io::write_atomically(path, io::dump({{"schema", kSchema}, {"axes", state}}));
+  return input;
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <tests/cli/command.hpp>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A sine of two frequencies, with the force that a rigid axis of 100 kg with 20 N and 200 N·s/m needs.
+std::string log_text(double omega, double coulomb, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> noise(0.0, 0.2);
+  std::string text = "t [s],r [mm],x [mm],f [N]\n";
+  for (int k = 0; k < 6000; ++k) {
+    const double t = 0.002 * k, middle = t + 0.001;
+    const auto x_at = [&](double s) {
+      return 15.0 * (1.0 - std::cos(omega * s)) + 4.0 * (1.0 - std::cos(2.7 * omega * s));
+    };
+    const double v =
+        1e-3 * (15.0 * omega * std::sin(omega * middle) + 4.0 * 2.7 * omega * std::sin(2.7 * omega * middle));
+    const double a = 1e-3 * omega * omega *
+                     (15.0 * std::cos(omega * middle) + 4.0 * 2.7 * 2.7 * std::cos(2.7 * omega * middle));
+    const double f = 100.0 * a + 200.0 * v + (v > 0.0 ? coulomb : -coulomb) + noise(generator);
+    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.4f}\n", t, x_at(t), x_at(t), f);
+  }
+  return text;
+}
+
+/// A folder with logs/, and the command on it.
+struct Stages {
+  Folder folder;
+
+  Stages() { std::filesystem::create_directory(folder / "logs"); }
+  void log(const std::string& name, const std::string& text) const { folder.write("logs/" + name, text); }
+  [[nodiscard]] Said run(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words{"commission", kMachine,        "--logs", folder / "logs",
+                                   "-o",         folder / "axes", "--axis", "x"};
+    words.insert(words.end(), more.begin(), more.end());
+    return command(words);
+  }
+};
+
+TEST(Commission, SaysWhatToRecordNext) {
+  const Stages stages;
+  const Said nothing = stages.run();
+  EXPECT_EQ(nothing.code, 1) << nothing.err;
+  EXPECT_THAT(nothing.out, AllOf(HasSubstr("Axis x: no log"), HasSubstr("--axis x --method sine -o")));
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  const Said one = stages.run();
+  EXPECT_EQ(one.code, 1) << one.err;
+  EXPECT_THAT(one.out, AllOf(HasSubstr("Axis x: not verified"), HasSubstr("--method position-sine"),
+                             HasSubstr("x-verify.csv")));
+  EXPECT_FALSE(std::filesystem::exists(stages.folder / "axes/x.toml"));
+}
+
+TEST(Commission, PromotesAVerifiedModelAndDoesNothingTwice) {
+  const Stages stages;
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  stages.log("notes.txt", "measured on a Monday\n");
+  const Said said = stages.run({"--json", stages.folder / "c.json"});
+  ASSERT_EQ(said.code, 0) << said.err << said.out;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("Axis x: ready"), HasSubstr("x-verify.csv: good"), HasSubstr("stribeck export"),
+                    HasSubstr("skipped: "), Not(HasSubstr("unchanged"))));
+  const auto json = nlohmann::json::parse(text_of(stages.folder / "c.json"));
+  EXPECT_EQ(json["axes"][0]["stage"], "ready");
+  EXPECT_NEAR(json["axes"][0]["mass_kg"].get<double>(), 100.0, 2.0);
+  const std::string state = text_of(stages.folder / "axes/commission.json");
+  const Said again = stages.run();
+  EXPECT_EQ(again.code, 0);
+  EXPECT_THAT(again.out, HasSubstr("inputs unchanged"));
+  EXPECT_EQ(text_of(stages.folder / "axes/commission.json"), state);
+  // Another log, other limits: computed again.
+  EXPECT_THAT(stages.run({"--usable", "14"}).out, Not(HasSubstr("unchanged")));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 3));
+  EXPECT_THAT(stages.run().out, Not(HasSubstr("unchanged")));
+}
+
+TEST(Commission, DoesNotPromoteAModelThatFails) {
+  const Stages stages;
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  ASSERT_EQ(stages.run().code, 0);
+  const std::string good = text_of(stages.folder / "axes/x.toml");
+  stages.log("x-verify.csv", log_text(2.0, 45.0, 2));  // another friction
+  const Said said = stages.run();
+  EXPECT_EQ(said.code, 1);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("Axis x: refused"), HasSubstr("not usable"),
+                              HasSubstr("is still that of earlier logs")));
+  EXPECT_EQ(text_of(stages.folder / "axes/x.toml"), good);
+  // With the right log again, its own file may be replaced.
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 4));
+  EXPECT_EQ(stages.run().code, 0);
+}
+
+TEST(Commission, DoesNotReplaceAFileThatIsNotItsOwn) {
+  const Stages stages;
+  stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
+  stages.log("x-verify.csv", log_text(2.0, 20.0, 2));
+  std::filesystem::create_directory(stages.folder / "axes");
+  stages.folder.write("axes/x.toml", "mine\n");
+  const Said said = stages.run();
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.err, HasSubstr("x.toml: was not written by this command"));
+  EXPECT_EQ(text_of(stages.folder / "axes/x.toml"), "mine\n");
+}
+
+TEST(Commission, RefusesWhatIsThere) {
+  const Stages stages;
+  EXPECT_THAT(
+      command({"commission", kMachine, "--logs", stages.folder / "none", "-o", stages.folder / "axes"}).err,
+      HasSubstr("none: cannot be read"));
+  EXPECT_THAT(command({"commission", kMachine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes",
+                       "--axis", "w"})
+                  .err,
+              HasSubstr("--axis: got \"w\", which "));
+  std::filesystem::create_directory(stages.folder / "axes");
+  stages.folder.write("axes/commission.json", "{");
+  EXPECT_THAT(stages.run().err, HasSubstr("is no state of stribeck commission"));
+}
+
+}  // namespace
+}  // namespace stribeck::test
