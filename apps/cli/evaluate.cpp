@@ -1,4 +1,6 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -6,7 +8,9 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
+#include <stribeck/report/circle/circle_change.hpp>
 #include <stribeck/report/circle/circle_report.hpp>
+#include <stribeck/report/text.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
 
 namespace stribeck::cli {
@@ -29,7 +33,10 @@ int evaluate(const EvaluateCommand& o) {
   write_json(o.common.json, report::to_json(input), made);
   report::write_circle_report(folders_of(o.common), input);
   say(o.common, report::text_table(input));
-  return 0;
+  const std::vector<report::CircleVerdict> verdicts = report::circle_verdicts(input);
+  const bool passed = std::all_of(verdicts.begin(), verdicts.end(),
+                                  [](const report::CircleVerdict& v) { return v.passed(); });
+  return passed ? 0 : 1;
 }
 
 }  // namespace
@@ -54,12 +61,19 @@ void add_evaluate(CLI::App& app, Action& action) {
       ->type_name("NAME");
   verb->add_option("--beside", o->what.beside, "A further column of the table, with one value for each log")
       ->type_name("HEAD=VALUE,VALUE");
+  verb->add_option(
+          "--limit", o->what.limits,
+          fmt::format(
+              "Largest allowed value of a figure, repeatable: {}; exit code 1 where a log is above it or the figure "
+              "was not measured",
+              report::listed(report::limited_figures())))
+      ->type_name("FIGURE=LENGTH");
   verb->add_flag("--together", o->what.together,
                  "The logs are of one machine, e.g. at several feeds: one diagnosis over all of them");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(
-      "Example:\n  stribeck evaluate pid.log axis.log --map x=\"x-pos mm\" --map y=\"y-pos mm\" --where "
+      "Examples:\n  stribeck evaluate before.log after.log --limit G=10um --report page\n  stribeck evaluate pid.log axis.log --map x=\"x-pos mm\" --map y=\"y-pos mm\" --where "
       "line=7 --report page");
   verb->callback([o, &action] { action = [o] { return evaluate(*o); }; });
 }

@@ -63,5 +63,23 @@ TEST(Outputs, PlotsThatCannotBeWrittenAreRefusedBeforeTheWork) {
   EXPECT_FALSE(std::filesystem::exists(folder / "log.csv"));
 }
 
+TEST(Outputs, LimitsOfACircleDecideTheExitCode) {
+  const Folder folder;
+  const std::string log = folder / "circle.csv";
+  ASSERT_EQ(
+      command({"simulate", kMachine, "--controller", "f", "--parameters", "thesis", "-o", log, "--quiet"})
+          .code,
+      0);
+  EXPECT_EQ(command({"evaluate", log, "--limit", "G=1 mm", "--limit", "max=1 mm"}).code, 0);
+  const Said failed = command({"evaluate", log, "--limit", "G=1nm", "--json", folder / "e.json"});
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_THAT(failed.out, HasSubstr("FAILED: circle G of "));
+  EXPECT_EQ(nlohmann::json::parse(text_of(folder / "e.json"))["limits"][0]["passed"], false);
+  const Said unknown = command({"evaluate", log, "--limit", "Q=1um"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("got \"Q\", expected one of max, RMS, glitch, G, G(b), F, D and H"));
+  EXPECT_THAT(command({"evaluate", log, "--limit", "G=5 N"}).err, HasSubstr("--limit"));
+}
+
 }  // namespace
 }  // namespace stribeck::test

@@ -12,6 +12,7 @@
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/report/circle/circle_change.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
@@ -237,6 +238,20 @@ std::vector<std::vector<std::string>> beside_columns(const CircleOptions& o,
   return beside;
 }
 
+std::vector<report::CircleLimit> limits_of(const std::vector<std::string>& texts) {
+  std::vector<report::CircleLimit> limits;
+  for (const std::string& text : texts) {
+    const auto [figure, length] = halves("--limit", text, "FIGURE=LENGTH, e.g. G=5um");
+    const auto& known = report::limited_figures();
+    if (std::find(known.begin(), known.end(), figure) == known.end()) {
+      refuse_option("--limit",
+                    fmt::format("got {}, expected one of {}", io::in_quotes(figure), report::listed(known)));
+    }
+    limits.push_back({figure, option_si("--limit", length, quantity("m", "um").positive())});
+  }
+  return limits;
+}
+
 }  // namespace
 
 report::CircleReportInput judge_circles(const CircleOptions& o) {
@@ -247,6 +262,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
   report::CircleReportInput input;
   input.title = fmt::format("Circle of {} mm", report::short_number(radius * 1e3));
   input.radius = radius;
+  input.limits = limits_of(o.limits);
   const auto beside = beside_columns(o, input);
   const auto map = mapped(o);
   std::vector<circle::CircleMotion> motions;

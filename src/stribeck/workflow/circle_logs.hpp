@@ -16,6 +16,7 @@ struct CircleOptions {
   std::vector<std::string> where;   ///< COLUMN=VALUE, one circle each; empty: one circle of all rows
   std::vector<std::string> labels;  ///< one for each log; empty: the files' names
   std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…: a further column of the table
+  std::vector<std::string> limits;  ///< FIGURE=LENGTH: largest allowed value
   bool together = false;            ///< the logs are of one machine: one diagnosis over all
 };
 

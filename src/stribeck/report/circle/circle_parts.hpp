@@ -10,6 +10,12 @@
 
 namespace stribeck::report {
 
+std::string direction(const ident::circle::CircleTest& test);
+/// "clockwise, rows line=9"; parts that do not distinguish circles are left out.
+std::string circle_name(const CircleReportInput& input, std::size_t circle);
+/// Head and unit of "servo time [clocks]".
+Column column_of(const std::string& head);
+
 /// A table with one row for each log that has a test; "" where none has.
 std::string circular_test_text(const CircleReportInput& input);
 void add_circular_test(Page& page, const CircleReportInput& input);

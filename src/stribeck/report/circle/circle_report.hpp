@@ -7,6 +7,8 @@
 ///           "mean_radial_deviation_um", "bidirectional_circular_deviation_um", "hysteresis_um", …}, "diagnosis": null or {"causes", "peaks",
 ///           "remarks", …}}], "diagnosis": the same of all logs with --together, else null}
 ///
+/// "changes" compares every log with the first, "limits" every log with the limits; see circle_change.hpp.
+///
 /// Real time: no. Errors: io::InputError of files and of gnuplot.
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,6 +33,12 @@ struct CircleLog {
   std::vector<std::string> notes = {};
 };
 
+/// Largest allowed value of a figure of circle_change.hpp.
+struct CircleLimit {
+  std::string figure;
+  double most = 0.0;  ///< [m]
+};
+
 struct CircleReportInput {
   std::string title;
   double radius = 0.0;                   ///< [m]
@@ -42,6 +50,7 @@ struct CircleReportInput {
   std::string command = {};
   std::string version = {};
   std::vector<InputFile> inputs = {};  ///< that the result came from
+  std::vector<CircleLimit> limits = {};
 };
 
 std::string text_table(const CircleReportInput& input);

@@ -204,7 +204,7 @@ std::string data_csv(const Plot& p) {
     const auto tic = std::find_if(p.x_tics.begin(), p.x_tics.end(),
                                   [&](const Tic& t) { return s.x.size() == 1 && t.at == s.x.front(); });
     std::string name = s.label;
-    if (name.empty() && s.scale) name = "scale";
+    if (name.empty() && s.scale != ScaleLine::kNone) name = "scale";
     if (name.empty() && tic != p.x_tics.end()) name = tic->label;
     if (name.empty()) name = fmt::format("curve {}", ++unnamed);
     name = field(name);

@@ -211,11 +211,17 @@ class Figure {
   magnify() {
     const [cx, cy, r] = this.facts.ring;
     for (const c of this.curves) {
+      if (c.facts.scale === 3) continue;  // an axis or a mark
       for (const p of c.paths) {
         p.original = p.original || pointsOf(p.getAttribute('d'));
         p.setAttribute('d', p.original.map((points) => {
           let d = '';
           for (let i = 0; i < points.length; i += 2) {
+            if (c.facts.scale === 2) {  // the bar of the scale grows from its first point on
+              const x = p.original[0][0] + (points[i] - p.original[0][0]) * this.scale;
+              d += (i ? 'L' : 'M') + x.toFixed(1) + ' ' + points[i + 1];
+              continue;
+            }
             const dx = points[i] - cx, dy = points[i + 1] - cy, own = Math.hypot(dx, dy) || 1;
             const k = (r + (own - r) * this.scale) / own;
             d += (i ? 'L' : 'M') + (cx + dx * k).toFixed(1) + ' ' + (cy + dy * k).toFixed(1);

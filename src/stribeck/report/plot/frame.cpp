@@ -231,7 +231,7 @@ std::string plot_facts(const Plot& p) {
     one["g"] = {++group};
     if (has_whiskers(s)) one["g"].push_back(++group);
     if (s.style == Style::kBand || s.style == Style::kBars) one["fill"] = 1;
-    if (s.scale) one["scale"] = 1;
+    if (s.scale != ScaleLine::kNone) one["scale"] = static_cast<int>(s.scale);
     for (const LegendEntry& e : legend) {
       if (e.series != &s) continue;
       const double letters = 6.3 * static_cast<double>(text_width(s.label));

@@ -31,6 +31,14 @@ enum class Style {
   kBars,   ///< from zero to y; whiskers where y_low and y_high are given
 };
 
+/// A line of a drawing's scale, from which no value is read; how it follows a change of the magnification.
+enum class ScaleLine {
+  kNone,
+  kRing,   ///< a certain error: moves as the curves do
+  kBar,    ///< a length from its first point on: grows with the magnification
+  kFixed,  ///< an axis or a mark: stays
+};
+
 struct Series {
   std::string label = {};  ///< in the legend; empty: no entry
   std::vector<double> x = {};
@@ -41,7 +49,7 @@ struct Series {
   std::string color = "#444444";  ///< #rrggbb
   double width = 1.6;             ///< of a line [px]; of a bar [units of x]; of a point, its size
   bool dashed = false;
-  bool scale = false;  ///< a line of the scale, from which no value is read
+  ScaleLine scale = ScaleLine::kNone;
 };
 
 /// Vertical line at x, its label at the top.
