@@ -9,6 +9,7 @@
 #include <stribeck/report/pages/compare_plots.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
 #include <stribeck/report/pages/compare_tables.hpp>
+#include <stribeck/report/pages/recommendation.hpp>
 #include <stribeck/report/pages/verdict.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/plot/contour_plots.hpp>
@@ -144,6 +145,7 @@ void figures(Page& page, const CompareReportInput& input, const std::vector<Trav
   bool printed = false;
   for (const TravelBlock& b : blocks) {
     page.table(controllers_table(b, figures));
+    page.paragraph(verdict(b.rows, b.text, result));
     if (const std::string text = against_print(b); !text.empty()) page.paragraph(text);
     printed = printed || b.printed != nullptr;
   }
@@ -170,6 +172,16 @@ void figures(Page& page, const CompareReportInput& input, const std::vector<Trav
   }
 }
 
+/// The picture of the first screen.
+void largest_errors(Page& page, const std::vector<TravelBlock>& blocks, const sim::CompareResult& result) {
+  std::vector<Plot> plots;
+  for (const TravelBlock& b : blocks)
+    plots.push_back(bar_plot(b, b.rows, error_name(result), "Maximum", &sim::Metrics::max_contour_error));
+  page.figures(
+      plots, 2,
+      "Largest error of each controller, mean over the trials; whiskers: standard deviation between them. Small is good.");
+}
+
 void bars_of_figures(Page& page, const CompareReportInput& input, const std::vector<TravelBlock>& blocks) {
   const std::string error = error_name(input.result);
   for (const TravelBlock& b : blocks) {
@@ -177,7 +189,7 @@ void bars_of_figures(Page& page, const CompareReportInput& input, const std::vec
       return std::vector<Plot>{bar_plot(b, rows, error, "Maximum", &sim::Metrics::max_contour_error),
                                bar_plot(b, rows, error, "RMS", &sim::Metrics::rms)};
     };
-    page.figures(bars(b.rows), 2, "");
+    page.figures({bar_plot(b, b.rows, error, "RMS", &sim::Metrics::rms)}, 2, "");
     for (const Rows& fine : finer_rows(b.rows))
       page.figures(bars(fine), 2, "The same figures on a separate scale.");
   }
@@ -317,11 +329,14 @@ Page compare_report_page(const CompareReportInput& input) {
   if (!input.version.empty()) about.push_back("stribeck " + input.version);
   Page page("Controllers compared: " + result.machine, joined(about, " · "));
 
-  for (const TravelBlock& b : blocks) page.lead(verdict(b.rows, b.text, result));
+  const std::vector<TravelBlock> drawn = simulated(blocks);
+  const Recommendation advice = recommendation(blocks, result);
+  page.lead(advice.words);
+  page.numbers(advice.numbers);
+  largest_errors(page, drawn, result);
   page.warnings(all_warnings(input));
 
   figures(page, input, blocks);
-  const std::vector<TravelBlock> drawn = simulated(blocks);
   bars_of_figures(page, input, drawn);
   magnified_contours(page, drawn);
   change_since_identification(page, input);
