@@ -341,7 +341,8 @@ TEST_F(StoppedStudy, GoesOnAfterAKillFromOutside) {
       execv(argv[0], argv.data());
       _exit(98);
     }
-    usleep(static_cast<useconds_t>(30000 + random() % 120000));
+    // Longer each time: on a busy computer the first ones do not reach the first run.
+    usleep(static_cast<useconds_t>(30000 + random() % (120000 + 20000 * static_cast<unsigned>(kills))));
     kill(child, SIGKILL);
     int status = 0;
     waitpid(child, &status, 0);
@@ -349,7 +350,7 @@ TEST_F(StoppedStudy, GoesOnAfterAKillFromOutside) {
     if (done) {
       ASSERT_EQ(WEXITSTATUS(status), 0);
     }
-    ASSERT_LT(++kills, 400);
+    ASSERT_LT(++kills, 200);
   }
   EXPECT_EQ(results("out"), whole_) << "seed " << kSeed << ", after kill " << kills;
 }
