@@ -7,8 +7,9 @@
 namespace stribeck::ident::health {
 namespace {
 
-constexpr double kSameChange = 7.0;     // days between steps of one change
-constexpr std::size_t kBeside = 10;     // tests before and after
+constexpr double kSeason = 2.0;      // limit of viscous friction without temperatures, times that of others
+constexpr double kSameChange = 7.0;  // days between steps of one change
+constexpr std::size_t kBeside = 10;  // tests before and after
 constexpr double kMedianSpread = 1.25;  // standard deviation of a median to that of a mean
 
 /// Value and half width of one number in one test; absent where the test does not have it.
@@ -21,6 +22,12 @@ Channel channel_of(const std::vector<HealthTest>& tests, Number number, std::arr
     if (const auto value = get(t)) c.readings.push_back({t.day, (*value)[0], (*value)[1], t.temperature});
   }
   c.trend = trend_of(c.readings, {scale, limits.step, limits.drift});
+  // The viscosity of a lubricant changes by some percent per kelvin: without temperatures a season may well pass the limit.
+  if (number == Number::kViscous && !std::isfinite(c.trend.per_degree)) {
+    c.trend.drift_limit = kSeason * limits.drift;
+    c.trend.drifted =
+        std::abs(c.trend.now - c.trend.reference) - c.trend.drift_half_width > c.trend.drift_limit * scale;
+  }
   return c;
 }
 

@@ -4,7 +4,7 @@
 /// Every force counts as a share of the friction level, which is the mean of both directions in the first test, viscous friction of
 /// itself where it is larger; a mass as a share of itself; a length of the circular test as a share of twice its first value, at least of 2 µm. Steps within a week of each other, in whichever numbers, are
 /// one change. Its effect on every other number is the difference of the medians of ten tests before and after. A slow change is a
-/// number that has left its drift limit; its effect is that since the first tests.
+/// number that has left its drift limit, twice as wide for viscous friction without temperatures; its effect is that since the first tests.
 ///
 /// Causes follow from the pattern alone (causes.cpp has the rules): several may fit, and none is proven.
 /// Real time: no. Errors: none.

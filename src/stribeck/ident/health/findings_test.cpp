@@ -110,6 +110,25 @@ TEST(HealthFindings, SlowWearIsASlowChange) {
   EXPECT_TRUE(health.changed());
 }
 
+// Half a year in which viscous friction alone rises slowly.
+std::vector<HealthTest> warmer(double rise, bool thermometer) {
+  std::vector<HealthTest> tests = tests_with({}, 180, 1000);
+  for (std::size_t d = 0; d < tests.size(); ++d) {
+    const double share = static_cast<double>(d) / 180.0;
+    tests[d].axis->viscous->value *= 1.0 + rise * share;
+    // A thermometer whose readings have nothing to do with it.
+    if (thermometer) tests[d].temperature = 20.0 + 3.0 * std::sin(2.0 * static_cast<double>(d));
+  }
+  return tests;
+}
+
+TEST(HealthFindings, WithoutATemperatureViscousFrictionMayFollowTheSeason) {
+  // 60 N of viscous friction at the top speed, where 100 % are 130 N.
+  EXPECT_FALSE(health_of(warmer(0.8, false)).changed()) << "37 % of the level";
+  EXPECT_TRUE(health_of(warmer(0.8, true)).changed());
+  EXPECT_TRUE(health_of(warmer(1.4, false)).changed()) << "65 %";
+}
+
 TEST(HealthFindings, ACircleThatBecomesLessRoundIsFound) {
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;

@@ -16,7 +16,7 @@
 ///             days to a month, in which those across a step count little, is taken off
 ///
 /// A border is a step when its probability within a week is at least kSure and its jump is three times its standard deviation; otherwise
-/// only the drift changes there. False alarms, and the days until a change is found: docs/guides/health.md.
+/// only the drift changes there. False alarms, and the days until a change is found: tools/health.
 ///
 /// Source: Fearnhead 2006, doi:10.1007/s11222-006-8450-8.
 /// Not modelled: scatter that changes; outliers in groups of three and more.
