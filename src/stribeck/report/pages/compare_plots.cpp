@@ -69,9 +69,8 @@ Magnified contour_plots(const TravelBlock& block, const ScaleGroup& group, const
   const double ring = round_down(0.4 * worst);
 
   Series line{.color = "#9aa0a6", .width = 1.0, .scale = ScaleLine::kRing};
-  std::array<Series, 2> rings{
-      Series{.color = "#b6bbc0", .width = 0.8, .dashed = true, .scale = ScaleLine::kRing},
-      Series{.color = "#b6bbc0", .width = 0.8, .dashed = true, .scale = ScaleLine::kRing}};
+  const Series dashed{.color = "#b6bbc0", .width = 0.8, .dashed = true, .scale = ScaleLine::kRing};
+  std::array<Series, 2> rings{dashed, dashed};
   constexpr int kPoints = 240;
   Vec2 low{{1e9, 1e9}};
   Vec2 high{{-1e9, -1e9}};

@@ -111,6 +111,48 @@ void quality(Page& page, const ident::residual::Quality& q, const ShownUnits& un
       "the mains or a mode of the drive.");
 }
 
+/// What a reader asks first: mass, error on motion that was not fitted, speeds.
+std::vector<KeyNumber> key_numbers(const ident::Result& r) {
+  const ShownUnits units = units_of(r);
+  std::vector<KeyNumber> numbers;
+  for (const ident::Parameter& p : r.parameters) {
+    if (p.name != "mass" || !numbers.empty()) continue;
+    const ShownParameter s = shown(p, units);
+    numbers.push_back({"mass", shown_number(s.value, s.low, s.high), s.unit});
+  }
+  if (std::isfinite(r.held_out_rms))
+    numbers.push_back(
+        {"error on motion that was not fitted, RMS", significant(r.held_out_rms, 3), units.force});
+  if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
+    numbers.push_back({"speeds that the log holds",
+                       fmt::format("{} to {}", significant(r.velocity_range[0] * units.per_velocity, 3),
+                                   significant(r.velocity_range[1] * units.per_velocity, 3)),
+                       units.velocity});
+  }
+  return numbers;
+}
+
+/// The parameters; those that only together make a curve are unfolded on demand.
+void parameters(Page& page, const ident::Result& r) {
+  const Table all = parameter_table(r);
+  Table single{all.caption, all.columns, {}};
+  Table curve{"", all.columns, {}};
+  for (const auto& row : all.rows) {
+    const std::string& name = row.front().text;
+    const bool of_curve =
+        name.starts_with("gaussian_") || name.starts_with("eta") || name.starts_with("friction_at_");
+    (of_curve ? curve : single).rows.push_back(row);
+  }
+  constexpr std::size_t kFew = 6;
+  if (curve.rows.size() < kFew || single.rows.empty()) {
+    page.table(all);
+    return;
+  }
+  page.table(single);
+  page.details(fmt::format("{} points and parameters of the curve", curve.rows.size()),
+               [&] { page.table(curve); });
+}
+
 }  // namespace
 
 std::string headline(const ident::Result& r) {
@@ -140,6 +182,7 @@ Page identify_report_page(const IdentifyReportInput& input) {
   for (const ident::Result& r : input.results) {
     if (!first) page.section("Beside it: " + headline(r));
     page.lead(summary(r, input.axis));
+    if (first) page.numbers(key_numbers(r));
     page.list("What this log does not determine", r.cannot_tell);
     page.warnings(r.warnings);
     if (first) page.section("Friction map");
@@ -162,7 +205,7 @@ Page identify_report_page(const IdentifyReportInput& input) {
                     "its 95 % band can be seen. Measured points are thinned.") +
             (r.friction.eccentric.empty() ? "" : " Periodic terms are subtracted."));
     if (first) page.section("Parameters");
-    page.table(parameter_table(r));
+    parameters(page, r);
     residuals(page, r, first);
     if (first && input.quality) quality(page, *input.quality, units_of(r));
     if (first && !r.models.empty()) page.section("Choice of the model");

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/table.hpp>
+#include <stribeck/report/test_result.hpp>
 
 namespace stribeck::report {
 namespace {
@@ -42,6 +43,19 @@ TEST(IdentifyReport, SaysInPlainWordsWhatWasDetermined) {
   EXPECT_THAT(headline(r), HasSubstr("cogging"));
   r.set_steady(ident::SteadyModel::kConventional);
   EXPECT_EQ(headline(r), "conventional model by position-map");
+}
+
+TEST(IdentifyReport, FirstScreenHasNumbersAndPointsOfTheCurveAreFolded) {
+  IdentifyReportInput in{"x", {testing::fit()}, "log.csv", "", ""};
+  for (int k = 0; k < 6; ++k) {
+    in.results[0].parameters.push_back(in.results[0].parameters.front());
+    in.results[0].parameters.back().name = "friction_at_" + std::to_string(k);
+  }
+  const std::string page = identify_report(in);
+  EXPECT_LT(page.find("<dl class=\"numbers\">"), page.find("<h2"));
+  const auto folded = page.find(" points and parameters of the curve</summary>");
+  ASSERT_NE(folded, std::string::npos);
+  EXPECT_GT(page.find("friction_at_0"), folded);
 }
 
 }  // namespace

@@ -270,11 +270,74 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
 
 namespace {
 
+/// The tuned controller with the smallest largest error at the last speed.
+std::string best_in_words(const TuneReportInput& input) {
+  const std::size_t last = input.spec.compare.travels.size() - 1;
+  const sim::TunedController* best = nullptr;
+  const auto error = [&](const auto& scores) { return scores.at(last).mean.max_contour_error; };
+  for (const sim::TunedController& c : input.result.controllers) {
+    if (c.found() && c.after.size() > last && (best == nullptr || error(c.after) < error(best->after)))
+      best = &c;
+  }
+  if (best == nullptr) return "No gains keep all limits: see the warnings.";
+  std::string text =
+      fmt::format("Use ({}) {}, tuned: its largest error at {} is {} µm", best->start.id, best->start.label,
+                  input.spec.compare.travels[last].pace_in_words(), micrometres(error(best->after)));
+  if (best->before.size() > last)
+    text += fmt::format(", {} µm with the gains that it had", micrometres(error(best->before)));
+  text += ".";
+  for (const sim::TunedController& c : input.result.controllers) {
+    const std::string worse = worse_in_words(c, input.result, input.spec);
+    if (!worse.empty())
+      text += fmt::format(" ({}) has a larger error with its tuned gains than before.", c.start.id);
+  }
+  return text;
+}
+
+/// Bars of each speed: own gains grey, tuned ones blue.
+std::vector<Plot> before_and_after(const TuneReportInput& input) {
+  std::vector<Plot> plots;
+  for (std::size_t t = 0; t < input.spec.compare.travels.size(); ++t) {
+    Plot p{.title = "Largest error at " + input.spec.compare.travels[t].pace_in_words(),
+           .y_label = "largest error [µm]",
+           .width = 560,
+           .height = 300};
+    Series own{.label = "own gains", .style = Style::kBars, .color = "#7a7a7a", .width = 0.36};
+    Series tuned{.label = "tuned", .style = Style::kBars, .color = "#0072b2", .width = 0.36};
+    double place = 0.0;
+    for (const sim::TunedController& c : input.result.controllers) {
+      place += 1.0;
+      p.x_tics.push_back({place, "(" + c.start.id + ")"});
+      const auto bar = [&](Series& s, const auto& scores, double x) {
+        if (t >= scores.size() || !std::isfinite(scores[t].mean.max_contour_error)) return;
+        const double high = scores[t].mean.max_contour_error * 1e6;
+        const double spread = scores[t].spread.max_contour_error * 1e6;
+        const double half = std::isfinite(spread) ? spread : 0.0;
+        s.x.push_back(x);
+        s.y.push_back(high);
+        s.y_low.push_back(high - half);
+        s.y_high.push_back(high + half);
+      };
+      bar(own, c.before, place - 0.2);
+      if (c.found()) bar(tuned, c.after, place + 0.2);
+    }
+    p.x_range = Range{0.4, place + 0.6};
+    p.series = {std::move(own), std::move(tuned)};
+    plots.push_back(std::move(p));
+  }
+  return plots;
+}
+
 Page tune_report_page(const TuneReportInput& input) {
   const sim::TuneResult& r = input.result;
   Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
-  page.lead("Each controller at its best gains within the same limits: " + limits_in_words(r, input.spec) +
-            ".");
+  page.lead(best_in_words(input));
+  page.figures(
+      before_and_after(input), 2,
+      "Largest error with the gains that each controller had and with the tuned ones, mean over the trials; whiskers: standard "
+      "deviation between them. Small is good.");
+  page.paragraph(
+      "Each controller at its best gains within the same limits: " + limits_in_words(r, input.spec) + ".");
   page.paragraph("One search for all: " + method_in_words(input.spec) +
                  ". Compensators: " + input.parameters + ".");
   for (std::size_t t = 0; t < input.spec.compare.travels.size(); ++t) {

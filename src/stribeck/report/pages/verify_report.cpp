@@ -209,7 +209,14 @@ Page verify_report_page(const VerifyReportInput& given) {
       input.axis.empty() ? "Models verified on a log" : "Models of axis " + input.axis + " verified on a log",
       joined(about, " · "));
   for (const Verdict& v : verdicts(input)) page.lead(sentence(v, input.limits));
-  for (const VerifiedPart& part : input.parts) page.lead(summary(part));
+  std::vector<KeyNumber> numbers;
+  for (const Verdict& v : verdicts(input)) {
+    if (numbers.size() < 3)
+      numbers.push_back({fmt::format("error of the {} of {}", v.of_force ? "force" : "velocity", v.name),
+                         decimals(100.0 * v.error, 2), "%"});
+  }
+  page.numbers(numbers);
+  for (const VerifiedPart& part : input.parts) page.paragraph(summary(part));
   page.warnings(input.warnings);
   for (std::size_t i = 0; i < input.parts.size(); ++i) {
     const VerifiedPart& part = input.parts[i];
