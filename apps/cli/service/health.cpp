@@ -53,7 +53,7 @@ int run_health(HealthCommand& o) {
   page.command = typed_command();
   page.version = STRIBECK_VERSION;
   write_json(o.common.json, report::to_json(page));
-  if (!o.common.report.empty()) report::write_health_report(o.common.report, page);
+  report::write_health_report(folders_of(o.common), page);
   say(o.common, report::text_table(page));
   return page.changed() ? 1 : 0;
 }

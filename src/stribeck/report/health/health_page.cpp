@@ -138,9 +138,7 @@ void add_changes(Page& page, const HealthAxis& axis) {
   page.table(table);
 }
 
-}  // namespace
-
-std::string health_report(const HealthReportInput& input) {
+Page health_report_page(const HealthReportInput& input) {
   Page page("Health: " + input.machine, "stribeck " + input.version);
   for (const HealthAxis& axis : input.axes)
     page.lead(fmt::format("{}: {}, {}.", axis.motion.empty() ? "Circle" : "Axis " + axis.name, tests_of(axis),
@@ -165,15 +163,16 @@ std::string health_report(const HealthReportInput& input) {
     }
   }
   page.warnings(input.remarks);
-  page.section("Again");
-  page.code(input.command);
-  return page.html();
+  page.made({input.command, input.version, {}});
+  return page;
 }
 
-void write_health_report(const std::string& directory, const HealthReportInput& input) {
-  const std::string html = health_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", html);
+}  // namespace
+
+std::string health_report(const HealthReportInput& input) { return health_report_page(input).html(); }
+
+void write_health_report(const PageFolders& folders, const HealthReportInput& input) {
+  write_page(health_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

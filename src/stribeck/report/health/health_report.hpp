@@ -12,6 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/ident/health/findings.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,8 @@ struct HealthReportInput {
 std::string text_table(const HealthReportInput& input);
 nlohmann::ordered_json to_json(const HealthReportInput& input);
 std::string health_report(const HealthReportInput& input);
-/// Writes directory/index.html; makes the directory.
-void write_health_report(const std::string& directory, const HealthReportInput& input);
+/// Writes index.html, and the parts of the page where a folder for them is given.
+void write_health_report(const PageFolders& folders, const HealthReportInput& input);
 
 /// Name of a number for people: "friction, 40 to 60 mm".
 std::string name_of(const ident::health::Channel& channel);

@@ -157,9 +157,7 @@ void add_indices(Page& page, const StudyResult& r) {
   page.table(t);
 }
 
-}  // namespace
-
-std::string study_report(const StudyReportInput& input) {
+Page study_report_page(const StudyReportInput& input) {
   const StudyResult& r = input.result;
   Page page("Study: " + clean_text(r.machine), "stribeck " + input.version);
   page.lead(study_in_words(r) + ".");
@@ -183,15 +181,16 @@ std::string study_report(const StudyReportInput& input) {
   std::vector<std::string> warnings = lost_in_words(r);
   warnings.insert(warnings.end(), r.warnings.begin(), r.warnings.end());
   page.warnings(warnings);
-  page.section("Again");
-  page.code(input.command);
-  return page.html();
+  page.made({input.command, input.version, {}});
+  return page;
 }
 
-void write_study_report(const std::string& directory, const StudyReportInput& input) {
-  const std::string html = study_report(input);
-  io::make_directory(directory);
-  io::write_atomically(directory + "/index.html", html);
+}  // namespace
+
+std::string study_report(const StudyReportInput& input) { return study_report_page(input).html(); }
+
+void write_study_report(const PageFolders& folders, const StudyReportInput& input) {
+  write_page(study_report_page(input), folders);
 }
 
 }  // namespace stribeck::report

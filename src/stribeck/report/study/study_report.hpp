@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <stribeck/report/page/output.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/sim/uncertainty/sensitivity.hpp>
 #include <stribeck/sim/uncertainty/spread.hpp>
@@ -76,6 +77,6 @@ struct StudyReportInput {
 std::string study_report(const StudyReportInput& input);
 
 /// Writes DIR/index.html.
-void write_study_report(const std::string& directory, const StudyReportInput& input);
+void write_study_report(const PageFolders& folders, const StudyReportInput& input);
 
 }  // namespace stribeck::report
