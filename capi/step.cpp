@@ -68,9 +68,11 @@ template <std::size_t N>
 }
 /// Commands of drives with a loop of their own, for the forces that are put out.
 template <std::size_t N>
-[[gnu::noinline]] void command(Controller<N>& c, const path::PathPoint<N>& r, const Vec<double, N>& force) {
+[[gnu::noinline]] void command(Controller<N>& c, const typename control::Common<N>::State& law,
+                               const path::PathPoint<N>& r, const Vec<double, N>& measured,
+                               const Vec<double, N>& force) {
   if (c.watch.fault == control::Fault::kNone) {
-    c.drives.command(c.commands, r, force);
+    c.drives.command(c.commands, law, r, measured, force);
   } else {
     c.drives.stop(c.commands, force, c.supervisor.limits(0).stop_periods);
   }
@@ -112,7 +114,7 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
     f = judge<N>(c, running.state, r, step_of(running, r, measured));
   });
   if (!runs) return STRIBECK_NOT_CONFIGURED;
-  command<N>(c, r, f);
+  capi::with_law(c, [&](const auto& running) { command<N>(c, running.state, r, measured, f); });
   c.elapsed = capi::kAbsent;
   for (std::size_t i = 0; i < N; ++i) {
     c.measured_force[i] = capi::kAbsent;

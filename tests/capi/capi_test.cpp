@@ -864,9 +864,9 @@ TEST(CDrives, CommandsAreThoseOfTheCppInterface) {
     drives.admit(commands, state, {{reported}});
     const double f = pd.step(state, {in.position, in.velocity, in.acceleration, in.measured});
     drives.command(
-        commands,
+        commands, state,
         {.position = {{in.position}}, .velocity = {{in.velocity}}, .acceleration = {{in.acceleration}}},
-        {{f}});
+        {{in.measured}}, {{f}});
     ASSERT_NEAR(force, f, 1e-9);
     ASSERT_NEAR(now.command, commands[0].command, 1e-15);
   }

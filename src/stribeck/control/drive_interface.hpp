@@ -1,14 +1,16 @@
 #pragma once
 /// From the forces of a law to the commands of drives that close their velocity or position loop themselves.
 ///
+///   v_m' = a                                  velocity that the law wants: its acceleration, integrated [m/s]; x_m its integral [m]
 ///   w    = C⁻¹·U                              C(s) = K·(1 + 1/(T_n s)); w = 0 where the drive takes U as an offset
-///   v_c  = ṙ + w                              velocity command for the coming period [m/s]
-///   x_c  = r(end of the period) + δ           position command; the drive goes there in a straight line over the period [m]
-///          (c/K_v)·δ̇ + δ = ((1 − c)·ṙ + w)/K_v
-///   F    = U + C·(ṙ + [K_v·(r − x)] − v)      what acts then: the drive's own loop adds its feedback to the law's force
+///   v_c  = v_m + w                            velocity command for the coming period [m/s]
+///   x_c  = x_m(end of the period) + δ         position command; the drive goes there in a straight line over the period [m]
+///          (c/K_v)·δ̇ + δ = ((1 − c)·v_m + w)/K_v
+///   F    = U + C·(v_m − v + [K_v·(x_m − x)])  what acts then
 ///
-///   U force that the law wants [N]; C, K_v, c loops of the drive (friction/drive_loop.hpp). ṙ is that in the middle of the hold,
-///   later by the delay.
+///   U force that the law wants, a = (U − friction, load and estimate in it)/m its acceleration in the coming hold; C, K_v, c loops of
+///   the drive (friction/drive_loop.hpp). With the right mass ẍ = a, as if the drive took forces: the loop that the law closes, its gains
+///   and its margins stay the same, and the drive's own loop holds against what the model does not explain.
 ///
 /// Observers and adaptation of the law need F. It cannot be told from set points and encoder: a lateness τ of the drive's own
 /// velocity is a force K·v·τ/T_n to its integral, thousands of newtons for a tenth of a millisecond. If the drive reports F, they get it;
@@ -34,16 +36,24 @@ class DriveCommand {
     double base = 0.0;      ///< first U [N]
     double held = 0.0;      ///< part of U that the drive's integral has taken over [N]
     double lead = 0.0;      ///< δ [m]
-    double velocity = 0.0;  ///< ṙ in the last command [m/s]
+    double position = 0.0;  ///< x_m [m]
+    double velocity = 0.0;  ///< v_m [m/s]
     bool started = false;
     int left = -1;  ///< periods until the end of a stop; -1: none has begun
+  };
+
+  /// Where an axis starts: encoder [m], velocity [m/s] and acceleration [m/s²] of the reference.
+  struct Start {
+    double position = 0.0;
+    double velocity = 0.0;
+    double acceleration = 0.0;
   };
 
   DriveCommand() = default;
   DriveCommand(const friction::DriveLoop& loop, double delay, double period) noexcept
       : loop_(loop),
         stiffness_(loop.stiffness()),
-        ahead_(delay + 0.5 * period),
+        delay_(delay),
         period_(period),
         integral_step_(stiffness_ * period) {
     if (loop.mode == friction::DriveMode::kPosition) {
@@ -52,11 +62,13 @@ class DriveCommand {
     }
   }
 
-  /// The command for a force [N] and a point of the reference: position [m], velocity [m/s], acceleration [m/s²].
-  void step(State& s, double force, double reference, double velocity, double acceleration) const noexcept {
+  /// The command for a force [N] that accelerates by a [m/s²]. `start` counts in the first period alone.
+  void step(State& s, double force, double a, const Start& start) const noexcept {
     if (!s.started) {
       s.started = true;
       if (stiffness_ > 0.0) s.base = s.held = force;
+      s.velocity = start.velocity + delay_ * start.acceleration;
+      s.position = start.position + delay_ * start.velocity;
     }
     double added = 0.0;
     if (loop_.force_offset) {
@@ -65,8 +77,16 @@ class DriveCommand {
       added = (force - s.held) / (loop_.gain + 0.5 * integral_step_);
       s.held += integral_step_ * added;
     }
-    s.velocity = velocity + ahead_ * acceleration;
-    put(s, reference + ahead_end() * (velocity + 0.5 * ahead_end() * acceleration), added);
+    const double mean = s.velocity + 0.5 * period_ * a;
+    s.position += period_ * mean;
+    s.velocity += period_ * a;
+    if (loop_.mode == friction::DriveMode::kVelocity) {
+      s.command = mean + added;
+      return;
+    }
+    const double wanted = ((1.0 - *loop_.velocity_feedforward) * mean + added) / *loop_.position_gain;
+    s.lead += follow_ * (wanted - s.lead);
+    s.command = s.position + s.lead;
   }
 
   /// One period of a stop that takes `periods` in all.
@@ -82,21 +102,9 @@ class DriveCommand {
   }
 
  private:
-  void put(State& s, double reference, double added) const noexcept {
-    if (loop_.mode == friction::DriveMode::kVelocity) {
-      s.command = s.velocity + added;
-      return;
-    }
-    const double wanted = ((1.0 - *loop_.velocity_feedforward) * s.velocity + added) / *loop_.position_gain;
-    s.lead += follow_ * (wanted - s.lead);
-    s.command = reference + s.lead;
-  }
-  /// From the sample to the end of the hold [s].
-  [[nodiscard]] double ahead_end() const noexcept { return ahead_ + 0.5 * period_; }
-
   friction::DriveLoop loop_;
   double stiffness_ = 0.0;  ///< K/T_n [N/m]
-  double ahead_ = 0.0;      ///< from the sample to the middle of the hold [s]
+  double delay_ = 0.0;      ///< from the sample to the beginning of the hold [s]
   double period_ = 1e-3;
   double integral_step_ = 0.0;  ///< K·T/T_n [N·s/m]
   double follow_ = 1.0;         ///< share by which δ follows in a period
@@ -114,6 +122,7 @@ class DriveInterface {
   explicit DriveInterface(const Setup<N>& setup) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       const CompensationParams& c = setup.compensation[i];
+      mass_[i] = c.model.mass;
       present_[i] = c.model.drive_loop.has_value();
       if (present_[i]) axes_[i] = DriveCommand(*c.model.drive_loop, c.delay, setup.period);
     }
@@ -125,14 +134,18 @@ class DriveInterface {
       if (present_[i] && s[i].started && isfinite(acted[i])) law.compensation[i].force[0] = acted[i];
     }
   }
-  /// After the law, for the forces that are to act. A reference that is not finite leaves the commands as they are.
-  void command(State& s, const path::PathPoint<N>& r, const V& force) const noexcept {
+  /// After the law, for the forces that are to act. What is not finite leaves the commands as they are.
+  void command(State& s, const Law& law, const path::PathPoint<N>& r, const V& measured,
+               const V& force) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       if (!present_[i]) {
         s[i].command = force[i];
-      } else if (isfinite(r.position[i] + r.velocity[i] + r.acceleration[i])) {
-        axes_[i].step(s[i], force[i], r.position[i], r.velocity[i], r.acceleration[i]);
+        continue;
       }
+      const DriveCommand::Start start{measured[i], r.velocity[i], r.acceleration[i]};
+      const double a = (force[i] - law.compensation[i].balance) / mass_[i];
+      if (isfinite(start.position + start.velocity + start.acceleration + a))
+        axes_[i].step(s[i], force[i], a, start);
     }
   }
   /// Instead of command() after a fault, for a stop that takes `periods` in all. force: of axes without a loop [N].
@@ -150,6 +163,7 @@ class DriveInterface {
  private:
   std::array<DriveCommand, N> axes_;
   std::array<bool, N> present_{};
+  V mass_;  ///< [kg]
 };
 
 }  // namespace stribeck::control

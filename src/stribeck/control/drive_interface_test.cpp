@@ -58,7 +58,7 @@ double worst(const DriveLoop& loop) {
   double most = 0.0;
   for (int k = 0; k < 400; ++k) {
     const double wanted = 300.0 + 100.0 * std::sin(2.0 * kPi * 5.0 * kPeriod * k);
-    command.step(s, wanted, 0.0, 0.0, 0.0);
+    command.step(s, wanted, 0.0, {});
     most = std::max(most, std::abs(drive.run(s.command, s.offset) - wanted));
   }
   return most / 100.0;
@@ -88,29 +88,33 @@ TEST(DriveCommand, NothingJumpsWhenTheDriveAlreadyHoldsTheLoad) {
     const DriveCommand command(loop, 0.0, kPeriod);
     DriveCommand::State s;
     for (int k = 0; k < 3; ++k) {
-      command.step(s, 1760.0, 0.0, 0.0, 0.0);
+      command.step(s, 1760.0, 0.0, {});
       EXPECT_EQ(s.command, 0.0);
       EXPECT_EQ(s.offset, 0.0);
     }
   }
 }
 
-TEST(DriveCommand, FollowsTheReferenceThroughDelayAndHold) {
+TEST(DriveCommand, IntegratesTheAccelerationOfTheLawFromTheDelayedStart) {
   constexpr double kDelay = 0.4e-3;
+  constexpr DriveCommand::Start kStart{0.1, 0.02, 3.0};
   const DriveCommand velocity(velocity_loop(), kDelay, kPeriod);
   DriveCommand::State s;
-  velocity.step(s, 50.0, 0.1, 0.02, 3.0);
+  velocity.step(s, 50.0, 3.0, kStart);
   EXPECT_NEAR(s.command, 0.02 + 3.0 * 0.9e-3, 1e-15);
+  velocity.step(s, 50.0, -1.0, kStart);
+  EXPECT_NEAR(s.command, 0.02 + 3.0 * 1.4e-3 - 0.5e-3, 1e-15);
   const DriveCommand position(position_loop(1.0), kDelay, kPeriod);
   DriveCommand::State p;
-  position.step(p, 50.0, 0.1, 0.02, 3.0);
-  EXPECT_NEAR(p.command, 0.1 + 0.02 * 1.4e-3 + 1.5 * 1.4e-3 * 1.4e-3, 1e-15);
+  position.step(p, 50.0, 3.0, kStart);
+  // The end of the hold; the part 3.0·delay²/2 = 0.24 µm before it is left out.
+  EXPECT_NEAR(p.command, 0.1 + 0.02 * 1.4e-3 + 1.5 * 1.4e-3 * 1.4e-3, 0.3e-6);
 }
 
 TEST(DriveCommand, WithoutFeedforwardTheDriveIsLedByItsLag) {
   const DriveCommand position(position_loop(0.0), 0.0, kPeriod);
   DriveCommand::State s;
-  position.step(s, 50.0, 0.1, 0.02, 0.0);
+  position.step(s, 50.0, 0.0, {0.1, 0.02, 0.0});
   EXPECT_NEAR(s.command - (0.1 + 0.02 * kPeriod), 0.02 / 50.0, 1e-15);
 }
 
@@ -119,8 +123,8 @@ TEST(DriveCommand, StopsWithConstantDeceleration) {
   const DriveCommand position(position_loop(1.0), 0.0, kPeriod);
   DriveCommand::State v;
   DriveCommand::State p;
-  velocity.step(v, 0.0, 0.0, 0.05, 0.0);
-  position.step(p, 0.0, 0.0, 0.05, 0.0);
+  velocity.step(v, 0.0, 0.0, {0.0, 0.05, 0.0});
+  position.step(p, 0.0, 0.0, {0.0, 0.05, 0.0});
   const double begun = p.command;
   for (int k = 1; k <= 50; ++k) {
     velocity.stop(v, 50);
@@ -144,7 +148,7 @@ Setup<1> setup_with(std::optional<DriveLoop> loop, Observer observer) {
 TEST(DriveInterface, AnAxisWithoutLoopKeepsTheForceOfTheLaw) {
   const DriveInterface<1> drives(setup_with({}, Observer::kNone));
   DriveInterface<1>::State s{};
-  drives.command(s, {}, {{123.0}});
+  drives.command(s, {}, {}, {}, {{123.0}});
   EXPECT_EQ(s[0].command, 123.0);
   EXPECT_FALSE(drives.present(0));
 }
@@ -154,10 +158,32 @@ TEST(DriveInterface, AReferenceThatIsNotFiniteLeavesTheCommand) {
   DriveInterface<1>::State s{};
   path::PathPoint<1> r;
   r.velocity[0] = 0.02;
-  drives.command(s, r, {{0.0}});
+  drives.command(s, {}, r, {}, {{0.0}});
   r.velocity[0] = std::numeric_limits<double>::quiet_NaN();
-  drives.command(s, r, {{0.0}});
+  drives.command(s, {}, r, {}, {{7.0}});
   EXPECT_EQ(s[0].command, 0.02);
+}
+
+/// A drive whose velocity loop is perfect: the axis moves as the law wants.
+TEST(DriveInterface, AnErrorDiesOutAsTheLawSaysAndLeavesNothing) {
+  const auto setup = setup_with(velocity_loop(), Observer::kNone);
+  const Contouring<1> law(ContouringParams::critical(40.0, 40.0), setup);
+  const DriveInterface<1> drives(setup);
+  Contouring<1>::State s;
+  DriveInterface<1>::State commands{};
+  double x = 1e-3;
+  double before = 0.0;
+  std::vector<double> seen;
+  for (int k = 0; k < 1000; ++k) {
+    const Vec<double, 1> force = law.step(s, {}, {{x}});
+    drives.command(commands, s, {}, {{x}}, force);
+    x += 0.5 * kPeriod * (before + commands[0].velocity);
+    before = commands[0].velocity;
+    seen.push_back(x);
+  }
+  // Double pole: e = e0·(1 + w·t)·exp(−w·t), sampled at w·T = 0.04.
+  EXPECT_NEAR(seen[49], 1e-3 * 3.0 * std::exp(-2.0), 0.06e-3);
+  EXPECT_NEAR(seen.back(), 0.0, 1e-12);
 }
 
 /// Estimates of a Kalman observer while a mass at rest is held by a drive of which nothing is known but, perhaps, its force.
@@ -169,7 +195,8 @@ double estimate_after(const DriveLoop& loop) {
   DriveInterface<1>::State commands{};
   for (int k = 0; k < 2000; ++k) {
     drives.admit(commands, s, {{75.0}});
-    drives.command(commands, {}, law.step(s, {}, {{0.0}}));
+    const Vec<double, 1> force = law.step(s, {}, {{0.0}});
+    drives.command(commands, s, {}, {{0.0}}, force);
   }
   return s.compensation[0].estimate;
 }

@@ -93,7 +93,9 @@ class Common {
       TrackingError& e = s.error[i];
       e.update(measured[i], r.position[i], r.velocity[i], setup_.period, form_);
       compensation_[i].observe(s.compensation[i], measured[i], e.velocity, s.bridged[i], s.doubtful[i]);
-      if (form_ == ErrorRate::kObserved && compensation_[i].observes_velocity(s.compensation[i]))
+      // A drive's own loop holds the velocity; an observed one, which follows the force that it makes, would fight it.
+      if (form_ == ErrorRate::kObserved && !setup_.compensation[i].model.drive_loop &&
+          compensation_[i].observes_velocity(s.compensation[i]))
         e.rate = compensation_[i].velocity(s.compensation[i]) - r.velocity[i];
     }
     return true;

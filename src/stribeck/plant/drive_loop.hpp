@@ -33,7 +33,7 @@ struct DriveLoop {
     using D = DriveLoop;
     return std::tuple{
         embedded(&D::loop),
-        field("cycle", &D::cycle, quantity("s", "us").positive(),
+        field("cycle", &D::cycle, quantity("s", "us").at_least(10e-6),
               "period of the loops in the drive; a whole number of them should fit into sample_time"),
         field("delay_cycles", &D::delay_cycles, pure_number().not_negative().at_most(8.0),
               "cycles from the encoder to the force")

@@ -1,5 +1,5 @@
-// The biaxial table with drives that close their velocity or position loop themselves: loops of 200 Hz, cycles of 250 µs, one of them
-// delay. The law's force reaches the axis through the drive's own loop.
+// The biaxial table with drives that close their velocity or position loop themselves, cycles of 250 µs, one of them delay. The law's
+// force reaches the axis through the drive's own loop.
 #include <gtest/gtest.h>
 
 #include <stribeck/sim/recording.hpp>
@@ -10,17 +10,25 @@ namespace {
 
 enum class Way { kForce, kVelocity, kPosition };
 
-Machine table(Way way, bool offset) {
+/// Bandwidth of the velocity loop [Hz] and its integral time [s].
+struct Loop {
+  double bandwidth = 200.0;
+  double integral_time = 10e-3;
+};
+constexpr Loop kStiff{};
+constexpr Loop kSoft{20.0, 50e-3};
+
+Machine table(Way way, bool offset, const Loop& loop = kStiff) {
   Machine m = test::biaxial_table();
   if (way == Way::kForce) return m;
   for (auto& [name, axis] : m.axes) {
     plant::DriveLoop d;
     d.loop.mode = way == Way::kVelocity ? friction::DriveMode::kVelocity : friction::DriveMode::kPosition;
-    d.loop.gain = axis.plant.mass * 2.0 * kPi * 200.0;
-    d.loop.integral_time = 10e-3;
+    d.loop.gain = axis.plant.mass * 2.0 * kPi * loop.bandwidth;
+    d.loop.integral_time = loop.integral_time;
     d.loop.force_offset = offset;
     if (way == Way::kPosition) {
-      d.loop.position_gain = 60.0;
+      d.loop.position_gain = 0.3 * loop.bandwidth;
       d.loop.velocity_feedforward = 1.0;
       d.position_resolution = 10e-9;
     }
@@ -38,8 +46,8 @@ struct Errors {
   double with = 0.0;
 };
 
-Errors errors(Way way, bool offset, bool reports = false) {
-  Machine m = table(way, offset);
+Errors errors(Way way, bool offset, const Loop& loop = kStiff, bool reports = false) {
+  Machine m = table(way, offset, loop);
   std::vector<AxisKnowledge> known(2);
   for (std::size_t i = 0; i < 2; ++i) {
     auto& plant = m.axes[i].second.plant;
@@ -61,18 +69,26 @@ TEST(DriveModes, VelocityAndPositionDrivesAreCompensatedAsWellAsForceDrives) {
   const Errors force = errors(Way::kForce, false);
   EXPECT_LT(force.with, 0.4 * force.without);
   for (const bool offset : {false, true}) {
-    const Errors velocity = errors(Way::kVelocity, offset);
-    EXPECT_LT(velocity.with, 2.0 * force.with);
-    EXPECT_LT(velocity.with, 0.4 * velocity.without);
-    const Errors position = errors(Way::kPosition, offset);
-    EXPECT_LT(position.with, 4.0 * force.with);
-    EXPECT_LT(position.with, 0.4 * position.without);
+    EXPECT_LT(errors(Way::kVelocity, offset).with, 2.0 * force.with);
+    EXPECT_LT(errors(Way::kPosition, offset).with, 4.0 * force.with);
+  }
+}
+
+// A stiff loop leaves a glitch of one step of the encoder, 25 nm; there is little to take out.
+TEST(DriveModes, OnASoftLoopTheModelTakesOutMostOfTheGlitch) {
+  for (const Way way : {Way::kVelocity, Way::kPosition}) {
+    for (const bool offset : {false, true}) {
+      const Errors e = errors(way, offset, kSoft);
+      EXPECT_GT(e.without, 0.3e-6);
+      EXPECT_LT(e.with, 0.4 * e.without);
+    }
   }
 }
 
 TEST(DriveModes, AnObserverThatSeesTheForceOfTheDriveDoesNoHarm) {
   for (const Way way : {Way::kVelocity, Way::kPosition}) {
-    EXPECT_LT(errors(way, false, true).with, 1.2 * errors(way, false, false).with);
+    for (const Loop& loop : {kStiff, kSoft})
+      EXPECT_LT(errors(way, false, loop, true).with, 1.2 * errors(way, false, loop, false).with + 25e-9);
   }
 }
 

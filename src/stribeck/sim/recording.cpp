@@ -115,7 +115,7 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
               .acceleration = {{(after - 2.0 * reference[k] + before) / (period * period)}}};
           drive.admit(commands, state, {{x}});
           const double f = controller.step(state, {r.position[0], r.velocity[0], r.acceleration[0], x});
-          drive.command(commands, r, {{f}});
+          drive.command(commands, state, r, {{x}}, {{f}});
           return Output{f, commands[0].command, commands[0].offset};
         });
   };

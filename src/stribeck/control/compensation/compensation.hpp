@@ -69,6 +69,7 @@ class Compensation {
     OscillationGuard::State guard;
     double friction = 0.0;           ///< feed-forward of the last step [N]
     double estimate = 0.0;           ///< d̂ of the last step [N]
+    double balance = 0.0;            ///< feed-forward and d̂ in the last step: the part of the force that accelerates nothing [N]
     double last_acceleration = 0.0;  ///< of the reference [m/s²]
     double last_velocity = 0.0;      ///< of the reference [m/s]
     double last_jerk = 0.0;          ///< of the reference [m/s³]
@@ -176,7 +177,8 @@ class Compensation {
     s.last_acceleration = acceleration;
     s.last_velocity = velocity;
     s.inertia_force = inertia_change + params_.model.mass * acceleration;
-    return s.friction + inertia_change + s.guard.trust * s.estimate;
+    s.balance = s.friction + s.guard.trust * s.estimate;
+    return inertia_change + s.balance;
   }
 
   /// Tells the observers the force [N] that was commanded after limits.

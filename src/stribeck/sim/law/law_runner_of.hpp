@@ -21,12 +21,12 @@ class LawRunnerOf final : public LawRunner<N> {
     return std::make_unique<LawRunnerOf>(*this);
   }
   Vec<double, N> step(const Point& now, const Vec<double, N>& measured) override {
-    return commanded(now, parts_->law.step(state_, now, measured));
+    return commanded(now, measured, parts_->law.step(state_, now, measured));
   }
   Vec<double, N> step_ahead(std::span<const Point> points, const Vec<double, N>& measured) override {
     if constexpr (requires { Law::kPreview; }) {
       const auto seen = points.first(std::min(Law::kPreview + 1, points.size()));
-      return commanded(points.front(), parts_->law.step(state_, seen, measured));
+      return commanded(points.front(), measured, parts_->law.step(state_, seen, measured));
     } else {
       return step(points.front(), measured);
     }
@@ -60,8 +60,8 @@ class LawRunnerOf final : public LawRunner<N> {
     control::DriveInterface<N> drives;
   };
 
-  Vec<double, N> commanded(const Point& now, const Vec<double, N>& force) {
-    parts_->drives.command(drives_, now, force);
+  Vec<double, N> commanded(const Point& now, const Vec<double, N>& measured, const Vec<double, N>& force) {
+    parts_->drives.command(drives_, state_, now, measured, force);
     return force;
   }
   template <class F>

@@ -22,8 +22,8 @@ constexpr double kSurface = 0.1e-3;
 
 // ---- the drive
 
-/// States of a drive: position, velocity, those of the table where there is a mode, and the integral of a drive's own loop.
-constexpr std::size_t kMostStates = 5;
+/// States of a drive: position, velocity, and those of the table where there is a mode.
+constexpr std::size_t kMostStates = 4;
 using Matrix = Mat<double, kMostStates + 1>;
 
 /// exp(a·t) from its series on a step that is short enough, then squared. Written by hand, as the elimination below: Eigen's exp()
@@ -51,10 +51,8 @@ Matrix exponential(const Matrix& a, double t) {
 /// x(k+1) = A x(k) + b_new u(k−w) + b_old u(k−w−1); the encoder sees the drive side.
 class HeldDrive {
  public:
-  HeldDrive(const friction::AxisModel& model, double period, double delay,
-            const std::optional<plant::AxialMode>& mode)
-      : period_(period), table_(mode.has_value()) {
-    const double mass = model.mass;
+  HeldDrive(double mass, double period, double delay, const std::optional<plant::AxialMode>& mode)
+      : period_(period) {
     Matrix a;
     a[0][1] = 1.0;
     double driven = mass;
@@ -65,11 +63,10 @@ class HeldDrive {
       const double omega = 2.0 * kPi * mode->frequency;
       const double spring = table * omega * omega;
       const double damper = 2.0 * mode->damping_ratio * omega * table;
-      a[1] = {{-spring / driven, -damper / driven, spring / driven, damper / driven, 0.0, 0.0}};
+      a[1] = {{-spring / driven, -damper / driven, spring / driven, damper / driven, 0.0}};
       a[2][3] = 1.0;
-      a[3] = {{spring / table, damper / table, -spring / table, -damper / table, 0.0, 0.0}};
+      a[3] = {{spring / table, damper / table, -spring / table, -damper / table, 0.0}};
     }
-    if (model.drive_loop) close_loop_of_drive(*model.drive_loop, driven, a);
     a[1][kMostStates] = 1.0 / driven;
     const double periods = delay / period;
     whole_ = static_cast<std::size_t>(periods);
@@ -110,7 +107,7 @@ class HeldDrive {
   void start(double position) {
     x_ = {};
     x_[0] = position;
-    if (table_) x_[2] = position;
+    if (states_ > 2) x_[2] = position;
     std::fill(past_.begin(), past_.end(), 0.0);
   }
   void step(double force) {
@@ -126,19 +123,7 @@ class HeldDrive {
   [[nodiscard]] double position() const { return x_[0]; }
 
  private:
-  /// The feedback of the drive's own loop: its integral becomes the last state.
-  void close_loop_of_drive(const friction::DriveLoop& loop, double driven, Matrix& a) {
-    const double position = loop.mode == friction::DriveMode::kPosition ? *loop.position_gain : 0.0;
-    const std::size_t integral = states_++;
-    a[1][0] -= loop.gain * position / driven;
-    a[1][1] -= loop.gain / driven;
-    a[1][integral] = -1.0 / driven;
-    a[integral][0] = loop.stiffness() * position;
-    a[integral][1] = loop.stiffness();
-  }
-
   double period_;
-  bool table_;
   std::size_t states_ = 2;
   std::size_t whole_ = 0;
   std::array<std::array<double, kMostStates>, kMostStates> a_{};
@@ -425,11 +410,10 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
   for (auto& c : free.compensation) {
     c.feedforward = control::Feedforward::kNone;  // depends on the reference alone
     c.adaptation.enabled = false;
-    if (c.model.drive_loop) c.model.drive_loop->force_feedback = false;
   }
   auto drives = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<HeldDrive, N>{
-        HeldDrive(free.compensation[I].model, free.period, free.compensation[I].delay, modes[I])...};
+        HeldDrive(free.compensation[I].model.mass, free.period, free.compensation[I].delay, modes[I])...};
   }
   (std::make_index_sequence<N>());
   LoopMargins m;

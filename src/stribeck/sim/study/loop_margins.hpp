@@ -3,8 +3,7 @@
 ///
 ///   C(z)   answer of the law's force to a short small error of the measured position, less the answer without; reference straight
 ///          on at constant speed. Integrators are differenced out: C = Σ Δ^q h_n z⁻ⁿ / (1 − z⁻¹)^q
-///   P(z)   mass, force held over a period and late by the declared delay, first axial mode where one is declared; exact. Where the
-///          drive closes a loop of its own, its feedback is part of P
+///   P(z)   mass, force held over a period and late by the declared delay, first axial mode where one is declared; exact
 ///   L_i    loop of axis i broken at its force, the other axes closed:  1/[(I + C·P)⁻¹]_ii − 1,  and C·P where axes do not couple
 ///
 ///   phase margin   least |arg(−L)| where |L| = 1                  gain margin    least factor, up or down, to L = −1
@@ -16,7 +15,7 @@
 /// Sign: L = +C·P, C > 0 for a force against the error. Source: Åström, Murray 2008, Feedback Systems, 9.3; Skogestad,
 /// Postlethwaite 2005, 8.5 (one loop at a time); Gelb, Vander Velde 1968 (describing function).
 /// Not modelled: friction in the plant (viscous friction helps, pre-sliding stiffens), limits, adaptation of the friction model
-/// (slow), cycle and delay of the drive's own loop, an observer of the force that it reports, what a law learned laps ago, frames turned between the axes, errors of the mass.
+/// (slow), what a law learned laps ago, frames turned between the axes, errors of the mass.
 /// Real time: no. Errors: Refused where a law has no linear part or does not settle.
 
 #include <array>
