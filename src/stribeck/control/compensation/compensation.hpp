@@ -67,9 +67,10 @@ class Compensation {
     FrictionRls::State adaptation;
     DriftMonitor::State drift;
     OscillationGuard::State guard;
-    double friction = 0.0;           ///< feed-forward of the last step [N]
-    double estimate = 0.0;           ///< d̂ of the last step [N]
-    double balance = 0.0;            ///< feed-forward and d̂ in the last step: the part of the force that accelerates nothing [N]
+    double friction = 0.0;  ///< feed-forward of the last step [N]
+    double estimate = 0.0;  ///< d̂ of the last step [N]
+    double balance =
+        0.0;  ///< feed-forward and d̂ in the last step: the part of the force that accelerates nothing [N]
     double last_acceleration = 0.0;  ///< of the reference [m/s²]
     double last_velocity = 0.0;      ///< of the reference [m/s]
     double last_jerk = 0.0;          ///< of the reference [m/s³]
