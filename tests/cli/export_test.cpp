@@ -545,7 +545,7 @@ TEST(Evaluate, TwoLogsSideBySide) {
   EXPECT_NEAR(json["logs"][1]["circles"][1]["rms_um"].get<double>(), 1.0, 2e-3);
   EXPECT_EQ(json["logs"][1]["circles"][1]["direction"], "clockwise");
   const std::string page = text_of(f / "page/index.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("5.00 µm with &lt;pid&gt;, 1.00 µm with axis"), HasSubstr("<svg"),
+  EXPECT_THAT(page, AllOf(HasSubstr("from 5.00 µm (&lt;pid&gt;) to 1.00 µm (axis)"), HasSubstr("<svg"),
                           EndsWith("</html>\n")));
   ASSERT_EQ(command(words).code, 0);
   EXPECT_EQ(text_of(f / "page/index.html"), page);

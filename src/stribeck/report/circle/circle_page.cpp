@@ -291,14 +291,16 @@ std::string answer(const CircleReportInput& input) {
         "The circle of {} mm deviates by G = {} µm from round; its largest radial error is {} µm.", radius,
         micrometres(limited_figure(last, "G")), micrometres(limited_figure(last, "max")));
   } else if (input.logs.size() == 2) {
-    text += fmt::format("G of the circle of {} mm changes from {} µm ({}) to {} µm ({})", radius,
-                        micrometres(limited_figure(first, "G")), first.label,
-                        micrometres(limited_figure(last, "G")), last.label);
-    std::string verdict = "; whether that is more than the repeatability is not known";
+    text += fmt::format(
+        "The largest radial error of the circle of {} mm changes from {} µm ({}) to {} µm ({}), its circular deviation G from {} to {} µm",
+        radius, micrometres(limited_figure(first, "max")), first.label,
+        micrometres(limited_figure(last, "max")), last.label, micrometres(limited_figure(first, "G")),
+        micrometres(limited_figure(last, "G")));
+    std::string verdict = "; whether G changes by more than the repeatability is not known";
     for (const CircleChange& c : circle_changes(first, last)) {
       if (c.figure != "G" || !std::isfinite(c.half_width)) continue;
-      verdict = std::abs(c.difference()) > c.half_width ? ", which is more than the repeatability"
-                                                        : ", which is within the repeatability";
+      verdict = std::abs(c.difference()) > c.half_width ? "; G changes by more than the repeatability"
+                                                        : "; the change of G is within the repeatability";
       break;
     }
     text += verdict + ".";
