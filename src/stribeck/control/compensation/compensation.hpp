@@ -179,7 +179,7 @@ class Compensation {
     s.last_velocity = velocity;
     s.inertia_force = inertia_change + params_.model.mass * acceleration;
     s.balance = s.friction + s.guard.trust * s.estimate;
-    return inertia_change + s.balance;
+    return s.friction + inertia_change + s.guard.trust * s.estimate;
   }
 
   /// Tells the observers the force [N] that was commanded after limits.
