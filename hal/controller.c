@@ -54,19 +54,20 @@ struct axis {
 struct inner {
   struct supervisor watch;
   struct values values;
+  int by_position; /* the drive takes a position */
 };
 
+/* HAL memory is never given back, not even when the component is unloaded: nothing is in it that can be elsewhere. */
 struct instance {
-  char name[HAL_NAME_LEN + 1];
+  const char* name; /* in `names` */
   hal_bit_t *enable, *faulted, *pending, *brake;
   hal_float_t *phase, *lag;
   hal_float_t position_unit, force_unit, ramp_time;
   double position_used, force_used; /* units that are in use */
   double period;
   int was_enabled;
-  int good;              /* the controller is configured */
-  int by_position[AXES]; /* the drive takes a position */
-  int stopped;           /* fault of the library's supervision, and its axis */
+  int good;    /* the controller is configured */
+  int stopped; /* fault of the library's supervision, and its axis */
   uint32_t stopped_axis;
   stribeck_controller* controller;
   size_t size;
@@ -136,7 +137,7 @@ static int configure(struct instance* s, double period) {
     struct values* v = &s->inner[a].values;
     values_taken(&parameters, v);
     for (uint32_t i = 0; i < parameters.count; ++i) {
-      if (strcmp(parameters.name[i], "drive_loop.mode") == 0) s->by_position[a] = same(v->used[i], 1.0);
+      if (strcmp(parameters.name[i], "drive_loop.mode") == 0) s->inner[a].by_position = same(v->used[i], 1.0);
       if (same(v->used[i], parameters.initial[i])) continue;
       if (stribeck_controller_set(s->controller, (uint32_t)a, parameters.name[i], v->used[i]) !=
           STRIBECK_OK) {
@@ -299,7 +300,7 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
     write_command(&s->axis[a], in, in->axis[a].measured, runs && w->mode == MODE_RUNNING ? &now : NULL,
-                  s->by_position[a]);
+                  s->inner[a].by_position);
     const double force = supervisor_force(w, &in->limits[a], wanted[a]);
     supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
     write_axis(s, a, in, force, &now);
@@ -382,7 +383,7 @@ static int make(const char* name) {
   struct instance* s = hal_malloc(sizeof *s);
   if (s == NULL || size == 0) return -ENOMEM;
   memset(s, 0, sizeof *s);
-  rtapi_snprintf(s->name, sizeof s->name, "%s", name);
+  s->name = name;
   instances[count++] = s;
   s->memory = calloc(1, size + alignment);
   s->inner = calloc((size_t)axes, sizeof *s->inner);

@@ -30,7 +30,7 @@ struct own {
 };
 
 struct instance {
-  char name[HAL_NAME_LEN + 1];
+  const char* name; /* in `names` */
   hal_float_t *force, *voltage, *command, *offset, *cutting;
   hal_float_t *pos, *pos_fb, *vel, *friction, *force_fb;
   hal_bit_t* ok;
@@ -121,7 +121,7 @@ static int make(const char* name) {
   s->values = calloc(1, sizeof *s->values);
   if (s->values == NULL) return -ENOMEM;
   instances[count++] = s;
-  rtapi_snprintf(s->name, sizeof s->name, "%s", name);
+  s->name = name;
   int r = 0;
   const struct {
     const char* name;
