@@ -39,7 +39,6 @@ struct Series {
 
 // Without noise, by hand: 1 up to day 19, 0.8 from day 20 on.
 TEST(HealthTrend, AnExactStepIsFoundOnItsDayWithItsSize) {
-  Series series;
   std::vector<Reading> readings;
   for (int d = 0; d < 40; ++d) readings.push_back({static_cast<double>(d), d < 20 ? 1.0 : 0.8, 0.001, kNaN});
   const Trend trend = trend_of(readings, {});
