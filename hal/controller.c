@@ -50,19 +50,24 @@ struct axis {
   hal_float_t force_per_volt;
 };
 
-/* Of an axis, outside HAL memory. */
+/* What of an instance has to be in HAL memory. That is never given back, not even when the component is unloaded: nothing is in it
+ * that can be elsewhere. */
+struct shared {
+  hal_bit_t *enable, *faulted, *pending, *brake;
+  hal_float_t *phase, *lag;
+  hal_float_t position_unit, force_unit, ramp_time;
+  struct axis axis[AXES];
+};
+
 struct inner {
   struct supervisor watch;
   struct values values;
   int by_position; /* the drive takes a position */
 };
 
-/* HAL memory is never given back, not even when the component is unloaded: nothing is in it that can be elsewhere. */
 struct instance {
   const char* name; /* in `names` */
-  hal_bit_t *enable, *faulted, *pending, *brake;
-  hal_float_t *phase, *lag;
-  hal_float_t position_unit, force_unit, ramp_time;
+  struct shared* hal;
   double position_used, force_used; /* units that are in use */
   double period;
   int was_enabled;
@@ -72,8 +77,7 @@ struct instance {
   stribeck_controller* controller;
   size_t size;
   void* memory; /* of the controller, and what is in front of it for alignment */
-  struct inner* inner;
-  struct axis axis[AXES];
+  struct inner inner[AXES];
 };
 
 static int component = -1;
@@ -91,9 +95,10 @@ static int check_own(const struct instance* s) {
     const char* name;
     double value;
     int good;
-  } whole[] = {{"position-unit", s->position_unit, positive(s->position_unit)},
-               {"force-unit", s->force_unit, positive(s->force_unit)},
-               {"ramp-time", s->ramp_time, s->ramp_time >= 0.0 && s->ramp_time <= LONGEST_RAMP}};
+  } whole[] = {
+      {"position-unit", s->hal->position_unit, positive(s->hal->position_unit)},
+      {"force-unit", s->hal->force_unit, positive(s->hal->force_unit)},
+      {"ramp-time", s->hal->ramp_time, s->hal->ramp_time >= 0.0 && s->hal->ramp_time <= LONGEST_RAMP}};
   for (size_t i = 0; i < sizeof whole / sizeof whole[0]; ++i) {
     if (whole[i].good) continue;
     rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": %s: %s: got %g, expected above 0 (a time: 0 to 1 s)\n",
@@ -101,7 +106,7 @@ static int check_own(const struct instance* s) {
     return 0;
   }
   for (int a = 0; a < axes; ++a) {
-    const struct axis* x = &s->axis[a];
+    const struct axis* x = &s->hal->axis[a];
     const struct {
       const char* name;
       double value;
@@ -123,9 +128,9 @@ static int check_own(const struct instance* s) {
 
 /* Units that mean something are taken over; what the encoder said in other ones is forgotten. */
 static void take_units(struct instance* s) {
-  if (positive(s->force_unit)) s->force_used = s->force_unit;
-  if (!positive(s->position_unit) || same(s->position_unit, s->position_used)) return;
-  s->position_used = s->position_unit;
+  if (positive(s->hal->force_unit)) s->force_used = s->hal->force_unit;
+  if (!positive(s->hal->position_unit) || same(s->hal->position_unit, s->position_used)) return;
+  s->position_used = s->hal->position_unit;
   for (int a = 0; a < axes; ++a) s->inner[a].watch.seen = 0;
 }
 
@@ -153,7 +158,7 @@ static int configure(struct instance* s, double period) {
 
 static int must_configure(const struct instance* s, double period) {
   if (!s->good || !same(period, s->period)) return 1;
-  if (!same(s->position_unit, s->position_used) || !same(s->force_unit, s->force_used)) return 1;
+  if (!same(s->hal->position_unit, s->position_used) || !same(s->hal->force_unit, s->force_used)) return 1;
   for (int a = 0; a < axes; ++a) {
     if (values_changed(&parameters, &s->inner[a].values)) return 1;
   }
@@ -176,11 +181,11 @@ static void read_inputs(const struct instance* s, int enable, double period, str
   in->period = period;
   in->unit = s->position_used;
   /* What is no time means at once: a force must not stay. */
-  in->ramp_time = s->ramp_time <= LONGEST_RAMP ? s->ramp_time : 0.0;
+  in->ramp_time = s->hal->ramp_time <= LONGEST_RAMP ? s->hal->ramp_time : 0.0;
   in->enable = enable;
   in->finite = 1;
   for (int a = 0; a < axes; ++a) {
-    const struct axis* x = &s->axis[a];
+    const struct axis* x = &s->hal->axis[a];
     stribeck_axis_input* i = &in->axis[a];
     i->position = *x->pos_cmd * in->unit;
     i->velocity = *x->vel_cmd * in->unit;
@@ -254,7 +259,7 @@ static int supervise(struct instance* s, const struct inputs* in) {
 /* Forces from the controller. The positions of `in` become those of its reference, which goes over to the command (supervisor.h). */
 static void step_controller(struct instance* s, struct inputs* in, double* wanted) {
   for (int a = 0; a < axes; ++a) in->axis[a].position += s->inner[a].watch.offset;
-  stribeck_controller_set_phase(s->controller, *s->phase);
+  stribeck_controller_set_phase(s->controller, *s->hal->phase);
   stribeck_controller_set_measured_force(s->controller, in->force);
   if (stribeck_controller_step(s->controller, in->axis, wanted) != STRIBECK_FAULT) return;
   stribeck_supervision why = {0};
@@ -280,7 +285,7 @@ static void write_command(const struct axis* x, const struct inputs* in, double 
 
 static void write_axis(const struct instance* s, int a, const struct inputs* in, double force,
                        const stribeck_axis_signals* now) {
-  const struct axis* x = &s->axis[a];
+  const struct axis* x = &s->hal->axis[a];
   *x->force = force / s->force_used;
   *x->voltage = positive(x->force_per_volt) ? force / x->force_per_volt : 0.0;
   *x->friction_ff = now->friction;
@@ -299,25 +304,25 @@ static void write_outputs(struct instance* s, const struct inputs* in, int runs,
     struct supervisor* w = &s->inner[a].watch;
     stribeck_axis_signals now = {0};
     if (runs) stribeck_controller_signals(s->controller, (uint32_t)a, &now, sizeof now);
-    write_command(&s->axis[a], in, in->axis[a].measured, runs && w->mode == MODE_RUNNING ? &now : NULL,
+    write_command(&s->hal->axis[a], in, in->axis[a].measured, runs && w->mode == MODE_RUNNING ? &now : NULL,
                   s->inner[a].by_position);
     const double force = supervisor_force(w, &in->limits[a], wanted[a]);
     supervisor_advance(w, &in->limits[a], in->axis[a].measured, in->period);
     write_axis(s, a, in, force, &now);
     /* Without the controller the last count stays. */
-    if (runs) *s->axis[a].bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
+    if (runs) *s->hal->axis[a].bridged = (hal_s32_t)(now.bridged & 0x7fffffff);
     if (isfinite(now.lag)) lag = now.lag;
     if (w->fault != FAULT_NONE) faulted = 1;
   }
-  *s->lag = lag;
-  *s->faulted = faulted != 0;
-  *s->brake = faulted != 0;
-  *s->pending = runs && must_configure(s, in->period);
+  *s->hal->lag = lag;
+  *s->hal->faulted = faulted != 0;
+  *s->hal->brake = faulted != 0;
+  *s->hal->pending = runs && must_configure(s, in->period);
 }
 
 static void update(void* arg, long period_ns) {
   struct instance* s = arg;
-  const int enable = *s->enable != 0;
+  const int enable = *s->hal->enable != 0;
   const int rises = enable && !s->was_enabled;
   s->was_enabled = enable;
   if (rises) take_units(s);
@@ -380,33 +385,34 @@ static size_t largest_size(void) {
 static int make(const char* name) {
   const size_t alignment = stribeck_alignment();
   const size_t size = largest_size();
-  struct instance* s = hal_malloc(sizeof *s);
-  if (s == NULL || size == 0) return -ENOMEM;
-  memset(s, 0, sizeof *s);
-  s->name = name;
+  if (size == 0) return -ENOMEM;
+  struct instance* s = calloc(1, sizeof *s);
+  if (s == NULL) return -ENOMEM;
   instances[count++] = s;
+  s->name = name;
+  s->hal = hal_malloc(sizeof *s->hal);
   s->memory = calloc(1, size + alignment);
-  s->inner = calloc((size_t)axes, sizeof *s->inner);
-  if (s->memory == NULL || s->inner == NULL) return -ENOMEM;
+  if (s->hal == NULL || s->memory == NULL) return -ENOMEM;
+  memset(s->hal, 0, sizeof *s->hal);
   s->size = size;
   char* memory = s->memory;
   memory += (alignment - (uintptr_t)memory % alignment) % alignment;
   s->controller = stribeck_controller_init(memory, size, (uint32_t)axes);
   if (s->controller == NULL) return -EINVAL;
   int r = 0;
-  if ((r = hal_pin_bit_newf(HAL_IN, &s->enable, component, "%s.enable", name)) < 0) return r;
-  if ((r = hal_pin_bit_newf(HAL_OUT, &s->faulted, component, "%s.faulted", name)) < 0) return r;
-  if ((r = hal_pin_bit_newf(HAL_OUT, &s->pending, component, "%s.pending", name)) < 0) return r;
-  if ((r = hal_pin_bit_newf(HAL_OUT, &s->brake, component, "%s.brake", name)) < 0) return r;
-  if ((r = hal_pin_float_newf(HAL_IN, &s->phase, component, "%s.phase", name)) < 0) return r;
-  if ((r = hal_pin_float_newf(HAL_OUT, &s->lag, component, "%s.lag", name)) < 0) return r;
-  s->position_unit = s->position_used = 1e-3;
-  s->force_unit = s->force_used = 1.0;
-  s->ramp_time = 0.02;
-  if ((r = hal_param_float_newf(HAL_RW, &s->position_unit, component, "%s.position-unit", name)) < 0)
+  if ((r = hal_pin_bit_newf(HAL_IN, &s->hal->enable, component, "%s.enable", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->hal->faulted, component, "%s.faulted", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->hal->pending, component, "%s.pending", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->hal->brake, component, "%s.brake", name)) < 0) return r;
+  if ((r = hal_pin_float_newf(HAL_IN, &s->hal->phase, component, "%s.phase", name)) < 0) return r;
+  if ((r = hal_pin_float_newf(HAL_OUT, &s->hal->lag, component, "%s.lag", name)) < 0) return r;
+  s->hal->position_unit = s->position_used = 1e-3;
+  s->hal->force_unit = s->force_used = 1.0;
+  s->hal->ramp_time = 0.02;
+  if ((r = hal_param_float_newf(HAL_RW, &s->hal->position_unit, component, "%s.position-unit", name)) < 0)
     return r;
-  if ((r = hal_param_float_newf(HAL_RW, &s->force_unit, component, "%s.force-unit", name)) < 0) return r;
-  if ((r = hal_param_float_newf(HAL_RW, &s->ramp_time, component, "%s.ramp-time", name)) < 0) return r;
+  if ((r = hal_param_float_newf(HAL_RW, &s->hal->force_unit, component, "%s.force-unit", name)) < 0) return r;
+  if ((r = hal_param_float_newf(HAL_RW, &s->hal->ramp_time, component, "%s.ramp-time", name)) < 0) return r;
   for (int a = 0; a < axes; ++a) {
     char prefix[HAL_NAME_LEN + 1];
 #ifdef STRIBECK_CONTOUR
@@ -414,7 +420,7 @@ static int make(const char* name) {
 #else
     rtapi_snprintf(prefix, sizeof prefix, "%s", name);
 #endif
-    if ((r = make_axis(&s->axis[a], &s->inner[a], prefix)) < 0) return r;
+    if ((r = make_axis(&s->hal->axis[a], &s->inner[a], prefix)) < 0) return r;
   }
   return hal_export_funct(name, update, s, 1, 0, component);
 }
@@ -424,7 +430,7 @@ static void release(void) {
   while (count > 0) {
     --count;
     free(instances[count]->memory);
-    free(instances[count]->inner);
+    free(instances[count]);
   }
 }
 

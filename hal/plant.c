@@ -29,17 +29,23 @@ struct own {
   hal_s32_t substeps, seed;
 };
 
-struct instance {
-  const char* name; /* in `names` */
+/* What of an instance has to be in HAL memory, which is never given back. */
+struct shared {
   hal_float_t *force, *voltage, *command, *offset, *cutting;
   hal_float_t *pos, *pos_fb, *vel, *friction, *force_fb;
   hal_bit_t* ok;
-  struct own own, used; /* as they are, and as the last configuration took them over */
-  double period;        /* of the last configuration; 0: there was none */
-  double position;      /* where the table was seen last [m] */
-  int placed;           /* it has stood at its start */
+  struct own own;
+};
+
+struct instance {
+  const char* name; /* in `names` */
+  struct shared* hal;
+  struct own used; /* as the last configuration took them over */
+  double period;   /* of the last configuration; 0: there was none */
+  double position; /* where the table was seen last [m] */
+  int placed;      /* it has stood at its start */
   stribeck_plant* plant;
-  struct values* values; /* outside HAL memory */
+  struct values values;
 };
 
 static int component = -1;
@@ -48,7 +54,7 @@ static struct instance* instances[MAX_INSTANCES];
 static int count;
 
 static int own_changed(const struct instance* s) {
-  const struct own *now = &s->own, *used = &s->used;
+  const struct own *now = &s->hal->own, *used = &s->used;
   return !same(now->position_unit, used->position_unit) || !same(now->highest_speed, used->highest_speed) ||
          !same(now->start, used->start) || now->substeps != used->substeps || now->seed != used->seed;
 }
@@ -59,10 +65,10 @@ static void refused(const struct instance* s, const char* why) { say_problem(COM
 static int configure(struct instance* s, double period) {
   stribeck_plant_destroy(s->plant);
   s->plant = NULL;
-  if (!same(s->own.start, s->used.start)) s->placed = 0;
+  if (!same(s->hal->own.start, s->used.start)) s->placed = 0;
   s->period = period;
-  s->used = s->own;
-  values_taken(&parameters, s->values);
+  s->used = s->hal->own;
+  values_taken(&parameters, &s->values);
   const struct own* own = &s->used;
   if (!positive(own->position_unit)) return refused(s, "position-unit: expected a length above 0 [m]"), 0;
   if (!isfinite(own->start)) return refused(s, "start: expected a number"), 0;
@@ -71,7 +77,7 @@ static int configure(struct instance* s, double period) {
     return refused(s, stribeck_describe(STRIBECK_NO_MEMORY)), 0;
   stribeck_result r = STRIBECK_OK;
   for (uint32_t i = 0; i < parameters.count && r == STRIBECK_OK; ++i) {
-    const double v = s->values->used[i];
+    const double v = s->values.used[i];
     if (!same(v, parameters.initial[i])) r = stribeck_plant_set(s->plant, parameters.name[i], v);
   }
   if (r == STRIBECK_OK)
@@ -88,15 +94,15 @@ static int configure(struct instance* s, double period) {
 static void update(void* arg, long period_ns) {
   struct instance* s = arg;
   const double period = 1e-9 * (double)period_ns;
-  if (!same(period, s->period) || own_changed(s) || values_changed(&parameters, s->values))
-    *s->ok = configure(s, period) != 0;
+  if (!same(period, s->period) || own_changed(s) || values_changed(&parameters, &s->values))
+    *s->hal->ok = configure(s, period) != 0;
   if (s->plant == NULL) return;
   const double unit = s->used.position_unit;
-  if (stribeck_plant_step_command(s->plant, *s->command * unit, *s->offset, *s->cutting) ==
+  if (stribeck_plant_step_command(s->plant, *s->hal->command * unit, *s->hal->offset, *s->hal->cutting) ==
       STRIBECK_REFUSED) {
     const double voltage =
-        *s->voltage + *s->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
-    stribeck_plant_step(s->plant, voltage, *s->cutting);
+        *s->hal->voltage + *s->hal->force / stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE_PER_VOLT);
+    stribeck_plant_step(s->plant, voltage, *s->hal->cutting);
   }
   s->position = stribeck_plant_get(s->plant, STRIBECK_PLANT_POSITION);
   if (!isfinite(s->position)) {
@@ -104,55 +110,55 @@ static void update(void* arg, long period_ns) {
     stribeck_plant_destroy(s->plant);
     s->plant = NULL;
     s->placed = 0;
-    *s->ok = 0;
+    *s->hal->ok = 0;
     return;
   }
-  *s->pos = s->position / unit;
-  *s->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
-  *s->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;
-  *s->friction = stribeck_plant_get(s->plant, STRIBECK_PLANT_FRICTION);
-  *s->force_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE);
+  *s->hal->pos = s->position / unit;
+  *s->hal->pos_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_ENCODER) / unit;
+  *s->hal->vel = stribeck_plant_get(s->plant, STRIBECK_PLANT_VELOCITY) / unit;
+  *s->hal->friction = stribeck_plant_get(s->plant, STRIBECK_PLANT_FRICTION);
+  *s->hal->force_fb = stribeck_plant_get(s->plant, STRIBECK_PLANT_FORCE);
 }
 
 static int make(const char* name) {
-  struct instance* s = hal_malloc(sizeof *s);
+  struct instance* s = calloc(1, sizeof *s);
   if (s == NULL) return -ENOMEM;
-  memset(s, 0, sizeof *s);
-  s->values = calloc(1, sizeof *s->values);
-  if (s->values == NULL) return -ENOMEM;
   instances[count++] = s;
   s->name = name;
+  s->hal = hal_malloc(sizeof *s->hal);
+  if (s->hal == NULL) return -ENOMEM;
+  memset(s->hal, 0, sizeof *s->hal);
   int r = 0;
   const struct {
     const char* name;
     hal_float_t** pin;
     hal_pin_dir_t direction;
-  } pins[] = {{"force", &s->force, HAL_IN},        {"voltage", &s->voltage, HAL_IN},
-              {"command", &s->command, HAL_IN},    {"offset", &s->offset, HAL_IN},
-              {"cutting", &s->cutting, HAL_IN},    {"pos", &s->pos, HAL_OUT},
-              {"pos-fb", &s->pos_fb, HAL_OUT},     {"vel", &s->vel, HAL_OUT},
-              {"friction", &s->friction, HAL_OUT}, {"force-fb", &s->force_fb, HAL_OUT}};
+  } pins[] = {{"force", &s->hal->force, HAL_IN},        {"voltage", &s->hal->voltage, HAL_IN},
+              {"command", &s->hal->command, HAL_IN},    {"offset", &s->hal->offset, HAL_IN},
+              {"cutting", &s->hal->cutting, HAL_IN},    {"pos", &s->hal->pos, HAL_OUT},
+              {"pos-fb", &s->hal->pos_fb, HAL_OUT},     {"vel", &s->hal->vel, HAL_OUT},
+              {"friction", &s->hal->friction, HAL_OUT}, {"force-fb", &s->hal->force_fb, HAL_OUT}};
   for (size_t i = 0; i < sizeof pins / sizeof pins[0]; ++i) {
     if ((r = hal_pin_float_newf(pins[i].direction, pins[i].pin, component, "%s.%s", name, pins[i].name)) < 0)
       return r;
   }
-  if ((r = hal_pin_bit_newf(HAL_OUT, &s->ok, component, "%s.ok", name)) < 0) return r;
+  if ((r = hal_pin_bit_newf(HAL_OUT, &s->hal->ok, component, "%s.ok", name)) < 0) return r;
   const struct {
     const char* name;
     hal_float_t* value;
     double initial;
-  } own[] = {{"position-unit", &s->own.position_unit, 1e-3},
-             {"highest-speed", &s->own.highest_speed, 250.0},
-             {"start", &s->own.start, 0.0}};
+  } own[] = {{"position-unit", &s->hal->own.position_unit, 1e-3},
+             {"highest-speed", &s->hal->own.highest_speed, 250.0},
+             {"start", &s->hal->own.start, 0.0}};
   for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
     *own[i].value = own[i].initial;
     if ((r = hal_param_float_newf(HAL_RW, own[i].value, component, "%s.%s", name, own[i].name)) < 0) return r;
   }
-  s->own.substeps = 8;
-  s->own.seed = 1;
-  if ((r = hal_param_s32_newf(HAL_RW, &s->own.substeps, component, "%s.substeps", name)) < 0) return r;
-  if ((r = hal_param_s32_newf(HAL_RW, &s->own.seed, component, "%s.seed", name)) < 0) return r;
-  if ((r = export_parameters(&parameters, s->values, component, name)) < 0) return r;
+  s->hal->own.substeps = 8;
+  s->hal->own.seed = 1;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->hal->own.substeps, component, "%s.substeps", name)) < 0) return r;
+  if ((r = hal_param_s32_newf(HAL_RW, &s->hal->own.seed, component, "%s.seed", name)) < 0) return r;
+  if ((r = export_parameters(&parameters, &s->values, component, name)) < 0) return r;
   return hal_export_funct(name, update, s, 1, 0, component);
 }
 
@@ -161,7 +167,7 @@ static void release(void) {
   while (count > 0) {
     --count;
     stribeck_plant_destroy(instances[count]->plant);
-    free(instances[count]->values);
+    free(instances[count]);
   }
 }
 
