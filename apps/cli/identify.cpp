@@ -13,7 +13,6 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
@@ -94,11 +93,7 @@ report::IdentifyReportInput page_input(const Identification& found, const AxisRe
 }
 
 void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {
-  io::write_atomically(path, io::write_toml(axis_file_model(found, axis),
-                                            fmt::format("{}{}, identified from {} by stribeck {} ({}).",
-                                                        axis.axis.empty() ? "" : "Axis " + axis.axis + ": ",
-                                                        found.result.model, axis.sources, STRIBECK_VERSION,
-                                                        ident::name_of(found.result.method))));
+  io::write_atomically(path, axis_file_text(found, axis, STRIBECK_VERSION));
 }
 
 /// Every axis of a machine from whatever logs there are of it.

@@ -13,6 +13,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -325,6 +326,42 @@ bool tells_mass(Method method) {
          method != Method::kGravity;
 }
 
+/// The records of one axis, log by log.
+class RecordsOfAxis {
+ public:
+  explicit RecordsOfAxis(const LogOptions& options) : options_(options) { axis_.axis = options.axis; }
+
+  void add(const io::Log& log, const std::string& name) {
+    constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
+    std::vector<std::string> notes;
+    // Cleaning the log finds the gaps again and repairs them.
+    for (const io::Note& note : log.notes) {
+      if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
+    }
+    ident::log::Conditioned clean = condition_log(log, options_, &notes);
+    for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
+    for (std::string& note : notes) {
+      axis_.notes.push_back(note.starts_with(name) ? std::move(note) : fmt::format("{}: {}", name, note));
+    }
+    forward_ = forward_ || clean.coverage.forward > kFewForward;
+    backward_ = backward_ || clean.coverage.forward < 1.0 - kFewForward;
+    axis_.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
+    for (ident::log::Record& r : clean.records) axis_.records.push_back(std::move(r));
+    axis_.sources += (axis_.sources.empty() ? "" : ", ") + name;
+  }
+
+  [[nodiscard]] AxisRecords all() && {
+    axis_.one_direction = forward_ != backward_;
+    return std::move(axis_);
+  }
+
+ private:
+  const LogOptions& options_;
+  AxisRecords axis_;
+  bool forward_ = false;
+  bool backward_ = false;
+};
+
 }  // namespace
 
 void check_options(const IdentifyOptions& options) {
@@ -332,30 +369,15 @@ void check_options(const IdentifyOptions& options) {
 }
 
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options) {
-  AxisRecords axis;
-  axis.axis = options.axis;
-  constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
-  bool forward = false, backward = false;
-  for (const std::string& path : logs) {
-    const io::Log log = read_log(path, options);
-    std::vector<std::string> notes;
-    // Cleaning the log finds the gaps again and repairs them.
-    for (const io::Note& note : log.notes) {
-      if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
-    }
-    ident::log::Conditioned clean = condition_log(log, options, &notes);
-    for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
-    for (std::string& note : notes) {
-      axis.notes.push_back(note.starts_with(path) ? std::move(note) : fmt::format("{}: {}", path, note));
-    }
-    forward = forward || clean.coverage.forward > kFewForward;
-    backward = backward || clean.coverage.forward < 1.0 - kFewForward;
-    axis.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
-    for (ident::log::Record& r : clean.records) axis.records.push_back(std::move(r));
-    axis.sources += (axis.sources.empty() ? "" : ", ") + path;
-  }
-  axis.one_direction = forward != backward;
-  return axis;
+  RecordsOfAxis records(options);
+  for (const std::string& path : logs) records.add(read_log(path, options), path);
+  return std::move(records).all();
+}
+
+AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options) {
+  RecordsOfAxis records(options);
+  for (const io::Log& log : logs) records.add(log, log.source);
+  return std::move(records).all();
 }
 
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options) {
@@ -449,6 +471,13 @@ friction::AxisModel axis_file_model(const Identification& found, const AxisRecor
                   "with acceleration");
   }
   return as_model(result);
+}
+
+std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version) {
+  return io::write_toml(axis_file_model(found, axis),
+                        fmt::format("{}{}, identified from {} by stribeck {} ({}).",
+                                    axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
+                                    axis.sources, version, ident::name_of(found.result.method)));
 }
 
 }  // namespace stribeck::workflow

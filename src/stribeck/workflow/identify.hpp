@@ -71,6 +71,8 @@ void check_options(const IdentifyOptions& options);
 
 /// Reads and cleans logs of one axis.
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options);
+/// The same with logs that were read already.
+AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options);
 
 /// The result with all warnings. Refuses a mass that is not determined, unless the method determines no mass.
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options);
@@ -87,6 +89,8 @@ friction::AxisModel as_model(const ident::Result& result);
 
 /// The same; refused with place --output unless the result holds for both directions in newtons and metres.
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis);
+/// The axis file itself; `version` is that of the program.
+std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version);
 
 }  // namespace stribeck::workflow
 
