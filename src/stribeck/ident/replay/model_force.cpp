@@ -43,37 +43,6 @@ struct Filtered {
   Column x, v, a;
 };
 
-/// Friction at every row under the measured motion; bristles go along with it.
-Column friction_of(const friction::Model& model, const Filtered& m, double first_push) {
-  const std::size_t n = m.x.size();
-  Column f(n);
-  std::visit(
-      [&]<class Base, class Law>(const Base& base, const Law& law) {
-        const friction::Composed<Base> map{base, model.eccentric};
-        if constexpr (friction::PreSlidingLaw<Law>) {
-          typename Law::State state{};
-          const auto begin = map.parts(m.v[0], m.x[0]);
-          if (m.v[0] != 0.0) {
-            law.slide(state, m.v[0] > 0.0 ? begin.level : -begin.level);
-          } else {
-            law.carry(state, std::clamp(first_push - begin.additive, -begin.level, begin.level));
-          }
-          for (std::size_t k = 0; k < n; ++k) {
-            if (k > 0) {
-              const double v = 0.5 * (m.v[k - 1] + m.v[k]);
-              law.advance(state, v, map.parts(v, m.x[k]).level, m.period);
-            }
-            const auto p = map.parts(m.v[k], m.x[k]);
-            f[k] = law.bristle(state, m.v[k], p.level, 1.0) + p.viscous + p.additive;
-          }
-        } else {
-          for (std::size_t k = 0; k < n; ++k) f[k] = friction::steady_force(map, m.v[k], m.x[k]);
-        }
-      },
-      model.steady, model.dynamics);
-  return f;
-}
-
 double within_pi(double angle) { return std::remainder(angle, 2.0 * kPi); }
 
 class Scored {
@@ -121,7 +90,7 @@ class Scored {
   }
 
   [[nodiscard]] Column force_of(const friction::Model& friction) const {
-    Column f = friction_of(friction, motion_, record_.f[0] - model_.load);
+    Column f = friction_along(friction, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load);
     for (std::size_t k = 0; k < f.size(); ++k) f[k] += model_.mass * motion_.a[k] + model_.load;
     return f;
   }
@@ -283,6 +252,38 @@ void Scored::judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step,
 }
 
 }  // namespace
+
+std::vector<double> friction_along(const friction::Model& model, std::span<const double> x,
+                                   std::span<const double> v, double period, double push) {
+  const std::size_t n = x.size();
+  std::vector<double> f(n);
+  if (n == 0) return f;
+  std::visit(
+      [&]<class Base, class Law>(const Base& base, const Law& law) {
+        const friction::Composed<Base> map{base, model.eccentric};
+        if constexpr (friction::PreSlidingLaw<Law>) {
+          typename Law::State state{};
+          const auto begin = map.parts(v[0], x[0]);
+          if (v[0] != 0.0) {
+            law.slide(state, v[0] > 0.0 ? begin.level : -begin.level);
+          } else {
+            law.carry(state, std::clamp(push - begin.additive, -begin.level, begin.level));
+          }
+          for (std::size_t k = 0; k < n; ++k) {
+            if (k > 0) {
+              const double mean = 0.5 * (v[k - 1] + v[k]);
+              law.advance(state, mean, map.parts(mean, x[k]).level, period);
+            }
+            const auto p = map.parts(v[k], x[k]);
+            f[k] = law.bristle(state, v[k], p.level, 1.0) + p.viscous + p.additive;
+          }
+        } else {
+          for (std::size_t k = 0; k < n; ++k) f[k] = friction::steady_force(map, v[k], x[k]);
+        }
+      },
+      model.steady, model.dynamics);
+  return f;
+}
 
 ForceError force_error(const friction::AxisModel& model, const log::Record& record,
                        const ForceOptions& options) {

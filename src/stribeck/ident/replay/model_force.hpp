@@ -20,6 +20,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/ident/log/record.hpp>
@@ -63,6 +64,11 @@ struct ForceError {
   std::vector<double> measured;  ///< force of it, aligned [N]
   std::vector<double> modelled;  ///< with the phases of this record [N]
 };
+
+/// Friction [N] at every row of a motion x [m], v [m/s] with rows of equal time [s]; bristles go along with it. They begin
+/// as in a slide with v[0]; at rest, with the force `push` [N] on the axis.
+std::vector<double> friction_along(const friction::Model& model, std::span<const double> x,
+                                   std::span<const double> v, double period, double push);
 
 ForceError force_error(const friction::AxisModel& model, const log::Record& record,
                        const ForceOptions& options = {});
