@@ -1,7 +1,7 @@
 #pragma once
-/// Mechanics for the friction law, drive and axial mode in the parameters; the choice is made once.
+/// Mechanics for the friction law, drive, axial mode and lost motion in the parameters; the choice is made once.
 ///
-/// A variant of laws gives four kinds of mechanics for each law with pre-sliding; a new law needs no line here.
+/// A variant of laws gives six kinds of mechanics for each law with pre-sliding; a new law needs no line here.
 /// Real time: no (make_mechanics may throw; the mechanics themselves are safe).
 /// Errors: std::invalid_argument for a law without pre-sliding, whose step of friction at rest cannot be integrated;
 /// AxisParams::validate() refuses such a law earlier.
@@ -13,7 +13,7 @@
 
 namespace stribeck::plant {
 
-/// The four kinds of mechanics for one law; none for a law without pre-sliding.
+/// The six kinds of mechanics for one law; none for a law without pre-sliding.
 template <class Map, class Law>
 struct MechanicsOver {
   using Type = std::tuple<>;
@@ -21,7 +21,8 @@ struct MechanicsOver {
 template <class Map, friction::PreSlidingLaw Law>
 struct MechanicsOver<Map, Law> {
   using Type = std::tuple<Mechanics<Map, Law, false, false>, Mechanics<Map, Law, false, true>,
-                          Mechanics<Map, Law, true, false>, Mechanics<Map, Law, true, true>>;
+                          Mechanics<Map, Law, true, false>, Mechanics<Map, Law, true, true>,
+                          Mechanics<Map, Law, false, true, true>, Mechanics<Map, Law, true, true, true>>;
 };
 
 template <class Kinds>
@@ -49,6 +50,10 @@ AnyMechanics<Map, Laws> make_mechanics(const AxisParams& p, const Map& map, cons
       [&]<class Law>(const Law& law) -> Any {
         if constexpr (friction::PreSlidingLaw<Law>) {
           const bool voltage = std::holds_alternative<VoltageDrive>(p.drive);
+          if (p.lost_motion) {
+            if (voltage) return Mechanics<Map, Law, true, true, true>(p, map, law);
+            return Mechanics<Map, Law, false, true, true>(p, map, law);
+          }
           if (p.axial_mode) {
             if (voltage) return Mechanics<Map, Law, true, true>(p, map, law);
             return Mechanics<Map, Law, false, true>(p, map, law);

@@ -38,11 +38,18 @@ struct Axis::Implementation {
     double out = clamp_to(wanted, -da.range, da.range);
     if (fidelity.quantised) out = clamp_to(rounded(out, da.step()), -da.range, da.range - da.step());
     voltage = out;
-    return {delayed(waiting, out), against(), cutting};
+    return {delayed(waiting, out), against(), against_table(cutting)};
   }
 
-  /// Load and noise of the coming period [N].
-  double against() { return params.load + (noise ? noise->next() : 0.0); }
+  /// Load and noise on the drive side in the coming period [N].
+  double against() {
+    const double load = params.lost_motion ? 0.0 : params.load;
+    return load + (noise ? noise->next() : 0.0);
+  }
+  /// The same for the table: where it is held with backlash, the weight is its own.
+  [[nodiscard]] double against_table(double cutting) const {
+    return params.lost_motion ? cutting + params.load : cutting;
+  }
 
   /// The value of delay_periods ago; keeps this one.
   [[nodiscard]] double delayed(std::array<double, 8>& queue, double value) const {
@@ -65,7 +72,7 @@ struct Axis::Implementation {
           [&](auto& m) {
             const double out = per_force * loop->force(i, m.drive_position());
             sum += out;
-            m.advance({out, against_now, cutting}, loop->cycle(), fidelity.substeps);
+            m.advance({out, against_now, against_table(cutting)}, loop->cycle(), fidelity.substeps);
           },
           mechanics);
     }
@@ -144,6 +151,17 @@ double Axis::encoder() const {
       },
       s.mechanics);
   return s.fidelity.quantised ? rounded(x, s.params.encoder.resolution) : x;
+}
+EncoderSide Axis::feedback() const { return implementation_->params.encoder.side; }
+double Axis::second_encoder() const {
+  const Implementation& s = *implementation_;
+  if (!s.params.second_encoder) return std::numeric_limits<double>::quiet_NaN();
+  const double x = std::visit(
+      [&](const auto& m) {
+        return s.params.encoder.side == EncoderSide::kTable ? m.drive_position() : m.table_position();
+      },
+      s.mechanics);
+  return s.fidelity.quantised ? rounded(x, s.params.second_encoder->resolution) : x;
 }
 double Axis::position() const {
   return std::visit([](const auto& m) { return m.table_position(); }, implementation_->mechanics);

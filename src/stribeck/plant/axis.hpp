@@ -44,6 +44,8 @@ class Axis {
                             double cutting_b = 0.0);
 
   [[nodiscard]] double encoder() const;         ///< [m]
+  [[nodiscard]] EncoderSide feedback() const;   ///< the side of encoder()
+  [[nodiscard]] double second_encoder() const;  ///< on the other side [m]; NaN: none
   [[nodiscard]] double position() const;        ///< true, of the table [m]
   [[nodiscard]] double velocity() const;        ///< true, of the drive side [m/s]
   [[nodiscard]] double friction_force() const;  ///< true [N]

@@ -1,20 +1,22 @@
 #pragma once
 /// Equations of motion of one drive between two ticks of the controller: amplifier and motor, screw, axis
-/// with friction, and the first axial mode where there is one.
+/// with friction, and between drive and table the first axial mode or lost motion where there is one.
 ///
 ///   rigid        m·v̇ = f_u − F − w                         f_u = gain·u                      current drive
 ///   axial mode   (m − m_t)·v̇ = f_u − F − w − s             L·i̇ = k_u·u − R·i − K_e·r_g·v,
 ///                m_t·v̇_t = s − c                           f_u = K_t·r_g·i                   voltage drive
 ///                s = k·(x − x_t) + d·(v − v_t),  k = m_t·ω²,  d = 2ζω·m_t
+///   lost motion  both with (1 − φ)·F(v) and φ·F(v_t),  m_t·v̇_t = s − φ·F(v_t) − c
+///                s = k·p(x − x_t) + d·(v − v_t) in contact, never pulling;  p(δ) = δ ∓ b/2 beyond ±b/2, else 0
 ///
 ///   x, v drive side [m, m/s], x_t, v_t table, i current [A], F friction [N] on the drive side, w load and
-///   noise [N], c cutting force on the table [N], ω = 2π·frequency
+///   noise [N], c cutting force on the table [N], ω = 2π·frequency, b backlash [m], φ share of the table's friction
 ///
 /// The level and the viscous part of F may be scaled from one control period to the next (a drive that warms up).
 /// With a voltage drive the back-EMF acts through i; the friction model must then not contain it again.
 /// Sign: friction, load, noise and cutting force are positive against +x.
-/// Not modelled: torsion, backlash, friction of the guides on the table side of the spring, saturation of the
-/// current.
+/// Not modelled: more than two masses, friction of the table side with an axial mode, impact losses other than d, saturation
+/// of the current.
 /// Real time: safe.
 
 #include <algorithm>
@@ -31,17 +33,22 @@ struct Held {
   double cutting = 0.0;  ///< on the table against +x [N]
 };
 
-/// One drive; Map is the steady-state curve, Friction the law over it.
-template <class Map, friction::PreSlidingLaw Friction, bool kVoltage, bool kMode>
+/// One drive; Map is the steady-state curve, Friction the law over it. kMode: two masses; kLost: with lost motion between them.
+template <class Map, friction::PreSlidingLaw Friction, bool kVoltage, bool kMode, bool kLost = false>
 class Mechanics {
+  static_assert(kMode || !kLost, "lost motion is between two masses");
+
  public:
   static constexpr std::size_t kFriction = 2;
   static constexpr std::size_t kCurrent = kFriction + friction::Integrated<Friction>::kCount;
   static constexpr std::size_t kTable = kCurrent + (kVoltage ? 1 : 0);
-  static constexpr std::size_t kStates = kTable + (kMode ? 2 : 0);
+  static constexpr std::size_t kTableFriction = kTable + 2;
+  static constexpr std::size_t kStates =
+      kTable + (kMode ? 2 : 0) + (kLost ? friction::Integrated<Friction>::kCount : 0);
   using StateVector = Vec<double, kStates>;
 
-  Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept : map_(map), friction_(law) {
+  Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept
+      : map_(map), friction_(law), table_friction_(law) {
     set(p);
   }
 
@@ -52,6 +59,7 @@ class Mechanics {
     y_[0] = x;
     if constexpr (kMode) y_[kTable] = x;
     friction_.place({}, &y_[kFriction]);
+    if constexpr (kLost) table_friction_.place({}, &y_[kTableFriction]);
   }
 
   /// Level and viscous part of friction from now on, as a share of the values of the map; 1 after reset().
@@ -99,7 +107,15 @@ class Mechanics {
   /// Friction force at the present state [N].
   [[nodiscard]] double friction_force() const noexcept {
     std::array<double, friction::Integrated<Friction>::kCount> rate;
-    return friction_.evaluate(&y_[kFriction], y_[1], parts(map_, y_[1], y_[0]), rate.data());
+    const double drive = friction_.evaluate(&y_[kFriction], y_[1], parts(map_, y_[1], y_[0]), rate.data());
+    if constexpr (kLost) {
+      const double v = y_[kTable + 1];
+      const double table =
+          table_friction_.evaluate(&y_[kTableFriction], v, parts(map_, v, y_[kTable]), rate.data());
+      return drive + on_table_ * (table - drive);
+    } else {
+      return drive;
+    }
   }
 
   /// Fastest rate [1/s] of the equations, without the decay of friction, which advance() itself handles.
@@ -109,6 +125,11 @@ class Mechanics {
     if constexpr (kMode) {
       const double w2 = spring_ / mass_ + spring_ / table_mass_;
       fastest = std::max(fastest, std::sqrt(w2) + damper_ / mass_ + damper_ / table_mass_);
+    }
+    if constexpr (kLost) {
+      const double stiffness = on_table_ * friction_.law().stiffness();
+      fastest = std::max(fastest, std::sqrt((spring_ + stiffness) / table_mass_) +
+                                      (damper_ + on_table_ * friction_.law().damping()) / table_mass_);
     }
     return fastest;
   }
@@ -131,7 +152,12 @@ class Mechanics {
 
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) const noexcept {
-    const double decay = friction_.law().rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
+    double decay = friction_.law().rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
+    if constexpr (kLost) {
+      const double v = y_[kTable + 1];
+      decay = std::max(decay,
+                       table_friction_.law().rate_bound(std::abs(v), parts(map_, v, y_[kTable]).level) * dt);
+    }
     const double steps = decay * (1.0 / kStableStep);
     // A run that has diverged (NaN) keeps the given number, so that a search for a stable number can see the
     // divergence.
@@ -141,6 +167,8 @@ class Mechanics {
 
   void substep(const Held& held, double h) noexcept {
     const double before = y_[1];
+    [[maybe_unused]] double table_before = 0.0;
+    if constexpr (kLost) table_before = y_[kTable + 1];
     const auto near = friction::near_or_itself(map_, before);
     const StateVector k1 = derivative(near, y_, held);
     // While the velocity stays within half a cell of the table, the cell of the first stage serves all stages.
@@ -151,6 +179,10 @@ class Mechanics {
     }
     if constexpr (friction::Integrated<Friction>::kSettles) {
       friction_.settle(&y_[kFriction], before, y_[1], parts(map_, y_[1], y_[0]));
+      if constexpr (kLost) {
+        const double v = y_[kTable + 1];
+        table_friction_.settle(&y_[kTableFriction], table_before, v, parts(map_, v, y_[kTable]));
+      }
     }
   }
 
@@ -166,7 +198,16 @@ class Mechanics {
     } else {
       gain_ = std::get<CurrentDrive>(p.drive).gain;
     }
-    if constexpr (kMode) {
+    if constexpr (kLost) {
+      const LostMotion& m = *p.lost_motion;
+      table_mass_ = m.table_share * mass_;
+      mass_ -= table_mass_;
+      spring_ = m.stiffness;
+      damper_ = 2.0 * m.damping_ratio * std::sqrt(m.stiffness * table_mass_);
+      backlash_ = m.backlash;
+      backlash_slope_ = m.backlash_slope;
+      on_table_ = m.table_friction;
+    } else if constexpr (kMode) {
       const AxialMode& m = *p.axial_mode;
       const double w = 2.0 * kPi * m.frequency;
       table_mass_ = m.table_share * mass_;
@@ -177,13 +218,30 @@ class Mechanics {
     inverse_mass_ = 1.0 / mass_;
   }
 
+  /// Force from the drive side to the table [N].
+  [[nodiscard]] double transmitted(const StateVector& y) const noexcept {
+    const double stretch = y[0] - y[kTable];
+    const double rate = y[1] - y[kTable + 1];
+    if constexpr (kLost) {
+      const double half = 0.5 * std::max(0.0, backlash_ + backlash_slope_ * y[kTable]);
+      if (half > 0.0) {
+        if (stretch > half) return std::max(0.0, spring_ * (stretch - half) + damper_ * rate);
+        if (stretch < -half) return std::min(0.0, spring_ * (stretch + half) + damper_ * rate);
+        return 0.0;
+      }
+    }
+    return spring_ * stretch + damper_ * rate;
+  }
+
   template <class AnyMap>
   [[nodiscard]] StateVector derivative(const AnyMap& map, const StateVector& y,
                                        const Held& held) const noexcept {
     StateVector d;
     const double v = y[1];
     const auto p = parts(map, v, y[0]);
-    double force = -friction_.evaluate(&y[kFriction], v, p, &d[kFriction]) - held.force;
+    double friction = friction_.evaluate(&y[kFriction], v, p, &d[kFriction]);
+    if constexpr (kLost) friction *= 1.0 - on_table_;
+    double force = -friction - held.force;
     if constexpr (kVoltage) {
       force += force_per_ampere_ * y[kCurrent];
       d[kCurrent] = (voltage_gain_ * held.voltage - resistance_ * y[kCurrent] - emf_ * v) / inductance_;
@@ -191,10 +249,17 @@ class Mechanics {
       force += gain_ * held.voltage;
     }
     if constexpr (kMode) {
-      const double s = spring_ * (y[0] - y[kTable]) + damper_ * (v - y[kTable + 1]);
+      const double s = transmitted(y);
       force -= s;
       d[kTable] = y[kTable + 1];
-      d[kTable + 1] = (s - held.cutting) / table_mass_;
+      double on_table = s - held.cutting;
+      if constexpr (kLost) {
+        // The table's velocity has a cell of the map of its own.
+        const double v_t = y[kTable + 1];
+        on_table -= on_table_ * table_friction_.evaluate(&y[kTableFriction], v_t, parts(map_, v_t, y[kTable]),
+                                                         &d[kTableFriction]);
+      }
+      d[kTable + 1] = on_table / table_mass_;
     } else {
       force -= held.cutting;
     }
@@ -205,6 +270,7 @@ class Mechanics {
 
   Map map_;
   friction::Integrated<Friction> friction_;
+  friction::Integrated<Friction> table_friction_;
   StateVector y_{};
   double friction_share_ = 1.0;
   double mass_ = 1.0;
@@ -218,6 +284,9 @@ class Mechanics {
   double table_mass_ = 0.0;
   double spring_ = 0.0;
   double damper_ = 0.0;
+  double backlash_ = 0.0;
+  double backlash_slope_ = 0.0;
+  double on_table_ = 0.0;
 };
 
 }  // namespace stribeck::plant

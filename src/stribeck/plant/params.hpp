@@ -77,6 +77,34 @@ struct AxialMode {
   }
 };
 
+/// Backlash and wind-up between drive side and table, each with a part of the mass and of friction. In contact the table is held
+/// by a spring and a damper; within the backlash nothing holds it.
+struct LostMotion {
+  double backlash = 0.0;        ///< b at position 0: whole width [m]
+  double backlash_slope = 0.0;  ///< change of b per travel; b never falls below 0
+  double stiffness = 0.0;       ///< between motor and table, in contact [N/m]
+  double damping_ratio = 0.0;   ///< of the table on this spring against a fixed drive side
+  double table_share = 0.5;     ///< share of the equivalent mass that is the table
+  double table_friction = 0.5;  ///< share of friction that acts on the table
+
+  static constexpr auto fields() {
+    using L = LostMotion;
+    return std::tuple{field("backlash", &L::backlash, quantity("m", "um").not_negative(),
+                            "play between motor and table at position 0, the whole width"),
+                      field("backlash_slope", &L::backlash_slope, quantity("m/m", "um/m"),
+                            "change of the backlash along the travel; it never falls below 0")
+                          .or_default(),
+                      field("stiffness", &L::stiffness, quantity("N/m", "N/um").positive(),
+                            "wind-up: stiffness between motor and table"),
+                      field("damping_ratio", &L::damping_ratio, pure_number().not_negative(),
+                            "damping ratio of the table on this stiffness against a fixed drive side"),
+                      field("table_share", &L::table_share, pure_number().positive().at_most(0.99),
+                            "share of the equivalent mass that belongs to the table"),
+                      field("table_friction", &L::table_friction, pure_number().not_negative().at_most(1.0),
+                            "share of friction on the table side")};
+  }
+};
+
 enum class NoiseKind { kGaussian, kUniform };
 
 /// Force noise, drawn per control period and held. Gaussian: first-order coloured, by standard deviation and
@@ -138,6 +166,16 @@ struct Encoder {
   }
 };
 
+/// The encoder on the other side, which is logged only.
+struct SecondEncoder {
+  double resolution = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{field("resolution", &SecondEncoder::resolution, quantity("m", "nm").positive(),
+                            "step of the position")};
+  }
+};
+
 struct Converter {
   int bits = 16;
   double range = 10.0;
@@ -164,6 +202,8 @@ struct AxisParams {
   std::optional<AxialMode> axial_mode;
   std::optional<ForceNoise> noise;
   std::optional<Warming> warming;
+  std::optional<LostMotion> lost_motion;
+  std::optional<SecondEncoder> second_encoder;
 
   static constexpr auto fields() {
     return std::tuple{
@@ -188,6 +228,12 @@ struct AxisParams {
         field("axial_mode", &AxisParams::axial_mode, "first axial mode; left out: rigid").or_default(),
         field("noise", &AxisParams::noise, "force noise; left out: none").or_default(),
         field("warming", &AxisParams::warming, "change of friction during a run; left out: none")
+            .or_default(),
+        field("lost_motion", &AxisParams::lost_motion,
+              "backlash and wind-up between motor and table; left out: none")
+            .or_default(),
+        field("second_encoder", &AxisParams::second_encoder,
+              "a second encoder, on the side where encoder is not, for logs only; left out: none")
             .or_default()};
   }
   template <class Report>
@@ -199,6 +245,11 @@ struct AxisParams {
     if (rotor_inertia && !std::holds_alternative<VoltageDrive>(drive)) {
       report("rotor_inertia",
              "needs a drive of kind \"voltage\", whose lead reflects it; or include it in mass");
+    }
+    if (lost_motion && axial_mode) {
+      report(
+          "axial_mode",
+          "beside lost_motion, whose stiffness and table_share already make the mode; leave one of them out");
     }
   }
 

@@ -212,6 +212,104 @@ TEST(AxialMode, StiffModeMovesAsTheRigidAxis) {
   EXPECT_GT(std::abs(flexible.position() - rigid.position()), 1e-12);
 }
 
+// ---- lost motion
+
+/// A table of 500 kg behind 10 µm of backlash and 20 N/µm, with 60 % of the friction.
+AxisParams with_lost_motion() {
+  AxisParams p = biaxial_x();
+  p.mass = 2000.0;
+  p.friction.dynamics = friction::LuGre<double>{3e8, 100e3, 0.05e-3};
+  p.lost_motion = LostMotion{10e-6, 0.0, 20e6, 0.2, 0.25, 0.6};
+  p.second_encoder = SecondEncoder{1e-9};
+  return p;
+}
+
+/// How far the drive side is ahead of the table after sliding at 2 mm/s in one direction.
+double ahead(const AxisParams& p, double direction) {
+  Axis axis(p, 1e-3, 9.5e-3);
+  axis.start(0.0, {64, false, false}, {});
+  const double force = friction::steady_force(friction::test::table_2_3_x(), direction * 2e-3);
+  for (int k = 0; k < 8000; ++k) axis.step((p.load + force) / 1048.0);
+  EXPECT_NEAR(axis.velocity(), direction * 2e-3, 1e-7);
+  return axis.encoder() - axis.second_encoder();
+}
+
+TEST(LostMotion, TableFollowsByHalfTheBacklashAndTheWindUpOfItsFriction) {
+  const AxisParams p = with_lost_motion();
+  const auto map = friction::test::table_2_3_x();
+  EXPECT_NEAR(ahead(p, 1.0), 5e-6 + 0.6 * friction::steady_force(map, 2e-3) / 20e6, 1e-9);
+  EXPECT_NEAR(ahead(p, -1.0), -5e-6 + 0.6 * friction::steady_force(map, -2e-3) / 20e6, 1e-9);
+}
+
+TEST(LostMotion, BacklashFollowsItsSlopeAlongTheTravel) {
+  AxisParams p = with_lost_motion();
+  const double even = ahead(p, 1.0);  // the table is then at nearly 16 mm
+  p.lost_motion->backlash_slope = 1e-4;
+  EXPECT_NEAR(ahead(p, 1.0) - even, 0.5 * 1e-4 * 16e-3, 2e-8);
+}
+
+TEST(LostMotion, WeightKeepsTheTableOnOneSide) {
+  AxisParams p = with_lost_motion();
+  p.load = 1000.0;  // more than the friction of the table
+  EXPECT_GT(ahead(p, 1.0), 5e-6);
+  EXPECT_GT(ahead(p, -1.0), 5e-6);
+}
+
+TEST(LostMotion, WithoutBacklashAndTableFrictionItIsTheAxialMode) {
+  AxisParams p = with_lost_motion();
+  p.lost_motion->backlash = 0.0;
+  p.lost_motion->table_friction = 0.0;
+  AxisParams q = p;
+  q.lost_motion.reset();
+  q.axial_mode = AxialMode{std::sqrt(20e6 / 500.0) / (2.0 * kPi), 0.2, 0.25};
+  Axis one(p, 1e-3, 9.5e-3);
+  Axis other(q, 1e-3, 9.5e-3);
+  one.start(0.0, {16, false, false}, {});
+  other.start(0.0, {16, false, false}, {});
+  for (int k = 0; k < 2000; ++k) {
+    one.step(1.5 * std::sin(0.01 * k));
+    other.step(1.5 * std::sin(0.01 * k));
+    ASSERT_NEAR(one.position(), other.position(), 1e-12) << k;
+  }
+}
+
+TEST(LostMotion, ConvergesWithTheSubStepsAndBeginsAgain) {
+  // 50 N/µm on a table of 50 kg: 160 Hz, with gaps that open and close at every reversal.
+  AxisParams p = with_lost_motion();
+  p.lost_motion = LostMotion{40e-6, 0.0, 50e6, 0.1, 0.025, 0.3};
+  Axis axis(p, 1e-3, 9.5e-3);
+  const auto run = [&](int substeps) {
+    axis.start(0.0, {substeps, false, false}, {});
+    std::vector<double> gap;
+    for (int k = 0; k < 4000; ++k) {
+      axis.step(1.2 * std::sin(2 * kPi * k / 1000.0));
+      gap.push_back(axis.encoder() - axis.second_encoder());
+    }
+    return gap;
+  };
+  const auto fine = run(256);
+  const auto coarse = run(32);
+  EXPECT_EQ(run(32), coarse);
+  double widest = 0.0;
+  double most = 0.0;
+  for (std::size_t k = 0; k < fine.size(); ++k) {
+    widest = std::max(widest, fine[k]);
+    most = std::max(most, std::abs(fine[k] - coarse[k]));
+  }
+  EXPECT_GT(widest, 20e-6);
+  EXPECT_LT(most, 0.2e-6);  // the instant of contact lies between two sub-steps
+}
+
+TEST(LostMotion, FeedbackAndSecondEncoderChangeSides) {
+  AxisParams p = with_lost_motion();
+  const double motor_first = ahead(p, 1.0);
+  p.encoder.side = EncoderSide::kTable;
+  EXPECT_NEAR(ahead(p, 1.0), -motor_first, 1e-12);
+  p.second_encoder.reset();
+  Axis axis(p, 1e-3, 9.5e-3);
+  EXPECT_TRUE(std::isnan(axis.second_encoder()));
+}
+
 // ---- warming up
 
 /// V2, x axis, with a third part of friction that keeps its sign: 50 N everywhere.
@@ -388,6 +486,11 @@ TEST(AxisParams, ComplainAboutWhatCannotBeSimulated) {
   std::vector<std::string> keys;
   p.validate([&](std::string_view key, std::string_view) { keys.emplace_back(key); });
   EXPECT_EQ(keys, (std::vector<std::string>{"friction.dynamics", "rotor_inertia"}));
+  AxisParams both = with_lost_motion();
+  both.axial_mode = AxialMode{40.0, 0.02, 0.3};
+  keys.clear();
+  both.validate([&](std::string_view key, std::string_view) { keys.emplace_back(key); });
+  EXPECT_EQ(keys, (std::vector<std::string>{"axial_mode"}));
 }
 
 }  // namespace

@@ -89,6 +89,10 @@ ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
                         const std::vector<plant::Axis>& axes) {
   Vec<double, N> friction;
   for (std::size_t i = 0; i < N; ++i) friction[i] = axes[i].friction_force();
+  Vec<double, N> motor = control::spread<N>({}, Metrics::kUnknown);
+  Vec<double, N> scale = motor;
+  for (std::size_t i = 0; i < N; ++i)
+    (axes[i].feedback() == plant::EncoderSide::kTable ? motor : scale)[i] = axes[i].second_encoder();
   return {tick.time,
           r.phi,
           widened(r.position),
@@ -96,6 +100,8 @@ ContourSample sample_of(const Tick<N>& tick, const path::PathPoint<N>& r,
           widened(r.acceleration),
           widened(tick.position),
           widened(tick.encoder),
+          widened(motor),
+          widened(scale),
           widened(tick.command),
           widened(tick.force),
           widened(friction),

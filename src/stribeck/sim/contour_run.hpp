@@ -27,6 +27,8 @@ struct ContourSample {
   AxisValues acceleration;  ///< of the reference
   AxisValues position;      ///< true, of the table
   AxisValues encoder;
+  AxisValues motor;  ///< second encoder, on the motor; NaN: none there
+  AxisValues scale;  ///< second encoder, on the table; NaN: none there
   AxisValues
       voltage;  ///< commanded to the converters at this tick; mean of the coming period if the drive has a loop
   AxisValues

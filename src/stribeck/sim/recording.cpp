@@ -31,8 +31,10 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   Recording log;
   log.period = machine.sample_time;
   for (auto* column : {&log.t, &log.x, &log.u, &log.f}) column->reserve(rows);
+  std::vector<double>& second = axis.plant.encoder.side == plant::EncoderSide::kTable ? log.motor : log.scale;
   for (std::size_t k = 0; k < rows; ++k) {
     const double x = plant.encoder();
+    if (axis.plant.second_encoder) second.push_back(plant.second_encoder());
     const Output out = control(k, x);
     plant.step(plant.has_loop() ? out.command : out.force / gain, 0.0, out.offset);
     const double f = plant.has_loop() ? gain * plant.voltage() : out.force;

@@ -22,12 +22,21 @@ namespace stribeck::sim {
 
 /// Columns of a log, SI, one row per control period.
 struct Recording {
-  double period = 0.0;    ///< [s]
-  std::vector<double> t;  ///< [s]
-  std::vector<double> r;  ///< reference position [m]; empty in open loop
-  std::vector<double> x;  ///< encoder [m]
-  std::vector<double> u;  ///< voltage commanded to the converter [V]
-  std::vector<double> f;  ///< force commanded to the drive [N]
+  double period = 0.0;          ///< [s]
+  std::vector<double> t;        ///< [s]
+  std::vector<double> r;        ///< reference position [m]; empty in open loop
+  std::vector<double> x;        ///< encoder [m]
+  std::vector<double> motor{};  ///< second encoder, on the motor [m]; empty: none there
+  std::vector<double> scale{};  ///< second encoder, on the table [m]; empty: none there
+  std::vector<double> u;        ///< voltage commanded to the converter [V]
+  std::vector<double> f;        ///< force commanded to the drive [N]
+
+  /// Ends after so many rows.
+  void cut(std::size_t rows) {
+    for (auto* column : {&t, &r, &x, &motor, &scale, &u, &f}) {
+      if (column->size() > rows) column->resize(rows);
+    }
+  }
 };
 
 /// Positions [m], one per control period, from rest.

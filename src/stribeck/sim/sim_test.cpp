@@ -246,6 +246,34 @@ TEST(Recording, HoldsWhatAControlCouldLog) {
   EXPECT_NE(log.f, record_closed_loop(m, 0, reference, 2).f);
 }
 
+TEST(Recording, HoldsBothEncodersWhereThereAreTwo) {
+  Machine m = test::biaxial_table();
+  plant::AxisParams& p = m.axes[0].second.plant;
+  p.mass = 2000.0;
+  p.lost_motion = plant::LostMotion{10e-6, 0.0, 20e6, 0.2, 0.25, 0.5};
+  p.second_encoder = plant::SecondEncoder{100e-9};
+  m.axes[0].second.commissioning.mass = 2000.0;
+  m.sample_time = 1e-3;
+  std::vector<double> reference;
+  for (int k = 0; k < 4000; ++k) reference.push_back(5e-3 * std::cos(2 * kPi * k / 2000.0));
+  const auto lost = [](const std::vector<double>& motor, const std::vector<double>& scale) {
+    // Half a period apart, in the middle of the travel: both ways.
+    return (motor[3500] - scale[3500]) - (motor[2500] - scale[2500]);
+  };
+  const Recording by_motor = record_closed_loop(m, 0, reference, 1);
+  ASSERT_EQ(by_motor.scale.size(), by_motor.x.size());
+  EXPECT_TRUE(by_motor.motor.empty());
+  // Backlash and the wind-up under half of friction, which is above 500 N at these speeds.
+  EXPECT_GT(lost(by_motor.x, by_motor.scale), 10e-6 + 2 * 0.5 * 500.0 / 20e6);
+  p.encoder.side = plant::EncoderSide::kTable;
+  const Recording by_scale = record_closed_loop(m, 0, reference, 1);
+  ASSERT_EQ(by_scale.motor.size(), by_scale.x.size());
+  EXPECT_TRUE(by_scale.scale.empty());
+  EXPECT_NEAR(lost(by_scale.motor, by_scale.x), lost(by_motor.x, by_motor.scale), 2e-6);
+  p.second_encoder.reset();
+  EXPECT_TRUE(record_closed_loop(m, 0, reference, 1).motor.empty());
+}
+
 TEST(ParallelFor, RunsEveryJobOnceAndPassesTheFirstErrorOn) {
   std::vector<int> done(1000);
   parallel_for(

@@ -70,6 +70,8 @@ io::Log as_log(const sim::Recording& recording) {
   add("t", "s", recording.t, 1.0);
   add("r", "mm", recording.r, 1e-3);
   add("x", "mm", recording.x, 1e-3);
+  add("motor", "mm", recording.motor, 1e-3);
+  add("scale", "mm", recording.scale, 1e-3);
   add("u", "V", recording.u, 1.0);
   add("f", "N", recording.f, 1.0);
   return log;

@@ -67,9 +67,7 @@ std::optional<EndStop> cut_at_end_stop(sim::Recording& recording, const sim::Axi
     const double before = recording.x[k > 0 ? k - 1 : 0];
     const EndStop stop{recording.t[k], x < limits.travel_min ? limits.travel_min : limits.travel_max,
                        std::abs(x - before) / recording.period};
-    for (auto* column : {&recording.t, &recording.r, &recording.x, &recording.u, &recording.f}) {
-      if (!column->empty()) column->resize(k + 1);
-    }
+    recording.cut(k + 1);
     return stop;
   }
   return std::nullopt;

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <utility>
 
 #include <stribeck/workflow/traces.hpp>
@@ -19,6 +20,10 @@ io::Log as_log(const std::vector<std::string>& axes, const std::vector<sim::Cont
     const std::string& axis = axes[i];
     add("r_" + axis, "mm", 1e-3, [i](const S& s) { return s.reference[i]; });
     add("x_" + axis, "mm", 1e-3, [i](const S& s) { return s.encoder[i]; });
+    if (!trace.empty() && std::isfinite(trace.front().motor[i]))
+      add("motor_" + axis, "mm", 1e-3, [i](const S& s) { return s.motor[i]; });
+    if (!trace.empty() && std::isfinite(trace.front().scale[i]))
+      add("scale_" + axis, "mm", 1e-3, [i](const S& s) { return s.scale[i]; });
     add("table_" + axis, "mm", 1e-3, [i](const S& s) { return s.position[i]; });
     add("u_" + axis, "V", 1.0, [i](const S& s) { return s.voltage[i]; });
     add("f_" + axis, "N", 1.0, [i](const S& s) { return s.force[i]; });
