@@ -49,6 +49,7 @@ void cut(const Given& given, double break_away, Rows& rows) {
   // Six thousand rows tell a stiffness to a part in a hundred; all of a long log take as long as all other steps together.
   if (rows.path.rows.size() > kMostRows) {
     BristlePath part = part_of(rows.path, kMostRows);
+    if (part.pieces.size() < kFewPieces) part = shortest_of(rows.path, kMostRows, kFewPieces);
     if (part.pieces.size() >= kFewPieces) rows.path = std::move(part);
   }
   rows.setting.path = &rows.path;

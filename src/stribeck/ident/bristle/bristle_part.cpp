@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stribeck/ident/bristle/bristle_parts.hpp>
 #include <utility>
 
@@ -10,19 +11,17 @@ constexpr std::size_t kPartRows = 1500;  // enough to tell the laws apart where 
 constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than half a second
 constexpr double kClearly = 2.0;         // standard errors
 
-}  // namespace
-
-BristlePath part_of(const BristlePath& from, std::size_t most) {
+/// The pieces that `kept` marks, with their steps and rows.
+BristlePath pieces_of(const BristlePath& from, const std::vector<char>& kept) {
   BristlePath to;
   to.window = from.window;
   to.whitening = from.whitening;
-  const std::size_t every = std::max<std::size_t>(1, (from.rows.size() + most - 1) / most);
   std::size_t row = 0;
   int last = -1;
   for (std::size_t i = 0; i < from.pieces.size(); ++i) {
     const PathPiece& piece = from.pieces[i];
     const std::size_t end = row + piece.rows.size();
-    if (i / 2 % every == 0 && !piece.unknown_start) {
+    if (kept[i] != 0) {
       PathPiece copy = piece;
       for (PathSample& sample : copy.samples) {
         const auto begin = from.steps.begin() + static_cast<std::ptrdiff_t>(sample.first);
@@ -42,6 +41,41 @@ BristlePath part_of(const BristlePath& from, std::size_t most) {
     row = end;
   }
   return to;
+}
+
+}  // namespace
+
+BristlePath part_of(const BristlePath& from, std::size_t most) {
+  const std::size_t every = std::max<std::size_t>(1, (from.rows.size() + most - 1) / most);
+  std::vector<char> kept(from.pieces.size(), 0);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    kept[i] = i / 2 % every == 0 && !from.pieces[i].unknown_start ? 1 : 0;
+  return pieces_of(from, kept);
+}
+
+BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t least_pieces) {
+  std::vector<std::size_t> pairs((from.pieces.size() + 1) / 2);
+  std::iota(pairs.begin(), pairs.end(), std::size_t{0});
+  const auto rows_of = [&](std::size_t pair) {
+    std::size_t rows = 0;
+    for (std::size_t i = 2 * pair; i < std::min(2 * pair + 2, from.pieces.size()); ++i)
+      rows += from.pieces[i].rows.size();
+    return rows;
+  };
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](std::size_t a, std::size_t b) { return rows_of(a) < rows_of(b); });
+  std::vector<char> kept(from.pieces.size(), 0);
+  std::size_t rows = 0;
+  std::size_t pieces = 0;
+  for (const std::size_t pair : pairs) {
+    rows += rows_of(pair);
+    if (rows > most && pieces >= least_pieces) break;
+    for (std::size_t i = 2 * pair; i < std::min(2 * pair + 2, from.pieces.size()); ++i) {
+      kept[i] = from.pieces[i].unknown_start ? 0 : 1;
+      pieces += kept[i];
+    }
+  }
+  return pieces_of(from, kept);
 }
 
 std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const Fitted& lugre) {

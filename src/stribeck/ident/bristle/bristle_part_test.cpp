@@ -54,5 +54,24 @@ TEST(BristlePart, IsEverythingWhereThatIsFew) {
   EXPECT_EQ(part.steps.size(), 100u);
 }
 
+// A jog slower than everything that makes a bristle slide is one piece of many rows.
+TEST(BristlePart, ThePairsWithTheFewestRowsAreTaken) {
+  BristlePath whole = path_of(40);
+  for (std::size_t i = 10; i < 12; ++i) {
+    for (std::size_t k = 10; k < 500; ++k) whole.pieces[i].rows.push_back(k);
+  }
+  whole.rows.clear();
+  for (std::size_t i = 0; i < whole.pieces.size(); ++i) {
+    for (const std::size_t k : whole.pieces[i].rows)
+      whole.rows.push_back({0, 1000 * i + k, static_cast<int>(i), true});
+  }
+  const BristlePath all_but_those = shortest_of(whole, 390, 20);
+  EXPECT_EQ(all_but_those.pieces.size(), 37u);  // without the unknown start and the two long ones
+  for (const PathRow& row : all_but_those.rows) EXPECT_TRUE(row.at < 10'000 || row.at >= 12'000);
+  EXPECT_EQ(shortest_of(whole, 100, 0).pieces.size(), 9u);
+  EXPECT_EQ(shortest_of(whole, 100, 20).pieces.size(), 21u);
+  EXPECT_EQ(shortest_of(whole, 100, 40).pieces.size(), 39u);
+}
+
 }  // namespace
 }  // namespace stribeck::ident::bristle

@@ -87,6 +87,9 @@ inline Index gms_damping(int elements) { return 2 * elements; }
 /// Pairs of neighbouring pieces, spread evenly, so that both directions are there: about `most` rows. No piece with an
 /// unknown start.
 BristlePath part_of(const BristlePath& from, std::size_t most);
+/// The pairs with the fewest rows: at least `least_pieces` pieces if there are so many, then about `most` rows. For logs with
+/// jogs so slow that one piece holds more rows than all others together.
+BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t least_pieces);
 /// GMS as a candidate where a part of many reversals shows clearly that it predicts worse than LuGre: the fit over all of
 /// them, ten times as long as the rest, tells nothing more. Its RMS and error are shares of those of LuGre. Empty: it
 /// must be fitted.

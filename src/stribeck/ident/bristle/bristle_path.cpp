@@ -134,10 +134,13 @@ std::vector<char> wanted_rows(const Course& c) {
 std::vector<Span> spans_of(const Course& c, const std::vector<char>& wanted) {
   const std::size_t n = c.rows();
   std::vector<Span> spans;
+  std::size_t begin = 0;  // the last row free of turns before the window of row k
+  std::size_t looked = 0;
   for (std::size_t k = 0; k < n; ++k) {
     if (wanted[k] == 0) continue;
-    std::size_t begin = k - c.half - 1;
-    while (begin > 0 && !c.free_of_turns(begin)) --begin;
+    for (; looked <= k - c.half - 1; ++looked) {
+      if (looked == 0 || c.free_of_turns(looked)) begin = looked;
+    }
     const std::size_t end = k + c.half + 1;
     if (!spans.empty() && begin <= spans.back().end) {
       spans.back().begin = std::min(spans.back().begin, begin);
