@@ -346,8 +346,8 @@ double to_si(std::string_view text, const Quantity& expected) {
 }
 
 std::string_view shown_unit(double si, const Quantity& q) noexcept {
-  // The thesis counts its tables of many tonnes in N·s²/mm; nobody reads the axis of a gantry so.
-  constexpr double kLight = 500.0;  // [kg]
+  // The thesis counts its tables of many tonnes in N·s²/mm; nobody reads a machine of his own so.
+  constexpr double kLight = 20e3;  // [kg]
   if (q.unit == "kg" && si > 0.0 && si < kLight) return q.unit;
   return q.shown.empty() ? q.unit : q.shown;
 }

@@ -45,7 +45,7 @@ void check_range(double si, const Quantity& expected, std::string_view got);
 /// which happens for units that are no power of ten away. Not finite: "nan", "inf".
 std::string from_si(double si, const Quantity& quantity);
 
-/// The unit in which people read such a value: the shown one, but kg for a mass below 500 kg.
+/// The unit in which people read such a value: the shown one, but kg for a mass below 20 t.
 std::string_view shown_unit(double si, const Quantity& quantity) noexcept;
 
 /// The permitted range, e.g. "above 0 mm", "0 % to 99 %"; "" when every number is permitted.
