@@ -7,6 +7,7 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/worst_case.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/io/toml.hpp>
@@ -150,17 +151,18 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
   const double most = ident::excitation::force_needed(e.r, e.sample_time, doubt_of(a));
   if (needed > limit) {
     throw ident::Refused(fmt::format(
-        "{}: needs {:.4g} N of axis {} with the rough mass and friction, its largest force is {:.4g} N (lower "
+        "{}: needs {} N of axis {} with the rough mass and friction, its largest force is {} N (lower "
         "limits.acceleration or limits.speed)",
-        enum_name(e.method), needed, machine.axes[axis].first, limit));
+        enum_name(e.method), ident::digits(needed), machine.axes[axis].first, ident::digits(limit)));
   }
-  e.says += fmt::format(" The drive needs about {:.3g} N of its {:.4g} N", needed, limit);
+  e.says +=
+      fmt::format(" The drive needs about {} N of its {} N", ident::digits(needed), ident::digits(limit));
   e.says += most > limit
                 ? fmt::format(
-                      "; were mass and friction as large as they may be, {:.3g} N: it would fall behind, and "
+                      "; were mass and friction as large as they may be, {} N: it would fall behind, and "
                       "the control's limit of the following error must stop it.",
-                      most)
-                : fmt::format(", {:.3g} N in the worst case.", most);
+                      ident::digits(most))
+                : fmt::format(", {} N in the worst case.", ident::digits(most));
 }
 
 }  // namespace

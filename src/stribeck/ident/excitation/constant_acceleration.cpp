@@ -3,9 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
 namespace stribeck::ident::excitation {
+namespace {
+
+constexpr double kShortestFlank = 0.25;  ///< of the wanted one
+
+}  // namespace
 
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design) {
@@ -17,7 +23,13 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
       design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
   double v = kReserve * limits.speed;
   double flank = design.flank;
-  if (limits.acceleration > 0.0) flank = std::max(flank, v / (0.5 * limits.acceleration));
+  if (limits.acceleration > 0.0) {
+    const double most = 0.5 * limits.acceleration;
+    // Where the travel is too short for the highest speed, a shorter flank makes more of both.
+    if (v * flank > 0.95 * room)
+      flank = std::min(flank, std::max(kShortestFlank * design.flank, std::sqrt(0.95 * room / most)));
+    flank = std::max(flank, v / most);
+  }
   v = std::min(v, 0.95 * room / flank);  // both flanks together travel v·flank
   check_rows("repeats", 2.0 * design.repeats * (2.0 * flank + 0.2) / sample_time, sample_time,
              fmt::format("constant acceleration: {} triangles in each direction", design.repeats),
@@ -46,10 +58,10 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   stamp(e, e.r.size());
   check_positions(e, limits);
   e.says = fmt::format(
-      "constant acceleration: {:.1f} s, {} triangles of speed in each direction, {:.3g} mm/s2 up to {:.3g} mm/s. "
+      "constant acceleration: {:.1f} s, {} triangles of speed in each direction, {} mm/s2 up to {} mm/s. "
       "Determines the mass, from accelerating against braking at the same speed, whatever the friction; "
       "friction only roughly.",
-      e.t.back(), design.repeats, v / flank * 1e3, v * 1e3);
+      e.t.back(), design.repeats, digits(v / flank * 1e3), digits(v * 1e3));
   return e;
 }
 

@@ -122,8 +122,9 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
 struct AccelerationDesign {
   double start = 0.0;      ///< [m]
   double direction = 1.0;  ///< of the first stroke: +1 or −1
-  double flank = 1.0;      ///< shortest time from rest to the highest speed [s]
-  int repeats = 5;         ///< of each direction
+  double flank =
+      1.0;  ///< time from rest to the highest speed [s]; down to a quarter of it where the travel is short
+  int repeats = 5;  ///< of each direction
 };
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design = {});

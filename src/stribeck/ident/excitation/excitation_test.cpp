@@ -256,6 +256,22 @@ TEST(Excitation, TrianglesOfSpeedReturnAndAccelerateEvenly) {
   EXPECT_GT(even, 0.85 * static_cast<double>(e.r.size()));
 }
 
+// A linear motor with 150 mm to either side: one second to 143 mm/s would be 0.14 m/s², far below friction.
+TEST(Excitation, TrianglesOfSpeedAreStrongInAShortTravelToo) {
+  const Excitation e = design_constant_acceleration({-0.15, 0.15, 1.0, 15.0, 150.0}, kPeriod);
+  double largest = 0.0;
+  double fastest = 0.0;
+  for (std::size_t k = 1; k + 1 < e.r.size(); ++k) {
+    largest = std::max(largest, std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (kPeriod * kPeriod));
+    fastest = std::max(fastest, std::abs(e.r[k + 1] - e.r[k]) / kPeriod);
+  }
+  EXPECT_GT(largest, 2.0);
+  EXPECT_LT(largest, 7.6);
+  EXPECT_GT(fastest, 0.5);
+  EXPECT_LT(*std::max_element(e.r.begin(), e.r.end()), 0.15);
+  EXPECT_NEAR(e.r.back(), 0.0, 1e-12);
+}
+
 TEST(Excitation, RampKeepsToTheLimitsOfAnAxisThatSlips) {
   const Excitation e = design_ramp(kTable, kRough, kPeriod);
   EXPECT_NEAR(*std::max_element(e.force.begin(), e.force.end()), 1.3 * 1200.0, 1.0);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
 namespace stribeck::ident::excitation {
@@ -191,13 +192,13 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
   stamp(e, e.force.size());
   e.says = fmt::format(
       "pulses: {:.1f} s, {} pulses, {} pairs of them strong enough to move the axis, up to about "
-      "{:.3g} mm/s and {:.3g} mm from the start. Determines the mass best of all methods, and "
+      "{} mm/s and {} mm from the start. Determines the mass best of all methods, and "
       "friction up to the speed reached; below about 0.5 mm/s the log shows pre-sliding more than "
       "the steady friction.",
-      e.t.back(), 2 * pairs, moving, top * 1e3, farthest * 1e3);
+      e.t.back(), 2 * pairs, moving, digits(top * 1e3), digits(farthest * 1e3));
   if (heights.squeeze < 1.0)
-    e.says +=
-        fmt::format(" Forces are reduced to {:.4g} N, the limits of force and acceleration.", heights.cap);
+    e.says += fmt::format(" Forces are reduced to {} N, the limits of force and acceleration.",
+                          digits(heights.cap, 4));
   if (slower) e.says += " Speeds are lower than the limit: the travel is short.";
   return e;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
 namespace stribeck::ident::excitation {
@@ -38,18 +39,19 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   check_positions(e, limits);
   if (design.from_middle) {
     e.says = fmt::format(
-        "position sine: {:.1f} s, {} periods, up to {:.3g} mm/s over {:.3g} mm. Determines Coulomb "
+        "position sine: {:.1f} s, {} periods, up to {} mm/s over {} mm. Determines Coulomb "
         "and viscous friction and terms periodic in position (period, amplitude, phase of this "
         "homing) up to a third of the travel; determines the Stribeck part poorly, and the mass less "
         "well than pulses.",
-        e.t.back(), design.periods, design.amplitude * design.frequency * 1e3, 2e3 * design.amplitude);
+        e.t.back(), design.periods, digits(design.amplitude * design.frequency * 1e3),
+        digits(2e3 * design.amplitude));
     return e;
   }
   e.says = fmt::format(
-      "sine: {:.1f} s, {} periods, up to {:.3g} mm/s. Determines friction at every speed up to there; the mass "
-      "less well than pulses, since the acceleration is small ({:.3g} mm/s2).",
-      e.t.back(), design.periods, design.amplitude * design.frequency * 1e3,
-      design.amplitude * design.frequency * design.frequency * 1e3);
+      "sine: {:.1f} s, {} periods, up to {} mm/s and {} mm/s2. Determines friction at every speed up to there, "
+      "and the mass as well as this acceleration shows it.",
+      e.t.back(), design.periods, digits(design.amplitude * design.frequency * 1e3),
+      digits(design.amplitude * design.frequency * design.frequency * 1e3));
   return e;
 }
 

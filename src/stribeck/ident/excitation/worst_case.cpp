@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 #include <stribeck/ident/excitation/worst_case.hpp>
 #include <utility>
@@ -88,8 +89,9 @@ Reach reach_of(const std::vector<double>& force, double sample_time, double star
     all.speed = std::max(all.speed, one.speed);
     if (const double now = used(one, start, limits); now > most) {
       most = now;
-      all.farthest = fmt::format("{:.3g} kg with {:.3g} N of friction to +x, {:.3g} N to -x", c.mass,
-                                 c.friction[1], c.friction[0]);
+      all.farthest =
+          fmt::format("{} kg with {} N of friction in the positive direction, {} N in the negative",
+                      digits(c.mass), digits(c.friction[1]), digits(c.friction[0]));
     }
   }
   return all;
@@ -126,9 +128,12 @@ void refuse_to_fall(const char* method, const Doubt& doubt) {
 }
 
 void tell(Excitation& e, const Reach& reach, double start) {
+  // The axis settles a hair below its start.
+  const auto away = [](double distance) { return digits(std::abs(distance) < 1e-9 ? 0.0 : distance * 1e3); };
   e.says += fmt::format(
-      " Worst case of all that is not known: {:.3g} mm to -x, {:.3g} mm to +x of the start, {:.3g} mm/s ({}).",
-      (start - reach.lowest) * 1e3, (reach.highest - start) * 1e3, reach.speed * 1e3, reach.farthest);
+      " Worst case of all that is not known: {} mm from the start in the positive direction, {} mm in the "
+      "negative, {} mm/s ({}).",
+      away(reach.highest - start), away(start - reach.lowest), digits(reach.speed * 1e3), reach.farthest);
 }
 
 }  // namespace

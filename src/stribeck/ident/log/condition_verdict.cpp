@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 
 namespace stribeck::ident::log::parts {
@@ -28,19 +29,19 @@ void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, c
   if (!r.good || c.moving <= 0.0) {
     out.cannot.push_back("mass and friction: the axis hardly moves in this log");
   } else if (r.mass_shows) {
-    out.can.push_back(
-        fmt::format("mass: acceleration up to {:.3g} {}/s2 shows in the force", u.scale * c.a_max, u.length));
+    out.can.push_back(fmt::format("mass: acceleration up to {} {}/s2 shows in the force",
+                                  digits(u.scale * c.a_max), u.length));
   } else if (r.mass_shows_without_spring) {
     // identify has no spring in its model, and finds this mass.
     out.can.push_back(fmt::format(
-        "mass, if no spring acts on the axis: acceleration up to {:.3g} {}/s2 shows in the force, but in this "
+        "mass, if no spring acts on the axis: acceleration up to {} {}/s2 shows in the force, but in this "
         "motion a spring would look like a mass; a log of another frequency tells them apart",
-        u.scale * c.a_max, u.length));
+        digits(u.scale * c.a_max), u.length));
   } else {
     out.cannot.push_back(fmt::format(
-        "a narrow interval of the mass: the acceleration (up to {:.3g} {}/s2) takes less than a tenth of the "
+        "a narrow interval of the mass: the acceleration (up to {} {}/s2) takes less than a tenth of the "
         "force beside friction; add a log of pulses or of a faster reversal",
-        u.scale * c.a_max, u.length));
+        digits(u.scale * c.a_max), u.length));
   }
   if (c.forward > 0.03 && c.forward < 0.97) {
     out.can.push_back(
@@ -56,13 +57,13 @@ void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, c
 void judge_speeds(const Coverage& c, const Shown& u, const Verdict& out) {
   const double fastest = std::max(c.v_max, -c.v_min);
   if (fastest > 0.0 && c.slowest < 0.4 * fastest) {
-    out.can.push_back(fmt::format("friction over speed, from {:.3g} to {:.3g} {}/s", u.scale * c.slowest,
-                                  u.scale * fastest, u.length));
+    out.can.push_back(fmt::format("friction over speed, from {} to {} {}/s", digits(u.scale * c.slowest),
+                                  digits(u.scale * fastest), u.length));
   } else if (fastest > 0.0) {
-    out.cannot.push_back(fmt::format(
-        "viscous friction and its low-speed part: all speeds lie between {:.3g} and {:.3g} {}/s; add "
-        "slower and faster motion",
-        u.scale * c.slowest, u.scale * fastest, u.length));
+    out.cannot.push_back(
+        fmt::format("viscous friction and its low-speed part: all speeds lie between {} and {} {}/s; add "
+                    "slower and faster motion",
+                    digits(u.scale * c.slowest), digits(u.scale * fastest), u.length));
   }
 }
 
@@ -72,8 +73,8 @@ void judge_periods(const Coverage& c, const Sampling& s, double resolution, cons
   const double finest_period = std::max(8.0 * resolution, 4.0 * fastest * s.sample_time);
   const double travel = c.x_max - c.x_min;
   if (travel > 0.0 && finest_period < 0.25 * travel) {
-    out.can.push_back(fmt::format("terms periodic in position, periods from {:.3g} to {:.3g} {}",
-                                  u.scale * finest_period, u.scale * travel / 3.0, u.length));
+    out.can.push_back(fmt::format("terms periodic in position, periods from {} to {} {}",
+                                  digits(u.scale * finest_period), digits(u.scale * travel / 3.0), u.length));
   } else {
     out.cannot.push_back(fmt::format(
         "terms periodic in position: the travel of {:.4g} {} holds too few periods that this sampling "
@@ -84,8 +85,10 @@ void judge_periods(const Coverage& c, const Sampling& s, double resolution, cons
 
 void judge_presliding(const Coverage& c, const Sampling& s, double resolution, const Shown& u,
                       const Verdict& out) {
-  // Break-away of guides and screws lies at 1 to 100 µm; five steps are needed to see a stiffness.
-  const double coarse = u.turning ? 0.2e-3 : 10e-6;
+  // Break-away of guides and screws lies at 1 to 100 µm; five steps are needed to see a stiffness. From `fine` to `coarse` the
+  // axis must be one of the softer ones.
+  const double fine = u.turning ? 0.2e-3 : 9e-6;
+  const double coarse = 2.2 * fine;
   constexpr std::size_t kFewestInside = 4;
   const char* const soon = u.turning ? "1 mrad" : "50 um";
   if (resolution > coarse) {
@@ -109,9 +112,13 @@ void judge_presliding(const Coverage& c, const Sampling& s, double resolution, c
         "more slowly or sample faster",
         c.rows_presliding, s.sample_time, soon));
   } else {
+    const std::string softer = resolution > fine
+                                   ? fmt::format(", if the axis breaks away after more than {} {}",
+                                                 digits(5.0 * u.scale * resolution), u.length)
+                                   : "";
     out.can.push_back(fmt::format(
-        "pre-sliding: {} reversals, {} rows within the first {} after each, position resolution {:.3g} {}",
-        c.reversals, c.rows_presliding, soon, u.scale * resolution, u.length));
+        "pre-sliding{}: {} reversals, {} rows within the first {} after each, position resolution {} {}",
+        softer, c.reversals, c.rows_presliding, soon, digits(u.scale * resolution), u.length));
   }
   if (resolution > coarse && s.sample_time > 0.02) {
     out.cannot.back() +=

@@ -8,7 +8,7 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-constexpr std::size_t kRowsOfRoughFit = 20000;
+constexpr std::size_t kRowsOfRoughFit = 100000;  // 25 s at 4 kHz
 constexpr std::array<bool, kColumns> kAll{true, true, true, true, true};
 
 Block block_of(const Table& m, std::size_t first, std::size_t last, double middle) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iterator>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual_parts.hpp>
 
 namespace stribeck::ident::residual {
@@ -151,17 +152,17 @@ void judge(const Quality& q, const std::string& unit, std::vector<std::string>& 
 
 std::string in_words(const Quality& q, const std::string& unit) {
   if (q.rows == 0) return {};
-  std::string out =
-      fmt::format("The model explains {:.4g} % of the force (R² {:.4f}). It leaves {:.3g} {} RMS",
-                  100.0 * std::max(0.0, q.r_squared), q.r_squared, q.rms, unit);
+  std::string out = fmt::format("The model explains {:.4g} % of the force (R² {:.4f}). It leaves {} {} RMS",
+                                100.0 * std::max(0.0, q.r_squared), q.r_squared, digits(q.rms), unit);
   if (q.friction_rms > 0.0)
-    out += fmt::format(", {:.3g} % of friction ({:.3g} {} RMS)", 100.0 * q.rms / q.friction_rms,
-                       q.friction_rms, unit);
+    out += fmt::format(", {} % of friction ({} {} RMS)", digits(100.0 * q.rms / q.friction_rms),
+                       digits(q.friction_rms), unit);
   if (std::isfinite(q.cut_off))
-    out += fmt::format(", behind a low-pass of {:.3g} Hz; without it {:.3g} {}", q.cut_off, q.raw_rms, unit);
+    out += fmt::format(", behind a low-pass of {} Hz; without it {} {}", digits(q.cut_off), digits(q.raw_rms),
+                       unit);
   out += ".";
   if (q.strongest)
-    out += fmt::format(" Strongest line: {:.3g} {} at {:.4g} Hz.", q.strongest->amplitude, unit,
+    out += fmt::format(" Strongest line: {} {} at {:.4g} Hz.", digits(q.strongest->amplitude), unit,
                        q.strongest->frequency);
   return out;
 }
