@@ -144,6 +144,14 @@ Held hold(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
   return {0.5 * (up + down), 0.5 * std::abs(up - down)};
 }
 
+/// Whether one step of the encoder in one period is a speed that counts beside that of the axis: the methods of the thesis take the
+/// difference of neighbouring rows for the speed, and find nothing then.
+bool coarse_encoder(const sim::Machine& machine, std::size_t axis) {
+  constexpr double kCounts = 0.02;
+  const sim::MachineAxis& a = machine.axes[axis].second;
+  return a.plant.encoder.resolution / machine.sample_time > kCounts * a.limits.speed;
+}
+
 /// A model by jogs: map with or without Gaussians, mass and load of the `whole` model, which other logs tell.
 ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::Result& whole,
                      bool gaussians) {
@@ -161,10 +169,8 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
   return result;
 }
 
-}  // namespace
-
-CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
-                                 std::uint64_t seed) {
+CommissionedAxis commissioned(const sim::Machine& machine, std::size_t axis, const Needs& needs,
+                              std::uint64_t seed) {
   const std::string& name = machine.axes[axis].first;
   CommissionedAxis l;
   const auto add = [&](const ident::excitation::Excitation& e) {
@@ -180,8 +186,10 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     l.models.push_back(std::move(m));
     return as_model(result);
   };
-  if (machine.axes[axis].second.plant.drive_loop || hold(machine, axis, seed).falls()) {
-    // The drive takes no force, or forces in open loop would let the axis fall: everything in closed loop, jogs for friction, triangles of speed for the mass.
+  if (machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
+      hold(machine, axis, seed).falls()) {
+    // The drive takes no force, or forces in open loop would let the axis fall, or the methods for open loop do not suit the
+    // encoder: everything in closed loop, jogs for friction, triangles of speed for the mass.
     const ident::log::Record turns =
         add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
     const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));
@@ -235,6 +243,17 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
       l.knowledge.whole = keep("whole", {pulses, sine}, ident::drive::identify_drive({pulses, sine}, {}));
   }
   return l;
+}
+
+}  // namespace
+
+CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
+                                 std::uint64_t seed) {
+  try {
+    return commissioned(machine, axis, needs, seed);
+  } catch (const ident::Refused& e) {
+    throw ident::Refused(fmt::format("axis {}: {}", machine.axes[axis].first, e.what()));
+  }
 }
 
 }  // namespace stribeck::workflow
