@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
@@ -9,7 +9,6 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
-#include <stribeck/report/json.hpp>
 #include <stribeck/report/pages/compare_report.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -17,10 +16,10 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/machine/drive_mode.hpp>
-#include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
+#include <stribeck/workflow/run/comparison.hpp>
 #include <stribeck/workflow/traces.hpp>
 
 namespace stribeck::cli {
@@ -28,50 +27,12 @@ namespace {
 
 struct CompareCommand {
   Common common;
-  std::string machine;
-  std::string experiment;
-  std::string drive;
-  ParameterOptions parameters;
-  std::uint32_t trials = 10;
-  std::uint64_t seed = 1;
-  unsigned threads = 0;
-  std::vector<std::string> speeds;
-  std::vector<std::string> controllers;
-  std::vector<std::string> only;
-  PathOptions path;
+  ComparisonOptions what;
   std::string traces;  ///< directory of every trial's trace; empty: none
 };
 
-/// Leaves only those controllers, in their order.
-void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<std::string>& only) {
-  if (only.empty()) return;
-  std::vector<std::string> ids;
-  for (const sim::ControllerSpec& c : controllers) ids.push_back(c.id);
-  for (const std::string& id : only) {
-    if (std::find(ids.begin(), ids.end(), id) == ids.end()) {
-      refuse_option("--only",
-                    fmt::format("got {}, expected one of {}", io::in_quotes(id), report::listed(ids)));
-    }
-  }
-  std::erase_if(controllers, [&](const sim::ControllerSpec& c) {
-    return std::find(only.begin(), only.end(), c.id) == only.end();
-  });
-}
-
-sim::CompareSpec spec_of(const CompareCommand& o, const std::string& experiment,
-                         const sim::Machine& machine) {
-  sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
-  add_beyond(s.controllers, experiment, o.parameters);
-  for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
-  keep_only(s.controllers, o.only);
-  s.trials = o.trials;
-  s.seed = o.seed;
-  s.threads = o.threads;
-  return s;
-}
-
 /// The printed figures belong to one experiment: the circle of 10 mm with the gains of the table.
-std::span<const report::PrintedTable> printed_for(const CompareCommand& o, const std::string& experiment) {
+std::span<const report::PrintedTable> printed_for(const ComparisonOptions& o, const std::string& experiment) {
   PathOptions standard;
   standard.laps = o.path.laps;
   standard.accuracy = o.path.accuracy;
@@ -120,41 +81,28 @@ void write_traces(const std::string& folder, const sim::Machine& machine, const 
 }
 
 int compare(const CompareCommand& o) {
-  std::vector<std::string> inputs = o.controllers;
-  inputs.push_back(o.machine);
-  if (is_file(o.path)) inputs.push_back(o.path.path);
-  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
+  const std::vector<std::string> inputs = inputs_of(o.what);
   check_distinct(inputs, {page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   const OutputFolder trace_folder = o.traces.empty() ? OutputFolder() : OutputFolder(o.traces);
   const report::Made made = made_from(inputs);
-  sim::Machine machine = load_machine(o.machine);
-  if (!o.drive.empty()) set_drive_mode(machine, o.drive);
-  const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
-  const sim::CompareSpec spec = spec_of(o, experiment, machine);
-  check_travel(machine, o.machine, spec);
-  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, spec);
-  sim::CompareResult result;
+  Comparison comparison;
   {
     Progress progress("compare", o.common.quiet);
-    result = sim::compare(machine, parameters.knowledge, spec,
-                          [&](std::size_t done, std::size_t all) { progress(done, all); });
+    comparison = run_comparison(o.what, [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
+  const auto& [experiment, machine, parameters, result, uncovered] = comparison;
   if (!o.traces.empty()) write_traces(o.traces, machine, parameters, result, o.common.quiet);
   // The printed figures are those of one machine.
-  const auto printed =
-      is_built_in(o.machine, "biaxial-table") && o.parameters.axis_files.empty() && o.drive.empty()
-          ? printed_for(o, experiment)
-          : std::span<const report::PrintedTable>();
-  const std::vector<std::string> uncovered =
-      coverage_warnings(result, sim::chosen_axes(machine, spec), parameters);
-  nlohmann::ordered_json json = report::to_json(result, experiment);
-  for (const std::string& warning : uncovered) json["warnings"].push_back(warning);
-  write_json(o.common.json, json, made);
+  const auto printed = is_built_in(o.what.machine, "biaxial-table") && o.what.parameters.axis_files.empty() &&
+                               o.what.drive.empty()
+                           ? printed_for(o.what, experiment)
+                           : std::span<const report::PrintedTable>();
+  write_json(o.common.json, to_json(comparison), made);
   if (folders_of(o.common).any()) {
     report::CompareReportInput input;
     input.result = result;
-    for (const std::size_t i : sim::chosen_axes(machine, spec)) {
+    for (const std::size_t i : sim::chosen_axes(machine, result.spec)) {
       report::AxisEvidence evidence;
       evidence.knowledge = parameters.knowledge[i];
       if (!parameters.axes.empty()) {
@@ -175,7 +123,7 @@ int compare(const CompareCommand& o) {
     report::write_compare_report(folders_of(o.common), input);
     if (!o.common.report.empty()) write_evidence(o.common.report, machine, parameters);
   }
-  say(o.common, part_words(spec) + report::text_table(result, printed));
+  say(o.common, part_words(result.spec) + report::text_table(result, printed));
   for (const std::string& warning : report::status_warnings(result))
     say(o.common, "Warning: " + warning + ".\n");
   for (const std::string& warning : uncovered) say(o.common, "Warning: " + warning + ".\n");
@@ -193,32 +141,32 @@ void add_compare(CLI::App& app, Action& action) {
   auto* verb =
       app.add_subcommand("compare", "Run several controllers on a virtual machine and compare their errors");
   auto o = std::make_shared<CompareCommand>();
-  verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
+  verb->add_option("machine", o->what.machine, "Machine file")->required()->type_name("MACHINE.toml");
   verb->add_option(
-          "--experiment", o->experiment,
+          "--experiment", o->what.experiment,
           "Experiment; left out: uni-sim, bi-table, tri-circle or five-axis, by the number of axes of the machine; own, a "
           "circle by its limits, for a machine without published parameters")
       ->check(one_of(experiment_ids()));
-  add_parameter_options(*verb, o->parameters);
-  add_trials(*verb, o->trials, o->threads);
-  add_seed(*verb, o->seed);
+  add_parameter_options(*verb, o->what.parameters);
+  add_trials(*verb, o->what.trials, o->what.threads);
+  add_seed(*verb, o->what.seed);
   verb->add_option(
-          "--speed", o->speeds,
+          "--speed", o->what.speeds,
           "Speed along the path, repeatable; left out: 3 and 9.5 mm/s, on a machine of your own by its limits")
       ->type_name("SPEED");
   verb->add_option(
-          "--drive", o->drive,
+          "--drive", o->what.drive,
           "Drives of the axes: force, velocity, position, velocity-offset or position-offset, each with the loops of "
           "a usual servo drive (docs/theory/drive-modes.md); left out: as the machine file has them")
       ->check(one_of(drive_modes()));
-  verb->add_option("--controller", o->controllers,
+  verb->add_option("--controller", o->what.controllers,
                    fmt::format("An additional controller, repeatable: {}, or a controller file",
                                report::listed(built_in_controllers())))
       ->type_name("NAME|FILE.toml");
-  verb->add_option("--only", o->only, "Run only these controllers, by their ids, e.g. --only f,g,i")
+  verb->add_option("--only", o->what.only, "Run only these controllers, by their ids, e.g. --only f,g,i")
       ->delimiter(',')
       ->type_name("ID");
-  add_path_options(*verb, o->path);
+  add_path_options(*verb, o->what.path);
   verb->add_option(
           "--traces", o->traces,
           "Write the trace of every trial as a CSV, SPEED-ID-trial-NUMBER.csv with speeds counted from 1")

@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 
 #include <apps/cli/commands.hpp>
@@ -12,13 +9,11 @@
 #include <apps/cli/shared.hpp>
 #include <apps/cli/trace_page.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/json.hpp>
 #include <stribeck/io/printable.hpp>
-#include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
-#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/run/axis_excitation.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -53,17 +48,6 @@ void check_gcode(const ExciteCommand& o) {
   }
 }
 
-constexpr std::array<const char*, 4> kNoteNames{"start", "direction", "room", "abort"};
-
-/// Column for drives that take percent of their rated torque or force (CiA 402: per mille, ten times the number).
-void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<double>& force) {
-  const std::optional<double> rated = axis.drive ? axis.drive->rated() : std::nullopt;
-  if (!rated || force.empty()) return;
-  io::Column column{"percent", "%", {}};
-  for (const double f : force) column.values.push_back(100.0 * f / *rated);
-  log.columns.push_back(std::move(column));
-}
-
 int excite(const ExciteCommand& o) {
   check_excitation(o.what);
   check_gcode(o);
@@ -71,45 +55,20 @@ int excite(const ExciteCommand& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.output);
   io::check_writable(o.gcode);
-  const MachineDescription machine = read_description(o.machine);
-  const std::size_t axis = axis_index(as_machine(machine), o.machine, o.axis);
-  require_force_limit(machine, o.machine, axis);
-  const ident::excitation::SafeExcitation safe = make_excitation(o.what, machine, axis);
-  const ident::excitation::Excitation& e = safe.excitation;
-  const std::vector<std::string> notes = safety_notes(safe, machine, axis);
+  const AxisExcitation axis = excite_axis(o.what, o.machine, o.axis);
+  const ident::excitation::Excitation& e = axis.excitation;
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
     if (!path.empty())
       io::write_atomically(
-          path, with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(machine.name)), notes));
+          path, with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(axis.machine)), axis.notes));
   }
-  sim::Recording table;
-  table.t = e.t;
-  table.r = e.r;
-  table.f = e.force;
-  if (const double gain = machine.axes[axis].second.force_per_volt(); gain > 0.0) {
-    for (const double f : e.force) table.u.push_back(f / gain);
-  }
-  io::Log log = as_log(table);
-  add_percent(log, machine.axes[axis].second, e.force);
-  log.metadata = {
-      {"machine", machine.name}, {"axis", o.axis}, {"method", std::string(enum_name(o.what.method))}};
-  for (std::size_t i = 0; i < notes.size(); ++i) log.metadata.emplace_back(kNoteNames[i], notes[i]);
-  if (!is_gcode(o.output)) io::write_csv(o.output, log);
+  if (!is_gcode(o.output)) io::write_csv(o.output, axis.log);
   const report::Made made = made_from({o.machine, o.what.known});
-  report_log(o.common, made, log, fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)),
-             e.says);
-  write_json(o.common.json,
-             {{"schema", "stribeck.excite/1"},
-              {"machine", machine.name},
-              {"axis", o.axis},
-              {"method", enum_name(o.what.method)},
-              {"rows", e.t.size()},
-              {"duration_s", e.t.back()},
-              {"says", e.says},
-              {"safety", notes}},
-             made);
+  report_log(o.common, made, axis.log,
+             fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)), e.says);
+  write_json(o.common.json, to_json(axis), made);
   say(o.common, fmt::format("{}\nSafety: it {}.\nReference in {} ({} rows).\n", e.says,
-                            fmt::join(notes, "; "), o.output, e.t.size()));
+                            fmt::join(axis.notes, "; "), o.output, e.t.size()));
   if (!o.gcode.empty()) say(o.common, fmt::format("G-code in {}.\n", o.gcode));
   return 0;
 }

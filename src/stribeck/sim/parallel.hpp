@@ -1,7 +1,7 @@
 #pragma once
 /// Runs independent jobs on all cores. Each worker makes its own context once, and each job writes to its own place, so the result
-/// does not depend on the number of threads. An exception of a job is thrown again here; of several, the one with the smallest
-/// index.
+/// does not depend on the number of threads. An exception of a job, or of progress, is thrown again here; of several, the one
+/// with the smallest index.
 /// Real time: no.
 
 #include <atomic>
@@ -35,7 +35,12 @@ void parallel_for(std::size_t count, unsigned threads, MakeContext&& make_contex
       }
       const std::lock_guard lock(mutex);
       ++done;
-      if (progress) progress(done, count);
+      try {
+        if (progress) progress(done, count);
+      } catch (...) {
+        if (!errors[i]) errors[i] = std::current_exception();
+        stop = true;
+      }
     }
   };
   {

@@ -254,7 +254,13 @@ std::vector<report::CircleLimit> limits_of(const std::vector<std::string>& texts
 
 }  // namespace
 
-report::CircleReportInput judge_circles(const CircleOptions& o) {
+io::Log read_circle_log(const std::string& path) {
+  io::ReadOptions options;
+  options.times_needed = false;
+  return io::read_log(path, options);
+}
+
+report::CircleReportInput judge_circles(const CircleOptions& o, const std::vector<io::Log>& read) {
   const double radius = option_si("--size", o.size, quantity("m", "mm").positive());
   if (!o.labels.empty() && o.labels.size() != o.logs.size())
     refuse_option("--label",
@@ -267,9 +273,7 @@ report::CircleReportInput judge_circles(const CircleOptions& o) {
   const auto map = mapped(o);
   std::vector<circle::CircleMotion> motions;
   for (std::size_t i = 0; i < o.logs.size(); ++i) {
-    io::ReadOptions read;
-    read.times_needed = false;  // no times needed: the order of the rows is enough
-    const io::Log log = io::read_log(o.logs[i], read);
+    const io::Log log = read.empty() ? read_circle_log(o.logs[i]) : read[i];
     const Track track = track_of(log, map, radius);
     report::CircleLog one;
     one.file = o.logs[i];

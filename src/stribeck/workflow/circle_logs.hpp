@@ -3,6 +3,7 @@
 /// Real time: no.
 /// Errors: InputError naming the log or the option.
 
+#include <stribeck/io/log/log.hpp>
 #include <stribeck/report/circle/circle_report.hpp>
 #include <string>
 #include <vector>
@@ -20,7 +21,11 @@ struct CircleOptions {
   bool together = false;            ///< the logs are of one machine: one diagnosis over all
 };
 
-/// The input of the page; the caller adds command and version.
-report::CircleReportInput judge_circles(const CircleOptions& options);
+/// The input of the page; the caller adds command and version. `read`: the logs, where they are read already; options.logs has their
+/// names.
+report::CircleReportInput judge_circles(const CircleOptions& options, const std::vector<io::Log>& read = {});
+
+/// A log of a circle: it needs no times, because the order of its rows is enough.
+io::Log read_circle_log(const std::string& path);
 
 }  // namespace stribeck::workflow

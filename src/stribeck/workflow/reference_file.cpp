@@ -8,8 +8,8 @@
 
 namespace stribeck::workflow {
 
-ReferenceFile read_reference(const std::string& file, const sim::Machine& machine, std::size_t axis) {
-  const io::Log table = io::read_csv(file);
+ReferenceFile reference_of(const io::Log& table, const sim::Machine& machine, std::size_t axis) {
+  const std::string& file = table.source;
   const auto column = [&](std::string_view name, const Quantity& q) {
     const io::Column* c = table.find(name);
     return c == nullptr ? std::vector<double>{} : io::in_si(*c, q);

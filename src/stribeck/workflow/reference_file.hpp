@@ -1,10 +1,11 @@
 #pragma once
-/// Reads a reference that excite wrote: positions for the closed loop, or forces for the open loop, row by row.
+/// The reference that excite wrote: positions for the closed loop, or forces for the open loop, row by row.
 /// Real time: no.
 /// Errors: InputError naming the file and the column.
 
 #include <cstddef>
 #include <optional>
+#include <stribeck/io/log/log.hpp>
 #include <stribeck/sim/recording.hpp>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ struct ReferenceFile {
 };
 
 /// Refuses rows whose period differs from the machine's control period, and places outside the travel of the axis.
-ReferenceFile read_reference(const std::string& file, const sim::Machine& machine, std::size_t axis);
+ReferenceFile reference_of(const io::Log& table, const sim::Machine& machine, std::size_t axis);
 
 /// The axis ran into an end of its travel.
 struct EndStop {

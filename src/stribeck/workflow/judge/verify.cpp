@@ -128,16 +128,16 @@ class Verification {
   }
 
   VerifyReportInput run() {
-    for (const std::string& path : o_.logs) add_log(path);
+    for (std::size_t i = 0; i < o_.logs.size(); ++i)
+      add_log(o_.logs[i], o_.read.empty() ? read_log(o_.logs[i], o_.log) : o_.read[i]);
     if (page_.parts.empty())
       throw ident::Refused(why_.empty() ? o_.logs.front() + ": no part can be replayed" : why_);
     return std::move(page_);
   }
 
  private:
-  void add_log(const std::string& path) {
-    page_.source += (page_.source.empty() ? "" : ", ") + path;
-    const io::Log log = read_log(path, o_.log);
+  void add_log(const std::string& name, const io::Log& log) {
+    page_.source += (page_.source.empty() ? "" : ", ") + name;
     page_.warnings.insert(page_.warnings.end(), log.notes.begin(), log.notes.end());
     compare_axes(models_, log, o_.log.axis, page_.warnings);
     const ident::log::Conditioned clean = condition_log(log, o_.log, &page_.warnings);

@@ -30,6 +30,7 @@ struct VerifyOptions {
   report::GradeLimits limits{};
   /// Models that are no file yet, by the name that they will have.
   std::vector<std::pair<std::string, friction::AxisModel>> models{};
+  std::vector<io::Log> read{};  ///< the logs, where they are read already; `logs` has their names
 };
 
 report::VerifyReportInput verify(const VerifyOptions& options);

@@ -1,0 +1,62 @@
+#include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/run/axis_excitation.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr std::array<const char*, 4> kNoteNames{"start", "direction", "room", "abort"};
+
+/// Column for drives that take percent of their rated torque or force (CiA 402: per mille, ten times the number).
+void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<double>& force) {
+  const std::optional<double> rated = axis.drive ? axis.drive->rated() : std::nullopt;
+  if (!rated || force.empty()) return;
+  io::Column column{"percent", "%", {}};
+  for (const double f : force) column.values.push_back(100.0 * f / *rated);
+  log.columns.push_back(std::move(column));
+}
+
+}  // namespace
+
+AxisExcitation excite_axis(const ExcitationOptions& options, const std::string& machine_file,
+                           const std::string& axis) {
+  const MachineDescription machine = read_description(machine_file);
+  const std::size_t index = axis_index(as_machine(machine), machine_file, axis);
+  require_force_limit(machine, machine_file, index);
+  ident::excitation::SafeExcitation safe = make_excitation(options, machine, index);
+  AxisExcitation out{machine.name, axis, options.method, {}, safety_notes(safe, machine, index), {}};
+  const ident::excitation::Excitation& e = safe.excitation;
+  sim::Recording table;
+  table.t = e.t;
+  table.r = e.r;
+  table.f = e.force;
+  if (const double gain = machine.axes[index].second.force_per_volt(); gain > 0.0) {
+    for (const double f : e.force) table.u.push_back(f / gain);
+  }
+  out.log = as_log(table);
+  add_percent(out.log, machine.axes[index].second, e.force);
+  out.log.metadata = {
+      {"machine", machine.name}, {"axis", axis}, {"method", std::string(enum_name(options.method))}};
+  for (std::size_t i = 0; i < out.notes.size(); ++i)
+    out.log.metadata.emplace_back(kNoteNames[i], out.notes[i]);
+  out.excitation = std::move(safe.excitation);
+  return out;
+}
+
+nlohmann::ordered_json to_json(const AxisExcitation& e) {
+  return {{"schema", "stribeck.excite/1"},
+          {"machine", e.machine},
+          {"axis", e.axis},
+          {"method", enum_name(e.method)},
+          {"rows", e.excitation.t.size()},
+          {"duration_s", e.excitation.t.back()},
+          {"says", e.excitation.says},
+          {"safety", e.notes}};
+}
+
+}  // namespace stribeck::workflow

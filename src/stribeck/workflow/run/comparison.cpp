@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/report/json.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/machine/drive_mode.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/run/comparison.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// Leaves only those controllers, in their order.
+void keep_only(std::vector<sim::ControllerSpec>& controllers, const std::vector<std::string>& only) {
+  if (only.empty()) return;
+  std::vector<std::string> ids;
+  for (const sim::ControllerSpec& c : controllers) ids.push_back(c.id);
+  for (const std::string& id : only) {
+    if (std::find(ids.begin(), ids.end(), id) == ids.end()) {
+      refuse_option("--only",
+                    fmt::format("got {}, expected one of {}", io::in_quotes(id), report::listed(ids)));
+    }
+  }
+  std::erase_if(controllers, [&](const sim::ControllerSpec& c) {
+    return std::find(only.begin(), only.end(), c.id) == only.end();
+  });
+}
+
+sim::CompareSpec spec_of(const ComparisonOptions& o, const std::string& experiment,
+                         const sim::Machine& machine) {
+  sim::CompareSpec s = experiment_spec(experiment, o.path, o.speeds, machine, o.machine);
+  add_beyond(s.controllers, experiment, o.parameters);
+  for (const std::string& name : o.controllers) add_controller(s.controllers, read_controller(name), name);
+  keep_only(s.controllers, o.only);
+  s.trials = o.trials;
+  s.seed = o.seed;
+  s.threads = o.threads;
+  return s;
+}
+
+}  // namespace
+
+std::vector<std::string> inputs_of(const ComparisonOptions& o) {
+  std::vector<std::string> inputs = o.controllers;
+  inputs.push_back(o.machine);
+  if (is_file(o.path)) inputs.push_back(o.path.path);
+  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
+  return inputs;
+}
+
+Comparison run_comparison(const ComparisonOptions& o,
+                          const std::function<void(std::size_t, std::size_t)>& progress) {
+  Comparison out;
+  out.machine = read_virtual_machine(o.machine);
+  if (!o.drive.empty()) set_drive_mode(out.machine, o.drive);
+  out.experiment = o.experiment.empty() ? default_experiment(out.machine, o.path) : o.experiment;
+  const sim::CompareSpec spec = spec_of(o, out.experiment, out.machine);
+  check_travel(out.machine, o.machine, spec);
+  out.parameters = get_parameters(out.machine, o.machine, o.parameters, spec);
+  out.result = sim::compare(out.machine, out.parameters.knowledge, spec, progress);
+  out.uncovered = coverage_warnings(out.result, sim::chosen_axes(out.machine, spec), out.parameters);
+  return out;
+}
+
+nlohmann::ordered_json to_json(const Comparison& comparison) {
+  nlohmann::ordered_json json = report::to_json(comparison.result, comparison.experiment);
+  for (const std::string& warning : comparison.uncovered) json["warnings"].push_back(warning);
+  return json;
+}
+
+}  // namespace stribeck::workflow

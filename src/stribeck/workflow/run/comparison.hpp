@@ -1,0 +1,56 @@
+#pragma once
+/// Several controllers on one virtual machine: what `stribeck compare` shows, from the options of a user.
+///
+///   workflow::ComparisonOptions o;
+///   o.machine = "machines/biaxial-table.toml";
+///   const workflow::Comparison c = workflow::run_comparison(o);
+///   c.result.rows
+///
+/// Real time: no.
+/// Errors: InputError for files and options; sim::Refused where no controller can be simulated.
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <stribeck/sim/compare.hpp>
+#include <stribeck/workflow/parameters.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+/// Empty texts and lists: by the machine.
+struct ComparisonOptions {
+  std::string machine;  ///< file
+  std::string experiment;
+  std::string drive;  ///< loops that the drives close themselves, put on every axis
+  ParameterOptions parameters;
+  std::uint32_t trials = 10;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+  std::vector<std::string> speeds;
+  std::vector<std::string> controllers;  ///< names or files of further ones
+  std::vector<std::string> only;         ///< ids of those that run
+  PathOptions path;
+};
+
+/// Files that the options name, and other words among them.
+std::vector<std::string> inputs_of(const ComparisonOptions& options);
+
+struct Comparison {
+  std::string experiment;
+  sim::Machine machine;
+  Parameters parameters;
+  sim::CompareResult result;
+  std::vector<std::string> uncovered;  ///< coverage_warnings() of the result
+};
+
+/// progress(done, all) may be called from any thread, one call at a time.
+Comparison run_comparison(const ComparisonOptions& options,
+                          const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// The result (report/json.hpp) with all warnings.
+nlohmann::ordered_json to_json(const Comparison& comparison);
+
+}  // namespace stribeck::workflow
