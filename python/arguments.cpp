@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -41,8 +42,23 @@ std::string text_of(const std::string& name, const py::handle& object) {
   return text;
 }
 
-std::string text_or_number(const std::string& name, const py::handle& object) {
-  return is_number(object) ? io::number_text(number_of(name, object)) : text_of(name, object);
+std::string text_or_number(const std::string& name, const py::handle& object, std::string_view unit) {
+  if (is_number(object)) {
+    const std::string number = io::number_text(number_of(name, object));
+    return unit.empty() ? number : fmt::format("{} {}", number, unit);
+  }
+  return py::hasattr(object, "__fspath__") ? path_of(object, name) : text_of(name, object);
+}
+
+std::string quantity_of(const std::string& name, const py::handle& object, std::string_view unit) {
+  if (is_number(object)) return fmt::format("{} {}", io::number_text(number_of(name, object)), unit);
+  if (!py::isinstance<py::str>(object))
+    wrong_type(name, object, fmt::format("text with its unit, or a number in {}", unit).c_str());
+  return text_of(name, object);
+}
+
+bool is_list(const py::handle& object) {
+  return py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object);
 }
 
 }  // namespace
@@ -99,22 +115,21 @@ bool is_path(const py::handle& object) {
          py::hasattr(object, "__fspath__");
 }
 
-std::string path_of(const py::handle& object) {
-  if (!is_path(object)) wrong_type("path", object, "str or os.PathLike");
+std::string path_of(const py::handle& object, const std::string& name) {
+  if (!is_path(object)) wrong_type(name, object, "str or os.PathLike");
   // Names that are not UTF-8 keep their bytes.
   std::string path = py::cast<std::string>(py::module_::import("os").attr("fsencode")(object));
-  if (path.empty()) refuse("path", "got \"\", expected the name of a file");
+  if (path.empty()) refuse(name, "got \"\", expected the name of a file");
   if (path.find('\0') != std::string::npos)
-    refuse("path", "got a name with a zero byte, expected that of a file");
+    refuse(name, "got a name with a zero byte, expected that of a file");
   return path;
 }
 
-std::vector<std::string> paths_of(const py::handle& object) {
-  if (is_path(object)) return {path_of(object)};
-  if (!py::isinstance<py::list>(object) && !py::isinstance<py::tuple>(object))
-    wrong_type("path", object, "str, os.PathLike or a list of these");
+std::vector<std::string> paths_of(const py::handle& object, const std::string& name) {
+  if (is_path(object)) return {path_of(object, name)};
+  if (!is_list(object)) wrong_type(name, object, "str, os.PathLike or a list of these");
   std::vector<std::string> out;
-  for (const py::handle& one : object) out.push_back(path_of(one));
+  for (const py::handle& one : object) out.push_back(path_of(one, name));
   return out;
 }
 
@@ -161,37 +176,48 @@ std::string Keywords::text(const char* name) {
 
 std::string Keywords::quantity(const char* name, std::string_view unit) {
   const py::object value = take(name);
-  if (value.is_none()) return "";
-  if (is_number(value)) return fmt::format("{} {}", io::number_text(number_of(name, value)), unit);
-  if (!py::isinstance<py::str>(value))
-    wrong_type(name, value, fmt::format("text with its unit, or a number in {}", unit).c_str());
-  return text_of(name, value);
+  return value.is_none() ? "" : quantity_of(name, value, unit);
 }
 
-std::vector<std::string> Keywords::texts(const char* name) {
+std::vector<std::string> Keywords::quantities(const char* name, std::string_view unit) {
   const py::object value = take(name);
   if (value.is_none()) return {};
-  if (is_number(value) || py::isinstance<py::str>(value)) return {text_or_number(name, value)};
+  if (!is_list(value) && !py::isinstance<py::array>(value)) return {quantity_of(name, value, unit)};
+  std::vector<std::string> out;
+  for (const py::handle& one : value) out.push_back(quantity_of(name, one, unit));
+  return out;
+}
+
+std::string Keywords::word(const char* name, const std::vector<std::string>& words) {
+  std::string given = text(name);
+  if (!given.empty() && std::find(words.begin(), words.end(), given) == words.end())
+    refuse_choice(name, given, words);
+  return given;
+}
+
+std::vector<std::string> Keywords::texts(const char* name, std::string_view unit) {
+  const py::object value = take(name);
+  if (value.is_none()) return {};
+  if (is_number(value) || is_path(value)) return {text_or_number(name, value, unit)};
   std::vector<std::string> out;
   if (py::isinstance<py::dict>(value)) {
     for (const auto& [key, one] : py::reinterpret_borrow<py::dict>(value))
-      out.push_back(text_of(name, key) + "=" + text_or_number(name, one));
+      out.push_back(text_of(name, key) + "=" + text_or_number(name, one, unit));
     return out;
   }
-  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
-    wrong_type(name, value, "str, a list of str or a dict");
-  for (const py::handle& one : value) out.push_back(text_or_number(name, one));
+  if (!is_list(value)) wrong_type(name, value, "str, a list of str or a dict");
+  for (const py::handle& one : value) out.push_back(text_or_number(name, one, unit));
   return out;
 }
 
 std::string Keywords::path(const char* name) {
   const py::object value = take(name);
-  return value.is_none() ? "" : path_of(value);
+  return value.is_none() ? "" : path_of(value, name);
 }
 
 std::vector<std::string> Keywords::paths(const char* name) {
   const py::object value = take(name);
-  return value.is_none() ? std::vector<std::string>() : paths_of(value);
+  return value.is_none() ? std::vector<std::string>() : paths_of(value, name);
 }
 
 std::optional<std::int64_t> Keywords::whole(const char* name, std::int64_t least, std::int64_t most) {

@@ -36,11 +36,11 @@ py::array_t<double> array_of(const std::vector<Item>& items, Number Item::*membe
 }
 
 /// str, bytes or os.PathLike.
-std::string path_of(const py::handle& object);
+std::string path_of(const py::handle& object, const std::string& name = "path");
 /// Whether path_of() takes it.
 bool is_path(const py::handle& object);
 /// One path, or a list or tuple of them.
-std::vector<std::string> paths_of(const py::handle& object);
+std::vector<std::string> paths_of(const py::handle& object, const std::string& name = "path");
 
 /// The shape of an array of numbers, and its values in C order; from any array or list of integers or floats, wherever its values
 /// are. Refuses what is no number, NaN and infinity.
@@ -59,10 +59,15 @@ class Keywords {
 
   /// "": left out.
   std::string text(const char* name);
+  /// The same, one of these words.
+  std::string word(const char* name, const std::vector<std::string>& words);
   /// A quantity; `unit` is that of a number.
   std::string quantity(const char* name, std::string_view unit);
-  /// One text or several; a dict {"x": "position mm"} stands for "x=position mm". Numbers among its values are written out.
-  std::vector<std::string> texts(const char* name);
+  /// Several quantities, or one.
+  std::vector<std::string> quantities(const char* name, std::string_view unit);
+  /// One text or several; a dict {"x": "position mm"} stands for "x=position mm". Numbers among them are written out, with
+  /// the unit where there is one.
+  std::vector<std::string> texts(const char* name, std::string_view unit = {});
   std::string path(const char* name);
   /// One of a list as well.
   std::vector<std::string> paths(const char* name);

@@ -26,12 +26,8 @@ workflow::IdentifyOptions identify_options(Keywords& keywords) {
   workflow::IdentifyOptions o;
   o.method = keywords.choice("method", o.method);
   o.model = keywords.choice("model", o.model);
-  const std::string solver = keywords.text("solver");
-  if (solver == "simplex") {
+  if (keywords.word("solver", {"derivatives", "simplex"}) == "simplex")
     o.solver = ident::methods::Solver::kSimplex;
-  } else if (!solver.empty() && solver != "derivatives") {
-    Keywords::refuse_choice("solver", solver, {"derivatives", "simplex"});
-  }
   if (const auto terms = keywords.whole("terms", 0, kMostTerms)) o.terms = static_cast<int>(*terms);
   o.mass = keywords.quantity("mass", "kg");
   o.force_shift = keywords.quantity("force_shift", "s");
@@ -46,7 +42,7 @@ Found identify(const py::args& logs, const py::kwargs& given) {
   const workflow::IdentifyOptions options = identify_options(keywords);
   keywords.done();
   workflow::check_options(options);
-  const std::vector<io::Log> read = logs_of(logs, reading);
+  const std::vector<io::Log> read = logs_of(logs, reading_with(reading));
   return unlocked([&] {
     Found out{workflow::axis_records(read, reading), {}};
     out.found = workflow::identify(out.axis, options);

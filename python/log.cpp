@@ -40,8 +40,13 @@ py::object values_in_si(const io::Column& column) {
   return array_of(workflow::converted(column, in_si_of(column).conversion, 1.0));
 }
 
-/// The SI unit of a quantity of identify ("x", "force", …); "" for another name.
+/// The SI unit of a quantity of identify ("x", "force", …), of an excitation or of a circle; "" for another name.
 std::string unit_of_name(const std::string& name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kFurther{
+      {{"y", "m"}, {"rx", "m"}, {"ry", "m"}, {"radius", "m"}, {"angle", "rad"}, {"f", "N"}, {"u", "V"}}};
+  for (const auto& [known, unit] : kFurther) {
+    if (name == known) return std::string(unit);
+  }
   const auto what = enum_value<LogQuantity>(name);
   if (!what) return "";
   return *what == LogQuantity::kPercent ? "%" : std::string(workflow::known_column(*what).quantity.unit);
@@ -112,8 +117,8 @@ void add_log_members(py::class_<io::Log, std::shared_ptr<io::Log>>& log) {
       py::arg("columns"), py::arg("name") = "arrays",
       "Log(columns, name='arrays')\n--\n\n"
       "A log of arrays.\n\n"
-      "columns: dict of one-dimensional arrays of equal length. t [s], x, r [m], v [m/s], force [N], torque [N m], current [A], "
-      "voltage [V] and percent are in these units; any other unit stands in the name: {\"x [mm]\": x, \"u [V]\": u}.\n"
+      "columns: dict of one-dimensional arrays of equal length. t [s], x, y, r, rx, ry, radius [m], v [m/s], force, f [N], torque [N m], "
+      "current [A], voltage, u [V], angle [rad] and percent are in these units; any other unit stands in the name: {\"x [mm]\": x}.\n"
       "name: what messages call it.\n"
       "Raises InputError for NaN, unequal lengths, unknown units.");
   log.def(
@@ -192,18 +197,26 @@ workflow::LogOptions log_options(Keywords& keywords) {
   return workflow::with_map_file(std::move(o), keywords.path("map_file"));
 }
 
-std::vector<io::Log> logs_of(const py::args& logs, const workflow::LogOptions& options) {
-  if (logs.empty()) refuse("log", "missing, expected a file, a stribeck.Log or a dict of arrays");
+LogReader reading_with(const workflow::LogOptions& options) {
+  return [options](const std::string& path) { return workflow::read_log(path, options); };
+}
+
+std::vector<io::Log> logs_of(const py::handle& logs, const LogReader& reader) {
+  if (py::isinstance<py::list>(logs))
+    return logs_of(py::tuple(py::reinterpret_borrow<py::list>(logs)), reader);
+  if (!py::isinstance<py::tuple>(logs)) return logs_of(py::make_tuple(logs), reader);
+  const auto all = py::reinterpret_borrow<py::tuple>(logs);
+  if (all.empty()) refuse("log", "missing, expected a file, a stribeck.Log or a dict of arrays");
   std::vector<io::Log> out;
-  for (const py::handle& log : logs) {
+  for (const py::handle& log : all) {
     if (py::isinstance<io::Log>(log)) {
       out.push_back(py::cast<const io::Log&>(log));
     } else if (py::isinstance<py::dict>(log)) {
       out.push_back(log_of_arrays(py::reinterpret_borrow<py::dict>(log),
-                                  logs.size() == 1 ? "arrays" : fmt::format("arrays {}", out.size() + 1)));
+                                  all.size() == 1 ? "arrays" : fmt::format("arrays {}", out.size() + 1)));
     } else if (is_path(log)) {
       const std::string path = path_of(log);
-      out.push_back(unlocked([&] { return workflow::read_log(path, options); }));
+      out.push_back(unlocked([&] { return reader(path); }));
     } else {
       throw py::type_error("expected logs as names of files, stribeck.Log or dict of arrays");
     }

@@ -75,7 +75,7 @@ std::vector<double> way_of(const std::vector<double>& v, double period, double s
   return x;
 }
 
-py::dict simulate(const AxisModel& m, const py::object& velocities, const py::kwargs& given) {
+py::dict simulate_motion(const AxisModel& m, const py::object& velocities, const py::kwargs& given) {
   constexpr double kLeast = 1e-9, kMost = 1e6, kFar = 1e9;
   Keywords keywords("simulate", given);
   const auto period = keywords.number("sample_time", kLeast, kMost);
@@ -106,7 +106,7 @@ std::string_view kind_of(const auto& laws) {
   return std::visit([]<class Law>(const Law&) -> std::string_view { return Law::kKind; }, laws);
 }
 
-std::string text_of(const AxisModel& m) { return io::write_toml(m); }
+std::string toml_of(const AxisModel& m) { return io::write_toml(m); }
 
 }  // namespace
 
@@ -146,7 +146,7 @@ void add_models(py::module_& module) {
       "parts($self, v, x=0.0)\n--\n\n"
       "The three parts of friction() [N] as a dict: level (>= 0, follows the direction), viscous, additive (keeps its sign).");
   c.def(
-      "simulate", &simulate, py::arg("v"),
+      "simulate", &simulate_motion, py::arg("v"),
       "simulate($self, v, *, sample_time, x0=0.0, push=0.0)\n--\n\n"
       "Friction along a motion, with the bristles of the dynamic law: v [m/s] at rows sample_time [s] apart.\n\n"
       "x0: position of the first row [m]; the others follow by trapezoids. push: force on the axis where it begins at rest [N].\n"
@@ -156,10 +156,10 @@ void add_models(py::module_& module) {
       "save",
       [](const AxisModel& m, const py::object& path) {
         const std::string file = path_of(path);
-        unlocked([&] { io::write_atomically(file, text_of(m)); });
+        unlocked([&] { io::write_atomically(file, toml_of(m)); });
       },
       py::arg("path"), "save($self, path)\n--\n\nWrites an axis file (TOML).");
-  c.def("__str__", [](const AxisModel& m) { return str_of(text_of(m)); });
+  c.def("__str__", [](const AxisModel& m) { return str_of(toml_of(m)); });
   c.def("__repr__", [](const AxisModel& m) {
     return str_of(fmt::format("<stribeck.AxisModel {}, {}, mass {:.6g} kg>", kind_of(m.friction.steady),
                               kind_of(m.friction.dynamics), m.mass));

@@ -54,6 +54,13 @@ void translate(std::exception_ptr thrown) {
 
 }  // namespace
 
+std::function<void(std::uint64_t, std::uint64_t)> interruptible() {
+  return [](std::uint64_t, std::uint64_t) {
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  };
+}
+
 void add_errors(py::module_& module) {
   input_error = PyErr_NewExceptionWithDoc(
       "stribeck.InputError",
@@ -88,4 +95,9 @@ PYBIND11_MODULE(stribeck, module) {
   stribeck::python::add_logs(module);
   stribeck::python::add_models(module);
   stribeck::python::add_identify(module);
+  stribeck::python::add_outcome(module);
+  stribeck::python::add_runs(module);
+  stribeck::python::add_comparison(module);
+  stribeck::python::add_judges(module);
+  stribeck::python::add_study(module);
 }

@@ -6,9 +6,14 @@
 /// Real time: no.
 
 #include <pybind11/pybind11.h>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <python/arguments.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
 #include <string>
 #include <vector>
 
@@ -18,15 +23,37 @@ void add_errors(py::module_& module);
 void add_logs(py::module_& module);
 void add_models(py::module_& module);
 void add_identify(py::module_& module);
+void add_outcome(py::module_& module);
+void add_runs(py::module_& module);
+void add_comparison(py::module_& module);
+void add_judges(py::module_& module);
+void add_study(py::module_& module);
 
-/// Takes the arguments on reading the columns of a log.
+/// Takes the arguments on reading the columns of a log; on the origin of parameters; on a path.
 workflow::LogOptions log_options(Keywords& keywords);
+workflow::ParameterOptions parameter_options(Keywords& keywords);
+workflow::PathOptions path_options(Keywords& keywords);
 
-/// A path, a stribeck.Log or a dict of arrays. Paths are read with the options.
-std::vector<io::Log> logs_of(const py::args& logs, const workflow::LogOptions& options);
+/// Reads a file.
+using LogReader = std::function<io::Log(const std::string&)>;
+LogReader reading_with(const workflow::LogOptions& options);
+/// One or a list of: a path, which is read, a stribeck.Log or a dict of arrays.
+std::vector<io::Log> logs_of(const py::handle& logs, const LogReader& reader);
+std::vector<std::string> names_of(const std::vector<io::Log>& logs);
+
+/// What a verb has written: its JSON, its tables, the log where there is one, and the answer.
+struct Outcome {
+  nlohmann::ordered_json json;
+  std::string text;
+  std::optional<io::Log> log;
+  bool ok = true;
+};
 
 /// An axis model as a Python object.
 py::object model_object(friction::AxisModel model);
+
+/// Lets Ctrl-C end the work: a progress function.
+std::function<void(std::uint64_t, std::uint64_t)> interruptible();
 
 /// Calls `work` without the interpreter's lock.
 template <class Work>
