@@ -1,5 +1,5 @@
-# `cpack -G DEB` and `cpack -G TGZ` in a build folder: two Debian packages, stribeck (what runs) and libstribeck-dev (headers, libraries,
-# examples), and one archive with everything, which works wherever it is unpacked.
+# `cpack -G DEB` and `cpack -G TGZ` in a build folder: Debian packages, stribeck (what runs), libstribeck-dev (headers, libraries,
+# examples) and, where the module was built, python3-stribeck; and one archive with everything, which works wherever it is unpacked.
 set(CPACK_PACKAGE_NAME stribeck)
 set(CPACK_PACKAGE_VENDOR "The Stribeck authors")
 set(CPACK_PACKAGE_CONTACT "The Stribeck authors")
@@ -10,6 +10,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_GENERATOR TGZ)
 set(CPACK_COMPONENTS_ALL program development)
+if(TARGET stribeck_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -31,4 +34,17 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "libeigen3-dev, libceres-dev, libnlopt-dev, libfmt-dev, libboost-dev, nlohmann-json3-dev, libudunits2-dev, libexpat1-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS stribeck)
+if(TARGET stribeck_python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-stribeck)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module stribeck: logs as arrays, identification, friction models,
+simulation, comparison, circular test.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  # A module belongs to one version of Python.
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-matplotlib)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS stribeck)
+endif()
 include(CPack)
