@@ -237,23 +237,57 @@ void finish_shift(Stage& stage, Steady& steady, const DriveFitOptions& options) 
   if (!stage.terms.periodic.empty()) steady.map = with_joint_fits(std::move(steady.map), stage.fit);
 }
 
-/// Terms that the data do not tell from nothing go.
-bool drop_uncertain_terms(Stage& stage, const Intervals& found) {
+/// A map, the linear terms that belong to it, and their intervals.
+struct Judged {
+  MapChoice map;
+  LinearFit fit;
+  Intervals found;
+};
+
+Judged judge(const Stage& stage, MapChoice map, bool shift_known) {
+  LinearFit fit = with_terms_of(map, stage.terms, stage.fit);
+  Intervals found = intervals(stage.log, stage.rows, stage.terms, fit, map, shift_known);
+  return {std::move(map), std::move(fit), std::move(found)};
+}
+
+/// The periodic terms whose amplitude the data tell from nothing.
+std::vector<PeriodicColumns> certain_terms(const Terms& terms, const Judged& judged) {
   std::vector<PeriodicColumns> kept;
-  for (std::size_t n = 0; n < stage.terms.periodic.size(); ++n) {
-    const std::size_t i = stage.terms.first_periodic() + 2 * n;
-    const double amplitude =
-        std::hypot(stage.fit.value(static_cast<Index>(i)), stage.fit.value(static_cast<Index>(i) + 1));
-    const double half = found.factor * std::max(found.error_at(i), found.error_at(i + 1));
-    if (amplitude > half) kept.push_back(std::move(stage.terms.periodic[n]));
+  for (std::size_t n = 0; n < terms.periodic.size(); ++n) {
+    const auto at = static_cast<Index>(terms.first_periodic() + 2 * n);
+    const double amplitude = judged.fit.value.segment<2>(at).norm();
+    VectorXd along = judged.found.zero();
+    along.segment<2>(at) = judged.fit.value.segment<2>(at) / std::max(amplitude, 1e-300);
+    if (amplitude > judged.found.factor * judged.found.error_of(along)) kept.push_back(terms.periodic[n]);
   }
-  if (kept.size() == stage.terms.periodic.size()) {
-    stage.terms.periodic = std::move(kept);
-    return false;
+  return kept;
+}
+
+/// Terms that the data do not tell from nothing go, unless a map of few parameters tells them and predicts held-out motion better
+/// than the map without them.
+Judged without_uncertain_terms(Stage& stage, Judged judged, const DriveFitOptions& options,
+                               bool shift_known) {
+  std::vector<PeriodicColumns> kept = certain_terms(stage.terms, judged);
+  const std::size_t all = stage.terms.periodic.size();
+  if (kept.size() == all) return judged;
+  std::optional<Judged> together;
+  if (!judged.map.joint) {
+    std::optional<MapChoice> map = only_joint_fits(judged.map, stage.fit);
+    if (map) together = judge(stage, std::move(*map), shift_known);
+    if (together && certain_terms(stage.terms, *together).size() < all) together.reset();
   }
+  const Terms terms = stage.terms;
+  const LinearFit fit = stage.fit;
   stage.terms.periodic = std::move(kept);
   stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
-  return true;
+  MapChoice map =
+      with_joint_fits(choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), stage.fit);
+  if (together && together->map.map.held_out_rms < map.map.held_out_rms) {
+    stage.terms = terms;
+    stage.fit = fit;
+    return std::move(*together);
+  }
+  return judge(stage, std::move(map), shift_known);
 }
 
 Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options) {
@@ -270,19 +304,13 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   Steady steady = std::move(attempt.steady);
   if (!shift_known) finish_shift(stage, steady, options);
   notes = std::move(attempt.notes);
-  LinearFit fit = with_terms_of(steady.map, stage.terms, stage.fit);
-  Intervals found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);
-  stage.fit = fit;
-  if (drop_uncertain_terms(stage, found_intervals)) {
-    steady.map =
-        with_joint_fits(choose_map(stage.log, stage.rows, stage.terms, stage.fit, options), stage.fit);
-    fit = with_terms_of(steady.map, stage.terms, stage.fit);
-    found_intervals = intervals(stage.log, stage.rows, stage.terms, fit, steady.map, shift_known);
-  }
-  const Found found{stage.log, stage.rows, stage.terms, fit, steady.map, found_intervals};
+  const Judged judged =
+      without_uncertain_terms(stage, judge(stage, std::move(steady.map), shift_known), options, shift_known);
+  stage.fit = judged.fit;
+  const Found found{stage.log, stage.rows, stage.terms, judged.fit, judged.map, judged.found};
   Fitted out{describe(found, options, notes),
              stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
-             found_intervals.factor * found_intervals.shift_error};
+             judged.found.factor * judged.found.shift_error};
   Result& result = out.result;
   result.spectrum = std::move(steady.spectrum);
   result.break_away_distance = stage.break_away;

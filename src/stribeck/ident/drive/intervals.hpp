@@ -24,7 +24,7 @@
 /// Inside ident only. Real time: no.
 
 #include <stribeck/ident/drive/linear_fit.hpp>
-#include <stribeck/ident/drive/map_choice.hpp>
+#include <stribeck/ident/drive/map/map_choice.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <vector>
 

@@ -1,13 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <optional>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/text.hpp>
 
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr int kPasses = 5;  ///< largest number of searches beside the terms found
+constexpr int kPasses = 5;                 ///< largest number of searches beside the terms found
+constexpr double kErrorsBesideMaps = 2.0;  ///< of the gain, for terms that do not stand out beside the bins
 constexpr double kSettled =
     0.05;  ///< share of the width of a period's interval; a smaller change counts as none
 
@@ -46,10 +49,61 @@ Complex falling_mean(double angle) {
   return (std::exp(a) - 1.0 - a) / (a * a);
 }
 
+/// The map of few parameters that fits best together with the linear terms; absent where none is plausible.
+std::optional<JointFit> best_joint(const std::vector<map::StaticFit>& maps, const LinearFit& fit) {
+  std::optional<JointFit> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const map::StaticFit& start : maps) {
+    JointFit joint = fit_jointly(start, fit, fit.sums.blocks);
+    if (!joint.good) continue;
+    double loss = 0.0;
+    for (std::size_t k = 0; k < fit.sums.blocks; ++k) loss += loss_of(joint, fit.sums, k);
+    if (loss < least) least = loss, best = std::move(joint);
+  }
+  return best;
+}
+
+/// Fits the linear terms beside the periodic ones and searches again, until the periods no longer change.
+bool settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::PeriodicOptions& search,
+                        std::vector<map::PeriodicTerm> found, PeriodicChoice& out) {
+  for (int k = 0; k <= kPasses; ++k) {
+    take_terms(out.terms, log, found);
+    out.fit = solve(log, rows, out.terms, &out.fit);
+    if (k == kPasses) break;
+    map::PeriodicResult again = map::find_periodic(rows_for_periodic(log, rows, out.terms, out.fit), search);
+    if (again.terms.empty() || same_terms(again.terms, found)) break;
+    found = std::move(again.terms);
+  }
+  return true;
+}
+
+/// The same beside maps of few parameters, from the strongest line on; true when terms stand out at the end.
+bool search_beside_maps(const AlignedLog& log, const Rows& rows, map::PeriodicOptions search,
+                        PeriodicChoice& out) {
+  Terms terms = out.terms;
+  LinearFit fit = out.fit;
+  std::vector<map::PeriodicTerm> found;
+  for (int k = 0; k <= kPasses; ++k) {
+    const std::optional<JointFit> joint = best_joint(out.map.map.simple, fit);
+    if (!joint) return false;
+    search.guess = k == 0;
+    map::PeriodicResult again = map::find_periodic(rows_for_periodic(log, rows, terms, fit, &*joint), search);
+    if (again.terms.empty()) return false;
+    if (k > 0 && same_terms(again.terms, found)) break;
+    found = std::move(again.terms);
+    take_terms(terms, log, found);
+    fit = solve(log, rows, terms, &fit);
+  }
+  out.terms = std::move(terms);
+  out.fit = std::move(fit);
+  return true;
+}
+
 }  // namespace
 
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
-                                    const LinearFit& fit) {
+                                    const LinearFit& fit, const JointFit* joint) {
+  const VectorXd& value = joint != nullptr ? joint->linear : fit.value;
   map::PeriodicRows out;
   const std::size_t first = terms.first_periodic();
   const std::size_t behind = first + 2 * terms.periodic.size();
@@ -57,10 +111,12 @@ map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, con
   for (std::size_t i = 0; i < rows.size(); ++i) {
     double e = terms.fill(log, rows, i, c.data());
     for (std::size_t j = 0; j < terms.count(); ++j) {
-      if (j < first || j >= behind) e -= fit.value(static_cast<Index>(j)) * c[j];
+      if (j < first || j >= behind) e -= value(static_cast<Index>(j)) * c[j];
     }
     const std::size_t s = rows.side[i];
-    e -= map::kDirection[s] * fit.curve[s](std::abs(velocity_of(log, rows, i)));
+    const double speed = std::abs(velocity_of(log, rows, i));
+    e -= map::kDirection[s] *
+         (joint != nullptr ? joint->map.force(static_cast<int>(s), speed) : fit.curve[s](speed));
     out.x.push_back(motion_of(log, rows, i).x[rows.at[i]]);
     out.e.push_back(e);
     out.direction.push_back(s == 0 ? 1 : -1);
@@ -94,25 +150,18 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
                                Notes& notes) {
   map::PeriodicOptions search;
   search.most = static_cast<int>(friction::kMaxEccentricTerms);
-  map::PeriodicResult found = map::find_periodic(rows_for_periodic(log, rows, terms, fit), search);
-  for (const std::string& note : found.notes) notes.warn(note);
-  notes.cannot_tell.insert(notes.cannot_tell.end(), found.cannot_tell.begin(), found.cannot_tell.end());
-  PeriodicChoice out{std::move(map), terms, fit, found.spectrum};
-  if (found.terms.empty()) return out;
-  take_terms(out.terms, log, found.terms);
-  out.fit = solve(log, rows, out.terms, &out.fit);
-  for (int k = 0; k < kPasses; ++k) {
-    map::PeriodicResult again = map::find_periodic(rows_for_periodic(log, rows, out.terms, out.fit), search);
-    if (again.terms.empty()) break;
-    const bool settled = same_terms(again.terms, found.terms);
-    found = std::move(again);
-    if (settled) break;
-    take_terms(out.terms, log, found.terms);
-    out.fit = solve(log, rows, out.terms, &out.fit);
-  }
+  map::PeriodicResult first = map::find_periodic(rows_for_periodic(log, rows, terms, fit), search);
+  for (const std::string& note : first.notes) notes.warn(note);
+  PeriodicChoice out{std::move(map), terms, fit, std::move(first.spectrum)};
+  bool beside_bins = !first.terms.empty();
+  const bool found = beside_bins ? settle_beside_bins(log, rows, search, std::move(first.terms), out)
+                                 : search_beside_maps(log, rows, search, out);
+  if (!found || beside_bins)
+    notes.cannot_tell.insert(notes.cannot_tell.end(), first.cannot_tell.begin(), first.cannot_tell.end());
+  if (!found) return out;
   MapChoice with = with_joint_fits(choose_map(log, rows, out.terms, out.fit, options), out.fit);
   const Gain gain = gain_of(out.map.map.block_loss, with.map.block_loss);
-  const bool better = gain.sum > gain.error;
+  const bool better = gain.sum > (beside_bins ? 1.0 : kErrorsBesideMaps) * gain.error;
   Candidate plain, periodic;
   plain.name = "without periodic terms";
   plain.parameters = static_cast<int>(out.map.map.fit.parameters() + terms.count());

@@ -5,19 +5,24 @@
 /// A fit without these terms puts a part of them into mass and friction. The search is therefore repeated on the residual
 /// beside the terms found, until their periods no longer change.
 ///
+/// Where every speed occurs at two positions only, as on a sine, the bins of speed take a part of a term, and what they leave does
+/// not stand out. The search then begins beside the maps of few parameters, and a line that does not stand out there is tried too.
+/// Such terms count when they stand out of the residual of a map that was fitted together with them.
+///
 /// Inside ident only. Real time: no.
 
 #include <stribeck/ident/drive/linear_fit.hpp>
-#include <stribeck/ident/drive/map_choice.hpp>
+#include <stribeck/ident/drive/map/map_choice.hpp>
 #include <stribeck/ident/map/periodic.hpp>
 #include <string>
 #include <vector>
 
 namespace stribeck::ident::drive {
 
-/// The force less everything but the periodic terms.
+/// The force less everything but the periodic terms: less the linear terms and the friction of the bins, or of a map with the
+/// linear terms that belong to it.
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
-                                    const LinearFit& fit);
+                                    const LinearFit& fit, const JointFit* joint = nullptr);
 
 /// The columns of a term: its mean over the triangle of two rows that a second difference of the position is (motion.hpp). At
 /// a third of a period a row, the value at the row itself would be larger by 20 %, and the amplitude smaller.

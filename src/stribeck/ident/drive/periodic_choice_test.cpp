@@ -56,6 +56,46 @@ TEST(PeriodicChoice, WithoutATermNothingChanges) {
   EXPECT_FALSE(c.choice.map.joint);
 }
 
+// On a plain sine every speed occurs at two places only: bins of speed take the even part of the term for friction, and what they leave
+// does not stand out.
+TEST(PeriodicChoice, ATermIsFoundOnAPlainSine) {
+  for (const double period : {0.0045, 0.017, 0.048}) {
+    SCOPED_TRACE(period);
+    std::mt19937_64 engine(2);
+    std::normal_distribution<double> normal;
+    const testing::SyntheticLog s = testing::synthetic_log(
+        [&](double x, double v, double a) {
+          const double rise = 15.0 * std::exp(-std::pow(v / 0.012, 2.0));
+          return 250.0 * a + (v > 0.0 ? 40.0 + rise : -40.0 - rise) + 300.0 * v +
+                 6.0 * std::sin(2.0 * kPi * x / period + 1.3) + normal(engine);
+        },
+        0.0);
+    const Chosen c = choose(s);
+    ASSERT_EQ(c.choice.terms.periodic.size(), 1u);
+    EXPECT_NEAR(c.choice.terms.periodic[0].period, period, 0.002 * period);
+    ASSERT_TRUE(c.choice.map.joint);
+    const VectorXd& value = *c.choice.map.joint;
+    EXPECT_NEAR(std::hypot(value(1), value(2)), 6.0, 0.2);
+    for (const double speed : {0.01, 0.03, 0.09}) {
+      const double truth = 40.0 + 15.0 * std::exp(-std::pow(speed / 0.012, 2.0)) + 300.0 * speed;
+      EXPECT_NEAR(c.choice.map.map.fit.force(0, speed), truth, 0.5);
+      EXPECT_NEAR(c.choice.map.map.fit.force(1, speed), truth, 0.5);
+    }
+  }
+}
+
+TEST(PeriodicChoice, ABumpOfFrictionOnAPlainSineIsNoTerm) {
+  std::mt19937_64 engine(2);
+  std::normal_distribution<double> normal;
+  const testing::SyntheticLog s = testing::synthetic_log(
+      [&](double, double v, double a) {
+        const double bump = 10.0 * std::exp(-std::pow((std::abs(v) - 0.05) / 0.02, 2.0));
+        return 250.0 * a + (v > 0.0 ? 40.0 + bump : -40.0 - bump) + 300.0 * v + normal(engine);
+      },
+      0.0);
+  EXPECT_TRUE(choose(s).choice.terms.periodic.empty());
+}
+
 // Against a sum over a hundredth of a row: steps of a third of a period.
 TEST(PeriodicChoice, ColumnsAreTheMeanOverTheTriangle) {
   const testing::SyntheticLog s = with_screw(0.0);

@@ -15,8 +15,9 @@ struct SyntheticLog {
   AlignedLog log;
 };
 
-/// x = 0.1·sin t + 0.003·sin 7.3t m over 40 s, 1000 rows a second; force(x, v, a) in N.
-inline SyntheticLog synthetic_log(const std::function<double(double, double, double)>& force) {
+/// x = 0.1·sin t + second·sin 7.3t m over 40 s, 1000 rows a second; force(x, v, a) in N.
+inline SyntheticLog synthetic_log(const std::function<double(double, double, double)>& force,
+                                  double second = 0.003) {
   constexpr double kTime = 40.0, kStep = 1e-3, kFast = 7.3;
   log::Record rec;
   log::Motion m;
@@ -26,9 +27,9 @@ inline SyntheticLog synthetic_log(const std::function<double(double, double, dou
   int stretch = 0;
   double reversal = 0.0;
   for (double t = 0.0; t < kTime; t += kStep) {
-    const double x = 0.1 * std::sin(t) + 0.003 * std::sin(kFast * t);
-    const double v = 0.1 * std::cos(t) + 0.003 * kFast * std::cos(kFast * t);
-    const double a = -0.1 * std::sin(t) - 0.003 * kFast * kFast * std::sin(kFast * t);
+    const double x = 0.1 * std::sin(t) + second * std::sin(kFast * t);
+    const double v = 0.1 * std::cos(t) + second * kFast * std::cos(kFast * t);
+    const double a = -0.1 * std::sin(t) - second * kFast * kFast * std::sin(kFast * t);
     const auto direction = static_cast<std::int8_t>(v > 0.0 ? 1 : -1);
     if (!m.direction.empty() && direction != m.direction.back()) {
       ++stretch;
@@ -41,7 +42,7 @@ inline SyntheticLog synthetic_log(const std::function<double(double, double, dou
     m.f.push_back(force(x, v, a));
     rec.t.push_back(t), rec.x.push_back(x), rec.f.push_back(m.f.back());
   }
-  m.stroke = 0.206;
+  m.stroke = 0.2 + 2.0 * second;
   m.reach = 1;
   SyntheticLog out;
   out.records->push_back(std::move(rec));

@@ -16,6 +16,8 @@ constexpr double kFine = 1e-9;
 std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, const PeriodicOptions& options,
                                Residual& left) {
   std::vector<Line> found;
+  std::vector<Line> guess;
+  double most_power = 0.0;
   std::vector<double> rejected;
   bool any = true;
   for (int tries = 0; tries < kTries && static_cast<int>(found.size()) < options.most; ++tries) {
@@ -32,11 +34,13 @@ std::vector<Line> search_lines(const Data& data, const FrequencyGrid& grid, cons
         any = true;
         continue;
       }
+      const double power = before.e.squaredNorm() - left.e.squaredNorm();
+      if (options.guess && found.empty() && power > most_power) most_power = power, guess = std::move(more);
     }
     left = before;
     rejected.push_back(line->start);
   }
-  return found;
+  return found.empty() ? guess : found;
 }
 
 }  // namespace

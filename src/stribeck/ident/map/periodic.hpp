@@ -54,6 +54,8 @@ struct PeriodicOptions {
   double longest = 0.0;   ///< [m]; 0: a third of the travel
   double turn = 0.0;  ///< period of one turn [m]; then only 1/n of it is searched, and kept exact; 0: unknown
   int most = 4;       ///< largest number of terms
+  bool guess =
+      false;  ///< where no term counts, the strongest line is returned: a start for a better residual
 };
 
 struct PeriodicResult {

@@ -4,7 +4,7 @@
 #include <random>
 
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/ident/drive/map_choice.hpp>
+#include <stribeck/ident/drive/map/map_choice.hpp>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 

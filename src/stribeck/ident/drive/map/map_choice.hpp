@@ -7,10 +7,10 @@
 ///
 /// Inside ident only. Real time: no.
 
-#include <cstddef>
 #include <optional>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/drive/linear_fit.hpp>
+#include <stribeck/ident/drive/map/joint_fit.hpp>
 #include <stribeck/ident/map/static_fit.hpp>
 
 namespace stribeck::ident::drive {
@@ -25,18 +25,10 @@ struct MapChoice {
 MapChoice choose_map(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
                      const DriveFitOptions& options);
 
-/// A steady map with the linear terms that belong to it.
-struct JointFit {
-  map::StaticFit map;
-  VectorXd linear;
-  bool good = false;
-};
-/// Fit on the sums of all blocks but `without`; of all blocks where there is no block of that number.
-JointFit fit_jointly(const map::StaticFit& start, const LinearFit& fit, std::size_t without);
-/// Σ residual² of one block [N²].
-double loss_of(const JointFit& joint, const Sums& sums, std::size_t block);
-
 /// Adds the maps of few parameters, fitted together with the periodic terms, to the choice.
 MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit);
+/// The best of them, where the map of the bins leaves the periodic terms open; absent where none is plausible. `choice` comes from
+/// with_joint_fits().
+std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit);
 
 }  // namespace stribeck::ident::drive

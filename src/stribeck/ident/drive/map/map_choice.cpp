@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <stribeck/ident/drive/map/map_choice.hpp>
+
+namespace stribeck::ident::drive {
+namespace {
+
+/// Sums by block and bin of the residual of the linear terms: for the fit, and for judging with terms fitted without the block.
+std::array<map::SideSums, map::kSides> sums_left(const AlignedLog& log, const Rows& rows, const Terms& terms,
+                                                 const LinearFit& fit) {
+  std::array<map::SideSums, map::kSides> sums;
+  for (std::size_t s = 0; s < map::kSides; ++s) {
+    sums[s].grid = rows.grid[s];
+    const std::vector<double> zero(static_cast<std::size_t>(rows.grid[s].bins));
+    const map::BlockSums empty{zero, zero, zero, zero};
+    sums[s].block.assign(rows.blocks, empty);
+    sums[s].held.assign(rows.blocks, empty);
+  }
+  const std::size_t q = terms.count();
+  std::vector<double> c(q + 1);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t s = rows.side[i];
+    const auto b = static_cast<std::size_t>(rows.bin[i]);
+    const double speed = std::abs(velocity_of(log, rows, i));
+    const double force = terms.fill(log, rows, i, c.data()) - fit.load;
+    double full = force, held = force;
+    const VectorXd& other = fit.held_out[rows.block[i]];
+    for (std::size_t j = 0; j < q; ++j) {
+      full -= fit.value(static_cast<Index>(j)) * c[j];
+      held -= other(static_cast<Index>(j)) * c[j];
+    }
+    const auto add = [&](map::BlockSums& block, double f) {
+      f *= map::kDirection[s];
+      block.n[b] += 1.0;
+      block.v[b] += speed;
+      block.f[b] += f;
+      block.ff[b] += f * f;
+    };
+    add(sums[s].block[rows.block[i]], full);
+    add(sums[s].held[rows.block[i]], held);
+  }
+  return sums;
+}
+
+const char* const kTogether = "with periodic terms: ";
+
+/// The maps of few parameters fitted together with the linear terms, and their held-out losses.
+struct JointFits {
+  std::vector<JointFit> fits;
+  std::vector<std::vector<double>> losses;  ///< of each fit, by block
+  std::vector<std::size_t> parameters;
+
+  JointFits(const std::vector<map::StaticFit>& starts, const LinearFit& fit) {
+    const std::size_t blocks = fit.sums.blocks;
+    for (const map::StaticFit& start : starts) {
+      JointFit joint = fit_jointly(start, fit, blocks);
+      if (!joint.good) continue;
+      std::vector<double> loss;
+      for (std::size_t k = 0; k < blocks; ++k)
+        loss.push_back(loss_of(fit_jointly(joint.map, fit, k), fit.sums, k));
+      losses.push_back(std::move(loss));
+      parameters.push_back(joint.map.parameters());
+      fits.push_back(std::move(joint));
+    }
+  }
+
+  void take(std::size_t i, MapChoice& choice) const {
+    map::StaticChoice& map = choice.map;
+    for (Candidate& c : map.candidates) c.chosen = c.name == kTogether + fits[i].map.name();
+    double loss = 0.0;
+    for (const double l : losses[i]) loss += l;
+    map.fit = fits[i].map;
+    map.block_loss = losses[i];
+    map.held_out_rms = std::sqrt(std::max(0.0, loss / map.tested));
+    choice.joint = fits[i].linear;
+  }
+};
+
+}  // namespace
+
+MapChoice choose_map(const AlignedLog& log, const Rows& rows, const Terms& terms, const LinearFit& fit,
+                     const DriveFitOptions& options) {
+  map::StaticOptions statics;
+  statics.terms = options.terms;
+  statics.most_terms = options.most_terms;
+  statics.symmetric = options.symmetric;
+  MapChoice out{map::choose_static(sums_left(log, rows, terms, fit), statics), std::nullopt};
+  out.map.fit.load += fit.load;
+  for (map::StaticFit& rival : out.map.rivals) rival.load += fit.load;
+  for (map::StaticFit& simple : out.map.simple) simple.load += fit.load;
+  return out;
+}
+
+MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
+  map::StaticChoice& map = choice.map;
+  choice.joint.reset();
+  const JointFits together(map.simple, fit);
+  std::vector<std::vector<double>> losses = together.losses;
+  losses.insert(losses.begin(), map.block_loss);
+  std::vector<std::size_t> parameters = together.parameters;
+  parameters.insert(parameters.begin(), map.fit.parameters());
+  const map::Picked picked = map::pick(losses, parameters, map.tested);
+  for (std::size_t i = 0; i < together.fits.size(); ++i) {
+    Candidate c;
+    c.name = kTogether + together.fits[i].map.name();
+    c.parameters = static_cast<int>(together.parameters[i]);
+    c.held_out_rms = picked.rms[i + 1];
+    c.standard_error = picked.error[i + 1];
+    map.candidates.push_back(std::move(c));
+  }
+  if (picked.chosen == 0) return choice;
+  map.rivals.clear();
+  for (std::size_t i = 0; i < together.fits.size(); ++i) {
+    if (picked.equal[i + 1] && i + 1 != picked.chosen) map.rivals.push_back(together.fits[i].map);
+  }
+  together.take(picked.chosen - 1, choice);
+  return choice;
+}
+
+std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit) {
+  const JointFits together(choice.map.simple, fit);
+  if (together.fits.empty()) return std::nullopt;
+  const map::Picked picked = map::pick(together.losses, together.parameters, choice.map.tested);
+  choice.map.rivals.clear();
+  for (std::size_t i = 0; i < together.fits.size(); ++i) {
+    if (picked.equal[i] && i != picked.chosen) choice.map.rivals.push_back(together.fits[i].map);
+  }
+  together.take(picked.chosen, choice);
+  return choice;
+}
+
+}  // namespace stribeck::ident::drive
