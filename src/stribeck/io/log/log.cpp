@@ -66,13 +66,17 @@ const Column& Log::at(std::string_view name) const {
 
 namespace {
 
-/// Plain text of a file: inflated, checked to be text, without the UTF-8 mark.
+/// Plain text of a file: inflated, in UTF-8 without its mark, checked to be text.
 class Plain {
  public:
   Plain(std::string_view bytes, const std::string& source) : text_(bytes) {
     if (bytes.substr(0, 2) == "\x1f\x8b") {
-      inflated_ = detail::inflated(bytes, source);
-      text_ = inflated_;
+      plain_ = detail::inflated(bytes, source);
+      text_ = plain_;
+    }
+    if (detail::is_utf16(text_)) {
+      plain_ = detail::from_utf16(text_, source);
+      text_ = plain_;
     }
     detail::check_text(text_, source);
     if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
@@ -83,7 +87,7 @@ class Plain {
   [[nodiscard]] std::string_view text() const { return text_; }
 
  private:
-  std::string inflated_;
+  std::string plain_;
   std::string_view text_;
 };
 

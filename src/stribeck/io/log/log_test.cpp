@@ -161,9 +161,31 @@ TEST(Log, RefusesWithLineRowAndColumn) {
   EXPECT_THAT(refusal("t,x\n0,1\n"), HasSubstr("one data row"));
   EXPECT_THAT(refusal(std::string_view("t,x\n0,1\n1,\0\n", 12)), HasSubstr("log.csv:3: holds a NUL byte"));
   EXPECT_THAT(refusal("\x7f\x45\x4c\x46\x02\x01\n\x03,\x04\n"), HasSubstr("not a text file"));
-  EXPECT_THAT(refusal(std::string_view("\xFF\xFEt\0", 4)), HasSubstr("UTF-16"));
+  EXPECT_THAT(refusal(std::string_view("\xFF\xFEt\0,\0x\0\n\0\0", 11)),
+              HasSubstr("log.csv:2: is UTF-16 text that ends"));
+  EXPECT_THAT(refusal(std::string_view("\xFF\xFE\0\xDC,\0", 6)),
+              HasSubstr("log.csv:1: is UTF-16 text that ends or breaks"));
+  EXPECT_THAT(refusal("\xFF\xFE"), HasSubstr("is empty"));
   EXPECT_THAT(refusal(std::string_view("PK\x03\x04xx", 6)), HasSubstr("spreadsheet"));
   EXPECT_THAT(refusal("t,x\r0,1\r1,2\r"), HasSubstr("CR alone"));
+}
+
+// As Windows programs write it: the low byte first, or the high one.
+TEST(Log, ReadsUtf16) {
+  const std::u16string text = u"Zeit [ms]\tWinkel [\u00B0]\r\n0\t1,5\r\n1\t2,5\r\n";
+  for (const bool low_first : {true, false}) {
+    std::string bytes = low_first ? "\xFF\xFE" : "\xFE\xFF";
+    for (const char16_t c : text) {
+      const char low = static_cast<char>(c & 0xFF);
+      const char high = static_cast<char>(c >> 8);
+      bytes += low_first ? low : high;
+      bytes += low_first ? high : low;
+    }
+    const Log log = parse_log(bytes, "log.txt");
+    EXPECT_EQ(log.rows, 2u);
+    EXPECT_EQ(log.columns.at(1).header, "Winkel [\u00B0]");
+    EXPECT_EQ(log.columns.at(1).values, (std::vector<double>{1.5, 2.5}));
+  }
 }
 
 TEST(Log, DropsACutLastRowWithANote) {

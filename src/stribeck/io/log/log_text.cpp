@@ -374,9 +374,6 @@ void check_text(std::string_view bytes, const std::string& source) {
     throw InputError(Problem{source, line, "", message});
   };
   if (bytes.empty()) fail(0, "is empty, expected a header line and data rows");
-  if (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF") {
-    fail(0, "is UTF-16 text, expected UTF-8 (save it as \"CSV UTF-8\")");
-  }
   if (bytes.substr(0, 4) == "PK\x03\x04") {
     fail(0, "is a zip archive or a spreadsheet, expected CSV text (export it as CSV)");
   }

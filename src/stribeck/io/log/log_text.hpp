@@ -49,7 +49,12 @@ std::string header_of(const std::string& name);
 /// "" and a note when there is none.
 std::string plain_unit(std::string_view text, std::string_view column, Notes& notes);
 
-/// Refuses content that is no text: empty, UTF-16, archives, NUL bytes.
+/// Whether a mark at the beginning tells UTF-16.
+bool is_utf16(std::string_view bytes);
+/// UTF-16 with its mark as UTF-8 without one. Refuses what breaks within a letter.
+std::string from_utf16(std::string_view bytes, const std::string& source);
+
+/// Refuses content that is no text: empty, archives, NUL bytes.
 void check_text(std::string_view bytes, const std::string& source);
 
 /// The same for control characters; too slow for a large table, where control characters fail as numbers anyway.
