@@ -88,6 +88,7 @@ int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
                             controller.label, travel.name, pace, figures, o.output, run.log.rows));
   for (const std::string& warning : report::status_warnings(one))
     say(o.common, "Warning: " + warning + ".\n");
+  for (const std::string& warning : run.uncovered) say(o.common, "Warning: " + warning + ".\n");
   for (const std::string& words : report::drift_words(one))
     say(o.common, "Change since identification: " + words + ".\n");
   return 0;

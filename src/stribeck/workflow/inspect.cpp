@@ -54,7 +54,7 @@ void add_columns(const io::Log& log, Inspection& out) {
   for (const io::Column& c : log.columns) {
     nlohmann::ordered_json one{{"name", c.name}, {"unit", c.unit_text}};
     one["rows"] = c.texts.empty() ? c.values.size() : c.texts.size();
-    std::string range = "text";
+    std::string range = c.texts.empty() ? "text" : "text, such as " + io::in_quotes(c.texts.front());
     if (!c.values.empty()) {
       const auto [low, high] = std::minmax_element(c.values.begin(), c.values.end());
       range = *low == *high ? "always " + short_text(*low) : short_text(*low) + " to " + short_text(*high);

@@ -86,6 +86,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   const std::vector<Given> models = given_models(machine, path, options.axis_files);
   Parameters p;
   p.knowledge.resize(machine.axes.size());
+  p.from_file.assign(machine.axes.size(), 0);
   if (options.source == "thesis") {
     for (const std::size_t i : axes) p.knowledge[i] = printed(machine, path, i, needs);
     p.words = "printed parameters of the thesis";
@@ -119,13 +120,31 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
       p.words += report::listed(what) + (closed.empty() ? " on each axis" : " on the others");
     }
   }
-  for (const Given& given : models) take(given, machine, p);
+  for (const Given& given : models) {
+    take(given, machine, p);
+    p.from_file[given.axis] = 1;
+  }
   return p;
 }
 
-std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
-                                           const std::vector<std::size_t>& axes,
-                                           const Parameters& parameters) {
+namespace {
+
+/// What adaptation says of friction on this axis at this travel is no news of the machine.
+void take_back_verdicts(sim::CompareResult& result, std::size_t travel, std::size_t axis) {
+  using enum control::DriftVerdict;
+  for (sim::CompareRow& row : result.rows) {
+    if (row.travel != travel || axis >= row.drift.size()) continue;
+    control::DriftVerdict& verdict = row.drift[axis].verdict;
+    if (verdict != kNotYet && verdict != kAsCommissioned && verdict != kAnotherMass &&
+        verdict != kAnotherDelay)
+      verdict = kAnotherShape;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
+                                        const Parameters& parameters) {
   constexpr double kLong = 0.2;  // share of the motion
   std::vector<std::string> all;
   if (parameters.axes.empty()) return all;
@@ -135,6 +154,7 @@ std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
     });
     if (row == result.rows.end()) continue;
     for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (parameters.from_file[axes[i]] != 0) continue;
       std::array<double, 2> begin{0.0, 0.0};
       for (const CommissionedModel& m : parameters.axes[axes[i]].models) {
         const auto [back, forward] = report::curve_begin(m.result);
@@ -149,6 +169,7 @@ std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
         below += v > begin[0] && v < begin[1] ? 1.0 : 0.0;
       }
       if (!(below > kLong * moving)) continue;
+      take_back_verdicts(result, travel, i);
       all.push_back(fmt::format(
           "axis {} at {}: {:.0f} % of its motion is between {:.3g} and {:.3g} mm/s, where a model of it was not "
           "identified (excite with --method jog, and give the result with --axis-file)",

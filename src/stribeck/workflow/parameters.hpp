@@ -17,16 +17,18 @@ struct ParameterOptions {
 struct Parameters {
   std::vector<sim::AxisKnowledge> knowledge;  ///< per axis of the machine
   std::vector<CommissionedAxis> axes;         ///< per axis of the machine; empty unless identified
+  std::vector<char> from_file;                ///< per axis of the machine: a file gave a model
   std::string words;                          ///< their origin in words
 };
 /// Only the models that the controllers need, for the axes that they drive; other axes have no knowledge.
 Parameters get_parameters(const sim::Machine& machine, const std::string& path,
                           const ParameterOptions& options, const sim::CompareSpec& spec);
 
-/// Axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine that the
-/// result has. At its reversals every axis is slow for a short time, which is no reason to warn.
-std::vector<std::string> coverage_warnings(const sim::CompareResult& result,
-                                           const std::vector<std::size_t>& axes,
-                                           const Parameters& parameters);
+/// Warns of axes that move for long below the speeds at which a model of theirs was identified; `axes` are those of the machine
+/// that the result has. There a change of friction that adaptation found says nothing about the machine: its verdict becomes
+/// that the model does not hold. At its reversals every axis is slow for a short time, which is no reason to warn. The range of a
+/// model from a file is not known.
+std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
+                                        const Parameters& parameters);
 
 }  // namespace stribeck::workflow

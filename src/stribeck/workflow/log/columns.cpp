@@ -192,8 +192,12 @@ const std::string& header_of(const io::Column& c) { return c.header.empty() ? c.
 std::string column_names(const io::Log& log) {
   std::string names;
   constexpr std::size_t kMost = 60;
-  for (std::size_t i = 0; i < log.columns.size() && i < kMost; ++i)
-    names += (names.empty() ? "" : ", ") + io::in_quotes(header_of(log.columns[i]));
+  for (std::size_t i = 0; i < log.columns.size() && i < kMost; ++i) {
+    const io::Column& c = log.columns[i];
+    names += (names.empty() ? "" : ", ") + io::in_quotes(header_of(c));
+    // Thousands separators, units beside the numbers, …: the column is there, but holds no numbers.
+    if (!c.texts.empty()) names += fmt::format(" (text, such as {})", io::in_quotes(c.texts.front()));
+  }
   if (log.columns.size() > kMost) names += fmt::format(", and {} more", log.columns.size() - kMost);
   return names;
 }

@@ -62,7 +62,7 @@ Comparison run_comparison(const ComparisonOptions& o,
   check_travel(out.machine, o.machine, spec);
   out.parameters = get_parameters(out.machine, o.machine, o.parameters, spec);
   out.result = sim::compare(out.machine, out.parameters.knowledge, spec, progress);
-  out.uncovered = coverage_warnings(out.result, sim::chosen_axes(out.machine, spec), out.parameters);
+  out.uncovered = check_coverage(out.result, sim::chosen_axes(out.machine, spec), out.parameters);
   return out;
 }
 

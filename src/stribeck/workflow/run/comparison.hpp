@@ -43,7 +43,7 @@ struct Comparison {
   sim::Machine machine;
   Parameters parameters;
   sim::CompareResult result;
-  std::vector<std::string> uncovered;  ///< coverage_warnings() of the result
+  std::vector<std::string> uncovered;  ///< check_coverage() of the result
 };
 
 /// progress(done, all) may be called from any thread, one call at a time.

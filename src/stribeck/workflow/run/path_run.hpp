@@ -10,6 +10,7 @@
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/single_run.hpp>
 #include <string>
+#include <vector>
 
 namespace stribeck::workflow {
 
@@ -23,8 +24,9 @@ struct PathRunOptions {
 struct PathRun {
   std::string experiment;
   sim::CompareSpec spec;
-  sim::CompareResult result;  ///< one row
-  io::Log log;                ///< its trace
+  sim::CompareResult result;           ///< one row
+  io::Log log;                         ///< its trace
+  std::vector<std::string> uncovered;  ///< check_coverage() of the result
 };
 
 /// `file`: where the machine comes from, for messages.
