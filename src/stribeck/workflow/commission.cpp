@@ -6,6 +6,8 @@
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/report/parameters.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <utility>
@@ -152,6 +154,14 @@ bool coarse_encoder(const sim::Machine& machine, std::size_t axis) {
   return a.plant.encoder.resolution / machine.sample_time > kCounts * a.limits.speed;
 }
 
+/// Whether the logs so far say nothing of the speeds at which friction of guides and screws rises. A sine over the whole travel
+/// of a fast axis is there for a few rows only.
+bool misses_slow_motion(const ident::Result& result) {
+  constexpr double kRises = 1e-3;  // [m/s]
+  const auto [back, forward] = report::curve_begin(result);
+  return !(std::fmax(-back, forward) <= kRises);
+}
+
 /// A model by jogs: map with or without Gaussians, mass and load of the `whole` model, which other logs tell.
 ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::Result& whole,
                      bool gaussians) {
@@ -169,80 +179,116 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
   return result;
 }
 
-CommissionedAxis commissioned(const sim::Machine& machine, std::size_t axis, const Needs& needs,
-                              std::uint64_t seed) {
-  const std::string& name = machine.axes[axis].first;
-  CommissionedAxis l;
-  const auto add = [&](const ident::excitation::Excitation& e) {
-    l.logs.emplace_back(fmt::format("{}-{}.csv", name, enum_name(e.method)),
-                        play(machine, axis, e.r, e.force, seed));
-    return as_record(l.logs.back().second, l.logs.back().first);
-  };
-  const auto keep = [&](const char* kind, const std::vector<ident::log::Record>& records,
-                        const ident::Result& result) {
+/// One axis while its logs are recorded and its models identified.
+class Run {
+ public:
+  Run(const sim::Machine& machine, std::size_t axis, const Needs& needs, std::uint64_t seed)
+      : machine_(machine), axis_(axis), needs_(needs), seed_(seed) {}
+
+  CommissionedAxis in_closed_loop();
+  CommissionedAxis by_pulses();
+
+ private:
+  using Records = std::vector<ident::log::Record>;
+
+  ident::log::Record add(ExcitationMethod method, int periods = 0,
+                         const std::optional<ident::excitation::RoughDrive>& known = {}) {
+    const ident::excitation::Excitation e = design(machine_, axis_, method, periods, known);
+    out_.logs.emplace_back(fmt::format("{}-{}.csv", machine_.axes[axis_].first, enum_name(e.method)),
+                           play(machine_, axis_, e.r, e.force, seed_));
+    return as_record(out_.logs.back().second, out_.logs.back().first);
+  }
+  friction::AxisModel keep(const char* kind, const Records& records, const ident::Result& result) {
     CommissionedModel m{kind, {}, result};
     for (const ident::log::Record& r : records) m.sources.push_back(r.source);
     require_determined(result, records.front().source);
-    l.models.push_back(std::move(m));
+    out_.models.push_back(std::move(m));
     return as_model(result);
-  };
-  if (machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
-      hold(machine, axis, seed).falls()) {
-    // The drive takes no force, or forces in open loop would let the axis fall, or the methods for open loop do not suit the
-    // encoder: everything in closed loop, jogs for friction, triangles of speed for the mass.
-    const ident::log::Record turns =
-        add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
-    const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));
-    const ident::log::Record triangles =
-        add(design(machine, axis, ExcitationMethod::kConstantAcceleration, 0));
-    const ident::Result whole = ident::drive::identify_drive({triangles, turns, jogs}, {});
-    l.knowledge.eccentric = keep("eccentric", {triangles, turns, jogs}, whole);
-    l.knowledge.whole = l.knowledge.eccentric;
-    if (needs.conventional) {
-      l.knowledge.conventional = keep("conventional", {jogs, triangles, turns}, jogged({jogs}, whole, false));
-      l.knowledge.conventional->friction.eccentric = {};
-    }
-    if (needs.gaussian)
-      l.knowledge.gaussian = keep("gaussian", {jogs, triangles, turns}, jogged({jogs}, whole, true));
-    return l;
   }
-  // The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
-  const ident::excitation::Excitation first = design(machine, axis, ExcitationMethod::kPulses, 0);
-  const ident::log::Record tried =
-      as_record(play(machine, axis, first.r, first.force, seed), name + ", first pulses");
-  const ident::excitation::RoughDrive drive =
-      ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result);
-  const ident::log::Record pulses = add(design(machine, axis, ExcitationMethod::kPulses, 0, drive));
+  /// Jogs are recorded once.
+  const ident::log::Record& jogs() {
+    if (!jogs_) jogs_ = add(ExcitationMethod::kJog);
+    return *jogs_;
+  }
+  ident::log::Record pulses();
+  /// From these logs, and from jogs where they say nothing of slow motion; the jogs are then among the records.
+  ident::Result whole_of(Records& records);
+
+  const sim::Machine& machine_;
+  std::size_t axis_;
+  const Needs& needs_;
+  std::uint64_t seed_;
+  CommissionedAxis out_;
+  std::optional<ident::log::Record> jogs_;
+};
+
+ident::Result Run::whole_of(Records& records) {
+  ident::Result whole = ident::drive::identify_drive(records, {});
+  if (!misses_slow_motion(whole)) return whole;
+  records.push_back(jogs());
+  return ident::drive::identify_drive(records, {});
+}
+
+/// The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
+ident::log::Record Run::pulses() {
+  const ident::excitation::Excitation first = design(machine_, axis_, ExcitationMethod::kPulses, 0);
+  const ident::log::Record tried = as_record(play(machine_, axis_, first.r, first.force, seed_),
+                                             machine_.axes[axis_].first + ", first pulses");
+  return add(ExcitationMethod::kPulses, 0,
+             ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result));
+}
+
+/// Jogs for friction, triangles of speed for the mass.
+CommissionedAxis Run::in_closed_loop() {
+  const ident::log::Record turns = add(ExcitationMethod::kPositionSine, kPositionPeriods);
+  jogs();
+  const ident::log::Record triangles = add(ExcitationMethod::kConstantAcceleration);
+  const ident::Result whole = ident::drive::identify_drive({triangles, turns, jogs()}, {});
+  sim::AxisKnowledge& knows = out_.knowledge;
+  knows.eccentric = keep("eccentric", {triangles, turns, jogs()}, whole);
+  knows.whole = knows.eccentric;
+  if (needs_.conventional) {
+    knows.conventional = keep("conventional", {jogs(), triangles, turns}, jogged({jogs()}, whole, false));
+    knows.conventional->friction.eccentric = {};
+  }
+  if (needs_.gaussian)
+    knows.gaussian = keep("gaussian", {jogs(), triangles, turns}, jogged({jogs()}, whole, true));
+  return std::move(out_);
+}
+
+CommissionedAxis Run::by_pulses() {
+  const ident::log::Record strong = pulses();
+  sim::AxisKnowledge& knows = out_.knowledge;
   // As in the thesis: Table 2.1 from pulses on one and two axes, Table 4.2 from jogs on the machine tool. The choice depends on the
   // machine, not on other requests.
-  const bool by_jogs = machine.axes.size() > 2;
-  if (needs.eccentric || (by_jogs && (needs.conventional || needs.whole))) {
+  const bool by_jogs = machine_.axes.size() > 2;
+  if (needs_.eccentric || (by_jogs && (needs_.conventional || needs_.whole))) {
     // With bristles and the sine in the fit, pulses determine the mass; without them it is some per cent too low.
-    const ident::log::Record turns =
-        add(design(machine, axis, ExcitationMethod::kPositionSine, kPositionPeriods));
-    const ident::Result whole = ident::drive::identify_drive({pulses, turns}, {});
-    l.knowledge.eccentric = keep("eccentric", {pulses, turns}, whole);
-    if (by_jogs) l.knowledge.whole = l.knowledge.eccentric;
-    if (needs.conventional && by_jogs) {
-      const ident::log::Record jogs = add(design(machine, axis, ExcitationMethod::kJog, 0));
-      l.knowledge.conventional = keep("conventional", {jogs, pulses, turns}, jogged({jogs}, whole, false));
+    Records records{strong, add(ExcitationMethod::kPositionSine, kPositionPeriods)};
+    const ident::log::Record turns = records.back();
+    const ident::Result whole = whole_of(records);
+    knows.eccentric = keep("eccentric", records, whole);
+    if (by_jogs) knows.whole = knows.eccentric;
+    if (needs_.conventional && by_jogs) {
+      knows.conventional = keep("conventional", {jogs(), strong, turns}, jogged({jogs()}, whole, false));
       // (2.9) has no term periodic in position. The fit of the jogs finds one, however, and is better with it.
-      l.knowledge.conventional->friction.eccentric = {};
+      knows.conventional->friction.eccentric = {};
     }
   }
-  if (needs.conventional && !by_jogs) {
-    l.knowledge.conventional =
-        keep("conventional", {pulses}, ident::methods::identify_least_squares_a({pulses}).result);
+  if (needs_.conventional && !by_jogs) {
+    knows.conventional =
+        keep("conventional", {strong}, ident::methods::identify_least_squares_a({strong}).result);
   }
-  if (needs.gaussian || (needs.whole && !by_jogs)) {
-    const ident::log::Record sine = add(design(machine, axis, ExcitationMethod::kSine, kSinePeriods));
-    if (needs.gaussian)
-      l.knowledge.gaussian =
-          keep("gaussian", {pulses, sine}, ident::methods::identify_velocity_map({pulses, sine}));
-    if (needs.whole && !by_jogs)
-      l.knowledge.whole = keep("whole", {pulses, sine}, ident::drive::identify_drive({pulses, sine}, {}));
+  if (needs_.gaussian || (needs_.whole && !by_jogs)) {
+    Records records{strong, add(ExcitationMethod::kSine, kSinePeriods)};
+    if (needs_.gaussian)
+      knows.gaussian = keep("gaussian", records, ident::methods::identify_velocity_map(records));
+    if (needs_.whole && !by_jogs) {
+      const ident::Result whole = whole_of(records);
+      knows.whole = keep("whole", records, whole);
+    }
   }
-  return l;
+  return std::move(out_);
 }
 
 }  // namespace
@@ -250,7 +296,12 @@ CommissionedAxis commissioned(const sim::Machine& machine, std::size_t axis, con
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
                                  std::uint64_t seed) {
   try {
-    return commissioned(machine, axis, needs, seed);
+    Run run(machine, axis, needs, seed);
+    // Where the drive takes no force, or forces in open loop would let the axis fall, or the methods for open loop do not suit the
+    // encoder, everything is recorded in closed loop.
+    const bool closed = machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
+                        hold(machine, axis, seed).falls();
+    return closed ? run.in_closed_loop() : run.by_pulses();
   } catch (const ident::Refused& e) {
     throw ident::Refused(fmt::format("axis {}: {}", machine.axes[axis].first, e.what()));
   }
