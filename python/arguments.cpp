@@ -134,6 +134,9 @@ std::vector<std::string> paths_of(const py::handle& object, const std::string& n
 }
 
 Values values_of(const py::handle& object, const std::string& name) {
+  // NumPy would hand over what stands behind the mask.
+  if (py::isinstance(object, py::module_::import("numpy.ma").attr("MaskedArray")))
+    refuse(name, "got a masked array, expected every value (cut the masked rows out of all columns)");
   const py::array any = py::array::ensure(object);
   if (!any) {
     PyErr_Clear();
