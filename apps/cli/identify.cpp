@@ -89,7 +89,8 @@ report::IdentifyReportInput page_input(const Identification& found, const AxisRe
                                        const report::Made& made) {
   std::vector<ident::Result> shown{found.result};
   shown.insert(shown.end(), found.beside.begin(), found.beside.end());
-  return {axis.axis, shown, axis.sources, made.command, made.version, found.quality, made.inputs};
+  return {axis.axis,    shown,         axis.sources, made.command,
+          made.version, found.quality, made.inputs,  found.lost_motion};
 }
 
 void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {

@@ -17,6 +17,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
+#include <stribeck/workflow/log/encoders.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -340,6 +341,7 @@ class RecordsOfAxis {
     }
     ident::log::Conditioned clean = condition_log(log, options_, &notes);
     for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
+    if (auto encoders = both_encoders(log, options_, notes)) axis_.encoders.push_back(std::move(*encoders));
     for (std::string& note : notes) {
       axis_.notes.push_back(note.starts_with(name) ? std::move(note) : fmt::format("{}: {}", name, note));
     }
@@ -386,6 +388,7 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
       diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
   ident::Result& result = found.result;
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
+  if (!axis.encoders.empty()) found.lost_motion = ident::lost_motion::identify(axis.encoders);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
   return found;
 }

@@ -16,6 +16,7 @@
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/lost_motion/lost_motion.hpp>
 #include <stribeck/ident/methods/idim_ls.hpp>
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
@@ -49,11 +50,12 @@ struct IdentifyOptions {
 /// Records of one axis from all its logs, and the findings from reading them.
 struct AxisRecords {
   std::vector<ident::log::Record> records;
-  std::size_t runs = 0;            ///< number of separate runs
-  bool one_direction = false;      ///< all of them move in the same direction
-  std::vector<std::string> notes;  ///< each begins with the name of its log
-  std::string sources;             ///< names of the logs
-  std::string axis;                ///< name of the axis; empty: none was given
+  std::size_t runs = 0;                                   ///< number of separate runs
+  bool one_direction = false;                             ///< all of them move in the same direction
+  std::vector<std::string> notes;                         ///< each begins with the name of its log
+  std::string sources;                                    ///< names of the logs
+  std::string axis;                                       ///< name of the axis; empty: none was given
+  std::vector<ident::lost_motion::Positions> encoders{};  ///< of logs with two positions
 };
 
 struct Identification {
@@ -64,6 +66,7 @@ struct Identification {
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
   std::optional<ident::residual::Quality>
       quality{};  ///< what the model leaves; absent: not a model of velocity
+  std::optional<ident::lost_motion::LostMotion> lost_motion{};  ///< absent: one encoder only
 };
 
 /// Refuses options that the method would not use.

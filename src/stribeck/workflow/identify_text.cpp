@@ -3,6 +3,7 @@
 
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/json.hpp>
+#include <stribeck/report/lost_motion/lost_motion_report.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 
@@ -89,6 +90,7 @@ nlohmann::ordered_json to_json(const Identification& found, const std::string& a
   const ident::Result& result = found.result;
   auto json = report::to_json(result, axis);
   if (found.quality) json["quality"] = quality_json(*found.quality);
+  if (found.lost_motion) json["lost_motion"] = report::lost_motion_json(*found.lost_motion);
   if (found.published) json["published"] = published_json(*found.published, by_direction(*found.published));
   if (result.peaks) json["peaks"] = {{"positive", (*result.peaks)[0]}, {"negative", (*result.peaks)[1]}};
   if (found.model_a) {
@@ -104,6 +106,7 @@ std::string text_of(const Identification& found, const std::string& axis) {
   std::string out = report::text_table(result, axis);
   if (found.quality && found.quality->rows > 0)
     out += '\n' + ident::residual::in_words(*found.quality, result.force_unit) + '\n';
+  if (found.lost_motion) out += report::lost_motion_text(*found.lost_motion);
   for (const ident::Result& other : found.beside) out += report::text_table(other, axis);
   if (result.peaks && found.result.method == Method::kVelocityMap) {
     out += fmt::format(

@@ -5,6 +5,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/html.hpp>
+#include <stribeck/report/lost_motion/lost_motion_report.hpp>
 #include <stribeck/report/pages/identify_report.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/text.hpp>
@@ -208,6 +209,12 @@ Page identify_report_page(const IdentifyReportInput& input) {
     parameters(page, r);
     residuals(page, r, first);
     if (first && input.quality) quality(page, *input.quality, units_of(r));
+    if (first && input.lost_motion) {
+      page.section("Lost motion");
+      page.paragraph(kLostMotionMeaning);
+      page.table(lost_motion_table(*input.lost_motion));
+      page.list("What this log does not tell of it", input.lost_motion->words);
+    }
     if (first && !r.models.empty()) page.section("Choice of the model");
     if (!r.models.empty()) {
       page.table(candidate_table(r));

@@ -7,6 +7,7 @@
 /// Errors: io::InputError of files and of gnuplot.
 
 #include <optional>
+#include <stribeck/ident/lost_motion/lost_motion.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/report/page/output.hpp>
@@ -21,8 +22,9 @@ struct IdentifyReportInput {
   std::string source = {};                  ///< log or recording, as the user named it
   std::string command = {};
   std::string version = {};
-  std::optional<ident::residual::Quality> quality = {};  ///< what the chosen one leaves, over time
-  std::vector<InputFile> inputs = {};                    ///< that the result came from
+  std::optional<ident::residual::Quality> quality = {};            ///< what the chosen one leaves, over time
+  std::vector<InputFile> inputs = {};                              ///< that the result came from
+  std::optional<ident::lost_motion::LostMotion> lost_motion = {};  ///< of an axis with two encoders
 };
 
 /// Kind of result and method, e.g. "conventional model by jog"; a method without a model in plain words.

@@ -25,6 +25,8 @@ enum class LogQuantity {
   kTime,
   kReference,
   kPosition,
+  kMotor,  ///< position of the motor, beside that of the table
+  kScale,  ///< position of the table, beside that of the motor
   kVelocity,
   kReferenceVelocity,
   kAcceleration,
@@ -101,9 +103,11 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
 template <>
 struct stribeck::EnumNames<stribeck::workflow::LogQuantity> {
   using Q = stribeck::workflow::LogQuantity;
-  static constexpr std::array<std::pair<Q, std::string_view>, 11> names{{{Q::kTime, "t"},
+  static constexpr std::array<std::pair<Q, std::string_view>, 13> names{{{Q::kTime, "t"},
                                                                          {Q::kReference, "r"},
                                                                          {Q::kPosition, "x"},
+                                                                         {Q::kMotor, "motor"},
+                                                                         {Q::kScale, "scale"},
                                                                          {Q::kVelocity, "v"},
                                                                          {Q::kReferenceVelocity, "v_ref"},
                                                                          {Q::kAcceleration, "a"},

@@ -31,6 +31,8 @@ const std::vector<KnownColumn>& known_quantities() {
         {"actualposition"},
         {"s ist", "s actual", "s act"},
         {"actpos", "position actual value"}}},
+      {LogQuantity::kMotor, quantity("m", "mm"), {{"motor"}}},
+      {LogQuantity::kScale, quantity("m", "mm"), {{"scale"}}},
       {LogQuantity::kVelocity,
        quantity("m/s", "mm/s"),
        {{"v"},
