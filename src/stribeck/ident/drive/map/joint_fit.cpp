@@ -186,26 +186,31 @@ void scan_widths(const Pooled& sums, const std::vector<Width>& widths, JointFit&
 
 JointFit fit_jointly(const map::StaticFit& start, const LinearFit& fit, std::size_t without) {
   const Pooled sums(fit, without);
-  JointFit out{start, VectorXd::Zero(static_cast<Index>(fit.sums.layout.terms)), false};
   const std::vector<Width> widths = widths_of(start, sums);
-  if (!widths.empty()) scan_widths(sums, widths, out);
-  const auto within = [&](map::StaticFit& map) {
-    return std::all_of(widths.begin(), widths.end(), [&](const Width& w) {
-      return w.of(map) >= w.low && w.of(map) <= std::max(w.low, w.high);
-    });
-  };
-  double least = widths.empty() ? std::numeric_limits<double>::infinity() : sums.loss(out);
+  JointFit plain{start, VectorXd::Zero(static_cast<Index>(fit.sums.layout.terms)), false};
+  JointFit scanned = plain;
+  // From the start alone, which may lie outside the widths that are scanned; the first step may make the residual larger.
   for (int i = 0; i < kSteps; ++i) {
-    JointFit next = out;
-    const double moved = sums.step(next, {});
-    if (moved < 0.0 && !std::isfinite(least)) return out;
-    if (moved < 0.0 || !(sums.loss(next) < least) || !within(next.map)) break;
-    least = sums.loss(next);
-    out = std::move(next);
+    const double moved = sums.step(plain, {});
+    if (moved < 0.0) break;
+    plain.good = true;
     if (moved < 1e-6) break;
   }
-  out.good = out.map.plausible();
-  return out;
+  plain.good = plain.good && plain.map.plausible();
+  if (widths.empty()) return plain;
+  scan_widths(sums, widths, scanned);
+  double least = sums.loss(scanned);
+  for (int i = 0; i < kSteps; ++i) {
+    JointFit next = scanned;
+    const double moved = sums.step(next, {});
+    if (moved < 0.0 || !(sums.loss(next) < least)) break;
+    least = sums.loss(next);
+    scanned = std::move(next);
+    if (moved < 1e-6) break;
+  }
+  scanned.good = std::isfinite(least) && scanned.map.plausible();
+  if (!scanned.good) return plain;
+  return plain.good && sums.loss(plain) < least ? plain : scanned;
 }
 
 double loss_of(const JointFit& joint, const Sums& sums, std::size_t block) {

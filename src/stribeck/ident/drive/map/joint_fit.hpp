@@ -2,7 +2,8 @@
 /// A steady map fitted together with the linear terms (mass, periodic terms, shift), on the sums of the bins.
 ///
 /// The width of a Stribeck part is scanned, because with it given everything else is linear; Gauss–Newton from the best width
-/// then ends the fit, where it makes the residual smaller. A map with several Gaussians is fitted by Gauss–Newton alone.
+/// then ends the fit, where it makes the residual smaller. Gauss–Newton from the start alone competes: a width outside the scan may
+/// be the right one.
 ///
 /// Inside ident only. Real time: no.
 
