@@ -2,6 +2,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/text.hpp>
@@ -10,6 +11,7 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr int kPasses = 5;                 ///< largest number of searches beside the terms found
+constexpr double kSettledForce = 2e-3;     ///< of the terms together; a smaller change counts as none
 constexpr double kErrorsBesideMaps = 2.0;  ///< of the gain, for terms that do not stand out beside the bins
 constexpr double kSettled =
     0.05;  ///< share of the width of a period's interval; a smaller change counts as none
@@ -65,7 +67,7 @@ std::optional<JointFit> best_joint(const std::vector<map::StaticFit>& maps, cons
 
 /// Fits the linear terms beside the periodic ones and searches again, until the periods no longer change.
 bool settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::PeriodicOptions& search,
-                        std::vector<map::PeriodicTerm> found, PeriodicChoice& out) {
+                        std::vector<map::PeriodicTerm>& found, PeriodicChoice& out) {
   for (int k = 0; k <= kPasses; ++k) {
     take_terms(out.terms, log, found);
     out.fit = solve(log, rows, out.terms, &out.fit);
@@ -79,10 +81,9 @@ bool settle_beside_bins(const AlignedLog& log, const Rows& rows, const map::Peri
 
 /// The same beside maps of few parameters, from the strongest line on; true when terms stand out at the end.
 bool search_beside_maps(const AlignedLog& log, const Rows& rows, map::PeriodicOptions search,
-                        PeriodicChoice& out) {
+                        std::vector<map::PeriodicTerm>& found, PeriodicChoice& out) {
   Terms terms = out.terms;
   LinearFit fit = out.fit;
-  std::vector<map::PeriodicTerm> found;
   for (int k = 0; k <= kPasses; ++k) {
     const std::optional<JointFit> joint = best_joint(out.map.map.simple, fit);
     if (!joint) return false;
@@ -97,6 +98,43 @@ bool search_beside_maps(const AlignedLog& log, const Rows& rows, map::PeriodicOp
   out.terms = std::move(terms);
   out.fit = std::move(fit);
   return true;
+}
+
+/// The slope within a bin comes from the curve of the fit before, which has a part of the terms at first: fits until they stay.
+LinearFit solve_settled(const AlignedLog& log, const Rows& rows, const Terms& terms, LinearFit fit) {
+  const auto first = static_cast<Index>(terms.first_periodic());
+  const auto count = static_cast<Index>(2 * terms.periodic.size());
+  fit = solve(log, rows, terms, &fit);
+  for (int k = 1; k < kPasses; ++k) {
+    const VectorXd before = fit.value.segment(first, count);
+    fit = solve(log, rows, terms, &fit);
+    const VectorXd now = fit.value.segment(first, count);
+    if ((now - before).norm() < kSettledForce * now.norm()) break;
+  }
+  return fit;
+}
+
+double sum_of(const std::vector<double>& loss) { return std::accumulate(loss.begin(), loss.end(), 0.0); }
+
+/// Searches again beside the chosen map, which cannot follow a term as the bins can, while held-out motion is predicted better.
+void settle_beside_map(const AlignedLog& log, const Rows& rows, const map::PeriodicOptions& search,
+                       const DriveFitOptions& options, std::vector<map::PeriodicTerm> found,
+                       PeriodicChoice& out, MapChoice& with) {
+  for (int k = 0; k < kPasses; ++k) {
+    const JointFit joint{with.map.fit, with.joint.value_or(out.fit.value), true};
+    map::PeriodicResult again =
+        map::find_periodic(rows_for_periodic(log, rows, out.terms, out.fit, &joint), search);
+    if (again.terms.empty() || same_terms(again.terms, found)) return;
+    Terms terms = out.terms;
+    take_terms(terms, log, again.terms);
+    LinearFit fit = solve_settled(log, rows, terms, out.fit);
+    MapChoice next = with_joint_fits(choose_map(log, rows, terms, fit, options), fit);
+    if (!(sum_of(next.map.block_loss) < sum_of(with.map.block_loss))) return;
+    found = std::move(again.terms);
+    out.terms = std::move(terms);
+    out.fit = std::move(fit);
+    with = std::move(next);
+  }
 }
 
 }  // namespace
@@ -153,13 +191,16 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
   map::PeriodicResult first = map::find_periodic(rows_for_periodic(log, rows, terms, fit), search);
   for (const std::string& note : first.notes) notes.warn(note);
   PeriodicChoice out{std::move(map), terms, fit, std::move(first.spectrum)};
-  bool beside_bins = !first.terms.empty();
-  const bool found = beside_bins ? settle_beside_bins(log, rows, search, std::move(first.terms), out)
-                                 : search_beside_maps(log, rows, search, out);
+  std::vector<map::PeriodicTerm> terms_found = std::move(first.terms);
+  const bool beside_bins = !terms_found.empty();
+  const bool found = beside_bins ? settle_beside_bins(log, rows, search, terms_found, out)
+                                 : search_beside_maps(log, rows, search, terms_found, out);
   if (!found || beside_bins)
     notes.cannot_tell.insert(notes.cannot_tell.end(), first.cannot_tell.begin(), first.cannot_tell.end());
   if (!found) return out;
+  if (!beside_bins) out.fit = solve_settled(log, rows, out.terms, std::move(out.fit));
   MapChoice with = with_joint_fits(choose_map(log, rows, out.terms, out.fit, options), out.fit);
+  if (!beside_bins) settle_beside_map(log, rows, search, options, std::move(terms_found), out, with);
   const Gain gain = gain_of(out.map.map.block_loss, with.map.block_loss);
   const bool better = gain.sum > (beside_bins ? 1.0 : kErrorsBesideMaps) * gain.error;
   Candidate plain, periodic;

@@ -84,6 +84,33 @@ TEST(PeriodicChoice, ATermIsFoundOnAPlainSine) {
   }
 }
 
+// The map of few parameters beside which the search begins has no bump: only beside the chosen map the period comes right.
+TEST(PeriodicChoice, ATermIsFoundBesideABumpOfFriction) {
+  constexpr double kLead = 0.012;
+  std::mt19937_64 engine(2);
+  std::normal_distribution<double> normal;
+  const auto friction = [](double speed) {
+    return 40.0 + 300.0 * speed + 12.0 * std::exp(-std::pow((speed - 0.05) / 0.02, 2.0)) +
+           8.0 * std::exp(-std::pow(speed / 0.003, 2.0));
+  };
+  const testing::SyntheticLog s = testing::synthetic_log(
+      [&](double x, double v, double a) {
+        const double d = v > 0.0 ? 1.0 : -1.0;
+        return 250.0 * a + d * (friction(std::abs(v)) + 6.0 * std::sin(2.0 * kPi * x / kLead + 1.5)) +
+               normal(engine);
+      },
+      0.0);
+  const Chosen c = choose(s);
+  ASSERT_EQ(c.choice.terms.periodic.size(), 1u);
+  EXPECT_NEAR(c.choice.terms.periodic[0].period, kLead, 1e-4 * kLead);
+  const VectorXd& value = c.choice.map.joint ? *c.choice.map.joint : c.choice.fit.value;
+  EXPECT_NEAR(std::hypot(value(1), value(2)), 6.0, 0.1);
+  for (const double speed : {0.01, 0.03, 0.05, 0.09}) {
+    EXPECT_NEAR(c.choice.map.map.fit.force(0, speed), friction(speed), 0.2);
+    EXPECT_NEAR(c.choice.map.map.fit.force(1, speed), friction(speed), 0.2);
+  }
+}
+
 TEST(PeriodicChoice, ABumpOfFrictionOnAPlainSineIsNoTerm) {
   std::mt19937_64 engine(2);
   std::normal_distribution<double> normal;
