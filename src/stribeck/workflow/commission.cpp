@@ -7,7 +7,6 @@
 #include <stribeck/ident/methods/least_squares_a.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
-#include <stribeck/report/parameters.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <utility>
@@ -154,14 +153,6 @@ bool coarse_encoder(const sim::Machine& machine, std::size_t axis) {
   return a.plant.encoder.resolution / machine.sample_time > kCounts * a.limits.speed;
 }
 
-/// Whether the logs so far say nothing of the speeds at which friction of guides and screws rises. A sine over the whole travel
-/// of a fast axis is there for a few rows only.
-bool misses_slow_motion(const ident::Result& result) {
-  constexpr double kRises = 1e-3;  // [m/s]
-  const auto [back, forward] = report::curve_begin(result);
-  return !(std::fmax(-back, forward) <= kRises);
-}
-
 /// A model by jogs: map with or without Gaussians, mass and load of the `whole` model, which other logs tell.
 ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::Result& whole,
                      bool gaussians) {
@@ -211,9 +202,6 @@ class Run {
     return *jogs_;
   }
   ident::log::Record pulses();
-  /// From these logs, and from jogs where they say nothing of slow motion; the jogs are then among the records.
-  ident::Result whole_of(Records& records);
-
   const sim::Machine& machine_;
   std::size_t axis_;
   const Needs& needs_;
@@ -221,13 +209,6 @@ class Run {
   CommissionedAxis out_;
   std::optional<ident::log::Record> jogs_;
 };
-
-ident::Result Run::whole_of(Records& records) {
-  ident::Result whole = ident::drive::identify_drive(records, {});
-  if (!misses_slow_motion(whole)) return whole;
-  records.push_back(jogs());
-  return ident::drive::identify_drive(records, {});
-}
 
 /// The first run only tells the forces for the second one, which then covers the permitted speeds of the axis.
 ident::log::Record Run::pulses() {
@@ -264,9 +245,9 @@ CommissionedAxis Run::by_pulses() {
   const bool by_jogs = machine_.axes.size() > 2;
   if (needs_.eccentric || (by_jogs && (needs_.conventional || needs_.whole))) {
     // With bristles and the sine in the fit, pulses determine the mass; without them it is some per cent too low.
-    Records records{strong, add(ExcitationMethod::kPositionSine, kPositionPeriods)};
-    const ident::log::Record turns = records.back();
-    const ident::Result whole = whole_of(records);
+    const Records records{strong, add(ExcitationMethod::kPositionSine, kPositionPeriods)};
+    const ident::log::Record& turns = records.back();
+    const ident::Result whole = ident::drive::identify_drive(records, {});
     knows.eccentric = keep("eccentric", records, whole);
     if (by_jogs) knows.whole = knows.eccentric;
     if (needs_.conventional && by_jogs) {
@@ -280,13 +261,11 @@ CommissionedAxis Run::by_pulses() {
         keep("conventional", {strong}, ident::methods::identify_least_squares_a({strong}).result);
   }
   if (needs_.gaussian || (needs_.whole && !by_jogs)) {
-    Records records{strong, add(ExcitationMethod::kSine, kSinePeriods)};
+    const Records records{strong, add(ExcitationMethod::kSine, kSinePeriods)};
     if (needs_.gaussian)
       knows.gaussian = keep("gaussian", records, ident::methods::identify_velocity_map(records));
-    if (needs_.whole && !by_jogs) {
-      const ident::Result whole = whole_of(records);
-      knows.whole = keep("whole", records, whole);
-    }
+    if (needs_.whole && !by_jogs)
+      knows.whole = keep("whole", records, ident::drive::identify_drive(records, {}));
   }
   return std::move(out_);
 }

@@ -106,14 +106,8 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     const std::string in_closed_loop = fmt::format(
         "strokes of constant acceleration, {} periods of a sine about the middle and jogs", kPositionPeriods);
     std::vector<std::string> what{"pulses"};
-    const bool by_jogs = std::any_of(axes.begin(), axes.end(), [&](std::size_t i) {
-      const auto pulses = [](const auto& log) { return log.first.ends_with("-pulses.csv"); };
-      const auto jogs = [](const auto& log) { return log.first.ends_with("-jog.csv"); };
-      const auto& logs = p.axes[i].logs;
-      return std::any_of(logs.begin(), logs.end(), pulses) && std::any_of(logs.begin(), logs.end(), jogs);
-    });
-    if (needs.eccentric || (needs.conventional && machine.axes.size() > 2) ||
-        (needs.whole && machine.axes.size() > 2))
+    const bool by_jogs = needs.conventional && machine.axes.size() > 2;
+    if (needs.eccentric || by_jogs || (needs.whole && machine.axes.size() > 2))
       what.push_back(fmt::format("{} periods of a sine about the middle", kPositionPeriods));
     if (by_jogs) what.push_back("jogs");
     if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
