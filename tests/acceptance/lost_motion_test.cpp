@@ -95,6 +95,20 @@ TEST(LostMotion, IsFoundOverAGridWithCoarseEncoders) {
   EXPECT_GE(apart, 7);
 }
 
+// After a pulse of force the axis coasts: friction brakes motor and table each for itself, and the spring shows half of its wind-up.
+TEST(LostMotion, IsNotReadFromAnAxisThatCoasts) {
+  const sim::Machine m = workflow::built_in_machine("lost-motion");
+  std::vector<double> force;
+  for (int pulse = 0; pulse < 30; ++pulse) {
+    for (int k = 0; k < 1000; ++k) force.push_back(k < 100 ? (pulse % 2 == 0 ? 700.0 : -700.0) : 0.0);
+  }
+  const sim::Recording log = sim::record_open_loop(m, 0, force, 0.0, 1, 20e-9);
+  const LostMotion found = ident::lost_motion::identify({{m.sample_time, log.x, log.scale, log.f}});
+  EXPECT_FALSE(found.total || found.backlash || found.stiffness);
+  ASSERT_FALSE(found.words.empty());
+  EXPECT_NE(found.words.front().find("coasts"), std::string::npos) << found.words.front();
+}
+
 TEST(LostMotion, BacklashThatChangesAlongTheTravelIsSaidSo) {
   const plant::LostMotion lost{12e-6, 100e-6, 30e6, 0.15, 0.25, 0.6};
   const LostMotion found = ident::lost_motion::identify({run_of(machine_with(lost, 0.1e-6), 3)});

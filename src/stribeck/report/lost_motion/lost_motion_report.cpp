@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -46,8 +47,10 @@ Table lost_motion_table(const LostMotion& found) {
 }
 
 std::string lost_motion_text(const LostMotion& found) {
-  std::string out =
-      fmt::format("\n{:<26}{:>10}{:>11}{:>9}  unit\n", "lost motion", "value", "95 % from", "to");
+  std::string out = "\n";
+  if (std::any_of(kShown.begin(), kShown.end(),
+                  [&](const Shown& s) { return (found.*s.member).has_value(); }))
+    out += fmt::format("{:<26}{:>10}{:>11}{:>9}  unit\n", "lost motion", "value", "95 % from", "to");
   for (const Shown& s : kShown) {
     const std::optional<Estimate>& e = found.*s.member;
     if (!e) continue;
