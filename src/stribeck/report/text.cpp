@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/report/text.hpp>
 
@@ -60,13 +61,7 @@ std::string with_sign(double value, int digits) {
 
 std::string short_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
 
-std::string significant(double value, int digits) {
-  if (!std::isfinite(value)) return "–";
-  if (value == 0.0) return "0";
-  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value))));
-  if (exponent < -5 || exponent > 8) return fmt::format("{:.{}e}", value, digits - 1);
-  return decimals(value, exponent >= digits ? 0 : digits - 1 - exponent);
-}
+std::string significant(double value, int digits) { return ident::digits(value, digits); }
 
 std::string joined(const std::vector<std::string>& words, std::string_view between) {
   std::string all;
