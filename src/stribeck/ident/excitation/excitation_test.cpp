@@ -256,6 +256,20 @@ TEST(Excitation, TrianglesOfSpeedReturnAndAccelerateEvenly) {
   EXPECT_GT(even, 0.85 * static_cast<double>(e.r.size()));
 }
 
+// 38 mm/s in the first second would be 50.1 mm/s², just above the limit.
+TEST(Excitation, PositionSineBeginsAsSlowlyAsTheAccelerationPermits) {
+  const Limits lazy{-0.3048, 0.3048, 0.0423, 0.05, 21645.0};
+  const SineDesign design{0.0, 0.2032, 0.1875, 4, true};
+  const Excitation e = design_sine(lazy, kPeriod, design);
+  double largest = 0.0;
+  for (std::size_t k = 1; k + 1 < e.r.size(); ++k)
+    largest = std::max(largest, std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (kPeriod * kPeriod));
+  EXPECT_LE(largest, 0.05);
+  EXPECT_GT(largest, 0.03);
+  EXPECT_NEAR(*std::max_element(e.r.begin(), e.r.end()), 0.2032, 1e-5);
+  EXPECT_NEAR(e.r.back(), 0.0, 1e-5);
+}
+
 // A linear motor with 150 mm to either side: one second to 143 mm/s would be 0.14 m/s², far below friction.
 TEST(Excitation, TrianglesOfSpeedAreStrongInAShortTravelToo) {
   const Excitation e = design_constant_acceleration({-0.15, 0.15, 1.0, 15.0, 150.0}, kPeriod);

@@ -8,6 +8,49 @@
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
 namespace stribeck::ident::excitation {
+namespace {
+
+/// φ' rises as 3s² − 2s³ over `rise` seconds and then stays constant: position, speed and acceleration begin at rest. A cosine ends at
+/// rest by itself; a sine, which passes its middle at full speed, slows down in the way it began.
+struct Course {
+  const SineDesign& design;
+  double rise = 1.0;
+
+  [[nodiscard]] double whole() const { return 2.0 * kPi * design.periods / design.frequency; }
+  [[nodiscard]] double end() const {
+    return design.from_middle ? std::max(whole() + rise, 2.0 * rise) : whole() + 0.5 * rise;
+  }
+  [[nodiscard]] double from_rest(double t) const {
+    const double s = t / rise;
+    return s < 1.0 ? rise * (s * s * s * (1.0 - 0.5 * s)) : t - 0.5 * rise;
+  }
+  [[nodiscard]] double at(double t) const {
+    const bool slowing = design.from_middle && end() - t < rise;
+    const double phase = design.frequency * (slowing ? whole() - from_rest(end() - t) : from_rest(t));
+    return design.from_middle ? design.start + design.amplitude * std::sin(phase)
+                              : design.start - design.amplitude + design.amplitude * std::cos(phase);
+  }
+  /// The acceleration of the first rows, until the sine has its speed.
+  [[nodiscard]] double sharpest(double sample_time) const {
+    double most = 0.0;
+    for (double t = sample_time; t < rise; t += sample_time)
+      most = std::max(most, std::abs(at(t + sample_time) - 2.0 * at(t) + at(t - sample_time)));
+    return most / (sample_time * sample_time);
+  }
+};
+
+/// Begins in one second, or as slowly as the acceleration permits: a sine from its middle has to reach its full speed at once.
+Course course_of(const SineDesign& design, const Limits& limits, double sample_time) {
+  constexpr double kLonger = 1.25;
+  constexpr double kLongestRise = 20.0;  // [s]
+  Course course{design};
+  while (design.from_middle && limits.acceleration > 0.0 && course.rise < kLongestRise &&
+         course.sharpest(sample_time) > limits.acceleration)
+    course.rise *= kLonger;
+  return course;
+}
+
+}  // namespace
 
 Excitation design_sine(const Limits& limits, double sample_time, const SineDesign& design) {
   check(limits, sample_time, design.start);
@@ -17,24 +60,14 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   Excitation e;
   e.method = design.from_middle ? ExcitationMethod::kPositionSine : ExcitationMethod::kSine;
   e.sample_time = sample_time;
-  // φ' rises as 3s² − 2s³ over the first second and then stays constant: position, speed and acceleration begin at rest. A cosine
-  // ends at rest by itself; a sine, which passes its middle at full speed, slows down in the way it began.
-  const double whole = 2.0 * kPi * design.periods / design.frequency;
-  const double end = design.from_middle ? std::max(whole + 1.0, 2.0) : whole + 0.5;
+  const Course course = course_of(design, limits, sample_time);
+  const double end = course.end();
   check_rows("periods", end / sample_time, sample_time,
              fmt::format("{}: {} periods of {:.4g} s", enum_name(e.method), design.periods,
                          2.0 * kPi / design.frequency),
              "fewer periods, or a faster sine in the machine file");
   const auto rows = static_cast<std::size_t>(std::floor(end / sample_time)) + 1;
-  const auto from_rest = [](double t) { return t < 1.0 ? t * t * t * (1.0 - 0.5 * t) : t - 0.5; };
-  for (std::size_t k = 0; k < rows; ++k) {
-    const double t = sample_time * static_cast<double>(k);
-    const bool slowing = design.from_middle && end - t < 1.0;
-    const double s = slowing ? whole - from_rest(end - t) : from_rest(t);
-    const double phase = design.frequency * s;
-    e.r.push_back(design.from_middle ? design.start + design.amplitude * std::sin(phase)
-                                     : design.start - design.amplitude + design.amplitude * std::cos(phase));
-  }
+  for (std::size_t k = 0; k < rows; ++k) e.r.push_back(course.at(sample_time * static_cast<double>(k)));
   stamp(e, rows);
   check_positions(e, limits);
   if (design.from_middle) {
