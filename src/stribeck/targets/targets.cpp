@@ -11,13 +11,13 @@ namespace stribeck::targets {
 // kSteady.
 extern const Target kLinuxCnc, kSinumerik;
 extern const SteadyTarget kCsv, kC, kStructuredText, kCia402, kIsg, kAx8000, kKeba, kMitsubishi, kPmac,
-    kIndraDrive, kMujoco, kModelica, kSimscape;
+    kIndraDrive, kMujoco, kModelica, kSimscape, kFmu;
 
 namespace {
 
-constexpr std::array<const SteadyTarget*, 13> kSteady{
-    &kCsv,        &kC,    &kStructuredText, &kCia402, &kIsg,      &kAx8000,  &kKeba,
-    &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica, &kSimscape};
+constexpr std::array<const SteadyTarget*, 14> kSteady{
+    &kCsv,        &kC,    &kStructuredText, &kCia402, &kIsg,      &kAx8000,   &kKeba,
+    &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica, &kSimscape, &kFmu};
 
 std::vector<Target> made() {
   std::vector<Target> out{kLinuxCnc};

@@ -143,7 +143,7 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   for (const auto& term : axis.model.friction.eccentric) periodic += term.amplitude;
   if (periodic > 0.0 && !form.periodic)
     out.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
-  if (friction::has_pre_sliding(axis.model.friction.dynamics))
+  if (friction::has_pre_sliding(axis.model.friction.dynamics) && !form.pre_sliding)
     out.emplace_back("pre-sliding (the force jumps at a reversal)");
   if (axis.model.load != 0.0 && !form.load)
     out.push_back(fmt::format("the load of {} N", report::significant(axis.model.load, 4)));
@@ -189,6 +189,7 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
   w.json = nlohmann::ordered_json::array();
   w.text = remark(target.comment, "Written by: " + o.command);
   std::string to_do;
+  std::vector<Axis> axes;
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const Axis axis = axis_of(o, i, names[i]);
     const Form form = target.write(axis);
@@ -210,6 +211,12 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
                       {"rms_error_N", e.rms},
                       {"rms_friction_N", e.friction},
                       {"left_out", missing}});
+    axes.push_back(axis);
+  }
+  if (target.pack != nullptr) {
+    const Packed packed = target.pack(axes, o.command);
+    w.text = packed.bytes;
+    w.words += packed.words + "\n";
   }
   w.words += to_do + "\n";
   return w;
@@ -276,7 +283,8 @@ Exported write_all(const ExportRequest& o) {
                          report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
                          report::right_aligned("RMS error", 12), "what is written");
   for (const auto& [t, w] : all) {
-    const std::string file = (std::filesystem::path(o.output) / (std::string(t->name) + ".txt")).string();
+    const std::string file =
+        (std::filesystem::path(o.output) / (std::string(t->name) + std::string(t->extension))).string();
     io::write_atomically(file, w.text);
     out.json["targets"].push_back({{"to", t->name}, {"file", file}, {"axes", w.json}});
     for (const auto& axis : w.json) {

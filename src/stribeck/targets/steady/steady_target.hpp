@@ -41,9 +41,16 @@ struct Form {
   std::string text;
   std::function<double(double)> held;  ///< its friction [N] at a velocity [m/s]
   bool periodic = false;               ///< terms periodic in position are in it
-  bool mass = false;                   ///< the mass is in it
+  bool pre_sliding = false;
+  bool mass = false;  ///< the mass is in it
   bool load = false;
   std::string to_do;  ///< where it is typed, and what to check first
+};
+
+/// All axes in the file of a target that is not a text.
+struct Packed {
+  std::string bytes;
+  std::string words;  ///< what is in it
 };
 
 /// What a target needs beside the axis file.
@@ -55,6 +62,9 @@ struct SteadyTarget {
   std::string_view comment;  ///< begins a comment line: "#"; "(*" is closed with "*)"
   SteadyNeeds needs = SteadyNeeds::kNothing;
   Form (*write)(const Axis&);
+  std::string_view extension = ".txt";  ///< of the file in the folder of --to all
+  /// Makes the file from the axes and the typed command; null: the file is the texts of the axes, one after the other.
+  Packed (*pack)(const std::vector<Axis>&, const std::string& command) = nullptr;
 };
 
 /// All of them, in the order of help.

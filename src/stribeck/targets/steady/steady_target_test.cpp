@@ -175,7 +175,8 @@ TEST(SteadyTarget, AllSideBySide) {
   EXPECT_FALSE(std::filesystem::exists(x.folder / "all/cia402.txt"));
   EXPECT_THAT(written.text, HasSubstr("cia402 (--gain)"));
   EXPECT_THAT(written.text, HasSubstr("keba (--gain, --lead)"));
-  EXPECT_EQ(written.json["targets"].size(), 6U);
+  EXPECT_TRUE(std::filesystem::exists(x.folder / "all/fmu.fmu"));
+  EXPECT_EQ(written.json["targets"].size(), 7U);
 }
 
 TEST(SteadyTarget, NoNameLeavesItsComment) {
