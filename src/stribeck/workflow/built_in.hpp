@@ -12,6 +12,9 @@ namespace stribeck::workflow {
 /// The machine with this file name (without .toml). Throws std::out_of_range for an unknown name, which is an error of the caller.
 sim::Machine built_in_machine(std::string_view name);
 
+/// Names of the machines that are built in.
+std::vector<std::string> built_in_machines();
+
 /// Whether a machine file has exactly the text of the built-in one.
 bool is_built_in(const std::string& file, std::string_view name);
 

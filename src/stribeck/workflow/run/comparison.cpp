@@ -52,18 +52,28 @@ std::vector<std::string> inputs_of(const ComparisonOptions& o) {
   return inputs;
 }
 
+ComparisonPlan plan_comparison(const ComparisonOptions& o, sim::Machine machine) {
+  ComparisonPlan plan{o.experiment, std::move(machine), {}};
+  if (!o.drive.empty()) set_drive_mode(plan.machine, o.drive);
+  if (plan.experiment.empty()) plan.experiment = default_experiment(plan.machine, o.path);
+  plan.spec = spec_of(o, plan.experiment, plan.machine);
+  check_travel(plan.machine, o.machine, plan.spec);
+  return plan;
+}
+
+Comparison run_plan(ComparisonPlan plan, Parameters parameters,
+                    const std::function<void(std::size_t, std::size_t)>& progress) {
+  Comparison out{std::move(plan.experiment), std::move(plan.machine), std::move(parameters), {}, {}};
+  out.result = sim::compare(out.machine, out.parameters.knowledge, plan.spec, progress);
+  out.uncovered = check_coverage(out.result, sim::chosen_axes(out.machine, plan.spec), out.parameters);
+  return out;
+}
+
 Comparison run_comparison(const ComparisonOptions& o,
                           const std::function<void(std::size_t, std::size_t)>& progress) {
-  Comparison out;
-  out.machine = read_virtual_machine(o.machine);
-  if (!o.drive.empty()) set_drive_mode(out.machine, o.drive);
-  out.experiment = o.experiment.empty() ? default_experiment(out.machine, o.path) : o.experiment;
-  const sim::CompareSpec spec = spec_of(o, out.experiment, out.machine);
-  check_travel(out.machine, o.machine, spec);
-  out.parameters = get_parameters(out.machine, o.machine, o.parameters, spec);
-  out.result = sim::compare(out.machine, out.parameters.knowledge, spec, progress);
-  out.uncovered = check_coverage(out.result, sim::chosen_axes(out.machine, spec), out.parameters);
-  return out;
+  ComparisonPlan plan = plan_comparison(o, read_virtual_machine(o.machine));
+  Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
+  return run_plan(std::move(plan), std::move(parameters), progress);
 }
 
 nlohmann::ordered_json to_json(const Comparison& comparison) {

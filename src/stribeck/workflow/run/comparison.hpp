@@ -46,6 +46,19 @@ struct Comparison {
   std::vector<std::string> uncovered;  ///< check_coverage() of the result
 };
 
+/// What runs, before anything is identified or simulated.
+struct ComparisonPlan {
+  std::string experiment;
+  sim::Machine machine;
+  sim::CompareSpec spec;
+};
+/// Experiment, path and controllers for a machine; options.machine only names it in messages.
+ComparisonPlan plan_comparison(const ComparisonOptions& options, sim::Machine machine);
+
+/// Runs it with parameters that are known already.
+Comparison run_plan(ComparisonPlan plan, Parameters parameters,
+                    const std::function<void(std::size_t, std::size_t)>& progress = {});
+
 /// progress(done, all) may be called from any thread, one call at a time.
 Comparison run_comparison(const ComparisonOptions& options,
                           const std::function<void(std::size_t, std::size_t)>& progress = {});
