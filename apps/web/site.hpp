@@ -1,0 +1,66 @@
+#pragma once
+/// What the dashboard answers: pages, machines, what-if, identification. It knows nothing of sockets, so tests and the fuzzer ask it
+/// directly.
+///
+///   GET  /  /identify  /*.js  /*.css       the pages
+///   GET  /api/machines  /api/machine?id=   what can be chosen
+///   POST /api/what-if  /api/machine-file   WhatIfRequest as JSON
+///   POST /api/logs?name=                   bytes of a log → its id
+///   POST /api/inspect  /api/identify       IdentifyRequest as JSON
+///   POST /api/forget?id=                   removes a log
+///   GET  /results/page?id=                 the page of an identification
+///
+/// Nothing outside the folder, the built-in files and the session's own temporary folder is read; nothing outside the latter is
+/// written. An error is {"error": text} with 400 (request), 422 (no result), 503 (busy); {"outdated": true} where a newer request of the
+/// same page came.
+/// Threads: safe. Real time: no.
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include <apps/web/guard.hpp>
+#include <apps/web/http.hpp>
+#include <apps/web/identify_view.hpp>
+#include <apps/web/machines.hpp>
+#include <apps/web/newest.hpp>
+#include <apps/web/uploads.hpp>
+#include <apps/web/what_if.hpp>
+
+namespace stribeck::web {
+
+struct SiteOptions {
+  std::filesystem::path folder = ".";
+  std::string token;  ///< empty: none is asked for
+  std::string version;
+};
+
+class Site {
+ public:
+  explicit Site(const SiteOptions& options);
+
+  [[nodiscard]] Admission admit(const Request& head) const;
+  /// The reply is called once, here or from another thread.
+  void answer(Request request, Reply reply);
+
+  /// Ends the threads. False: one did not end in time.
+  bool stop(std::chrono::milliseconds patience);
+  [[nodiscard]] const std::filesystem::path& session_folder() const { return uploads_.folder(); }
+
+ private:
+  void get(const Request& request, const Reply& reply);
+  void post(const Request& request, const Reply& reply);
+  void later(Newest& thread, const std::string& client, const Reply& reply,
+             std::function<Response(const Newest::IsOld&)> work);
+  [[nodiscard]] Response caught(const std::function<Response()>& work) const;
+
+  Guard guard_;
+  Machines machines_;
+  Uploads uploads_;
+  WhatIf what_if_{machines_};
+  IdentifyView identify_;
+  Newest knobs_;   ///< what must answer at once
+  Newest slower_;  ///< identification, pages
+};
+
+}  // namespace stribeck::web
