@@ -81,7 +81,7 @@ void add_export(CLI::App& app, Action& action) {
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
   verb->add_option(
           "--speed", o->what.speed,
-          "Largest speed of a table or a fit, or feed on the circle for sinumerik; left out: that of the identified range")
+          "Largest speed of a table or a fit, or feed on the circle for sinumerik, tnc and fanuc; left out: that of the identified range")
       ->type_name("SPEED");
   verb->add_option(
           "--gain", o->what.gain,
@@ -100,18 +100,19 @@ void add_export(CLI::App& app, Action& action) {
       ->type_name("AXIS=FILE");
   verb->add_option(
           "--controller", o->what.controller,
-          "For sinumerik: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in")
+          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; with all: writes these three too")
       ->type_name("NAME|FILE.toml");
-  verb->add_option("--period", o->what.period,
-                   "For sinumerik: period of the position loop; left out: 1 ms, or that of --machine")
+  verb->add_option(
+          "--period", o->what.period,
+          "For sinumerik, tnc and fanuc: period of the position loop; left out: 1 ms, or that of --machine")
       ->type_name("TIME");
   verb->add_option(
           "--size", o->what.size,
-          "For sinumerik: radius of the circle on which the contour error is predicted; left out: 10 mm")
+          "For sinumerik, tnc and fanuc: radius of the circle on which the contour error is predicted; left out: 10 mm")
       ->type_name("LENGTH");
   verb->add_option(
           "--machine", o->what.machine,
-          "For sinumerik: virtual machine for the prediction; left out: axes that are what was identified")
+          "For sinumerik, tnc and fanuc: virtual machine for the prediction; left out: axes that are what was identified")
       ->type_name("MACHINE.toml");
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);
@@ -121,7 +122,8 @@ void add_export(CLI::App& app, Action& action) {
       "  stribeck export x.toml --to linuxcnc --lincurve --speed \"100 mm/s\" -o lincurve.hal\n"
       "  stribeck export x.toml --to cia402 --gain \"12.5 N/%\" -o x.st\n"
       "  stribeck export x.toml y.toml --to sinumerik --controller loop.toml --period \"2 ms\" --speed \"50 mm/s\" -o qec.arc\n"
-      "  stribeck export x.toml y.toml --to all -o exports");
+      "  stribeck export x.toml y.toml --to all -o exports\n"
+      "  stribeck export x.toml y.toml --to all --controller loop.toml -o exports");
   verb->callback([o, &action] { action = [o] { return run_export(*o); }; });
 }
 

@@ -27,15 +27,17 @@ TEST_P(QuadrantPulse, BringsThePeakBelowAThirdOrSo) {
                   .code,
               0);
   }
-  const Said said = command({"export", f / "x.toml", f / "y.toml", "--to", "sinumerik", "--machine", machine,
-                             "--speed", "9.5 mm/s", "-o", f / "qec.arc", "--json", f / "qec.json"});
-  ASSERT_EQ(said.code, 0) << said.err;
-  const auto circle = nlohmann::json::parse(text_of(f / "qec.json"))["circle"];
-  const double share =
-      circle["pulse"]["quadrant_um"].get<double>() / circle["without"]["quadrant_um"].get<double>();
-  // 21 and 31 % (2026-11); what a pulse of one form can do is not nothing either.
-  EXPECT_LT(share, 0.35);
-  EXPECT_GT(share, 0.05);
+  for (const std::string target : {"sinumerik", "tnc", "fanuc"}) {
+    const Said said = command({"export", f / "x.toml", f / "y.toml", "--to", target, "--machine", machine,
+                               "--speed", "9.5 mm/s", "-o", f / "pulse.txt", "--json", f / "pulse.json"});
+    ASSERT_EQ(said.code, 0) << said.err;
+    const auto circle = nlohmann::json::parse(text_of(f / "pulse.json"))["circle"];
+    const double share =
+        circle["pulse"]["quadrant_um"].get<double>() / circle["without"]["quadrant_um"].get<double>();
+    // 21 and 31 %, 29 and 30 %, 23 and 29 % (2026-11); what a pulse of one form can do is not nothing either.
+    EXPECT_LT(share, 0.35) << target;
+    EXPECT_GT(share, 0.05) << target;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, QuadrantPulse, testing::Values("biaxial-table", "triaxial-tool"));

@@ -2,14 +2,17 @@
 #include <array>
 #include <vector>
 
+#include <stribeck/targets/all.hpp>
+#include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/targets/target.hpp>
 
 namespace stribeck::targets {
 
 // A target with a writer of its own: its name here and in all_targets(). One that holds the steady friction: its name here and in
-// kSteady.
-extern const Target kLinuxCnc, kSinumerik;
+// kSteady; one with a pulse at the reversal: in kPulses.
+extern const Target kLinuxCnc;
+extern const PulseTarget kSinumerik, kTnc, kFanuc;
 extern const SteadyTarget kCsv, kC, kStructuredText, kCia402, kIsg, kAx8000, kKeba, kMitsubishi, kPmac,
     kIndraDrive, kMujoco, kModelica, kSimscape, kFmu;
 
@@ -19,6 +22,8 @@ constexpr std::array<const SteadyTarget*, 14> kSteady{
     &kCsv,        &kC,    &kStructuredText, &kCia402, &kIsg,      &kAx8000,   &kKeba,
     &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica, &kSimscape, &kFmu};
 
+constexpr std::array<const PulseTarget*, 3> kPulses{&kSinumerik, &kTnc, &kFanuc};
+
 std::vector<Target> made() {
   std::vector<Target> out{kLinuxCnc};
   for (const SteadyTarget* t : kSteady) {
@@ -27,16 +32,24 @@ std::vector<Target> made() {
          "nearest to the friction in the form of the target; the largest and the RMS error are printed",
          [t](const ExportRequest& o) { return write_steady(*t, o); }});
   }
-  out.push_back(kSinumerik);
-  out.push_back({"all", "axis files of identify",
-                 "a folder with each of the others but linuxcnc and sinumerik, and their errors side by side",
-                 "that of each is printed", write_all});
+  for (const PulseTarget* t : kPulses) {
+    out.push_back({t->name, "axis files of identify", t->what,
+                   "the form of the pulse; the contour error that remains on a circle is printed",
+                   [t](const ExportRequest& o) { return write_pulse(*t, o); }});
+  }
+  out.push_back(
+      {"all", "axis files of identify",
+       "a folder with each of the others but linuxcnc, those with a pulse where --controller tells the loop, and their errors "
+       "side by side",
+       "that of each is printed", write_all});
   return out;
 }
 
 }  // namespace
 
 std::span<const SteadyTarget* const> steady_targets() { return kSteady; }
+
+std::span<const PulseTarget* const> pulse_targets() { return kPulses; }
 
 std::span<const Target> all_targets() {
   static const std::vector<Target> all = made();

@@ -9,7 +9,8 @@ namespace stribeck::targets {
 
 inline void refuse_pulse_options(const ExportRequest& o) {
   const auto refuse = [](const char* option) {
-    workflow::refuse_option(option, "applies to --to sinumerik alone");
+    workflow::refuse_option(
+        option, "applies to --to sinumerik, tnc and fanuc alone, and to all of them with --controller");
   };
   if (!o.controller.empty()) refuse("--controller");
   if (!o.machine.empty()) refuse("--machine");

@@ -2,8 +2,8 @@
 /// Which pulse takes most of the quadrant error away, over a grid of circles of the identified axis.
 ///
 /// On each circle both axes are the identified one. The amplitude is that with the smallest sum of the peak at the quadrant and the
-/// largest contour error of the lap, by golden section; the time constant is the best one of a list on the user's circle, then the
-/// same on all.
+/// largest contour error of the lap, by golden section; all else of the pulse is the best one of a list on the user's circle, then
+/// the same on all.
 /// Real time: no.
 
 #include <stribeck/targets/pulse/circle.hpp>
@@ -21,14 +21,23 @@ struct PulseRow {
   double cost = 0.0;          ///< what the search makes small [m]
 };
 
+/// A pulse of which the amplitude [m/s] is free.
+using PulseShape = std::function<Pulse(double amplitude)>;
+
 struct PulseSearch {
-  double time_constant = 0.0;  ///< [s]
+  std::size_t shape = 0;       ///< which of the list
   std::vector<PulseRow> rows;  ///< by radius, then by feed, the user's circle first
 };
 
+/// Multiples of the integral time that are tried for a time of a pulse.
+inline constexpr std::array kPulseTimes{0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0};
+
+/// Force by which steady friction changes at a reversal [N], of slow motion: a thousandth of the feed.
+double jump_of_friction(const friction::AxisModel& axis, double feed) noexcept;
+
 /// radius, feed: the user's circle, the largest and fastest of the grid.
 PulseSearch search_pulses(const friction::AxisModel& axis, const sim::ControllerSpec& loop, double period,
-                          double radius, double feed);
+                          double radius, double feed, const std::vector<PulseShape>& shapes);
 
 /// The errors with one pulse on the circles of rows.
 std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::ControllerSpec& loop,

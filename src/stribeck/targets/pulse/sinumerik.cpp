@@ -1,268 +1,59 @@
-// --to sinumerik: which axes, which loop, the search of the pulses, and what they do on the user's circle.
+// --to sinumerik: a pulse that decays, with an amplitude over the acceleration at the quadrant.
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
-#include <set>
 
-#include <stribeck/io/error.hpp>
-#include <stribeck/io/file.hpp>
-#include <stribeck/io/printable.hpp>
-#include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
-#include <stribeck/targets/pulse/search.hpp>
+#include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/pulse/sinumerik.hpp>
-#include <stribeck/targets/target.hpp>
-#include <stribeck/workflow/built_in.hpp>
-#include <stribeck/workflow/machine/machine_file.hpp>
-#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
 
 namespace {
 
-using workflow::option_si;
-using workflow::refuse_option;
-
-constexpr double kPerMinute = 6e4;  ///< m/s in mm/min
-constexpr std::string_view kToDo =
-    "Read in as an archive of axis machine data, or typed under Setup, Machine data, Axis MD; with password, then NCK reset. Check first, "
-    "on an archive of the machine, that its units are mm/min, s and m/s² and that the data have no further index, and begin with half of "
-    "MD32520 and MD32530 in the circularity test. MD32580 (short blocks) is found by trial.";
-
-/// What the command was asked for, in SI.
-struct Task {
-  std::vector<std::string> names;
-  std::vector<friction::AxisModel> axes;
-  sim::ControllerSpec loop;
-  double period = 0.0;
-  double radius = 0.0;
-  double feed = 0.0;
-  std::optional<sim::Machine> machine;
-};
-
-std::vector<std::string> axis_names(const ExportRequest& o) {
-  std::vector<std::string> names = o.names;
-  for (std::size_t i = 0; o.names.empty() && i < o.files.size(); ++i)
-    names.push_back(fmt::format("AX{}", i + 1));
-  if (names.size() != o.files.size())
-    refuse_option("--name",
-                  fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
-  for (const std::string& name : names) {
-    constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    if (name.empty() || name.size() > 16 || name.find_first_not_of(kLetters) != std::string::npos)
-      refuse_option("--name", fmt::format("got {}, expected a machine axis, e.g. AX1", io::in_quotes(name)));
-  }
-  if (std::set(names.begin(), names.end()).size() != names.size())
-    refuse_option("--name", "expected names that differ");
-  return names;
+Pulse qec_pulse(const Qec& qec) {
+  return {[qec](double a) { return qec.amplitude(a); }, qec.time_constant};
 }
 
-friction::AxisModel axis_model(const std::string& file) {
-  if (io::load_toml(file).find("axes") != nullptr)
-    throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  friction::AxisModel model = io::read_toml<friction::AxisModel>(file);
-  if (!friction::has_pre_sliding(model.friction.dynamics)) {
-    throw io::InputError(
-        {file, 0, "friction.dynamics",
-         "is missing: the pulse depends on pre-sliding; identify from a log with reversals that shows it"});
+WrittenPulse write_qec(const PulseTask& t, std::size_t axis) {
+  std::vector<PulseShape> shapes;
+  for (const double time : kPulseTimes) {
+    shapes.emplace_back([time = time * t.integral_time()](double amplitude) {
+      return Pulse{[amplitude](double) { return amplitude; }, time};
+    });
   }
-  return model;
-}
-
-sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
-  sim::ControllerSpec loop = workflow::read_controller(o.controller.empty() ? "cascade" : o.controller);
-  const auto* cascade = std::get_if<control::CascadeParams>(&loop.law);
-  if (cascade == nullptr || cascade->error_rate != control::ErrorRate::kDifferenceOfError) {
-    refuse_option(
-        "--controller",
-        "expected a file whose law has the kind cascade, with error_rate left out: position, speed and "
-        "current in a cascade is what the control has");
-  }
-  if (!cascade->stable(period))
-    refuse_option(
-        "--controller",
-        fmt::format("the loop is unstable at a period of {:.4g} ms, expected lower gains", 1e3 * period));
-  return loop;
-}
-
-double feed_of(const ExportRequest& o, const std::vector<friction::AxisModel>& axes) {
-  if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
-  double feed = std::numeric_limits<double>::infinity();
-  for (const friction::AxisModel& axis : axes) {
-    const auto range = axis.friction.identified_range();
-    if (range) feed = std::min({feed, -(*range)[0], (*range)[1]});
-  }
-  if (!std::isfinite(feed))
-    refuse_option("--speed", "missing: the files do not say how fast the axes go, e.g. \"100 mm/s\"");
-  return feed;
-}
-
-Task task_of(const ExportRequest& o) {
-  const auto refuse = [](const char* option) { refuse_option(option, "does not apply to --to sinumerik"); };
-  if (!o.omega.empty()) refuse("--omega");
-  if (!o.feedforward.empty()) refuse("--feedforward");
-  if (o.lincurve) refuse("--lincurve");
-  if (!o.parameters.empty()) refuse("--parameters");
-  if (!o.axis_files.empty()) refuse("--axis-file");
-  if (!o.gain.empty()) refuse("--gain");
-  if (!o.lead.empty()) refuse("--lead");
-  Task t;
-  t.names = axis_names(o);
-  for (const std::string& file : o.files) t.axes.push_back(axis_model(file));
-  if (!o.machine.empty()) {
-    if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
-    t.machine = workflow::read_virtual_machine(o.machine);
-    if (t.machine->axes.size() < 2 || t.axes.size() < 2)
-      refuse_option("--machine", "expected two axes of the machine and two axis files, for a circle");
-    t.period = t.machine->sample_time;
-  } else {
-    t.period = option_si("--period", o.period.empty() ? "1 ms" : o.period,
-                         quantity("s", "ms").positive().at_least(1e-5).at_most(0.1));
-  }
-  t.loop = cascade_of(o, t.period);
-  t.feed = feed_of(o, t.axes);
-  t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
-  return t;
-}
-
-nlohmann::ordered_json json_of(const CircleError& e) {
-  return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
-}
-
-/// One axis: found on the grid, written, read back, and tried on the grid.
-struct WrittenAxis {
-  Qec qec;  ///< as the text has it
-  std::string text;
-  std::string words;
-  nlohmann::ordered_json json;
-};
-
-WrittenAxis written_axis(const Task& t, std::size_t i, const std::string& file) {
-  const friction::AxisModel& axis = t.axes[i];
-  const PulseSearch found = search_pulses(axis, t.loop, t.period, t.radius, t.feed);
-  std::vector<QecPoint> points;
-  for (const PulseRow& r : found.rows) {
-    // What a wrong amplitude costs at the quadrant.
-    const double gained = std::max(r.without.quadrant - r.best.quadrant, 0.0);
-    points.push_back({r.acceleration, r.amplitude, gained / r.amplitude});
-  }
-  WrittenAxis w;
-  w.text = archive_text(nearest_qec(points, found.time_constant), t.names[i]);
-  w.qec = read_archive(w.text, t.names[i]);
-  const std::vector<CircleError> tried =
-      try_pulse(axis, t.loop, t.period, found.rows,
-                {[q = w.qec](double a) { return q.amplitude(a); }, w.qec.time_constant});
-  nlohmann::ordered_json grid = nlohmann::ordered_json::array();
-  double squares = 0.0;
-  double worst = 0.0;
-  double worst_best = 0.0;
-  for (std::size_t k = 0; k < tried.size(); ++k) {
-    const PulseRow& r = found.rows[k];
-    const double amplitude = w.qec.amplitude(r.acceleration);
-    squares += (amplitude - r.amplitude) * (amplitude - r.amplitude);
-    worst = std::max(worst, tried[k].quadrant / r.without.quadrant);
-    worst_best = std::max(worst_best, r.best.quadrant / r.without.quadrant);
-    grid.push_back({{"radius_mm", 1e3 * r.radius},
-                    {"feed_mm_per_s", 1e3 * r.feed},
-                    {"acceleration_mm_per_s2", 1e3 * r.acceleration},
-                    {"best_mm_per_min", kPerMinute * r.amplitude},
-                    {"written_mm_per_min", kPerMinute * amplitude},
-                    {"quadrant_without_um", 1e6 * r.without.quadrant},
-                    {"quadrant_best_um", 1e6 * r.best.quadrant},
-                    {"quadrant_written_um", 1e6 * tried[k].quadrant}});
-  }
-  const double residual = std::sqrt(squares / static_cast<double>(tried.size()));
-  w.words = fmt::format(
-      "pulse of {} to {} mm/min, {} ms; from the best amplitudes on {} circles {} mm/min RMS; peak at the quadrants there at most {:.0f} % "
-      "of that without, with the best amplitude of each {:.0f} %; not in it: terms periodic in position, different amplitudes for the two directions",
-      report::significant(kPerMinute * std::min(w.qec.largest, w.qec.smallest), 3),
-      report::significant(kPerMinute * std::max(w.qec.largest, w.qec.smallest), 3),
-      report::significant(1e3 * w.qec.time_constant, 3), tried.size(),
-      report::significant(kPerMinute * residual, 3), 100.0 * worst, 100.0 * worst_best);
-  w.json = {{"name", t.names[i]},
-            {"file", file},
-            {"const_max_mm_per_min", kPerMinute * w.qec.largest},
-            {"const_min_mm_per_min", kPerMinute * w.qec.smallest},
-            {"time_s", w.qec.time_constant},
-            {"accel_m_per_s2", {w.qec.a1, w.qec.a2, w.qec.a3}},
-            {"residual_mm_per_min", kPerMinute * residual},
-            {"grid", grid}};
+  const PulseSearch found = search_pulses(t.axes[axis], t.loop, t.period, t.radius, t.feed, shapes);
+  WrittenPulse w;
+  w.text = archive_text(nearest_qec(points_of(found), kPulseTimes[found.shape] * t.integral_time()),
+                        t.names[axis]);
+  const Qec q = read_archive(w.text, t.names[axis]);
+  w.pulse = qec_pulse(q);
+  w.words = fmt::format("pulse of {} to {} mm/min, {} ms",
+                        report::significant(std::min(q.largest, q.smallest) / kMmPerMinute, 3),
+                        report::significant(std::max(q.largest, q.smallest) / kMmPerMinute, 3),
+                        report::significant(1e3 * q.time_constant, 3));
+  w.json = {{"const_max_mm_per_min", q.largest / kMmPerMinute},
+            {"const_min_mm_per_min", q.smallest / kMmPerMinute},
+            {"time_s", q.time_constant},
+            {"accel_m_per_s2", {q.a1, q.a2, q.a3}}};
+  judge_on_grid(
+      t, axis, found, [&](double a) { return q.amplitude(a); }, w);
   return w;
 }
 
-struct OnCircle {
-  CircleError without;
-  CircleError pulse;
-  CircleError model;
-  std::string where;
-};
-
-OnCircle on_circle(const Task& t, const std::vector<WrittenAxis>& written) {
-  const std::size_t second = t.axes.size() > 1 ? 1 : 0;
-  const std::array known{t.axes[0], t.axes[second]};
-  const CircleAxes axes{t.machine ? *t.machine : machine_of(known, t.period), known, t.loop};
-  Circle circle(axes, t.radius, t.feed, 2.0);
-  const auto pulse = [&](std::size_t i) {
-    return Pulse{[q = written[i].qec](double a) { return q.amplitude(a); }, written[i].qec.time_constant};
-  };
-  return {circle.without(), circle.with({pulse(0), pulse(second)}), circle.with_model(),
-          t.machine ? t.machine->name : "the identified axes"};
-}
-
-std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
-  return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
-                     report::right_aligned(report::micrometres(e.quadrant), 9),
-                     report::right_aligned(report::micrometres(e.largest), 9),
-                     100.0 * e.quadrant / without.quadrant);
-}
-
-std::string words_of(const Task& t, const OnCircle& c) {
-  return fmt::format(
-             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; at the quadrants and largest contour error in µm, share of the first:\n",
-             report::significant(1e3 * t.radius, 4), report::significant(1e3 * t.feed, 4), c.where, t.loop.id,
-             report::significant(1e3 * t.period, 3)) +
-         line_of("no friction compensation", c.without, c.without) +
-         line_of("this pulse", c.pulse, c.without) + line_of("whole model to the force", c.model, c.without);
-}
-
-Exported write_sinumerik(const ExportRequest& o) {
-  const Task t = task_of(o);
-  io::check_writable(o.output);
-  const auto remark = [](const std::string& words) {
-    constexpr std::size_t kLongest = 200;
-    return "; " + io::one_line(words, kLongest) + "\n";
-  };
-  std::string text = remark("Written by: " + o.command);
-  std::string words;
-  Exported out;
-  out.json = {{"schema", "stribeck.export/1"},
-              {"to", "sinumerik"},
-              {"file", o.output},
-              {"axes", nlohmann::ordered_json::array()}};
-  std::vector<WrittenAxis> written;
-  for (std::size_t i = 0; i < t.axes.size(); ++i) {
-    written.push_back(written_axis(t, i, o.files[i]));
-    text += remark(fmt::format("{} from {}", t.names[i], o.files[i])) + written.back().text;
-    words += fmt::format("{} from {}: {}.\n", t.names[i], o.files[i], written.back().words);
-    out.json["axes"].push_back(written.back().json);
-  }
-  const OnCircle c = on_circle(t, written);
-  text += "M17\n";
-  io::write_atomically(o.output, text);
-  out.json["circle"] = {
-      {"radius_mm", 1e3 * t.radius}, {"feed_mm_per_s", 1e3 * t.feed}, {"on", c.where},
-      {"controller", t.loop.id},     {"period_ms", 1e3 * t.period},   {"without", json_of(c.without)},
-      {"pulse", json_of(c.pulse)},   {"model", json_of(c.model)}};
-  out.text = words + words_of(t, c) + std::string(kToDo) + fmt::format("\nWritten to {}.\n", o.output);
-  return out;
-}
+std::string machine_axis(std::size_t axis) { return fmt::format("AX{}", axis + 1); }
 
 }  // namespace
 
-extern const Target kSinumerik;
-const Target kSinumerik{
-    "sinumerik", "axis files of identify",
+extern const PulseTarget kSinumerik;
+const PulseTarget kSinumerik{
+    "sinumerik",
     "quadrant error compensation of SINUMERIK, MD32490 to MD32570: a pulse on the set-point of speed",
-    "the form of the pulse; the contour error that remains on a circle is printed", write_sinumerik};
+    ";",
+    "M17\n",
+    "Read in as an archive of axis machine data, or typed under Setup, Machine data, Axis MD; with password, then NCK reset. Check first, "
+    "on an archive of the machine, that its units are mm/min, s and m/s² and that the data have no further index, and begin with half of "
+    "MD32520 and MD32530 in the circularity test. MD32580 (short blocks) is found by trial.",
+    machine_axis,
+    write_qec};
 
 }  // namespace stribeck::targets

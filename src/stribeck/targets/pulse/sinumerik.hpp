@@ -14,6 +14,7 @@
 /// Not modelled: blocks within one interpolation cycle (MD32580), which are set by trial.
 /// Real time: no.
 
+#include <stribeck/targets/pulse/pulse_target.hpp>
 #include <string>
 #include <vector>
 
@@ -30,16 +31,9 @@ struct Qec {
   [[nodiscard]] double amplitude(double acceleration) const noexcept;
 };
 
-/// An amplitude that was found at an acceleration; errors of it count with the weight.
-struct QecPoint {
-  double acceleration = 0.0;  ///< [m/s²]
-  double amplitude = 0.0;     ///< [m/s]
-  double weight = 1.0;
-};
-
 /// The characteristic that is nearest to the points: least squares of its two amplitudes, breaks from a list. At least two
 /// accelerations that differ.
-Qec nearest_qec(const std::vector<QecPoint>& points, double time_constant);
+Qec nearest_qec(const std::vector<PulsePoint>& points, double time_constant);
 
 /// Lines of an archive for one machine axis ("AX1"), rounded as the text shows.
 std::string archive_text(const Qec& qec, const std::string& axis);

@@ -1,18 +1,14 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
-#include <stribeck/io/error.hpp>
 #include <stribeck/targets/pulse/sinumerik.hpp>
 
 namespace stribeck::targets {
 
 namespace {
-
-constexpr double kMmPerMin = 1e-3 / 60.0;  ///< [m/s]
 
 /// One machine datum with a number: where it is kept, its unit in SI, and the decimals that are written.
 struct Datum {
@@ -22,8 +18,8 @@ struct Datum {
   double unit;
   int decimals;
 };
-constexpr std::array kData{Datum{32520, "FRICT_COMP_CONST_MAX", &Qec::largest, kMmPerMin, 3},
-                           Datum{32530, "FRICT_COMP_CONST_MIN", &Qec::smallest, kMmPerMin, 3},
+constexpr std::array kData{Datum{32520, "FRICT_COMP_CONST_MAX", &Qec::largest, kMmPerMinute, 3},
+                           Datum{32530, "FRICT_COMP_CONST_MIN", &Qec::smallest, kMmPerMinute, 3},
                            Datum{32540, "FRICT_COMP_TIME", &Qec::time_constant, 1.0, 4},
                            Datum{32550, "FRICT_COMP_ACCEL1", &Qec::a1, 1.0, 6},
                            Datum{32560, "FRICT_COMP_ACCEL2", &Qec::a2, 1.0, 6},
@@ -43,13 +39,13 @@ std::array<double, 2> shares(const Qec& breaks, double a) {
 }
 
 /// Sets both amplitudes by least squares for the given breaks; returns the sum of the squares.
-double fit_amplitudes(Qec& qec, const std::vector<QecPoint>& points) {
+double fit_amplitudes(Qec& qec, const std::vector<PulsePoint>& points) {
   double s11 = 0.0;
   double s12 = 0.0;
   double s22 = 0.0;
   double t1 = 0.0;
   double t2 = 0.0;
-  for (const QecPoint& p : points) {
+  for (const PulsePoint& p : points) {
     const auto [one, two] = shares(qec, p.acceleration);
     const double w = p.weight * p.weight;
     s11 += w * one * one;
@@ -69,7 +65,7 @@ double fit_amplitudes(Qec& qec, const std::vector<QecPoint>& points) {
   }
   if (!(qec.largest >= 0.0 && qec.smallest >= 0.0)) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
-  for (const QecPoint& p : points) {
+  for (const PulsePoint& p : points) {
     const double off = p.weight * (qec.amplitude(p.acceleration) - p.amplitude);
     sum += off * off;
   }
@@ -83,8 +79,8 @@ double Qec::amplitude(double acceleration) const noexcept {
   return one * largest + two * smallest;
 }
 
-Qec nearest_qec(const std::vector<QecPoint>& points, double time_constant) {
-  const auto by_acceleration = [](const QecPoint& a, const QecPoint& b) {
+Qec nearest_qec(const std::vector<PulsePoint>& points, double time_constant) {
+  const auto by_acceleration = [](const PulsePoint& a, const PulsePoint& b) {
     return a.acceleration < b.acceleration;
   };
   const auto [low, high] = std::minmax_element(points.begin(), points.end(), by_acceleration);
@@ -121,15 +117,7 @@ std::string archive_text(const Qec& qec, const std::string& axis) {
 
 Qec read_archive(const std::string& text, const std::string& axis) {
   Qec qec;
-  for (const Datum& d : kData) {
-    const std::string left = left_of(d, axis);
-    const auto found = text.find(left);
-    const char* const begin = text.data() + (found == std::string::npos ? text.size() : found + left.size());
-    const auto read = std::from_chars(begin, text.data() + text.size(), qec.*d.member);
-    if (found == std::string::npos || read.ec != std::errc())
-      throw io::InputError({"archive", 0, left, "is missing, or not followed by a number"});
-    qec.*d.member *= d.unit;
-  }
+  for (const Datum& d : kData) qec.*d.member = number_after(left_of(d, axis), text, "archive") * d.unit;
   return qec;
 }
 

@@ -7,6 +7,7 @@
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/targets/pulse/circle.hpp>
 #include <stribeck/targets/pulse/sinumerik.hpp>
+#include <stribeck/targets/pulse/test_export.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <string>
@@ -46,7 +47,7 @@ TEST(Sinumerik, TheArchiveIsReadBackToItsRounding) {
 
 TEST(Sinumerik, TheFitFindsACharacteristicThatHasTheForm) {
   const Qec truth{10 * kMmPerMin, 30 * kMmPerMin, 0.1, 0.002, 0.01, 0.05};
-  std::vector<targets::QecPoint> points;
+  std::vector<targets::PulsePoint> points;
   for (double a = 0.0005; a < 0.2; a *= 1.3) points.push_back({a, truth.amplitude(a), 1.0});
   const Qec found = targets::nearest_qec(points, 0.1);
   EXPECT_LT(found.a1, found.a2);
@@ -87,35 +88,53 @@ TEST(PulsedCascade, APulseOfTheIntegralTimeIsAStepOfForce) {
   }
 }
 
-struct SinumerikExport {
-  Folder folder;
-  targets::ExportRequest request;
-  explicit SinumerikExport(const std::string& dynamics) {
-    request.files = {folder.write(
-        "x.toml",
-        ("mass = \"1000 kg\"\n[friction]\nsteady = { kind = \"conventional\", alpha0 = \"20 N\", alpha2 = \"4 N s/mm\" }\n" +
-         dynamics)
-            .c_str())};
-    request.output = folder / "qec.arc";
-    request.speed = "10 mm/s";
-    request.period = "5 ms";
-    request.command = "test";
+/// What a pulse adds to the force of a loop without integral, as a speed [m/s], after the axis turned at 0.1 s.
+std::vector<double> added_speed(const targets::Pulse& pulse, double period, int periods) {
+  control::CascadeParams params;
+  params.integral_time = {1e9};
+  control::Setup<2> setup;
+  setup.period = period;
+  setup.force_limit = {1e9, 1e9};
+  for (auto& c : setup.compensation) c.model.mass = 1.0;
+  const auto cascade = sim::make_controller<2>(params, setup);
+  targets::PulsedCascade pulsed(cascade, params, period, {pulse, pulse});
+  const auto plain = cascade->copy();
+  std::vector<double> out;
+  for (int k = 0; k < periods; ++k) {
+    path::PathPoint<2> r;
+    const double t = (k + 0.5) * period - 0.1;
+    r.position = {0.5 * t * t, 0.0};
+    r.velocity = {t, 0.0};
+    r.acceleration = {1.0, 0.0};
+    out.push_back((pulsed.step(r, r.position)[0] - plain->step(r, r.position)[0]) / params.velocity_gain[0]);
   }
-  targets::Exported write() { return targets::find_target("sinumerik")->write(request); }
-  std::string refusal() {
-    try {
-      static_cast<void>(write());
-    } catch (const io::InputError& e) {
-      return e.problems().front().text();
-    }
-    return "accepted";
+  return out;
+}
+
+TEST(PulsedCascade, ABlockLastsItsTimeOrOverItsDistance) {
+  targets::Pulse timed;
+  timed.block = 2e-3;
+  timed.block_time = 3.5e-3;
+  const std::vector<double> speed = added_speed(timed, 1e-3, 120);
+  for (std::size_t k = 0; k < speed.size(); ++k) {
+    const double expected = k < 100 ? 0.0 : k < 103 ? 2e-3 : k == 103 ? 1e-3 : 0.0;
+    EXPECT_NEAR(speed[k], expected, 1e-9) << k;
   }
-};
-constexpr const char* kBristles =
-    "dynamics = { kind = \"lugre\", sigma0 = \"8000 N/mm\", sigma1 = \"80 N s/mm\", damping_velocity = \"0.05 mm/s\" }\n";
+  targets::Pulse travelled;
+  travelled.block = 2e-3;
+  travelled.block_travel = {5e-6, 20e-6};
+  const std::vector<double> far = added_speed(travelled, 1e-3, 120);
+  for (std::size_t k = 0; k < far.size(); ++k) {
+    // From the sample after the turn, half a period behind it.
+    const double t = 1e-3 * (static_cast<double>(k) - 99.5);
+    const double travel = 0.5 * (t * t - 0.25e-6);
+    const bool inside = k >= 100 && travel >= 5e-6 && travel < 20e-6;
+    EXPECT_NEAR(far[k], inside ? 2e-3 : 0.0, 1e-9) << k;
+  }
+}
 
 TEST(Sinumerik, WritesWhatTakesMostOfTheQuadrantErrorAway) {
-  SinumerikExport x(kBristles);
+  PulseExport x("sinumerik", kBristles);
   const targets::Exported written = x.write();
   const auto& circle = written.json["circle"];
   const double without = circle["without"]["quadrant_um"];
@@ -134,9 +153,9 @@ TEST(Sinumerik, WritesWhatTakesMostOfTheQuadrantErrorAway) {
 }
 
 TEST(Sinumerik, RefusesWhatItCannotPredict) {
-  EXPECT_THAT(SinumerikExport("").refusal(),
+  EXPECT_THAT(PulseExport("sinumerik", "").refusal(),
               HasSubstr("friction.dynamics: is missing: the pulse depends on pre-sliding"));
-  SinumerikExport x(kBristles);
+  PulseExport x("sinumerik", kBristles);
   x.request.controller = "pid";
   EXPECT_THAT(x.refusal(), HasSubstr("--controller: expected a file whose law has the kind cascade"));
   x.request.controller.clear();

@@ -1,13 +1,11 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <set>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/output_folder.hpp>
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
@@ -176,16 +174,12 @@ std::string remark(std::string_view comment, const std::string& words) {
   return std::string(comment) + " " + text + "\n";
 }
 
-struct Written {
-  std::string text;
-  nlohmann::ordered_json json;
-  std::string words;
-};
+}  // namespace
 
-Written written(const SteadyTarget& target, const ExportRequest& o) {
+SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   check_needs(target, o);
   const std::vector<std::string> names = names_of(o);
-  Written w;
+  SteadyText w;
   w.json = nlohmann::ordered_json::array();
   w.text = remark(target.comment, "Written by: " + o.command);
   std::string to_do;
@@ -222,82 +216,29 @@ Written written(const SteadyTarget& target, const ExportRequest& o) {
   return w;
 }
 
-}  // namespace
-
 double Axis::friction(double v) const noexcept {
   return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },
                     model.friction.steady);
 }
 
-namespace {
-
-void refuse_others(const ExportRequest& o) {
+void refuse_linuxcnc_options(const ExportRequest& o) {
   const auto refuse = [](const char* option) { refuse_option(option, "applies to --to linuxcnc alone"); };
   if (!o.omega.empty()) refuse("--omega");
   if (!o.feedforward.empty()) refuse("--feedforward");
   if (o.lincurve) refuse("--lincurve");
   if (!o.parameters.empty()) refuse("--parameters");
   if (!o.axis_files.empty()) refuse("--axis-file");
-  refuse_pulse_options(o);
 }
 
-}  // namespace
-
 Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
-  refuse_others(o);
+  refuse_linuxcnc_options(o);
+  refuse_pulse_options(o);
   io::check_writable(o.output);
-  const Written w = written(target, o);
+  const SteadyText w = steady_text(target, o);
   io::write_atomically(o.output, w.text);
   Exported out;
   out.json = {{"schema", "stribeck.export/1"}, {"to", target.name}, {"file", o.output}, {"axes", w.json}};
   out.text = w.words + fmt::format("Written to {}.\n", o.output);
-  return out;
-}
-
-Exported write_all(const ExportRequest& o) {
-  refuse_others(o);
-  std::error_code ignored;
-  if (std::filesystem::exists(o.output, ignored) && !std::filesystem::is_directory(o.output, ignored))
-    throw io::InputError({o.output, 0, {}, "is a file, expected a folder for one file per target"});
-  std::vector<std::pair<const SteadyTarget*, Written>> all;
-  std::vector<std::string> open;
-  for (const SteadyTarget* t : steady_targets()) {
-    const bool gain = t->needs == SteadyNeeds::kGain || t->needs == SteadyNeeds::kGainAndLead;
-    const bool lead = t->needs == SteadyNeeds::kLead || t->needs == SteadyNeeds::kGainAndLead;
-    if ((gain && o.gain.empty()) || (lead && o.lead.empty())) {
-      open.push_back(fmt::format("{} ({})", t->name,
-                                 gain && lead ? "--gain, --lead"
-                                 : gain       ? "--gain"
-                                              : "--lead"));
-    } else {
-      all.emplace_back(t, written(*t, o));
-    }
-  }
-  const io::OutputFolder folder(o.output);
-  Exported out;
-  out.json = {{"schema", "stribeck.export/1"},
-              {"to", "all"},
-              {"folder", o.output},
-              {"targets", nlohmann::ordered_json::array()}};
-  out.text = fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
-                         report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
-                         report::right_aligned("RMS error", 12), "what is written");
-  for (const auto& [t, w] : all) {
-    const std::string file =
-        (std::filesystem::path(o.output) / (std::string(t->name) + std::string(t->extension))).string();
-    io::write_atomically(file, w.text);
-    out.json["targets"].push_back({{"to", t->name}, {"file", file}, {"axes", w.json}});
-    for (const auto& axis : w.json) {
-      out.text +=
-          fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
-                      report::left_aligned(axis["name"].get<std::string>(), 6),
-                      report::right_aligned(report::significant(axis["max_error_N"], 3) + " N", 14),
-                      report::right_aligned(report::significant(axis["rms_error_N"], 3) + " N", 12), t->what);
-    }
-  }
-  out.text += fmt::format("{} files in {}.\n", all.size(), o.output);
-  if (!open.empty())
-    out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
   return out;
 }
 

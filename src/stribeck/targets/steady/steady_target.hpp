@@ -73,7 +73,15 @@ std::span<const SteadyTarget* const> steady_targets();
 /// Writes all axes of the request into one file.
 Exported write_steady(const SteadyTarget& target, const ExportRequest& request);
 
-/// Every steady target that the given options suffice for, each into its own file of a folder, with a table of their errors.
-Exported write_all(const ExportRequest& request);
+/// The bytes of that file, what is in it, and the errors of all axes.
+struct SteadyText {
+  std::string text;
+  nlohmann::ordered_json json;
+  std::string words;
+};
+SteadyText steady_text(const SteadyTarget& target, const ExportRequest& request);
+
+/// Refuses the options that only --to linuxcnc takes.
+void refuse_linuxcnc_options(const ExportRequest& request);
 
 }  // namespace stribeck::targets

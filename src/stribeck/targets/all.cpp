@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+#include <filesystem>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/output_folder.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/all.hpp>
+#include <stribeck/targets/pulse/options.hpp>
+#include <stribeck/targets/pulse/pulse_target.hpp>
+#include <stribeck/targets/steady/steady_target.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+/// The options that a target needs and that were not given, as words; empty: none.
+std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
+  const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
+  const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+  if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};
+  return gain && lead ? "--gain, --lead" : gain ? "--gain" : "--lead";
+}
+
+std::string file_in(const ExportRequest& o, std::string_view target, std::string_view extension) {
+  return (std::filesystem::path(o.output) / (std::string(target) + std::string(extension))).string();
+}
+
+/// The targets with a pulse, with the peak that each of them leaves at the quadrants.
+void add_pulses(const ExportRequest& o, Exported& out) {
+  ExportRequest each = o;
+  // Names of axes are those of the control.
+  each.names.clear();
+  each.gain.clear();
+  each.lead.clear();
+  out.text += fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
+                          report::right_aligned("peak without", 14), report::right_aligned("with it", 12),
+                          report::right_aligned("whole model", 12), "what is written");
+  for (const PulseTarget* t : pulse_targets()) {
+    each.output = file_in(o, t->name, ".txt");
+    const Exported written = write_pulse(*t, each);
+    const auto& circle = written.json["circle"];
+    out.json["targets"].push_back(
+        {{"to", t->name}, {"file", each.output}, {"axes", written.json["axes"]}, {"circle", circle}});
+    const auto peak = [&](const char* of) {
+      return report::micrometres(1e-6 * circle[of]["quadrant_um"].get<double>()) + " µm";
+    };
+    out.text +=
+        fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
+                    report::right_aligned(peak("without"), 14), report::right_aligned(peak("pulse"), 12),
+                    report::right_aligned(peak("model"), 12), t->what);
+  }
+}
+
+}  // namespace
+
+Exported write_all(const ExportRequest& o) {
+  refuse_linuxcnc_options(o);
+  const bool pulses = !o.controller.empty();
+  if (!pulses) refuse_pulse_options(o);
+  std::error_code ignored;
+  if (std::filesystem::exists(o.output, ignored) && !std::filesystem::is_directory(o.output, ignored))
+    throw io::InputError({o.output, 0, {}, "is a file, expected a folder for one file per target"});
+  std::vector<std::pair<const SteadyTarget*, SteadyText>> all;
+  std::vector<std::string> open;
+  for (const SteadyTarget* t : steady_targets()) {
+    const std::string missing = missing_options(*t, o);
+    if (missing.empty()) {
+      all.emplace_back(t, steady_text(*t, o));
+    } else {
+      open.push_back(fmt::format("{} ({})", t->name, missing));
+    }
+  }
+  const io::OutputFolder folder(o.output);
+  Exported out;
+  out.json = {{"schema", "stribeck.export/1"},
+              {"to", "all"},
+              {"folder", o.output},
+              {"targets", nlohmann::ordered_json::array()}};
+  out.text = fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
+                         report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
+                         report::right_aligned("RMS error", 12), "what is written");
+  for (const auto& [t, w] : all) {
+    const std::string file = file_in(o, t->name, t->extension);
+    io::write_atomically(file, w.text);
+    out.json["targets"].push_back({{"to", t->name}, {"file", file}, {"axes", w.json}});
+    for (const auto& axis : w.json) {
+      out.text +=
+          fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
+                      report::left_aligned(axis["name"].get<std::string>(), 6),
+                      report::right_aligned(report::significant(axis["max_error_N"], 3) + " N", 14),
+                      report::right_aligned(report::significant(axis["rms_error_N"], 3) + " N", 12), t->what);
+    }
+  }
+  if (pulses) add_pulses(o, out);
+  for (const PulseTarget* t : pulse_targets()) {
+    if (!pulses) open.push_back(fmt::format("{} (--controller)", t->name));
+  }
+  out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output);
+  if (!open.empty())
+    out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
+  return out;
+}
+
+}  // namespace stribeck::targets

@@ -1,0 +1,61 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stribeck/targets/pulse/fanuc.hpp>
+#include <stribeck/targets/pulse/test_export.hpp>
+
+namespace stribeck::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Fanuc, TheParametersAreReadBackToTheirRounding) {
+  // 12.346 mm/min; a negative start ends at three times the distance.
+  const std::string text = targets::servo_parameters({0.75, 12.346e-3 / 60.0, 20e-6, 3.0}, "X");
+  EXPECT_EQ(text,
+            "X stage 1 acceleration coefficient [%] = 75\nX stage 2 acceleration amount [mm/min] = 12.35\n"
+            "X stage 2 start/end [detection unit of 1 um] = -20\n");
+  const targets::TwoStages back = targets::read_servo_parameters(text, "X");
+  EXPECT_DOUBLE_EQ(back.coefficient, 0.75);
+  EXPECT_DOUBLE_EQ(back.amount, 12.35e-3 / 60.0);
+  EXPECT_DOUBLE_EQ(back.start, 20e-6);
+  EXPECT_EQ(back.end, 3.0);
+  EXPECT_EQ(targets::servo_parameters(back, "X"), text);
+  EXPECT_EQ(targets::read_servo_parameters(targets::servo_parameters({1.0, 0.0, 5e-6, 2.0}, "Y"), "Y").end,
+            2.0);
+  EXPECT_THROW(static_cast<void>(targets::read_servo_parameters(text, "Y")), io::InputError);
+}
+
+TEST(Fanuc, WritesWhatTakesMostOfTheQuadrantErrorAway) {
+  PulseExport x("fanuc", kBristles);
+  const targets::Exported written = x.write();
+  const auto& circle = written.json["circle"];
+  const double without = circle["without"]["quadrant_um"];
+  EXPECT_GT(without, 3.0);
+  EXPECT_LT(circle["pulse"]["quadrant_um"].get<double>(), 0.35 * without);
+  const targets::TwoStages s = targets::read_servo_parameters(text_of(x.request.output), "X");
+  EXPECT_NEAR(1e6 * s.start * s.end, written.json["axes"][0]["stage2_to_um"].get<double>(), 1e-9);
+  EXPECT_THAT(written.text, HasSubstr("Check first the detection unit"));
+}
+
+TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
+  PulseExport x("all", kBristles);
+  x.request.output = x.folder / "all";
+  x.request.names = {"x"};
+  x.request.gain = "12 N/%";
+  EXPECT_THAT(x.refusal(), HasSubstr("--period: applies to --to sinumerik, tnc and fanuc alone"));
+  x.request.controller = "cascade";
+  const targets::Exported written = x.write();
+  EXPECT_THAT(written.text, HasSubstr("what is written\nsinumerik "));
+  for (const char* name : {"sinumerik", "tnc", "fanuc", "cia402"})
+    EXPECT_TRUE(std::filesystem::exists(x.folder / ("all/" + std::string(name) + ".txt"))) << name;
+  EXPECT_EQ(written.json["targets"].back()["to"], "fanuc");
+  EXPECT_LT(written.json["targets"].back()["circle"]["pulse"]["quadrant_um"],
+            written.json["targets"].back()["circle"]["without"]["quadrant_um"]);
+  EXPECT_THAT(written.text,
+              HasSubstr("because an option is missing: ax8000 (--lead) and keba (--gain, --lead)."));
+}
+
+}  // namespace
+}  // namespace stribeck::test

@@ -1,0 +1,248 @@
+// What the targets with a pulse share: which axes, which loop, the judgement on the grid, and what the pulses do on the user's circle.
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/printable.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/pulse/pulse_target.hpp>
+#include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+using workflow::option_si;
+using workflow::refuse_option;
+
+std::vector<std::string> axis_names(const PulseTarget& target, const ExportRequest& o) {
+  std::vector<std::string> names = o.names;
+  for (std::size_t i = 0; o.names.empty() && i < o.files.size(); ++i) names.push_back(target.axis_name(i));
+  if (names.size() != o.files.size())
+    refuse_option("--name",
+                  fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
+  for (const std::string& name : names) {
+    constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    if (name.empty() || name.size() > 16 || name.find_first_not_of(kLetters) != std::string::npos)
+      refuse_option("--name", fmt::format("got {}, expected a machine axis, e.g. {}", io::in_quotes(name),
+                                          target.axis_name(0)));
+  }
+  if (std::set(names.begin(), names.end()).size() != names.size())
+    refuse_option("--name", "expected names that differ");
+  return names;
+}
+
+friction::AxisModel axis_model(const std::string& file) {
+  if (io::load_toml(file).find("axes") != nullptr)
+    throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
+  friction::AxisModel model = io::read_toml<friction::AxisModel>(file);
+  if (!friction::has_pre_sliding(model.friction.dynamics)) {
+    throw io::InputError(
+        {file, 0, "friction.dynamics",
+         "is missing: the pulse depends on pre-sliding; identify from a log with reversals that shows it"});
+  }
+  return model;
+}
+
+sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
+  sim::ControllerSpec loop = workflow::read_controller(o.controller.empty() ? "cascade" : o.controller);
+  const auto* cascade = std::get_if<control::CascadeParams>(&loop.law);
+  if (cascade == nullptr || cascade->error_rate != control::ErrorRate::kDifferenceOfError) {
+    refuse_option(
+        "--controller",
+        "expected a file whose law has the kind cascade, with error_rate left out: position, speed and "
+        "current in a cascade is what the control has");
+  }
+  if (!cascade->stable(period))
+    refuse_option(
+        "--controller",
+        fmt::format("the loop is unstable at a period of {:.4g} ms, expected lower gains", 1e3 * period));
+  return loop;
+}
+
+double feed_of(const ExportRequest& o, const std::vector<friction::AxisModel>& axes) {
+  if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+  double feed = std::numeric_limits<double>::infinity();
+  for (const friction::AxisModel& axis : axes) {
+    const auto range = axis.friction.identified_range();
+    if (range) feed = std::min({feed, -(*range)[0], (*range)[1]});
+  }
+  if (!std::isfinite(feed))
+    refuse_option("--speed", "missing: the files do not say how fast the axes go, e.g. \"100 mm/s\"");
+  return feed;
+}
+
+PulseTask task_of(const PulseTarget& target, const ExportRequest& o) {
+  const auto refuse = [&](const char* option) {
+    refuse_option(option, fmt::format("does not apply to --to {}", target.name));
+  };
+  if (!o.omega.empty()) refuse("--omega");
+  if (!o.feedforward.empty()) refuse("--feedforward");
+  if (o.lincurve) refuse("--lincurve");
+  if (!o.parameters.empty()) refuse("--parameters");
+  if (!o.axis_files.empty()) refuse("--axis-file");
+  if (!o.gain.empty()) refuse("--gain");
+  if (!o.lead.empty()) refuse("--lead");
+  PulseTask t;
+  t.names = axis_names(target, o);
+  for (const std::string& file : o.files) t.axes.push_back(axis_model(file));
+  if (!o.machine.empty()) {
+    if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
+    t.machine = workflow::read_virtual_machine(o.machine);
+    if (t.machine->axes.size() < 2 || t.axes.size() < 2)
+      refuse_option("--machine", "expected two axes of the machine and two axis files, for a circle");
+    t.period = t.machine->sample_time;
+  } else {
+    t.period = option_si("--period", o.period.empty() ? "1 ms" : o.period,
+                         quantity("s", "ms").positive().at_least(1e-5).at_most(0.1));
+  }
+  t.loop = cascade_of(o, t.period);
+  t.feed = feed_of(o, t.axes);
+  t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
+  return t;
+}
+
+nlohmann::ordered_json json_of(const CircleError& e) {
+  return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
+}
+
+struct OnCircle {
+  CircleError without;
+  CircleError pulse;
+  CircleError model;
+  std::string where;
+};
+
+OnCircle on_circle(const PulseTask& t, const std::vector<WrittenPulse>& written) {
+  const std::size_t second = t.axes.size() > 1 ? 1 : 0;
+  const std::array known{t.axes[0], t.axes[second]};
+  const CircleAxes axes{t.machine ? *t.machine : machine_of(known, t.period), known, t.loop};
+  Circle circle(axes, t.radius, t.feed, 2.0);
+  return {circle.without(), circle.with({written[0].pulse, written[second].pulse}), circle.with_model(),
+          t.machine ? t.machine->name : "the identified axes"};
+}
+
+std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
+  return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
+                     report::right_aligned(report::micrometres(e.quadrant), 9),
+                     report::right_aligned(report::micrometres(e.largest), 9),
+                     100.0 * e.quadrant / without.quadrant);
+}
+
+std::string words_of(const PulseTask& t, const OnCircle& c) {
+  return fmt::format(
+             "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; at the quadrants and largest contour error in µm, share of the first:\n",
+             report::significant(1e3 * t.radius, 4), report::significant(1e3 * t.feed, 4), c.where, t.loop.id,
+             report::significant(1e3 * t.period, 3)) +
+         line_of("no friction compensation", c.without, c.without) +
+         line_of("this pulse", c.pulse, c.without) + line_of("whole model to the force", c.model, c.without);
+}
+
+}  // namespace
+
+double PulseTask::integral_time() const {
+  return std::get<control::CascadeParams>(loop.law).integral_time[0];
+}
+
+double number_after(const std::string& left, const std::string& text, const char* what) {
+  const auto found = text.find(left);
+  const char* const begin = text.data() + (found == std::string::npos ? text.size() : found + left.size());
+  double value = 0.0;
+  const auto read = std::from_chars(begin, text.data() + text.size(), value);
+  if (found == std::string::npos || read.ec != std::errc())
+    throw io::InputError({what, 0, left, "is missing, or not followed by a number"});
+  return value;
+}
+
+std::vector<PulsePoint> points_of(const PulseSearch& found) {
+  std::vector<PulsePoint> points;
+  for (const PulseRow& r : found.rows) {
+    const double gained = std::max(r.without.quadrant - r.best.quadrant, 0.0);
+    points.push_back({r.acceleration, r.amplitude, gained / r.amplitude});
+  }
+  return points;
+}
+
+double constant_amplitude(const std::vector<PulsePoint>& points) {
+  double weighted = 0.0;
+  double weights = 0.0;
+  for (const PulsePoint& p : points) {
+    weighted += p.weight * p.weight * p.amplitude;
+    weights += p.weight * p.weight;
+  }
+  return weights > 0.0 ? weighted / weights : 0.0;
+}
+
+void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& found,
+                   const std::function<double(double)>& amplitude, WrittenPulse& w) {
+  const std::vector<CircleError> tried = try_pulse(t.axes[axis], t.loop, t.period, found.rows, w.pulse);
+  nlohmann::ordered_json grid = nlohmann::ordered_json::array();
+  double squares = 0.0;
+  double worst = 0.0;
+  double worst_best = 0.0;
+  for (std::size_t k = 0; k < tried.size(); ++k) {
+    const PulseRow& r = found.rows[k];
+    const double written = amplitude(r.acceleration);
+    squares += (written - r.amplitude) * (written - r.amplitude);
+    worst = std::max(worst, tried[k].quadrant / r.without.quadrant);
+    worst_best = std::max(worst_best, r.best.quadrant / r.without.quadrant);
+    grid.push_back({{"radius_mm", 1e3 * r.radius},
+                    {"feed_mm_per_s", 1e3 * r.feed},
+                    {"acceleration_mm_per_s2", 1e3 * r.acceleration},
+                    {"best_mm_per_min", r.amplitude / kMmPerMinute},
+                    {"written_mm_per_min", written / kMmPerMinute},
+                    {"quadrant_without_um", 1e6 * r.without.quadrant},
+                    {"quadrant_best_um", 1e6 * r.best.quadrant},
+                    {"quadrant_written_um", 1e6 * tried[k].quadrant}});
+  }
+  const double residual = std::sqrt(squares / static_cast<double>(tried.size())) / kMmPerMinute;
+  w.words += fmt::format(
+      "; from the best amplitudes on {} circles {} mm/min RMS; peak at the quadrants there at most {:.0f} % "
+      "of that without, with the best amplitude of each {:.0f} %; not in it: terms periodic in position, different amplitudes for the two directions",
+      tried.size(), report::significant(residual, 3), 100.0 * worst, 100.0 * worst_best);
+  w.json["residual_mm_per_min"] = residual;
+  w.json["grid"] = grid;
+}
+
+Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
+  const PulseTask t = task_of(target, o);
+  io::check_writable(o.output);
+  const auto remark = [&](const std::string& words) {
+    constexpr std::size_t kLongest = 200;
+    return fmt::format("{} {}\n", target.comment, io::one_line(words, kLongest));
+  };
+  std::string text = remark("Written by: " + o.command);
+  std::string words;
+  Exported out;
+  out.json = {{"schema", "stribeck.export/1"},
+              {"to", target.name},
+              {"file", o.output},
+              {"axes", nlohmann::ordered_json::array()}};
+  std::vector<WrittenPulse> written;
+  for (std::size_t i = 0; i < t.axes.size(); ++i) {
+    written.push_back(target.write(t, i));
+    text += remark(fmt::format("{} from {}", t.names[i], o.files[i])) + written.back().text;
+    words += fmt::format("{} from {}: {}.\n", t.names[i], o.files[i], written.back().words);
+    nlohmann::ordered_json axis{{"name", t.names[i]}, {"file", o.files[i]}};
+    axis.update(written.back().json);
+    out.json["axes"].push_back(axis);
+  }
+  const OnCircle c = on_circle(t, written);
+  text += target.end;
+  io::write_atomically(o.output, text);
+  out.json["circle"] = {
+      {"radius_mm", 1e3 * t.radius}, {"feed_mm_per_s", 1e3 * t.feed}, {"on", c.where},
+      {"controller", t.loop.id},     {"period_ms", 1e3 * t.period},   {"without", json_of(c.without)},
+      {"pulse", json_of(c.pulse)},   {"model", json_of(c.model)}};
+  out.text = words + words_of(t, c) + std::string(target.to_do) + fmt::format("\nWritten to {}.\n", o.output);
+  return out;
+}
+
+}  // namespace stribeck::targets
