@@ -67,6 +67,7 @@ extern const SteadyTarget kFmu;
 const SteadyTarget kFmu{"fmu",    "FMU after FMI 3.0 with sources: friction with its bristles",
                         "",       SteadyNeeds::kNothing,
                         fmu_form, ".fmu",
+                        {},       {},
                         pack};
 
 }  // namespace stribeck::targets

@@ -9,37 +9,70 @@ namespace stribeck::targets {
 
 namespace {
 
+/// A number as these texts show it.
+double shown(double value) { return std::stod(fmt::format("{:.9g}", value)); }
+
 Form mujoco(const Axis& axis) {
-  const Line line = nearest_line(axis);
+  Line line = nearest_line(axis);
+  line.level = shown(line.level);
+  line.viscous = shown(line.viscous);
   Form form;
   form.mass = true;
   form.text = fmt::format(
-      "<joint name=\"{}\" type=\"slide\" axis=\"1 0 0\" frictionloss=\"{:.9g}\" damping=\"{:.9g}\"/>\n"
-      "<!-- mass of the body on this joint: {:.9g} kg -->\n",
+      "    <body name=\"{0}\">\n"
+      "      <joint name=\"{0}\" type=\"slide\" axis=\"1 0 0\" frictionloss=\"{1:.9g}\" damping=\"{2:.9g}\"/>\n"
+      "      <geom type=\"box\" size=\"0.1 0.1 0.1\" mass=\"{3:.9g}\" contype=\"0\" conaffinity=\"0\"/>\n"
+      "    </body>\n",
       axis.name, line.level, line.viscous, axis.model.mass);
   form.held = [line](double v) { return signed_force(line.at(std::abs(v)), v); };
   form.to_do =
-      "Put the joint into the body of the axis in the MJCF file. MuJoCo has one friction for both directions.";
+      "The file is a model of its own, with one body for each axis; put its joint into the body of your axis. MuJoCo has one friction for both "
+      "directions, and a body at rest creeps, because its constraints are soft. Check first the step of the simulation: 1 ms or less.";
   return form;
+}
+
+std::vector<Corner> shown(std::vector<Corner> points) {
+  for (Corner& c : points) c = {shown(c.x), shown(c.y)};
+  return points;
+}
+
+/// Rows "speed, force" of a matrix of Modelica.
+std::string modelica_table(const std::vector<Corner>& points) {
+  std::string table;
+  for (const Corner& c : points)
+    table += fmt::format("{}{:.9g}, {:.9g}", table.empty() ? "" : "; ", c.x, c.y);
+  return table;
 }
 
 Form modelica(const Axis& axis) {
   constexpr std::size_t kMost = 20;
-  std::vector<Corner> points = nearest_points(axis, kMost);
+  std::vector<Corner> points = shown(nearest_points(axis, kMost));
   // The table of the library begins at rest.
   points.front().x = 0.0;
   Form form;
-  std::string table;
-  for (const Corner& c : points)
-    table += fmt::format("{}{:.9g}, {:.9g}", table.empty() ? "" : "; ", c.x, c.y);
   form.mass = true;
-  form.text = fmt::format(
-      "Modelica.Mechanics.Translational.Components.SupportFriction {0}_friction(f_pos=[{1}], peak=1);\n"
-      "Modelica.Mechanics.Translational.Components.Mass {0}_mass(m={2:.9g});\n",
-      axis.name, table, axis.model.mass);
+  if (std::isnan(axis.lead)) {
+    form.text = fmt::format(
+        "Modelica.Mechanics.Translational.Components.SupportFriction {0}_friction(f_pos=[{1}], peak=1);\n"
+        "Modelica.Mechanics.Translational.Components.Mass {0}_mass(m={2:.9g});\n",
+        axis.name, modelica_table(points), axis.model.mass);
+    form.to_do =
+        "Declare both in the model and connect the flanges. The table has speed in m/s and force in N, for both directions. --lead writes "
+        "BearingFriction at the motor instead. Check first that a constant velocity needs the force of the table.";
+  } else {
+    // At the motor: w = v·2π/lead, torque = force·lead/2π.
+    const double radius = axis.lead / (2.0 * kPi);
+    for (Corner& c : points) c = {shown(c.x / radius), shown(c.y * radius)};
+    form.text = fmt::format(
+        "Modelica.Mechanics.Rotational.Components.BearingFriction {0}_friction(tau_pos=[{1}], peak=1);\n"
+        "Modelica.Mechanics.Rotational.Components.Inertia {0}_inertia(J={2:.9g});\n",
+        axis.name, modelica_table(points), axis.model.mass * radius * radius);
+    for (Corner& c : points) c = {c.x * radius, c.y / radius};
+    form.to_do =
+        "Declare both in the model and connect the flanges. The table has speed in rad/s and torque in N m at the motor, for both "
+        "directions. Check first that a constant speed needs the torque of the table.";
+  }
   form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
-  form.to_do =
-      "Declare both in the model and connect the flanges. The table has speed in m/s and force in N, for both directions.";
   return form;
 }
 
@@ -88,6 +121,7 @@ Form simscape(const Axis& axis) {
     least = sum;
     best = s;
   }
+  best = {shown(best.breakaway), shown(best.coulomb), shown(best.speed), shown(best.viscous)};
   Form form;
   form.mass = true;
   form.text = fmt::format(
@@ -95,15 +129,23 @@ Form simscape(const Axis& axis) {
       best.breakaway, best.coulomb, best.speed, best.viscous, axis.model.mass);
   form.held = [best](double v) { return signed_force(best.at(std::abs(v)), v); };
   form.to_do =
-      "Parameters of Simscape's block Translational Friction; it has one friction for both directions.";
+      "Parameters of Simscape's block Translational Friction; it has one friction for both directions, and passes through zero within a "
+      "tenth of brkwy_vel. Check first that the variables have these units in the block.";
   return form;
 }
 
 }  // namespace
 
 extern const SteadyTarget kMujoco;
-const SteadyTarget kMujoco{"mujoco", "frictionloss and damping of a MuJoCo joint", "<!--",
-                           SteadyNeeds::kNothing, mujoco};
+const SteadyTarget kMujoco{
+    "mujoco",
+    "MJCF model with frictionloss and damping of MuJoCo joints",
+    "<!--",
+    SteadyNeeds::kNothing,
+    mujoco,
+    ".xml",
+    "<mujoco model=\"axes\">\n  <option timestep=\"0.001\" gravity=\"0 0 0\"/>\n  <worldbody>\n",
+    "  </worldbody>\n</mujoco>\n"};
 extern const SteadyTarget kModelica;
 const SteadyTarget kModelica{"modelica", "friction table of a Modelica axis", "//", SteadyNeeds::kNothing,
                              modelica};

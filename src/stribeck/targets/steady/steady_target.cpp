@@ -181,7 +181,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   const std::vector<std::string> names = names_of(o);
   SteadyText w;
   w.json = nlohmann::ordered_json::array();
-  w.text = remark(target.comment, "Written by: " + o.command);
+  w.text = remark(target.comment, "Written by: " + o.command) + std::string(target.begin);
   std::string to_do;
   std::vector<Axis> axes;
   for (std::size_t i = 0; i < o.files.size(); ++i) {
@@ -207,6 +207,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
                       {"left_out", missing}});
     axes.push_back(axis);
   }
+  w.text += target.end;
   if (target.pack != nullptr) {
     const Packed packed = target.pack(axes, o.command);
     w.text = packed.bytes;

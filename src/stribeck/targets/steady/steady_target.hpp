@@ -63,6 +63,8 @@ struct SteadyTarget {
   SteadyNeeds needs = SteadyNeeds::kNothing;
   Form (*write)(const Axis&);
   std::string_view extension = ".txt";  ///< of the file in the folder of --to all
+  std::string_view begin{};             ///< lines around those of all axes
+  std::string_view end{};
   /// Makes the file from the axes and the typed command; null: the file is the texts of the axes, one after the other.
   Packed (*pack)(const std::vector<Axis>&, const std::string& command) = nullptr;
 };

@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <sstream>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
@@ -148,6 +150,110 @@ TEST(SteadyTarget, SimulatorsComeAsNearAsTheirFormPermits) {
   const double simscape = x.to("simscape").json["axes"][0]["rms_error_N"].get<double>();
   EXPECT_LT(simscape, 4.0);
   EXPECT_LT(simscape, x.to("mujoco").json["axes"][0]["rms_error_N"].get<double>());
+}
+
+/// The number behind `mark` in a text.
+double number_behind(const std::string& text, const std::string& mark) {
+  const std::size_t at = text.find(mark);
+  EXPECT_NE(at, std::string::npos) << mark;
+  return std::stod(text.substr(at + mark.size()));
+}
+
+/// Largest difference between a friction and that of kAxis over the speeds of the export, in both directions.
+double largest_off(const std::function<double(double)>& at) {
+  double largest = 0.0;
+  for (int i = 0; i <= 1000; ++i) {
+    const double v = 1e-4 + (0.1 - 1e-4) * i / 1000.0;
+    largest = std::max({largest, std::abs(at(v) - friction_of(v)), std::abs(-at(v) - friction_of(-v))});
+  }
+  return largest;
+}
+
+TEST(SteadyTarget, WhatSimulatorsReadHasTheErrorThatIsPrinted) {
+  Export x;
+  const std::string mjcf = x.text("mujoco");
+  const double loss = number_behind(mjcf, "frictionloss=\"");
+  const double damping = number_behind(mjcf, "damping=\"");
+  EXPECT_EQ(number_behind(mjcf, "mass=\""), 800.0);
+  EXPECT_NEAR(largest_off([&](double v) { return loss + damping * v; }), error_of(x.to("mujoco")), 1e-9);
+
+  const std::string block = x.text("simscape");
+  const double breakaway = number_behind(block, "brkwy_frc = ");
+  const double coulomb = number_behind(block, "Col_frc = ");
+  const double speed = number_behind(block, "brkwy_vel = ");
+  const double viscous = number_behind(block, "visc_coef = ");
+  // The block's equation as its documentation has it.
+  const auto simscape = [&](double v) {
+    const double stribeck = v / (speed * std::sqrt(2.0));
+    return std::sqrt(2.0 * std::exp(1.0)) * (breakaway - coulomb) * std::exp(-stribeck * stribeck) *
+               stribeck +
+           coulomb * std::tanh(10.0 * v / speed) + viscous * v;
+  };
+  EXPECT_NEAR(largest_off(simscape), error_of(x.to("simscape")), 1e-9);
+}
+
+/// Rows of the matrix behind `mark`: "[0, 1; 2, 3]".
+std::vector<std::array<double, 2>> rows_behind(const std::string& text, const std::string& mark) {
+  const std::size_t begin = text.find(mark) + mark.size();
+  std::string matrix = text.substr(begin, text.find(']', begin) - begin);
+  std::replace_if(
+      matrix.begin(), matrix.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  std::istringstream in(matrix);
+  std::vector<std::array<double, 2>> rows;
+  for (std::array<double, 2> row{}; in >> row[0] >> row[1];) rows.push_back(row);
+  return rows;
+}
+
+TEST(SteadyTarget, ModelicasTableHasTheErrorThatIsPrintedAtTheAxisAndAtTheMotor) {
+  Export x;
+  for (const char* lead : {"", "10 mm"}) {
+    x.request.lead = lead;
+    const double radius = *lead == '\0' ? 1.0 : 0.01 / (2.0 * 3.14159265358979);
+    const std::string text = x.text("modelica");
+    const auto rows = rows_behind(
+        text, *lead == '\0' ? "SupportFriction x_friction(f_pos=[" : "BearingFriction x_friction(tau_pos=[");
+    ASSERT_GE(rows.size(), 5U);
+    ASSERT_LE(rows.size(), 20U);
+    EXPECT_EQ(rows.front()[0], 0.0);
+    const double off = largest_off([&](double v) {
+      std::size_t i = 1;
+      while (i + 1 < rows.size() && v / radius > rows[i][0]) ++i;
+      const double share = (v / radius - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
+      return (rows[i - 1][1] + share * (rows[i][1] - rows[i - 1][1])) / radius;
+    });
+    EXPECT_NEAR(off, error_of(x.to("modelica")), 1e-6) << lead;
+    EXPECT_LT(off, 1.0);
+    EXPECT_NEAR(number_behind(text, *lead == '\0' ? "x_mass(m=" : "x_inertia(J="), 800.0 * radius * radius,
+                1e-6);
+  }
+}
+
+// MuJoCo itself, where Debian's libmujoco-dev is installed: force that the joints need at constant velocities.
+TEST(SteadyTarget, MuJoCoNeedsTheForceThatIsWritten) {
+  Export x;
+  x.request.output = x.folder / "axes.xml";
+  const std::string mjcf = x.text("mujoco");
+  const std::string main = x.folder.write(
+      "main.c",
+      "#include <mujoco/mujoco.h>\n#include <stdio.h>\nint main(int n, char **a) {\n  char error[500] = \"\";\n"
+      "  mjModel *m = mj_loadXML(a[n - 1], NULL, error, 500);\n  if (!m) return puts(error), 1;\n  mjData *d = mj_makeData(m);\n"
+      "  for (int i = -5; i <= 5; ++i) {\n    const double v = 0.02 * i;\n    if (i == 0) continue;\n    mj_resetData(m, d);\n    d->qvel[0] = v;\n    mj_forward(m, d);\n"
+      "    printf(\"%.15g %.15g\\n\", v, -d->qfrc_passive[0] - d->qfrc_constraint[0]);\n  }\n  return 0;\n}\n");
+  const std::string program = x.folder / "program";
+  if (std::system(("cc -std=c99 -w -o '" + program + "' '" + main + "' -lmujoco 2> /dev/null").c_str()) != 0)
+    GTEST_SKIP() << "libmujoco-dev is not installed";
+  const std::string out = x.folder / "values.txt";
+  ASSERT_EQ(std::system(("'" + program + "' '" + x.request.output + "' > '" + out + "'").c_str()), 0)
+      << text_of(out);
+  std::istringstream values(text_of(out));
+  int read = 0;
+  for (double v = 0.0, force = 0.0; values >> v >> force; ++read) {
+    const double written =
+        number_behind(mjcf, "frictionloss=\"") + number_behind(mjcf, "damping=\"") * std::abs(v);
+    EXPECT_NEAR(std::abs(force), written, 1e-6 * written) << v;
+    EXPECT_GT(force * v, 0.0);
+  }
+  EXPECT_EQ(read, 10);
 }
 
 TEST(SteadyTarget, WhatAFormCannotHoldIsSaid) {
