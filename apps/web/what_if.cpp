@@ -80,11 +80,11 @@ workflow::ComparisonOptions options_of(const WhatIfRequest& r, const sim::Machin
   return o;
 }
 
-/// One motion, one lap, short enough for a knob.
+/// One motion, short enough for a knob.
 void shorten(workflow::ComparisonPlan& plan) {
-  plan.spec.travels = {plan.spec.travels.back()};
-  sim::Travel& travel = plan.spec.travels.front();
-  travel.laps = std::min(travel.laps, 1.0);
+  const bool own = plan.experiment == workflow::kOwn;  // slow, then fast
+  plan.spec.travels = {own ? plan.spec.travels.back() : plan.spec.travels.front()};
+  const sim::Travel& travel = plan.spec.travels.front();
   const double ticks = travel.duration() / plan.machine.sample_time;
   if (ticks <= kMostTicks) return;
   refuse(
@@ -185,6 +185,7 @@ nlohmann::ordered_json WhatIf::run(const WhatIfRequest& r, const IsOld& is_old) 
   shorten(plan);
   workflow::ComparisonPlan identified = plan;
   if (!r.identify_changed) identified.machine = nominal;
+  check();
   const workflow::Parameters parameters = parameters_for(identified, name.file, r.parameters);
   check();
   const auto simulating = std::chrono::steady_clock::now();
@@ -219,17 +220,19 @@ std::string WhatIf::machine_file(const WhatIfRequest& r) const {
 }
 
 nlohmann::ordered_json WhatIf::form(const std::string& id) const {
-  const auto [machine, name] = machines_.read(id);
+  const auto read = machines_.read(id);  // no structured binding: clang 14 captures none
+  const sim::Machine& machine = read.first;
+  const std::string& file = read.second.file;
   nlohmann::ordered_json json = machine_form(machine);
   json["id"] = id;
-  json["file"] = name.file;
+  json["file"] = file;
   const std::string motion = default_motion(machine);
   json["motion"] = motion;
   nlohmann::ordered_json motions = nlohmann::ordered_json::object();
   WhatIfRequest r;
   const auto controllers = [&](const std::string& which) {
     r.motion = which;
-    workflow::ComparisonOptions all = options_of(r, machine, name.file);
+    workflow::ComparisonOptions all = options_of(r, machine, file);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     workflow::ComparisonPlan plan = workflow::plan_comparison(all, machine);
     for (const sim::ControllerSpec& c : plan.spec.controllers)

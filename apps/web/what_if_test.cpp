@@ -49,6 +49,15 @@ TEST_F(WhatIfTest, FiguresAreThoseOfCompare) {
   EXPECT_EQ(what_if_.run(r, kNeverOld)["result"], workflow::to_json(workflow::run_comparison(o)));
 }
 
+TEST_F(WhatIfTest, ExperimentsAreThoseOfCompare) {
+  workflow::ComparisonOptions o;
+  o.machine = std::string(STRIBECK_SOURCE_DIR) + "/machines/uniaxial-drive.toml";
+  o.trials = 1;
+  WhatIfRequest r = asked();
+  r.machine = "built-in/uniaxial-drive";
+  EXPECT_EQ(what_if_.run(r, kNeverOld)["result"], workflow::to_json(workflow::run_comparison(o)));
+}
+
 /// A machine whose values are changed by a request is the machine whose file has these values.
 TEST_F(WhatIfTest, ChangedIsAsWritten) {
   WhatIfRequest r = asked();

@@ -12,7 +12,7 @@ const curve = new Chart(byId('curve'), {title: 'Friction over velocity', x: 'vel
 const QUANTITIES = [['', 'not used'], ['t', 'time'], ['x', 'position'], ['r', 'commanded position'], ['v', 'velocity'], ['a', 'acceleration'],
   ['force', 'force'], ['torque', 'torque'], ['current', 'current'], ['voltage', 'voltage'], ['percent', 'percent of the drive']];
 
-const say = (text) => { byId('lead').textContent = text; };
+const say = (text) => { byId('summary').textContent = text; };
 const fail = (text) => {
   byId('problem').textContent = text;
   byId('problem').hidden = false;
@@ -192,8 +192,12 @@ const drawResult = () => {
   const ci = result.curve.map((p) => p.ci95_N ?? p.ci95 ?? [null, null]);
   curve.options.x = result.position_unit === 'm' ? 'velocity [mm/s]' : `velocity [${result.position_unit}/s]`;
   curve.options.y = `friction [${force}]`;
-  curve.set(v.length === 0 ? [] : [{label: 'identified friction', look: 'thick', x: v, y: f},
-    {label: '95 % interval', look: 0, x: v.concat([null], v), y: ci.map((c) => c[1]).concat([null], ci.map((c) => c[0]))}],
+  // Between the directions friction jumps: no line joins them.
+  const turn = v.findIndex((one) => one > 0);
+  const broken = (values) => turn > 0 ? [...values.slice(0, turn), null, ...values.slice(turn)] : values;
+  const [bv, low, high] = [v, ci.map((c) => c[0]), ci.map((c) => c[1])].map(broken);
+  curve.set(v.length === 0 ? [] : [{label: 'identified friction', look: 'thick', x: bv, y: broken(f)},
+    {label: '95 % interval', look: 0, x: [...bv, null, ...bv], y: [...high, null, ...low]}],
   'from ' + shown(Math.min(...v)) + ' to ' + shown(Math.max(...v)));
 
   byId('warnings').replaceChildren(...[listOf('Warnings', result.warnings, 'warnings'), listOf('The logs cannot tell', result.cannot_tell || [], 'list')].filter((p) => p));

@@ -76,7 +76,7 @@ const valueControl = (p, n) => {
   }
   return slider('value-' + n, label, p.doc, {min: -1, max: 1, step: 0.01, value: 0,
     words: (s) => '\u00d7 ' + shown(Math.pow(10, s), 3) +
-      (p.kind === 'scale' ? '' : values.map(([axis, v]) => `${values.length > 1 ? ' ' + axis : ''} ${shown(v * Math.pow(10, s), 3)}`)
+      (p.kind === 'scale' ? '' : ':' + values.map(([axis, v]) => ` ${values.length > 1 ? axis + ' ' : ''}${shown(v * Math.pow(10, s), 3)}`)
           .join(',') + ' ' + unit),
     input: (s) => change(s === 0 ? null : {key, scale: Number(Math.pow(10, s).toPrecision(6))})});
 };
@@ -199,7 +199,7 @@ async function ask() {
   if (waiting) ask();
 }
 
-const say = (text) => { byId('lead').textContent = text; };
+const say = (text) => { byId('summary').textContent = text; };
 const fail = (text) => {
   byId('problem').textContent = text;
   byId('problem').hidden = false;
@@ -327,7 +327,7 @@ const drawFigures = () => {
     if (compared) cells.splice(2, 0, shown(asFile.rows.get(r.controller)?.max_contour_error_um));
     return cells;
   });
-  byId('figures').replaceChildren(table(word().replace(/^./, (c) => c.toUpperCase()) + ' of one lap', head, rows));
+  byId('figures').replaceChildren(table(word().replace(/^./, (c) => c.toUpperCase()) + ' of the scored motion', head, rows));
 };
 const idOf = (row) => row.controller;
 
