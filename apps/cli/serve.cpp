@@ -46,15 +46,17 @@ void check_serve(const ServeCommand& o) {
 int serve(const ServeCommand& o) {
   check_serve(o);
   web::Site site({o.folder, o.token, STRIBECK_VERSION});
-  web::HttpServer server(
-      {o.address, static_cast<unsigned short>(o.port)},
-      {[&](const web::Request& head) { return site.admit(head); },
-       [&](web::Request request, web::Reply reply) { site.answer(std::move(request), std::move(reply)); }});
+  web::Listen listen{o.address, static_cast<unsigned short>(o.port)};
+  listen.signals = true;
+  web::HttpServer server(listen, {[&](const web::Request& head) { return site.admit(head); },
+                                  [&](web::Request request, web::Reply reply) {
+                                    site.answer(std::move(request), std::move(reply));
+                                  }});
   const std::string host = o.address.find(':') == std::string::npos ? o.address : "[" + o.address + "]";
   fmt::print("Dashboard of {}: http://{}:{}/{} (Ctrl-C ends it)\n", o.folder, host, server.port(),
              o.token.empty() ? "" : "?token=" + o.token);
   std::fflush(stdout);
-  server.run(true);
+  server.run();
   // An identification cannot be interrupted; nobody waits for it any more.
   constexpr std::chrono::milliseconds kPatience{500};
   if (!site.stop(kPatience)) {

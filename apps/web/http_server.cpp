@@ -67,6 +67,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   net::io_context context{1};
   tcp::acceptor acceptor{context};
   net::steady_timer pause{context};
+  net::signal_set ends{context};
 
   State(Handler its_handler, std::size_t most_connections)
       : handler(std::move(its_handler)), most(most_connections) {}
@@ -246,6 +247,13 @@ void HttpServer::State::accept() {
 
 HttpServer::HttpServer(const Listen& listen, Handler handler)
     : state_(std::make_shared<State>(std::move(handler), listen.most_connections)) {
+  if (listen.signals) {
+    state_->ends.add(SIGINT);
+    state_->ends.add(SIGTERM);
+    state_->ends.async_wait([state = state_.get()](beast::error_code ec, int) {
+      if (!ec) state->context.stop();
+    });
+  }
   const tcp::endpoint endpoint(parsed(listen.address), listen.port);
   try {
     state_->acceptor.open(endpoint.protocol());
@@ -268,15 +276,7 @@ HttpServer::~HttpServer() {
 
 unsigned short HttpServer::port() const { return state_->acceptor.local_endpoint().port(); }
 
-void HttpServer::run(bool signals) {
-  net::signal_set ends(state_->context);
-  if (signals) {
-    ends.add(SIGINT);
-    ends.add(SIGTERM);
-    ends.async_wait([this](beast::error_code ec, int) {
-      if (!ec) state_->context.stop();
-    });
-  }
+void HttpServer::run() {
   // There may be nothing to carry while every connection waits for its answer.
   const auto goes_on = net::make_work_guard(state_->context);
   state_->accept();

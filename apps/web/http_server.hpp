@@ -19,6 +19,7 @@ struct Listen {
   std::string address = "127.0.0.1";  ///< a number, no name
   unsigned short port = 0;            ///< 0: any free one
   std::size_t most_connections = 128;
+  bool signals = false;  ///< SIGINT and SIGTERM end run(), from the construction on
 };
 
 struct Handler {
@@ -38,8 +39,8 @@ class HttpServer {
 
   [[nodiscard]] unsigned short port() const;
 
-  /// Serves until stop(); with `signals` also until SIGINT or SIGTERM.
-  void run(bool signals);
+  /// Serves until stop().
+  void run();
   /// From any thread.
   void stop();
 

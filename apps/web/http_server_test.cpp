@@ -73,7 +73,7 @@ class HttpServerTest : public testing::Test {
                                           reply({200, "text/plain", body, {}});
                                         });
                                       }}),
-        thread_([this] { server_.run(false); }) {}
+        thread_([this] { server_.run(); }) {}
   ~HttpServerTest() override {
     server_.stop();
     thread_.join();

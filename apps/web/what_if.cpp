@@ -167,6 +167,8 @@ const workflow::Parameters& WhatIf::parameters_for(const workflow::ComparisonPla
     options.source = source;
     known_.push_front({plan.machine, needs, source, plan.spec.seed, sim::chosen_axes(plan.machine, plan.spec),
                        workflow::get_parameters(plan.machine, file, options, plan.spec)});
+    // Recordings are the larger part, and nothing asks for them any more.
+    for (workflow::CommissionedAxis& axis : known_.front().parameters.axes) axis.logs = {};
     if (known_.size() > kMostKnown) known_.pop_back();
   }
   return known_.front().parameters;

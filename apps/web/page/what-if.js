@@ -29,9 +29,10 @@ const optionsOf = (select, entries, chosen) => {
     element('option', {value, text, disabled, selected: value === chosen})));
 };
 
-const slider = (id, label, help, {min, max, step, value, words, input}) => {
+// `value`: as in the file; `now`: where it stands.
+const slider = (id, label, help, {min, max, step, value, now = value, words, input}) => {
   const output = element('output', {for: id});
-  const range = element('input', {id, type: 'range', min, max, step, value, title: help});
+  const range = element('input', {id, type: 'range', min, max, step, value: now, title: help});
   const undo = element('button', {type: 'button', class: 'undo', 'aria-label': label + ': as in the file', text: 'undo', hidden: true});
   const say = () => {
     output.textContent = words(Number(range.value));
@@ -57,24 +58,25 @@ const valueControl = (p, n) => {
   const unit = unitText(p.unit);
   const key = keyOf(p);
   const label = p.label || p.key.replace(/\./g, ' \u203a ');
+  const set = form.changes.get(key);  // before another axis was looked at
   const change = (entry) => {
     if (entry) form.changes.set(key, entry);
     else form.changes.delete(key);
     ask();
   };
   if (p.kind === 'count') {
-    return slider('value-' + n, label, p.doc, {min: 0, max: 8, step: 1, value: values[0][1], words: String,
+    return slider('value-' + n, label, p.doc, {min: 0, max: 8, step: 1, value: values[0][1], now: set ? Number(set.value) : values[0][1], words: String,
       input: (v) => change(v === values[0][1] ? null : {key, value: String(v)})});
   }
   if (values.some(([, v]) => v === 0)) {
     const id = 'value-' + n;
     return element('div', {class: 'slider'}, element('label', {for: id, text: `${label} [${unit || '1'}]`}),
-        element('input', {id, type: 'number', step: 'any', value: values[0][1], title: p.doc, oninput: (e) => {
+        element('input', {id, type: 'number', step: 'any', value: set ? parseFloat(set.value) : values[0][1], title: p.doc, oninput: (e) => {
           const v = Number(e.target.value);
           change(e.target.value === '' || v === values[0][1] ? null : {key, value: (e.target.value + ' ' + p.unit).trim()});
         }}));
   }
-  return slider('value-' + n, label, p.doc, {min: -1, max: 1, step: 0.01, value: 0,
+  return slider('value-' + n, label, p.doc, {min: -1, max: 1, step: 0.01, value: 0, now: set ? Math.log10(set.scale).toFixed(2) : 0,
     words: (s) => '\u00d7 ' + shown(Math.pow(10, s), 3) +
       (p.kind === 'scale' ? '' : ':' + values.map(([axis, v]) => ` ${values.length > 1 ? axis + ' ' : ''}${shown(v * Math.pow(10, s), 3)}`)
           .join(',') + ' ' + unit),
@@ -95,9 +97,7 @@ const controlSlider = (key, label, unit, value, min, max) => {
     }});
 };
 
-const drawSliders = () => {
-  form.changes.clear();
-  form.control.clear();
+const drawValues = () => {
   const main = [], more = [];
   machine.parameters.forEach((p, n) => {
     const control = valueControl(p, n);
@@ -105,6 +105,11 @@ const drawSliders = () => {
   });
   byId('main-sliders').replaceChildren(...main);
   byId('more-sliders').replaceChildren(...more);
+};
+const drawSliders = () => {
+  form.changes.clear();
+  form.control.clear();
+  drawValues();
   const t = machine.sample_time_ms;
   const control = [controlSlider('sample_time', 'Control period', 'ms', t, Math.max(0.05, t / 10), Math.min(50, t * 5))];
   if (machine.motions[byId('motion').value].free) {
@@ -335,7 +340,7 @@ const idOf = (row) => row.controller;
 
 byId('machine').addEventListener('change', drawMachine);
 byId('motion').addEventListener('change', () => { drawMotion(); drawSliders(); ask(); });
-byId('which').addEventListener('change', () => { drawSliders(); ask(); });
+byId('which').addEventListener('change', drawValues);
 for (const id of ['size', 'speed', 'identify-changed']) byId(id).addEventListener('input', ask);
 byId('magnify').addEventListener('input', () => { if (answer) drawContour(); });
 byId('shown-axis').addEventListener('change', () => { if (answer) drawAxis(); });
