@@ -10,6 +10,7 @@
 #include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 
 namespace stribeck::python {
 namespace {
@@ -168,7 +169,7 @@ void add_models(py::module_& module) {
       "read_model",
       [](const py::object& path) {
         const std::string file = path_of(path);
-        return model_object(unlocked([&] { return io::read_toml<AxisModel>(file); }));
+        return model_object(unlocked([&] { return io::read_toml<sim::AxisFile>(file).model; }));
       },
       py::arg("path"),
       "read_model(path)\n--\n\nReads an axis file (TOML), as identify writes it. Returns an AxisModel. Raises InputError with file, line and "

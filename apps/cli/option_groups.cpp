@@ -62,6 +62,11 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
           "--axis-file", options.axis_files,
           "Axis file written by identify, for one axis; repeat for more axes or for a second kind of model")
       ->type_name("AXIS=FILE");
+  verb.add_option(
+          "--lost-motion", options.lost_motion,
+          "Compensation of backlash and wind-up that an axis file, or the logs of two encoders, tell: on or off")
+      ->check(one_of({"on", "off"}))
+      ->capture_default_str();
 }
 
 void add_path_options(CLI::App& verb, PathOptions& o) {

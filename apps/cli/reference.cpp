@@ -14,6 +14,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/keys.hpp>
 #include <stribeck/io/units.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <stribeck/workflow/machine/description.hpp>
@@ -68,9 +69,9 @@ std::string machine_page() {
 std::string axis_page() {
   return page("Axis files",
               fmt::format("What `identify -o AXIS.toml` writes and `--axis-file` takes: mass, load "
-                          "and friction of one axis. {}",
+                          "and friction of one axis, and what its drive loses between motor and table. {}",
                           kHowToRead)) +
-         io::markdown_by_table(io::keys_of<friction::AxisModel>(), 2);
+         io::markdown_by_table(io::keys_of<sim::AxisFile>(), 2);
 }
 
 std::string controller_page() {

@@ -109,7 +109,7 @@ void take_drive_loop(friction::AxisModel& model, const MachineAxis& machine, con
 
 template <std::size_t N>
 struct Cell {
-  const Route<N>* route;
+  std::shared_ptr<const Route<N>> route;
   control::Setup<N> setup;
   AnyController<N> controller;
   std::vector<StatusCounter> status;
@@ -142,21 +142,23 @@ template <std::size_t N>
 void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                   const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
                   const std::function<void(std::size_t, std::size_t)>& progress) {
-  std::vector<Route<N>> routes;
-  routes.reserve(spec.travels.size());
   std::vector<Cell<N>> cells;
   double fastest = 0.0;
-  for (const Travel& travel : spec.travels) {
-    routes.push_back(sample<N>(travel, machine.sample_time));
-    for (const auto& p : routes.back().points) fastest = std::max(fastest, norm(p.velocity));
+  for (std::size_t t = 0; t < spec.travels.size(); ++t) {
+    const Travel& travel = spec.travels[t];
+    const auto route = std::make_shared<const Route<N>>(sample<N>(travel, machine.sample_time));
+    for (const auto& p : route->points) fastest = std::max(fastest, norm(p.velocity));
     const double speed = travel.constant_speed();
     for (const ControllerSpec& c : spec.controllers) {
       auto setup = make_setup<N>(machine, knowledge, axes, c);
-      setup.lap = routes.back().lap;
-      cells.push_back({&routes.back(), setup, {}, std::vector<StatusCounter>(spec.trials)});
+      setup.lap = route->lap;
+      cells.push_back({guide_motors<N>(route, machine, knowledge, axes, c, setup),
+                       setup,
+                       {},
+                       std::vector<StatusCounter>(spec.trials)});
       CompareRow row;
       row.controller = c;
-      row.travel = routes.size() - 1;
+      row.travel = t;
       row.speed = speed;
       row.trials.resize(spec.trials);
       try {
@@ -346,19 +348,20 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
   with_axes(axes.size(), [&](auto n) {
     constexpr std::size_t kAxes = n;
     const Travel& travel = spec.travels.front();
-    const Route<kAxes> route = sample<kAxes>(travel, machine.sample_time);
+    auto route = std::make_shared<const Route<kAxes>>(sample<kAxes>(travel, machine.sample_time));
     double fastest = 0.0;
-    for (const auto& p : route.points) fastest = std::max(fastest, norm(p.velocity));
+    for (const auto& p : route->points) fastest = std::max(fastest, norm(p.velocity));
     Drives drives(machine, axes, 1.05 * fastest);
     CompareRow row;
     row.controller = spec.controllers.front();
     row.speed = travel.constant_speed();
     auto setup = make_setup<kAxes>(machine, knowledge, axes, row.controller);
-    setup.lap = route.lap;
+    setup.lap = route->lap;
     check_law<kAxes>(row.controller, setup);
-    row.substeps = substeps_for<kAxes>(drives, setup, row.controller, route, spec.accuracy, &row.repeatable);
+    route = guide_motors<kAxes>(route, machine, knowledge, axes, row.controller, setup);
+    row.substeps = substeps_for<kAxes>(drives, setup, row.controller, *route, spec.accuracy, &row.repeatable);
     row.mean =
-        drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), route,
+        drives.run<kAxes>(make_controller<kAxes>(row.controller.law, setup), *route,
                           {row.substeps, true, true}, spec.seed, trial, &row.trace, &row.status, &row.drift);
     row.spread = Metrics::unknown();
     result.rows.push_back(std::move(row));

@@ -8,7 +8,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <stribeck/control/compensation/lost_motion_params.hpp>
 #include <stribeck/sim/contour_run.hpp>
 
 namespace stribeck::sim {
@@ -46,6 +48,7 @@ struct ControllerSpec : control::CompensationSettings<control::PerAxis> {
   std::string label;
   FrictionUse friction = FrictionUse::kNone;
   control::LawParams law{};
+  bool lost_motion = true;  ///< compensate it where it is known
 
   ControllerSpec() : ControllerSpec({}, {}, FrictionUse::kNone, control::Observer::kNone) {}
   ControllerSpec(std::string its_id, std::string its_label, FrictionUse use, control::Observer added,
@@ -72,7 +75,10 @@ struct ControllerSpec : control::CompensationSettings<control::PerAxis> {
                                 rest...};
             },
             CompensationSettings::fields()),
-        std::tuple{field("law", &S::law, "control law with its gains")});
+        std::tuple{field("law", &S::law, "control law with its gains"),
+                   field("lost_motion", &S::lost_motion,
+                         "compensate backlash and wind-up of axes whose axis file (or log) tells them")
+                       .or_default()});
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -107,6 +113,8 @@ struct AxisKnowledge {
   std::optional<friction::AxisModel> gaussian{};
   std::optional<friction::AxisModel> eccentric{};
   std::optional<friction::AxisModel> whole{};
+  std::optional<control::LostMotionParams>
+      lost_motion{};  ///< between the motor, which the control sees, and the table
 
   /// The model that a controller with this use gets; for kNone, mass and load of the best model. Throws Refused when there is no
   /// such model, naming the axis.
@@ -161,6 +169,16 @@ CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>&
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                              const std::vector<std::size_t>& axes, const ControllerSpec& which);
+
+/// Whether this controller compensates the lost motion of an axis: where it is known, and the loop closes over the motor.
+bool guides(const MachineAxis& axis, const AxisKnowledge& knowledge, const ControllerSpec& which);
+/// The route with the set-points of the motors where a controller compensates lost motion (lost_motion_move.hpp), else the same route.
+template <std::size_t N>
+std::shared_ptr<const Route<N>> guide_motors(const std::shared_ptr<const Route<N>>& route,
+                                             const Machine& machine,
+                                             const std::vector<AxisKnowledge>& knowledge,
+                                             const std::vector<std::size_t>& axes,
+                                             const ControllerSpec& which, const control::Setup<N>& setup);
 
 /// Sub-steps for a controller on a route, as compare() finds them.
 template <std::size_t N>

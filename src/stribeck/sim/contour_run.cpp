@@ -188,6 +188,7 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
   if (seen != nullptr) seen->reserve(route.points.size());
   const std::unique_ptr<LawRunner<N>> law = controller->copy();
   const std::span<const path::PathPoint<N>> points = route.points;
+  const std::span<const path::PathPoint<N>> motors = route.motors.empty() ? points : route.motors;
   GlitchWindow<N> glitch;
   MetricsCollector<N> metrics;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -204,7 +205,8 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
     tick.error = error;
     tick.orientation = orientation;
     law->acted(reported<N>(axes_, gain_));
-    tick.force = law->step_ahead(points.subspan(k), tick.encoder);
+    tick.force = law->step_ahead(motors.subspan(k), tick.encoder);
+    if (!route.added.empty()) tick.force = tick.force + route.added[k];
     tick.command = law->command();
     tick.offset = law->offset();
     for (std::size_t i = 0; i < N; ++i) {
@@ -231,6 +233,8 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   Route<N> part = route;
   part.points.resize(std::min(static_cast<std::size_t>(route.first_lap / period) + 2, route.points.size()));
   if (!part.cutting.empty()) part.cutting.resize(part.points.size());
+  if (!part.motors.empty()) part.motors.resize(part.points.size());
+  if (!part.added.empty()) part.added.resize(part.points.size());
   StatusCounter status;  // of the last run
   const auto trace = [&](int substeps) {
     std::vector<ContourSample> seen;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -177,6 +178,8 @@ class Run {
       : machine_(machine), axis_(axis), needs_(needs), seed_(seed) {}
 
   CommissionedAxis in_closed_loop();
+  /// From both encoders, where the axis has two and the loop closes over the motor.
+  void find_lost_motion(CommissionedAxis& out);
   CommissionedAxis by_pulses();
 
  private:
@@ -270,6 +273,21 @@ CommissionedAxis Run::by_pulses() {
   return std::move(out_);
 }
 
+void Run::find_lost_motion(CommissionedAxis& out) {
+  const plant::AxisParams& truth = machine_.axes[axis_].second.plant;
+  if (!truth.second_encoder || truth.encoder.side == plant::EncoderSide::kTable) return;
+  const auto sine = [](const auto& log) { return log.first.ends_with("-sine.csv"); };
+  if (std::none_of(out.logs.begin(), out.logs.end(), sine)) {
+    out_ = std::move(out);
+    add(ExcitationMethod::kSine, kSinePeriods);
+    out = std::move(out_);
+  }
+  const sim::Recording& log = std::find_if(out.logs.begin(), out.logs.end(), sine)->second;
+  out.lost_motion = ident::lost_motion::identify({{log.period, log.x, log.scale, log.f}});
+  out.knowledge.lost_motion =
+      lost_motion_of(*out.lost_motion, out.knowledge.model(sim::FrictionUse::kNone, {}).mass);
+}
+
 }  // namespace
 
 CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, const Needs& needs,
@@ -280,7 +298,9 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     // encoder, everything is recorded in closed loop.
     const bool closed = machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
                         hold(machine, axis, seed).falls();
-    return closed ? run.in_closed_loop() : run.by_pulses();
+    CommissionedAxis out = closed ? run.in_closed_loop() : run.by_pulses();
+    run.find_lost_motion(out);
+    return out;
   } catch (const ident::Refused& e) {
     throw ident::Refused(fmt::format("axis {}: {}", machine.axes[axis].first, e.what()));
   }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <stribeck/ident/excitation/excitation.hpp>
+#include <stribeck/ident/lost_motion/lost_motion.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/sim/compare.hpp>
@@ -25,6 +26,8 @@ struct CommissionedAxis {
   std::vector<std::pair<std::string, sim::Recording>> logs;  ///< by file name
   std::vector<CommissionedModel> models;
   sim::AxisKnowledge knowledge;
+  std::optional<ident::lost_motion::LostMotion>
+      lost_motion{};  ///< absent: one encoder only, or a loop over the table
 
   [[nodiscard]] const ident::Result* find(std::string_view kind) const;
 };

@@ -11,6 +11,7 @@
 #include <stribeck/ident/excitation/worst_case.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -72,7 +73,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);
   if (!o.known.empty()) {
-    const auto model = io::read_toml<friction::AxisModel>(o.known);
+    const auto model = io::read_toml<sim::AxisFile>(o.known).model;
     drive = rough_idea(model, axis.limits);
     doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load, axis.plant.has_value());
   }

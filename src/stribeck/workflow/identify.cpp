@@ -13,7 +13,6 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -439,48 +438,6 @@ void require_determined(const ident::Result& result, const std::string& source) 
     if (!std::isfinite(p.friction))
       throw ident::Refused(fmt::format("{}: these data do not give any friction", source));
   }
-}
-
-friction::AxisModel as_model(const ident::Result& result) {
-  friction::AxisModel model;
-  model.mass = result.mass;
-  model.load = result.load;
-  model.delay = result.delay;
-  model.friction = result.friction;
-  return model;
-}
-
-friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
-  const ident::Result& result = found.result;
-  if (result.force_unit != "N" || result.position_unit != "m") {
-    refuse_option("--output",
-                  fmt::format("an axis file holds newtons and metres, but this log was identified in {} and "
-                              "{}; give --gain{}",
-                              result.force_unit, result.position_unit,
-                              result.position_unit == "m" ? "" : " and --lead"));
-  }
-  if (found.holding_only && !result.friction.eccentric.empty()) {
-    refuse_option("--output",
-                  "an axis file needs mass and friction, which a log at standstill does not determine");
-  }
-  if (axis.one_direction) {
-    refuse_option(
-        "--output",
-        "an axis file holds friction of both directions, but the axis moves in one only; add the motion back");
-  }
-  if (!(result.mass > 0.0)) {
-    refuse_option("--output",
-                  "an axis file needs the mass, which this log does not determine; give --mass or add a log "
-                  "with acceleration");
-  }
-  return as_model(result);
-}
-
-std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version) {
-  return io::write_toml(axis_file_model(found, axis),
-                        fmt::format("{}{}, identified from {} by stribeck {} ({}).",
-                                    axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
-                                    axis.sources, version, ident::name_of(found.result.method)));
 }
 
 }  // namespace stribeck::workflow

@@ -6,6 +6,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
@@ -43,7 +44,7 @@ sim::AxisKnowledge printed(const sim::Machine& machine, const std::string& path,
 struct Given {
   std::size_t axis;
   std::string file;
-  friction::AxisModel model;
+  sim::AxisFile content;
 };
 
 std::vector<Given> given_models(const sim::Machine& machine, const std::string& path,
@@ -52,14 +53,14 @@ std::vector<Given> given_models(const sim::Machine& machine, const std::string& 
   for (const std::string& text : texts) {
     const auto [axis, file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, path, axis);
-    models.push_back({i, file, io::read_toml<friction::AxisModel>(file)});
+    models.push_back({i, file, io::read_toml<sim::AxisFile>(file)});
   }
   return models;
 }
 
 /// In place of what was identified or printed.
 void take(const Given& given, const sim::Machine& machine, Parameters& p) {
-  const friction::AxisModel& model = given.model;
+  const friction::AxisModel& model = given.content.model;
   sim::AxisKnowledge& knowledge = p.knowledge[given.axis];
   // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction, by direction.
   const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
@@ -69,11 +70,36 @@ void take(const Given& given, const sim::Machine& machine, Parameters& p) {
   // A model without bristles does not take the place of one that has them.
   if (!knowledge.whole || friction::has_pre_sliding(model.friction.dynamics)) knowledge.whole = model;
   (gaussian ? knowledge.gaussian : eccentric ? knowledge.eccentric : knowledge.conventional) = model;
+  knowledge.lost_motion = given.content.lost_motion;
   p.words += fmt::format("; {} model of axis {} from {}",
                          gaussian    ? "Gaussian"
                          : eccentric ? "eccentric"
                                      : "conventional",
                          machine.axes[given.axis].first, given.file);
+}
+
+/// Takes it out where it is not wanted; says in words what is compensated, and where it cannot be.
+void use_lost_motion(Parameters& p, const sim::Machine& machine, const std::string& use) {
+  for (std::size_t i = 0; i < p.knowledge.size(); ++i) {
+    std::optional<control::LostMotionParams>& lost = p.knowledge[i].lost_motion;
+    if (!lost) continue;
+    const auto& [name, axis] = machine.axes[i];
+    if (use == "off") {
+      p.words +=
+          fmt::format("; lost motion of axis {} is known and not compensated (--lost-motion off)", name);
+      lost.reset();
+    } else if (axis.plant.encoder.side == plant::EncoderSide::kTable) {
+      p.words +=
+          fmt::format("; lost motion of axis {} is within its loop, which closes over the table", name);
+      lost.reset();
+    } else {
+      p.words +=
+          fmt::format("; lost motion of axis {} compensated: backlash {:.3g} um", name, 1e6 * lost->backlash);
+      if (lost->stiffness)
+        p.words += fmt::format(" and wind-up {:.3g} um ({:.3g} N/um)",
+                               2e6 * lost->table_friction / *lost->stiffness, 1e-6 * *lost->stiffness);
+    }
+  }
 }
 
 }  // namespace
@@ -124,6 +150,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     take(given, machine, p);
     p.from_file[given.axis] = 1;
   }
+  use_lost_motion(p, machine, options.lost_motion);
   return p;
 }
 

@@ -12,6 +12,7 @@ namespace stribeck::workflow {
 struct ParameterOptions {
   std::string source = "identified";    ///< identified or thesis
   std::vector<std::string> axis_files;  ///< AXIS=FILE replaces the source for that axis and kind of model
+  std::string lost_motion = "on";       ///< off: lost motion that is known is not compensated
 };
 
 struct Parameters {

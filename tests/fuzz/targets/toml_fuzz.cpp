@@ -1,6 +1,7 @@
 // Machine, axis and controller files: what is accepted is written and read back the same; all else is an InputError with the file.
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <tests/fuzz/targets/log_checks.hpp>
@@ -63,7 +64,7 @@ void one(std::string_view input) {
     case 0:
       return read<sim::Machine>(input);
     case 1:
-      return read<friction::AxisModel>(input);
+      return read<sim::AxisFile>(input);
     default:
       return read<sim::ControllerSpec>(input);
   }

@@ -143,9 +143,11 @@ void keep_determined(LostMotion& out, const Fits& fits, double step) {
   }
   out.delay = fits.all.delay;
   out.offset += fits.all.offset;
-  if (out.stiffness)
-    out.table_friction =
-        out.stiffness->value * 0.5 * std::max(0.0, out.total->value - std::max(0.0, backlash.value));
+  if (!out.stiffness) return;
+  out.table_friction =
+      out.stiffness->value * 0.5 * std::max(0.0, out.total->value - std::max(0.0, backlash.value));
+  out.motor_mass = std::max(0.0, fits.all.motor_mass);
+  out.build_up = fits.all.distance;
 }
 
 /// Both, where the force tells them apart.

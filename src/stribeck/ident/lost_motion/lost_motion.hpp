@@ -47,6 +47,8 @@ struct LostMotion {
   std::optional<Estimate> stiffness;       ///< [N/m]
   std::optional<Estimate> backlash_slope;  ///< absent: it does not change along the travel
   double table_friction = 0.0;             ///< that the wind-up carries while sliding slowly; 0: unknown [N]
+  double motor_mass = 0.0;                 ///< of the motor's side; 0: unknown [kg]
+  double build_up = 0.0;                   ///< ℓ; 0: unknown [m]
   double offset = 0.0;                     ///< of the encoders [m]
   double scale_error = 0.0;                ///< motor against scale
   double delay = 0.0;                      ///< scale later than motor [s]

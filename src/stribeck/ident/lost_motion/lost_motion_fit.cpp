@@ -214,6 +214,7 @@ Fit solved(const MotorSide& side, const Fit& start, bool slope) {
           std::exp(p(kDip)) * 1e-3,
           l(kStiffness) / kMicro,
           l(kFriction),
+          l(kMass),
           side.noise(p.data())};
 }
 

@@ -68,6 +68,7 @@ struct Fit {
   double dip = 0.1e-3;          ///< speed below which friction falls to a lower value at rest [m/s]
   double stiffness = 0.0;       ///< [N/m]
   double motor_friction = 0.0;  ///< F_1 [N]
+  double motor_mass = 0.0;      ///< m_1 [kg]
   double noise = 0.0;           ///< of the force [N]
 };
 /// Where a search begins: a small, a middle and a large backlash, with a short and a long ℓ.

@@ -69,6 +69,8 @@ struct Route {
   std::vector<path::PathPoint<N>> points;
   std::vector<Vec<double, N>>
       cutting;  ///< against +x, mean over the period from each point on [N]; empty: none
+  std::vector<path::PathPoint<N>> motors;  ///< set-points of the motors (guide_motors()); empty: the points
+  std::vector<Vec<double, N>> added;       ///< forces beside those of the law [N]; empty: none
   AnyPath path;
   double scored_from = 0.0;  ///< [s]
   double scored_to = 0.0;    ///< [s]

@@ -40,13 +40,14 @@ class MachineRuns::LoopsOf : public Loops {
   LoopsOf(const Machine& nominal, const std::vector<AxisKnowledge>& knowledge,
           const std::vector<Travel>& travels, const std::vector<std::size_t>& axes,
           const std::vector<ControllerSpec>& specs, std::uint64_t seed)
-      : axes_(axes), per_travel_(specs.size()), seed_(seed) {
+      : axes_(axes), seed_(seed) {
     for (const Travel& travel : travels) {
-      routes_.push_back(sample<N>(travel, nominal.sample_time));
-      for (const auto& p : routes_.back().points) fastest_ = std::max(fastest_, norm(p.velocity));
+      const auto route = std::make_shared<const Route<N>>(sample<N>(travel, nominal.sample_time));
+      for (const auto& p : route->points) fastest_ = std::max(fastest_, norm(p.velocity));
       for (const ControllerSpec& c : specs) {
         auto setup = make_setup<N>(nominal, knowledge, axes, c);
-        setup.lap = routes_.back().lap;
+        setup.lap = route->lap;
+        routes_.push_back(guide_motors<N>(route, nominal, knowledge, axes, c, setup));
         controllers_.push_back(make_controller<N>(c.law, setup));
       }
     }
@@ -61,7 +62,7 @@ class MachineRuns::LoopsOf : public Loops {
     const plant::Fidelity fidelity{substeps_of(drives), true, true};
     std::vector<RobustRun> all(controllers_.size());
     for (std::size_t i = 0; i < controllers_.size(); ++i) {
-      const Route<N>& route = routes_[i / per_travel_];
+      const Route<N>& route = *routes_[i];
       StatusCounter status;
       RobustRun& r = all[i];
       r.metrics = drives.run<N>(controllers_[i], route, fidelity, seed_, trial, nullptr, &status);
@@ -74,10 +75,9 @@ class MachineRuns::LoopsOf : public Loops {
 
  private:
   std::vector<std::size_t> axes_;
-  std::size_t per_travel_;
   std::uint64_t seed_;
   double fastest_ = 0.0;
-  std::vector<Route<N>> routes_;
+  std::vector<std::shared_ptr<const Route<N>>> routes_;
   std::vector<AnyController<N>> controllers_;
 };
 

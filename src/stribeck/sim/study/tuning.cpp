@@ -52,11 +52,11 @@ template <std::size_t N>
 void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
                const std::vector<std::size_t>& axes, TuneResult& result,
                const std::function<void(std::size_t, std::size_t)>& progress) {
-  std::vector<Route<N>> routes;
+  std::vector<std::shared_ptr<const Route<N>>> routes;
   double fastest = 0.0;
   for (const Travel& travel : spec.compare.travels) {
-    routes.push_back(sample<N>(travel, machine.sample_time));
-    for (const auto& p : routes.back().points) fastest = std::max(fastest, norm(p.velocity));
+    routes.push_back(std::make_shared<const Route<N>>(sample<N>(travel, machine.sample_time)));
+    for (const auto& p : routes.back()->points) fastest = std::max(fastest, norm(p.velocity));
   }
   const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
   const auto& controllers = spec.compare.controllers;

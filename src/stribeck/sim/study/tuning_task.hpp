@@ -47,7 +47,8 @@ template <std::size_t N>
 class Task {
  public:
   Task(const Machine& machine, const std::vector<AxisKnowledge>& knowledge, const TuneSpec& spec,
-       const std::vector<std::size_t>& axes, const std::vector<Route<N>>& routes, Drives& drives)
+       const std::vector<std::size_t>& axes, const std::vector<std::shared_ptr<const Route<N>>>& routes,
+       Drives& drives)
       : machine_(machine), knowledge_(knowledge), spec_(spec), axes_(axes), routes_(routes), drives_(drives) {
     for (std::size_t i = 0; i < N && i < spec.limits.axial_mode.size(); ++i)
       modes_[i] = spec.limits.axial_mode[i];
@@ -60,7 +61,8 @@ class Task {
   void choose_substeps(const ControllerSpec& c) {
     substeps_.clear();
     for (const auto& route : routes_) {
-      substeps_.push_back(substeps_for<N>(drives_, setup(c, route), c, route, spec_.compare.accuracy));
+      substeps_.push_back(
+          substeps_for<N>(drives_, setup(c, *route), c, *guided(c, route), spec_.compare.accuracy));
     }
   }
 
@@ -69,13 +71,14 @@ class Task {
     p.variation.assign(routes_.size(), 0.0);
     double sum = 0.0;
     for (std::size_t t = 0; t < routes_.size(); ++t) {
-      const auto controller = make_controller<N>(c.law, setup(c, routes_[t]));
+      const auto controller = make_controller<N>(c.law, setup(c, *routes_[t]));
+      const auto route = guided(c, routes_[t]);
       for (std::uint32_t trial = 0; trial < trials.count; ++trial) {
-        const Metrics m = drives_.run<N>(controller, routes_[t], {substeps_[t], true, true},
-                                         spec_.compare.seed, trials.first + trial);
+        const Metrics m = drives_.run<N>(controller, *route, {substeps_[t], true, true}, spec_.compare.seed,
+                                         trials.first + trial);
         sum += m.max_contour_error + m.rms;
         p.variation[t] += m.input_variation / trials.count;
-        if (!(m.max_contour_error <= kLost * routes_[t].size)) sum = std::numeric_limits<double>::infinity();
+        if (!(m.max_contour_error <= kLost * route->size)) sum = std::numeric_limits<double>::infinity();
       }
     }
     p.objective = sum / static_cast<double>(routes_.size() * trials.count);
@@ -143,11 +146,16 @@ class Task {
     return s;
   }
 
+  [[nodiscard]] std::shared_ptr<const Route<N>> guided(const ControllerSpec& c,
+                                                       const std::shared_ptr<const Route<N>>& route) const {
+    return guide_motors<N>(route, machine_, knowledge_, axes_, c, setup(c, *route));
+  }
+
   const Machine& machine_;
   const std::vector<AxisKnowledge>& knowledge_;
   const TuneSpec& spec_;
   const std::vector<std::size_t>& axes_;
-  const std::vector<Route<N>>& routes_;
+  const std::vector<std::shared_ptr<const Route<N>>>& routes_;
   Drives& drives_;
   DeclaredModes<N> modes_;
   std::vector<int> substeps_;

@@ -41,6 +41,18 @@ double level_at_rest(const friction::Model& model) {
   return 0.5 * (model.parts(kAtRest, 0.0).level + model.parts(-kAtRest, 0.0).level);
 }
 
+/// The mode of the table. With lost motion, its stiffness makes the mode while it is in contact.
+void take_mode(plant::AxisParams& p, const plant::AxialMode& mode) {
+  if (!p.lost_motion) {
+    p.axial_mode = mode;
+    return;
+  }
+  const double w = 2.0 * kPi * mode.frequency;
+  p.lost_motion->table_share = mode.table_share;
+  p.lost_motion->damping_ratio = mode.damping_ratio;
+  p.lost_motion->stiffness = mode.table_share * p.total_mass() * w * w;
+}
+
 [[noreturn]] void refuse(std::string_view key, std::string_view message) {
   throw Refused("variation." + std::string(key) + ": " + std::string(message));
 }
@@ -101,7 +113,7 @@ plant::AxisParams deviated(const plant::AxisParams& nominal, const Deviation& de
   p.delay_periods += deviation.delay;
   if (p.delay_periods > 8) throw Refused("variation.delay: with that of the machine above 8 control periods");
   p.encoder.resolution *= deviation.encoder;
-  if (deviation.axial_mode) p.axial_mode = deviation.axial_mode;
+  if (deviation.axial_mode) take_mode(p, *deviation.axial_mode);
   if (deviation.periodic) {
     if (p.friction.eccentric.size() == friction::kMaxEccentricTerms)
       throw Refused(

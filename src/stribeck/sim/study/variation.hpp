@@ -11,7 +11,8 @@
 ///   warming     level and viscous part fall by 0 … 20 % during the run, with a time constant of 5 … 20 s
 ///
 /// Distributions are uniform unless stated, independent, with the ranges in Variation. Proportional eccentric terms scale with the
-/// level; additive ones and the load do not change. A drawn mode replaces the machine's own. Published and known data of the
+/// level; additive ones and the load do not change. A drawn mode replaces the machine's own; with lost motion it is that of the table in
+/// contact, by stiffness, damping and share of the table, and the backlash stays. Published and known data of the
 /// machine, its drive, converter and limits do not change.
 ///
 /// A stream depends on (seed, machine, axis) alone. Every factor takes its numbers from it even where it is not used, so that another

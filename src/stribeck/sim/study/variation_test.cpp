@@ -257,6 +257,22 @@ TEST(Deviated, ModeLetsTheTableLagByAccelerationOverFrequencySquared) {
   EXPECT_NEAR(axis.encoder() - axis.position(), 1000.0 / 57650.0 / (omega * omega), 1e-12);
 }
 
+TEST(Deviated, ModeOfALostMotionIsThatOfTheTableInContact) {
+  auto p = biaxial_x();
+  p.friction.steady = friction::Conventional<double>{1e-6, 0.0, {}};
+  p.friction.dynamics = friction::LuGre<double>{1e-3, 0.0, {}};
+  p.lost_motion = plant::LostMotion{8e-6, 0.0, 1e9, 0.1, 0.5, 0.0};
+  Deviation d;
+  d.axial_mode = plant::AxialMode{60.0, 0.05, 0.2};
+  const auto other = deviated(p, d);
+  EXPECT_FALSE(other.axial_mode);
+  EXPECT_EQ(other.lost_motion->backlash, 8e-6);
+  // As above, behind half of the backlash.
+  const plant::Axis axis = pushed(other, 1000.0, 2.0);
+  const double omega = 2.0 * kPi * 60.0;
+  EXPECT_NEAR(axis.encoder() - axis.position() - 4e-6, 1000.0 / 57650.0 / (omega * omega), 1e-9);
+}
+
 TEST(Deviated, PeriodicTermIsAShareOfTheLevelAtRest) {
   // At rest on the way up: 768.6 + Σ a·exp(−(b/c)²) of Table 2.3 by hand, 1142.34 and 920.55 N; mean of both.
   Deviation d;

@@ -11,6 +11,7 @@
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
@@ -80,7 +81,7 @@ std::string controllers(const ExportRequest& o) {
       io::comment_lines("Written by: " + o.command) + "# SI units; angular frequencies in rad/s.\n";
   out += fmt::format("# loadrt stribeck_axis names={}\n", fmt::join(names, ","));
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
+    const auto model = io::read_toml<sim::AxisFile>(o.files[i]).model;
     out += '\n' + io::comment_lines(fmt::format("{} from {}", names[i], o.files[i]));
     out += controller_lines(names[i], model, omega, o.feedforward);
   }
@@ -97,7 +98,7 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
   std::string body;
   json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto model = io::read_toml<friction::AxisModel>(o.files[i]);
+    const auto model = io::read_toml<sim::AxisFile>(o.files[i]).model;
     const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
     const std::string worth = lincurve_words(table, model, "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());

@@ -11,6 +11,7 @@
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/linuxcnc/configuration.hpp>
@@ -38,7 +39,7 @@ std::vector<friction::AxisModel> models_of(const ExportRequest& o, const sim::Ma
   for (const std::string& text : o.axis_files) {
     const auto [axis, axis_file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, file, axis);
-    if (!given.emplace(i, io::read_toml<friction::AxisModel>(axis_file)).second)
+    if (!given.emplace(i, io::read_toml<sim::AxisFile>(axis_file).model).second)
       refuse_option("--axis-file", fmt::format("axis {} is given twice", machine.axes[i].first));
   }
   std::vector<friction::AxisModel> models(machine.axes.size());

@@ -10,6 +10,7 @@
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -42,7 +43,7 @@ std::vector<std::string> axis_names(const PulseTarget& target, const ExportReque
 friction::AxisModel axis_model(const std::string& file) {
   if (io::load_toml(file).find("axes") != nullptr)
     throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  friction::AxisModel model = io::read_toml<friction::AxisModel>(file);
+  friction::AxisModel model = io::read_toml<sim::AxisFile>(file).model;
   if (!friction::has_pre_sliding(model.friction.dynamics)) {
     throw io::InputError(
         {file, 0, "friction.dynamics",

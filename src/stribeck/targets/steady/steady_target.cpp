@@ -9,6 +9,7 @@
 #include <stribeck/io/printable.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -79,7 +80,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.file = o.files[i];
   if (io::load_toml(a.file).find("axes") != nullptr)
     throw io::InputError({a.file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  a.model = io::read_toml<friction::AxisModel>(a.file);
+  a.model = io::read_toml<sim::AxisFile>(a.file).model;
   std::tie(a.gain, a.unit) = gain_of(o);
   a.lead = o.lead.empty() ? kUnknown : option_si("--lead", o.lead, quantity("m", "mm").positive());
   const auto range = a.model.friction.identified_range();

@@ -7,6 +7,7 @@
 
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -56,9 +57,10 @@ std::string axis_named_in(const std::string& path) {
 std::vector<Model> read_models(const VerifyOptions& o) {
   std::vector<Model> models;
   for (const std::string& path : o.axis_files) {
-    models.push_back({path, "",
-                      read_one<friction::AxisModel>(
-                          path, "expected an axis file as identify -o writes it; the log comes last")});
+    models.push_back(
+        {path, "",
+         read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last")
+             .model});
     models.back().axis = axis_named_in(path);
   }
   for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});

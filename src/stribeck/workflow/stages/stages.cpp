@@ -176,7 +176,7 @@ class AxisStages {
 
   void verify_and_promote(const Candidate& chosen) {
     const std::string text = io::write_toml(
-        axis_file_model(chosen.found, chosen.records),
+        axis_file(chosen.found, chosen.records),
         fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}), verified on {}.", axis_.axis,
                     chosen.found.result.model, chosen.records.sources, options_.version,
                     ident::name_of(chosen.found.result.method), axis_.held_out));

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+#include <algorithm>
+
+#include <stribeck/io/toml.hpp>
+#include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+
+friction::AxisModel as_model(const ident::Result& result) {
+  friction::AxisModel model;
+  model.mass = result.mass;
+  model.load = result.load;
+  model.delay = result.delay;
+  model.friction = result.friction;
+  return model;
+}
+
+friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
+  const ident::Result& result = found.result;
+  if (result.force_unit != "N" || result.position_unit != "m") {
+    refuse_option("--output",
+                  fmt::format("an axis file holds newtons and metres, but this log was identified in {} and "
+                              "{}; give --gain{}",
+                              result.force_unit, result.position_unit,
+                              result.position_unit == "m" ? "" : " and --lead"));
+  }
+  if (found.holding_only && !result.friction.eccentric.empty()) {
+    refuse_option("--output",
+                  "an axis file needs mass and friction, which a log at standstill does not determine");
+  }
+  if (axis.one_direction) {
+    refuse_option(
+        "--output",
+        "an axis file holds friction of both directions, but the axis moves in one only; add the motion back");
+  }
+  if (!(result.mass > 0.0)) {
+    refuse_option("--output",
+                  "an axis file needs the mass, which this log does not determine; give --mass or add a log "
+                  "with acceleration");
+  }
+  return as_model(result);
+}
+
+std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion::LostMotion& found,
+                                                        double mass) {
+  if (found.none || !found.total || !(found.total->low() > 0.0)) return {};
+  control::LostMotionParams p;
+  if (found.backlash_slope) p.backlash_slope = found.backlash_slope->value;
+  if (!found.stiffness || !(found.table_friction > 0.0)) {
+    p.backlash = found.total->value;
+    return p;
+  }
+  if (found.backlash) p.backlash = found.backlash->value;
+  p.stiffness = found.stiffness->value;
+  p.table_friction = found.table_friction;
+  if (found.motor_mass > 0.0) p.table_mass = std::max(0.0, mass - found.motor_mass);
+  if (found.build_up > 0.0) p.build_up = found.build_up;
+  return p;
+}
+
+sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
+  sim::AxisFile file{axis_file_model(found, axis), {}};
+  if (found.lost_motion) file.lost_motion = lost_motion_of(*found.lost_motion, file.model.mass);
+  return file;
+}
+
+std::string axis_file_text(const Identification& found, const AxisRecords& axis, std::string_view version) {
+  return io::write_toml(axis_file(found, axis),
+                        fmt::format("{}{}, identified from {} by stribeck {} ({}).",
+                                    axis.axis.empty() ? "" : "Axis " + axis.axis + ": ", found.result.model,
+                                    axis.sources, version, ident::name_of(found.result.method)));
+}
+
+}  // namespace stribeck::workflow
