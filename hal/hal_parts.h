@@ -39,10 +39,12 @@ struct parameters {
 
 static inline int same(double a, double b) { return a == b || (a != a && b != b); }
 
+/* Friction that differs along the travel is left out: a list of thirteen places would take more of HAL's memory than all the rest. */
 static inline void find_parameters(struct parameters* all, parameter_list list) {
   stribeck_parameter p;
   all->count = 0;
-  while (all->count < MAX_PARAMETERS && list(all->count, &p) == STRIBECK_OK) {
+  for (uint32_t i = 0; all->count < MAX_PARAMETERS && list(i, &p) == STRIBECK_OK; ++i) {
+    if (strncmp(p.name, "friction.places.", 16) == 0) continue;
     rtapi_snprintf(all->name[all->count], sizeof all->name[0], "%s", p.name);
     all->initial[all->count++] = p.value;
   }

@@ -53,7 +53,7 @@ static struct parameters parameters;
 static struct instance* instances[MAX_INSTANCES];
 static int count;
 
-/* The parameters of the drive without lost_motion and second_encoder, which are its last ones: HAL memory holds no more. */
+/* The parameters of the drive without lost_motion and what follows it: HAL memory holds no more. */
 static stribeck_result parameter_at(uint32_t index, stribeck_parameter* out) {
   const stribeck_result r = stribeck_plant_parameter(index, out);
   if (r != STRIBECK_OK) return r;

@@ -78,6 +78,8 @@ class Integrated {
   explicit Integrated(const Law& law) noexcept : law_(law) {}
 
   [[nodiscard]] const Law& law() const noexcept { return law_; }
+  /// Other parameters from now on; the state stays.
+  void set_law(const Law& law) noexcept { law_ = law; }
 
   /// Starts from a state.
   void place(const State& state, double* q) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
-/// A complete friction model, as files and compensators hold it: one steady map, any number of eccentric terms over it, and a
-/// dynamic law (or none) whose steady state is their sum.
+/// A complete friction model, as files and compensators hold it: one steady map, places and eccentric terms over it, and a dynamic
+/// law (or none) whose steady state is their sum.
 ///
 /// Variants hold the map and the law; which of them runs is decided once, when the model is read. Loops run on Composed<Map> and on
 /// the law. A new one is a header and a name in SteadyVariant (steady.hpp lists what a map offers) or in DynamicsVariant
@@ -13,6 +13,7 @@
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/lugre.hpp>
+#include <stribeck/friction/places.hpp>
 #include <stribeck/friction/static.hpp>
 #include <variant>
 
@@ -30,16 +31,21 @@ decltype(auto) near_or_itself(const Map& map, const T& v) noexcept {
   }
 }
 
-/// A base map with eccentric terms; the sum is again a steady map.
+/// A base map with places and eccentric terms; the sum is again a steady map.
 template <class Map, Real T = double>
 struct Composed {
   Map base;
   FixedVector<Eccentric<T>, kMaxEccentricTerms> eccentric;
+  Places places{};
 
   [[nodiscard]] SteadyParts<T> parts(const T& v, const T& x) const noexcept {
     SteadyParts<T> p = base.parts(v, x);
-    for (const auto& term : eccentric) term.add_to(p, x);
+    lay_over(p, x);
     return p;
+  }
+  void lay_over(SteadyParts<T>& p, const T& x) const noexcept {
+    if (!places.empty()) p.level = p.level * T(shares_at(places, value_of(x)).level);
+    for (const auto& term : eccentric) term.add_to(p, x);
   }
 
   /// The same around v, where the base has a cheaper form (table.hpp).
@@ -49,7 +55,7 @@ struct Composed {
 
     [[nodiscard]] SteadyParts<T> parts(const T& v, const T& x) const noexcept {
       SteadyParts<T> p = base.parts(v, x);
-      for (const auto& term : whole->eccentric) term.add_to(p, x);
+      whole->lay_over(p, x);
       return p;
     }
   };
@@ -68,16 +74,27 @@ struct BasicModel {
   SteadyVariant steady;
   FixedVector<Eccentric<double>, kMaxEccentricTerms> eccentric;
   Dynamics dynamics;
+  Places places{};
 
   static constexpr auto fields() {
     return std::tuple{
         field("steady", &BasicModel::steady, "steady-state map of velocity"),
         field("eccentric", &BasicModel::eccentric, "terms periodic in position, at most four").or_default(),
-        field("dynamics", &BasicModel::dynamics, "pre-sliding behaviour; left out: none").or_default()};
+        field("dynamics", &BasicModel::dynamics, "pre-sliding behaviour; left out: none").or_default(),
+        field(
+            "places", &BasicModel::places,
+            "friction that differs along the travel, at most thirteen places in ascending order; left out: everywhere the same")
+            .or_default()};
   }
 
   template <class Report>
   void validate(Report&& report) const {
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      if (!(places[i].position > places[i - 1].position)) {
+        report("places", "positions must ascend");
+        return;
+      }
+    }
     double most = 0.0;
     for (const auto& term : eccentric)
       most += term.form == EccentricForm::kProportional ? term.amplitude : 0.0;
@@ -95,6 +112,7 @@ struct BasicModel {
   /// Parts of the steady state at velocity v [m/s] and position x [m].
   [[nodiscard]] SteadyParts<double> parts(double v, double x) const noexcept {
     SteadyParts<double> p = std::visit([&](const auto& map) noexcept { return map.parts(v, x); }, steady);
+    if (!places.empty()) p.level *= shares_at(places, x).level;
     for (const auto& term : eccentric) term.add_to(p, x);
     return p;
   }

@@ -4,8 +4,8 @@
 ///   F̄ = (1/T)·∫ F(r(τ)) dτ over the coming hold,   F = bristle + χ·viscous(ṙ) + additive(r)
 ///   LuGre   bristle = σ0·z + σ1·ż,   ż = ṙ − σ0|ṙ|z/g        GMS   bristle = Σ F_i        static   bristle = g·sgn ṙ
 ///
-///   Adaptation scales the identified model: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ. The
-///   break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher acts like the same bristle in a motion ρ times as fast.
+///   Adaptation scales the identified model: level g by ψ₊ or ψ₋ (direction of ṙ), stiffness by ρ, viscous friction by χ; places of
+///   the model scale level and stiffness further. The break-away distance is g·ψ/(σ0·ρ). A stiffness ρ times higher acts like the same bristle in a motion ρ times as fast.
 ///
 /// The bristle follows the reference, not the encoder: the force cannot chatter and closes no loop. Its state continues through
 /// partial reversals, short moves and dwell. It starts relaxed at rest, and fully deflected in motion. A static model that switches
@@ -83,8 +83,9 @@ class BasicFrictionFeedforward {
       p.level *= scales.level(v);
       const double early = r.velocity_at(middle - 0.25 * h);
       const double late = r.velocity_at(middle + 0.25 * h);
-      mean.bristle += force_after(ahead, p, early, v, 0.5 * h, scales.stiffness) / kParts;
-      if (part + 1 < kParts) advance(ahead, p, late, 0.5 * h, scales.stiffness);
+      const double stiffness = stiffness_at(r.position_at(middle), scales);
+      mean.bristle += force_after(ahead, p, early, v, 0.5 * h, stiffness) / kParts;
+      if (part + 1 < kParts) advance(ahead, p, late, 0.5 * h, stiffness);
       mean.viscous += scales.viscous * p.viscous / kParts;
       mean.additive += p.additive / kParts;
     }
@@ -105,9 +106,10 @@ class BasicFrictionFeedforward {
     const double moved = travel / period_;
     for (std::size_t i = 0; i < count; ++i) {
       p.level = level * scales[i].level(v);
-      force[i] = {force_after(bristles[i], p, moved, moved, 0.5 * period_, scales[i].stiffness),
+      const double stiffness = stiffness_at(x - 0.5 * travel, scales[i]);
+      force[i] = {force_after(bristles[i], p, moved, moved, 0.5 * period_, stiffness),
                   scales[i].viscous * p.viscous, p.additive};
-      advance(bristles[i], p, moved, 0.5 * period_, scales[i].stiffness);
+      advance(bristles[i], p, moved, 0.5 * period_, stiffness);
     }
     return force;
   }
@@ -157,10 +159,16 @@ class BasicFrictionFeedforward {
              const FrictionScales& scales) const noexcept {
     if (!(dt > 0.0)) return;
     const double v = 0.5 * (from.velocity + to.velocity);
-    auto p = model_.parts(v, 0.5 * (from.position + to.position));
+    const double middle = 0.5 * (from.position + to.position);
+    auto p = model_.parts(v, middle);
     p.level *= scales.level(v);
     const double moved = (to.position - from.position) / dt;
-    advance(b, p, moved, dt, scales.stiffness);
+    advance(b, p, moved, dt, stiffness_at(middle, scales));
+  }
+  /// ρ at position x.
+  [[nodiscard]] double stiffness_at(double x, const FrictionScales& scales) const noexcept {
+    if (model_.places.empty()) return scales.stiffness;
+    return scales.stiffness * friction::shares_at(model_.places, x).stiffness;
   }
 
   template <class Act>

@@ -199,7 +199,8 @@ void add_sample(const Course& c, const friction::AxisModel& known, std::size_t i
     step.late = 0.5 * (to * to - from * from);
     step.early = (to - from) - step.late;
     const double v = direction * std::max(direction * step.v, kSlowest);
-    const auto p = known.friction.parts(v, c.x[k] + 0.5 * (before + after));
+    step.x = c.x[k] + 0.5 * (before + after);
+    const auto p = known.friction.parts(v, step.x);
     step.level = p.level;
     piece.given[i] += step.early * (p.viscous + p.additive);
     piece.given[i + 1] += step.late * (p.viscous + p.additive);

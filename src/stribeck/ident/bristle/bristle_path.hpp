@@ -29,6 +29,7 @@ namespace stribeck::ident::bristle {
 struct PathStep {
   double dt = 0.0;         ///< [s]
   double v = 0.0;          ///< mean [m/s]
+  double x = 0.0;          ///< position in the middle [m]
   double level = 0.0;      ///< of the steady map [N]
   double direction = 1.0;  ///< +1 or −1; where v = 0 that of the last motion
   double early = 0.0;      ///< share of J of the tick before it

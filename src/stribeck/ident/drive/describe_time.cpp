@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/bristle/bristle_fit.hpp>
+#include <stribeck/ident/bristle/place_stiffness.hpp>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -42,6 +43,18 @@ void widen(std::vector<Parameter>& parameters, const std::vector<const std::vect
     const Interval wide = widened(p.value, {p.ci_low, p.ci_high}, values);
     p.ci_low = wide.low, p.ci_high = wide.high;
     p.identifiable = p.identifiable && wide.high < kMostApart * wide.low;
+  }
+}
+
+void add_place_stiffness(Result& result, const std::vector<log::Record>& records, double shift) {
+  const friction::AxisModel known{result.mass, result.load, result.friction};
+  const bristle::PlaceStiffness found =
+      bristle::fit_place_stiffness(records, known, result.break_away_distance, shift);
+  for (std::size_t k = 0; k < found.share.size(); ++k) {
+    const double share = found.share[k], half = found.half[k];
+    result.friction.places[k].stiffness = share;
+    result.parameters.push_back({"stiffness_at_place_" + std::to_string(k + 1), share, "1", "1", share - half,
+                                 share + half, half < std::abs(share - 1.0)});
   }
 }
 
@@ -116,6 +129,25 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
     c.name = "after reversals: " + c.name;
     result.models.push_back(std::move(c));
   }
+  if (!result.friction.places.empty()) add_place_stiffness(result, closed, log.shift);
+}
+
+void add_places(Result& result, const PlaceShares& along, Notes& notes) {
+  if (along.places.empty() || result.position_unit != "m") return;
+  result.friction.places = along.places;
+  result.model += " + places";
+  double least = 1.0, most = 1.0;
+  for (std::size_t k = 0; k < along.places.size(); ++k) {
+    const double share = along.places[k].level;
+    least = std::min(least, share), most = std::max(most, share);
+    const double half = along.half[k];
+    result.parameters.push_back({"level_at_place_" + std::to_string(k + 1), share, "1", "1", share - half,
+                                 share + half, half < std::abs(share - 1.0)});
+  }
+  notes.warn(text(
+      "friction differs along the travel, from %.3g %% to %+.3g %%: the model holds it at %zu places from %.4g to %.4g mm, which belong to the homing position of this log; outside, the last place counts",
+      100.0 * (least - 1.0), 100.0 * (most - 1.0), along.places.size(), 1e3 * along.places[0].position,
+      1e3 * along.places[along.places.size() - 1].position));
 }
 
 void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/drive/relaxation.hpp>
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/text.hpp>
@@ -23,7 +24,8 @@ constexpr double kBetter = 0.9;
 constexpr double kMovedShift = 0.05;    ///< [rows] beside the periodic terms: everything is fitted again
 constexpr double kRefinedShift = 1e-3;  ///< [rows]
 constexpr double kTwinsMayGain = 1.02;  ///< of the held-out error
-constexpr double kWellTold = 0.1;       ///< [rows] half width of a shift that nothing else explains
+constexpr int kMostPlacePasses = 3;
+constexpr double kWellTold = 0.1;  ///< [rows] half width of a shift that nothing else explains
 
 Level level_of(const LinearFit& fit) {
   Level level;
@@ -290,7 +292,42 @@ Judged without_uncertain_terms(Stage& stage, Judged judged, const DriveFitOption
   return judge(stage, std::move(map), shift_known);
 }
 
-Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options) {
+/// Everything that is chosen beside places.
+struct Placed {
+  Stage stage;
+  PlaceShares along;
+  std::optional<Judged> judged;
+  Steady steady;
+  Notes notes;
+};
+
+/// Takes `next` out in place of the present places; map and terms are then chosen anew.
+void lay_and_judge(Placed& p, const PlaceShares& next, const DriveFitOptions& options, bool shift_known,
+                   const Notes& before) {
+  Stage& stage = p.stage;
+  lay_places(stage.log, stage.rows, level_of(stage.fit), p.along.places, next.places);
+  p.along = next;
+  stage.terms.periodic.clear();
+  stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
+  p.notes = before;
+  p.steady = choose_steady(stage, options, p.notes);
+  p.judged = without_uncertain_terms(stage, judge(stage, p.steady.map, shift_known), options, shift_known);
+  stage.fit = p.judged->fit;
+}
+
+/// Friction along the travel, until the rows show no more.
+void take_out_places(Placed& p, const DriveFitOptions& options, bool shift_known, const Notes& before) {
+  for (int pass = 0; pass < kMostPlacePasses; ++pass) {
+    const Level level = level_of(p.stage.fit);
+    PlaceShares found = find_places({p.stage.log, p.stage.rows, level, p.judged->found.residual});
+    if (found.places.empty()) return;
+    found.places = together(p.along.places, found.places);
+    lay_and_judge(p, found, options, shift_known, before);
+  }
+}
+
+/// All steps from the rows to what is judged.
+Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& options) {
   Notes notes;
   Stage stage;
   stage.log = reconstruct_all(records, options.cut_off, options.shift, notes);
@@ -300,20 +337,30 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   fit_first(stage, options, notes);
   if (!options.shift && options.search_shift) take_out_shift(stage, notes);
   settle(stage, options, notes);
+  const Notes before = notes;
   Attempt attempt = choose_attempt(stage, options, shift_known, notes);
   Steady steady = std::move(attempt.steady);
   if (!shift_known) finish_shift(stage, steady, options);
-  notes = std::move(attempt.notes);
-  const Judged judged =
-      without_uncertain_terms(stage, judge(stage, std::move(steady.map), shift_known), options, shift_known);
-  stage.fit = judged.fit;
+  Judged first = without_uncertain_terms(stage, judge(stage, steady.map, shift_known), options, shift_known);
+  stage.fit = first.fit;
+  Placed placed{std::move(stage), {}, std::move(first), std::move(steady), std::move(attempt.notes)};
+  if (options.places) take_out_places(placed, options, shift_known, before);
+  return placed;
+}
+
+Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options) {
+  Placed placed = choose_all(records, options);
+  const Stage& stage = placed.stage;
+  const Judged& judged = *placed.judged;
+  Notes& notes = placed.notes;
   const Found found{stage.log, stage.rows, stage.terms, judged.fit, judged.map, judged.found};
   Fitted out{describe(found, options, notes),
              stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
              judged.found.factor * judged.found.shift_error};
   Result& result = out.result;
-  result.spectrum = std::move(steady.spectrum);
+  result.spectrum = std::move(placed.steady.spectrum);
   result.break_away_distance = stage.break_away;
+  add_places(result, placed.along, notes);
   if (options.dynamics) add_bristle(result, found, notes);
   warn_of_drift(found, result.force_unit, notes);
   result.warnings = std::move(notes.warnings);

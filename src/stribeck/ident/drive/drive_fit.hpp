@@ -14,6 +14,7 @@
 ///   reversals rows in which friction has not settled are left out, and the remaining lag is subtracted (relaxation.hpp);
 ///             bristle_fit.hpp models these rows
 ///   periodic  searched in the residual (periodic.hpp), kept if they improve the prediction of held-out motion
+///   places    friction that differs along the travel (places.hpp), kept on the same condition
 ///   drift     friction or offset that changes with time causes a warning
 ///
 /// Intervals: delta method under correlated noise (long_run.hpp), because white-noise intervals are several times too narrow;
@@ -40,6 +41,7 @@ struct DriveFitOptions {
   int most_terms = 6;           ///< largest number that is tried
   bool symmetric = true;        ///< try symmetric families, which separate a load from friction
   bool periodic = true;         ///< search for terms periodic in position
+  bool places = true;           ///< search for friction that differs along the travel
   bool dynamics = true;         ///< estimate pre-sliding from reversals
   double cut_off = 0.0;         ///< Butterworth filter instead of the chosen window [Hz]; 0: window
   int bins = 160;               ///< of velocity, each direction

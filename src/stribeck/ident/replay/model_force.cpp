@@ -260,7 +260,7 @@ std::vector<double> friction_along(const friction::Model& model, std::span<const
   if (n == 0) return f;
   std::visit(
       [&]<class Base, class Law>(const Base& base, const Law& law) {
-        const friction::Composed<Base> map{base, model.eccentric};
+        const friction::Composed<Base> map{base, model.eccentric, model.places};
         if constexpr (friction::PreSlidingLaw<Law>) {
           typename Law::State state{};
           const auto begin = map.parts(v[0], x[0]);
@@ -272,10 +272,12 @@ std::vector<double> friction_along(const friction::Model& model, std::span<const
           for (std::size_t k = 0; k < n; ++k) {
             if (k > 0) {
               const double mean = 0.5 * (v[k - 1] + v[k]);
-              law.advance(state, mean, map.parts(mean, x[k]).level, period);
+              const double stiffness = friction::shares_at(model.places, x[k]).stiffness;
+              law.advance(state, stiffness * mean, map.parts(mean, x[k]).level, period);
             }
             const auto p = map.parts(v[k], x[k]);
-            f[k] = law.bristle(state, v[k], p.level, 1.0) + p.viscous + p.additive;
+            const double stiffness = friction::shares_at(model.places, x[k]).stiffness;
+            f[k] = law.bristle(state, v[k], p.level, stiffness) + p.viscous + p.additive;
           }
         } else {
           for (std::size_t k = 0; k < n; ++k) f[k] = friction::steady_force(map, v[k], x[k]);

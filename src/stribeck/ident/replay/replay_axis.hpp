@@ -153,7 +153,7 @@ template <class Map, friction::PreSlidingLaw Law>
 class DynamicAxis {
  public:
   DynamicAxis(double mass, double load, const Map& map, const Law& law)
-      : map_(map), friction_(law), mass_(mass), load_(load) {}
+      : map_(map), law_(law), friction_(law), mass_(mass), load_(load) {}
 
   void place(double x, double v) {
     y_[0] = x;
@@ -177,6 +177,8 @@ class DynamicAxis {
 
   void advance(double force, double dt) {
     const double push = force - load_;
+    if (!map_.places.empty())
+      friction_.set_law(law_.stiffened(friction::shares_at(map_.places, x()).stiffness));
     const Law& law = friction_.law();
     const auto p = map_.parts(v(), x());
     // The highest speed that can occur in the hold decides how fast bristles may decay in it.
@@ -206,6 +208,7 @@ class DynamicAxis {
   using State = Vec<double, 2 + Friction::kCount>;
 
   Map map_;
+  Law law_;
   Friction friction_;
   double mass_;
   double load_;
@@ -218,7 +221,7 @@ void with_axis(double mass, double load, const Model& model, double speed, Run&&
   std::visit(
       [&]<class Base, class Law>(const Base& base, const Law& law) {
         using Map = friction::Composed<Base>;
-        const Map map{base, model.eccentric};
+        const Map map{base, model.eccentric, model.places};
         if constexpr (friction::PreSlidingLaw<Law>) {
           DynamicAxis<Map, Law> axis(mass, load, map, law);
           run(axis);

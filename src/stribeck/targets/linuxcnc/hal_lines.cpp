@@ -54,10 +54,18 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
   using control::Feedforward;
   const Feedforward own = bristles ? Feedforward::kDynamic : Feedforward::kReversal;
   const Feedforward which = enum_value<Feedforward>(feedforward).value_or(own);
-  return setp(name, "omega", omega) + choice(name, "law", 0) +
+  friction::AxisModel held = model;
+  held.friction.places = {};
+  const std::string left_out =
+      model.friction.places.empty()
+          ? ""
+          : fmt::format(
+                "# {}: friction.places (friction along the travel) is left out: HAL has no room for it\n",
+                name);
+  return left_out + setp(name, "omega", omega) + choice(name, "law", 0) +
          choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
          setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
-         setp(name, "guarded", 1.0) + setp_all(name, value_of(model));
+         setp(name, "guarded", 1.0) + setp_all(name, value_of(held));
 }
 
 std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis, double omega) {
@@ -73,7 +81,22 @@ std::string supervision_lines(const std::string& name, const sim::MachineAxis& a
 }
 
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
-  return setp_all(name, value_of(axis.plant));
+  plant::AxisParams p = axis.plant;
+  std::string left_out;
+  const auto leave_out = [&](bool there, const char* key) {
+    if (there) left_out += fmt::format("# {}: {} is left out: HAL has no room for it\n", name, key);
+  };
+  leave_out(p.lost_motion.has_value(), "lost_motion");
+  leave_out(p.friction_along_travel.has_value(), "friction_along_travel");
+  leave_out(p.viscous_exponent.has_value(), "viscous_exponent");
+  leave_out(p.torque_ripple.has_value(), "torque_ripple");
+  leave_out(p.encoder_error.has_value(), "encoder_error");
+  leave_out(p.delay_fraction > 0.0, "delay_fraction");
+  leave_out(!p.friction.places.empty(), "friction.places");
+  p.lost_motion.reset(), p.second_encoder.reset(), p.friction_along_travel.reset(),
+      p.viscous_exponent.reset();
+  p.torque_ripple.reset(), p.encoder_error.reset(), p.delay_fraction = 0.0, p.friction.places = {};
+  return left_out + setp_all(name, value_of(p));
 }
 
 }  // namespace stribeck::targets::linuxcnc

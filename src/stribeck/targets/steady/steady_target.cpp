@@ -142,6 +142,11 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   for (const auto& term : axis.model.friction.eccentric) periodic += term.amplitude;
   if (periodic > 0.0 && !form.periodic)
     out.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
+  double most = 0.0;
+  for (const friction::Place& p : axis.model.friction.places) most = std::max(most, std::abs(p.level - 1.0));
+  if (most > 0.0)
+    out.push_back(
+        fmt::format("up to {} % of friction along the travel", report::significant(100.0 * most, 2)));
   if (friction::has_pre_sliding(axis.model.friction.dynamics) && !form.pre_sliding)
     out.emplace_back("pre-sliding (the force jumps at a reversal)");
   if (axis.model.load != 0.0 && !form.load)
