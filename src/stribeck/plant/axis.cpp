@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/plant/any_mechanics.hpp>
 #include <stribeck/plant/axis.hpp>
+#include <tuple>
 
 namespace stribeck::plant {
 namespace {
@@ -11,7 +14,7 @@ using Map = friction::Composed<friction::Table>;
 auto make(const AxisParams& p, double v_max) {
   const friction::Table table = std::visit(
       [&](const auto& steady) { return friction::Table::build(steady, v_max); }, p.friction.steady);
-  return make_mechanics(p, Map{table, p.friction.eccentric}, p.friction.dynamics);
+  return make_mechanics(p, Map{table, p.friction.eccentric, p.friction.places}, p.friction.dynamics);
 }
 
 double rounded(double x, double step) { return step * std::nearbyint(x / step); }
@@ -25,11 +28,47 @@ struct Axis::Implementation {
     if (p.drive_loop) loop.emplace(*p.drive_loop, period_s, p.force_gain() * p.converter.range);
   }
 
-  /// Sets the warmth of friction to its value in the middle of the coming period.
-  void warm() {
-    if (!params.warming) return;
-    const double share = params.warming->share((ticks++ + 0.5) * period);
-    std::visit([&](auto& m) { m.set_friction_share(share); }, mechanics);
+  /// Sets what changes slowly to its value in the coming period: warmth, place, viscous part.
+  void vary() {
+    const auto& [warming, along, exponent] =
+        std::tie(params.warming, params.friction_along_travel, params.viscous_exponent);
+    const friction::Places& places = params.friction.places;
+    if (!warming && !along && !exponent && places.empty()) return;
+    const double warmth = warming ? warming->share((ticks++ + 0.5) * period) : 1.0;
+    std::visit(
+        [&](auto& m) {
+          const double wave = along ? along->wave(m.drive_position()) : 0.0;
+          const double level = along ? warmth * (1.0 + along->level * wave) : warmth;
+          m.set_friction_share(level, exponent ? warmth * exponent->share(m.drive_velocity()) : warmth);
+          const double stiffness = along ? 1.0 + along->stiffness * wave : 1.0;
+          if (along || !places.empty())
+            m.set_stiffness_share(stiffness * friction::shares_at(places, m.drive_position()).stiffness);
+        },
+        mechanics);
+  }
+
+  /// The force of the drive at this angle of the motor, as a share.
+  [[nodiscard]] double ripple() const {
+    if (!params.torque_ripple) return 1.0;
+    return std::visit([&](const auto& m) { return params.torque_ripple->factor(m.drive_position()); },
+                      mechanics);
+  }
+
+  /// One period under what is held, of which the first part may still be that of the period before.
+  void advance(const Held& held) {
+    const double part = params.delay_fraction;
+    std::visit(
+        [&](auto& m) {
+          if (part <= 0.0) return m.advance(held, period, fidelity.substeps);
+          Held first = held;
+          first.voltage = last_held;
+          last_held = held.voltage;
+          const int before =
+              std::clamp(static_cast<int>(std::lround(part * fidelity.substeps)), 1, fidelity.substeps);
+          m.advance(first, part * period, before);
+          if (part < 1.0) m.advance(held, (1.0 - part) * period, std::max(1, fidelity.substeps - before));
+        },
+        mechanics);
   }
 
   /// Converts the control word to the inputs of the coming period: converter, delay, noise.
@@ -38,7 +77,7 @@ struct Axis::Implementation {
     double out = clamp_to(wanted, -da.range, da.range);
     if (fidelity.quantised) out = clamp_to(rounded(out, da.step()), -da.range, da.range - da.step());
     voltage = out;
-    return {delayed(waiting, out), against(), against_table(cutting)};
+    return {ripple() * delayed(waiting, out), against(), against_table(cutting)};
   }
 
   /// Load and noise on the drive side in the coming period [N].
@@ -66,13 +105,14 @@ struct Axis::Implementation {
     loop->command(delayed(waiting, command), delayed(waiting_offsets, offset));
     const double against_now = against();
     const double per_force = 1.0 / params.force_gain();
+    const double turned = ripple();
     double sum = 0.0;
     for (int i = 0; i < loop->cycles(); ++i) {
       std::visit(
           [&](auto& m) {
             const double out = per_force * loop->force(i, m.drive_position());
             sum += out;
-            m.advance({out, against_now, against_table(cutting)}, loop->cycle(), fidelity.substeps);
+            m.advance({turned * out, against_now, against_table(cutting)}, loop->cycle(), fidelity.substeps);
           },
           mechanics);
     }
@@ -89,7 +129,8 @@ struct Axis::Implementation {
   std::array<double, 8> waiting{};  ///< commands that wait for their delay, oldest first
   std::array<double, 8> waiting_offsets{};
   double voltage = 0.0;
-  double ticks = 0.0;  ///< since start() [periods]
+  double last_held = 0.0;  ///< voltage of the period before, after delay_periods
+  double ticks = 0.0;      ///< since start() [periods]
 };
 
 Axis::Axis(const AxisParams& params, double period, double v_max)
@@ -108,6 +149,7 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
     if (s.params.drive_loop->loop.mode == friction::DriveMode::kPosition) s.waiting.fill(x);
   }
   s.voltage = 0.0;
+  s.last_held = 0.0;
   s.ticks = 0.0;
   s.fidelity = fidelity;
   s.noise.reset();
@@ -116,23 +158,23 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
 
 void Axis::step(double command, double cutting, double offset) {
   Implementation& s = *implementation_;
-  s.warm();
+  s.vary();
   if (s.loop) return s.step_with_loop(command, cutting, offset);
-  const Held held = s.held(command, cutting);
-  std::visit([&](auto& m) { m.advance(held, s.period, s.fidelity.substeps); }, s.mechanics);
+  s.advance(s.held(command, cutting));
 }
 
 void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, double cutting_a,
                          double cutting_b) {
   Implementation& one = *a.implementation_;
   Implementation& other = *b.implementation_;
-  if (one.mechanics.index() != other.mechanics.index() || one.loop || other.loop) {
+  if (one.mechanics.index() != other.mechanics.index() || one.loop || other.loop ||
+      one.params.delay_fraction > 0.0 || other.params.delay_fraction > 0.0) {
     a.step(voltage_a, cutting_a);
     b.step(voltage_b, cutting_b);
     return;
   }
-  one.warm();
-  other.warm();
+  one.vary();
+  other.vary();
   const Held held_a = one.held(voltage_a, cutting_a);
   const Held held_b = other.held(voltage_b, cutting_b);
   std::visit(
@@ -150,7 +192,8 @@ double Axis::encoder() const {
         return s.params.encoder.side == EncoderSide::kTable ? m.table_position() : m.drive_position();
       },
       s.mechanics);
-  return s.fidelity.quantised ? rounded(x, s.params.encoder.resolution) : x;
+  const double read = s.params.encoder_error ? x + s.params.encoder_error->at(x) : x;
+  return s.fidelity.quantised ? rounded(read, s.params.encoder.resolution) : read;
 }
 EncoderSide Axis::feedback() const { return implementation_->params.encoder.side; }
 double Axis::second_encoder() const {

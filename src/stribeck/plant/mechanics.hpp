@@ -12,7 +12,8 @@
 ///   x, v drive side [m, m/s], x_t, v_t table, i current [A], F friction [N] on the drive side, w load and
 ///   noise [N], c cutting force on the table [N], ω = 2π·frequency, b backlash [m], φ share of the table's friction
 ///
-/// The level and the viscous part of F may be scaled from one control period to the next (a drive that warms up).
+/// The level and the viscous part of F and the stiffness of the bristles may be scaled from one control period to the next (a drive
+/// that warms up, friction that differs from place to place).
 /// With a voltage drive the back-EMF acts through i; the friction model must then not contain it again.
 /// Sign: friction, load, noise and cutting force are positive against +x.
 /// Not modelled: more than two masses, friction of the table side with an axial mode, impact losses other than d, saturation
@@ -48,22 +49,33 @@ class Mechanics {
   using StateVector = Vec<double, kStates>;
 
   Mechanics(const AxisParams& p, const Map& map, const Friction& law) noexcept
-      : map_(map), friction_(law), table_friction_(law) {
+      : map_(map), law_(law), friction_(law), table_friction_(law) {
     set(p);
   }
 
   /// At rest at position x [m], bristles relaxed, friction cold.
   void reset(double x) noexcept {
     y_ = {};
-    friction_share_ = 1.0;
+    level_share_ = viscous_share_ = 1.0;
+    set_stiffness_share(1.0);
     y_[0] = x;
     if constexpr (kMode) y_[kTable] = x;
     friction_.place({}, &y_[kFriction]);
     if constexpr (kLost) table_friction_.place({}, &y_[kTableFriction]);
   }
 
-  /// Level and viscous part of friction from now on, as a share of the values of the map; 1 after reset().
-  void set_friction_share(double share) noexcept { friction_share_ = share; }
+  /// Level and viscous part of friction from now on, as shares of the values of the map; 1 after reset().
+  void set_friction_share(double level, double viscous) noexcept {
+    level_share_ = level;
+    viscous_share_ = viscous;
+  }
+  /// Stiffness of the bristles from now on, as a share of that of the law; 1 after reset().
+  void set_stiffness_share(double share) noexcept {
+    if (share == stiffness_share_) return;
+    stiffness_share_ = share;
+    friction_.set_law(law_.stiffened(share));
+    table_friction_.set_law(law_.stiffened(share));
+  }
 
   /// Advances by dt [s] in equal sub-steps: as many as requested for accuracy, more where friction decays too
   /// fast for them.
@@ -141,12 +153,12 @@ class Mechanics {
   static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of the velocity
   static constexpr double kMostSubsteps = 16384.0;
 
-  /// Parts of the map at the present warmth.
+  /// Parts of the map as warm as it is, and at this place.
   template <class AnyMap>
   [[nodiscard]] friction::SteadyParts<double> parts(const AnyMap& map, double v, double x) const noexcept {
     friction::SteadyParts<double> p = map.parts(v, x);
-    p.level *= friction_share_;
-    p.viscous *= friction_share_;
+    p.level *= level_share_;
+    p.viscous *= viscous_share_;
     return p;
   }
 
@@ -269,10 +281,13 @@ class Mechanics {
   }
 
   Map map_;
+  Friction law_;
   friction::Integrated<Friction> friction_;
   friction::Integrated<Friction> table_friction_;
   StateVector y_{};
-  double friction_share_ = 1.0;
+  double level_share_ = 1.0;
+  double viscous_share_ = 1.0;
+  double stiffness_share_ = 1.0;
   double mass_ = 1.0;
   double inverse_mass_ = 1.0;
   double gain_ = 0.0;

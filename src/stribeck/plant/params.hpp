@@ -7,6 +7,7 @@
 ///
 /// Real time: configure only.
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stribeck/friction/model.hpp>
@@ -153,6 +154,64 @@ struct Warming {
   }
 };
 
+/// Friction that differs from place to place, in waves of the travel that are long against pre-sliding: its level, and the stiffness of
+/// the bristles, times 1 + share·sin(2π·x/period + phase).
+struct FrictionAlongTravel {
+  double level = 0.0;      ///< share
+  double stiffness = 0.0;  ///< share
+  double period = 0.0;     ///< [m]
+  double phase = 0.0;      ///< [rad]
+
+  static constexpr auto fields() {
+    using F = FrictionAlongTravel;
+    return std::tuple{
+        field("level", &F::level, pure_number().not_negative().at_most(0.9),
+              "largest change of the level, as a share"),
+        field("stiffness", &F::stiffness, pure_number().not_negative().at_most(0.9),
+              "largest change of the stiffness of the bristles, as a share")
+            .or_default(),
+        field("period", &F::period, quantity("m", "mm").positive(), "length of a wave"),
+        field("phase", &F::phase, quantity("rad", "rad"), "phase of the wave at position 0").or_default()};
+  }
+  [[nodiscard]] double wave(double x) const noexcept { return std::sin(2.0 * kPi * x / period + phase); }
+};
+
+/// A viscous part that does not grow in proportion to the speed: that of the map, times (|v|/speed)^(exponent − 1).
+struct ViscousExponent {
+  double exponent = 1.0;
+  double speed = 0.0;  ///< where the viscous part is that of the map [m/s]
+
+  static constexpr auto fields() {
+    return std::tuple{field("exponent", &ViscousExponent::exponent, pure_number().positive().at_most(3.0),
+                            "exponent of the speed"),
+                      field("speed", &ViscousExponent::speed, quantity("m/s", "mm/s").positive(),
+                            "speed at which the viscous part is that of friction.steady")};
+  }
+  /// Below a thousandth of speed the factor stays: the viscous part is nothing there.
+  [[nodiscard]] double share(double v) const noexcept {
+    return std::pow(std::max(std::abs(v) / speed, 1e-3), exponent - 1.0);
+  }
+};
+
+/// A motor whose force depends on its angle: f_u·(1 + share·sin(2π·x/period + phase)).
+struct TorqueRipple {
+  double share = 0.0;
+  double period = 0.0;  ///< [m]
+  double phase = 0.0;   ///< [rad]
+
+  static constexpr auto fields() {
+    using R = TorqueRipple;
+    return std::tuple{field("share", &R::share, pure_number().not_negative().at_most(0.5),
+                            "largest change of the drive's force, as a share"),
+                      field("period", &R::period, quantity("m", "mm").positive(),
+                            "period in position: travel per turn over periods per turn"),
+                      field("phase", &R::phase, quantity("rad", "rad"), "phase at position 0").or_default()};
+  }
+  [[nodiscard]] double factor(double x) const noexcept {
+    return 1.0 + share * std::sin(2.0 * kPi * x / period + phase);
+  }
+};
+
 enum class EncoderSide { kDrive, kTable };
 
 struct Encoder {
@@ -164,6 +223,20 @@ struct Encoder {
         field("resolution", &Encoder::resolution, quantity("m", "nm").positive(), "step of the position"),
         field("side", &Encoder::side, "drive (rotary) or table (linear scale)").or_default()};
   }
+};
+
+/// An encoder that reads x + amplitude·sin(2π·x/period) before it rounds: an error within a period of its signal.
+struct EncoderError {
+  double amplitude = 0.0;  ///< [m]
+  double period = 0.0;     ///< [m]
+
+  static constexpr auto fields() {
+    return std::tuple{field("amplitude", &EncoderError::amplitude, quantity("m", "nm").not_negative(),
+                            "amplitude of the error within a signal period"),
+                      field("period", &EncoderError::period, quantity("m", "um").positive(),
+                            "period of the encoder's signal, e.g. the lines of a scale")};
+  }
+  [[nodiscard]] double at(double x) const noexcept { return amplitude * std::sin(2.0 * kPi * x / period); }
 };
 
 /// The encoder on the other side, which is logged only.
@@ -204,6 +277,11 @@ struct AxisParams {
   std::optional<Warming> warming;
   std::optional<LostMotion> lost_motion;
   std::optional<SecondEncoder> second_encoder;
+  std::optional<FrictionAlongTravel> friction_along_travel;
+  std::optional<ViscousExponent> viscous_exponent;
+  std::optional<TorqueRipple> torque_ripple;
+  std::optional<EncoderError> encoder_error;
+  double delay_fraction = 0.0;  ///< in addition to delay_periods [control periods]
 
   static constexpr auto fields() {
     return std::tuple{
@@ -234,6 +312,21 @@ struct AxisParams {
             .or_default(),
         field("second_encoder", &AxisParams::second_encoder,
               "a second encoder, on the side where encoder is not, for logs only; left out: none")
+            .or_default(),
+        field("friction_along_travel", &AxisParams::friction_along_travel,
+              "friction that differs from place to place; left out: none")
+            .or_default(),
+        field("viscous_exponent", &AxisParams::viscous_exponent,
+              "a viscous part that is not in proportion to the speed; left out: it is")
+            .or_default(),
+        field("torque_ripple", &AxisParams::torque_ripple,
+              "force of the drive that depends on the motor's angle; left out: none")
+            .or_default(),
+        field("encoder_error", &AxisParams::encoder_error,
+              "error of the encoder within a period of its signal; left out: none")
+            .or_default(),
+        field("delay_fraction", &AxisParams::delay_fraction, pure_number().not_negative().at_most(1.0),
+              "share of a control period that the delay is longer than delay_periods")
             .or_default()};
   }
   template <class Report>
@@ -245,6 +338,9 @@ struct AxisParams {
     if (rotor_inertia && !std::holds_alternative<VoltageDrive>(drive)) {
       report("rotor_inertia",
              "needs a drive of kind \"voltage\", whose lead reflects it; or include it in mass");
+    }
+    if (drive_loop && delay_fraction > 0.0) {
+      report("delay_fraction", "not with drive_loop; its delay_cycles are finer than a control period");
     }
     if (lost_motion && axial_mode) {
       report(

@@ -424,6 +424,77 @@ TEST(Axis, DelayShiftsTheMotionByWholePeriods) {
   }
 }
 
+TEST(Axis, AFractionOfADelayLiesBetweenWholePeriods) {
+  auto p = biaxial_x();
+  std::array<double, 3> end{};
+  for (int i = 0; i < 3; ++i) {
+    p.delay_fraction = 0.5 * i;
+    Axis axis(p, kPeriod, 9.5e-3);
+    axis.start(0.0, kExact, {});
+    for (int k = 0; k < 300; ++k) axis.step(1.5 + std::sin(0.1 * k));
+    end[static_cast<std::size_t>(i)] = axis.position();
+  }
+  p.delay_fraction = 0.0;
+  p.delay_periods = 1;
+  Axis whole(p, kPeriod, 9.5e-3);
+  whole.start(0.0, kExact, {});
+  for (int k = 0; k < 300; ++k) whole.step(1.5 + std::sin(0.1 * k));
+  EXPECT_NEAR(end[2], whole.position(), 1e-12);
+  EXPECT_GT(std::abs(end[0] - end[2]), 1e-6);
+  EXPECT_NEAR(end[1], 0.5 * (end[0] + end[2]), 0.1 * std::abs(end[0] - end[2]));
+}
+
+TEST(Axis, FrictionAlongTheTravelIsThatOfThePlace) {
+  auto p = biaxial_x();
+  // The crest of the wave is at the start: 20 % more level there.
+  p.friction_along_travel = FrictionAlongTravel{0.2, 0.3, 10.0, 0.5 * kPi};
+  auto places = biaxial_x();
+  places.friction.places.push_back({0.0, 1.2, 1.3});
+  Axis wave(p, kPeriod, 9.5e-3), placed(places, kPeriod, 9.5e-3), plain(biaxial_x(), kPeriod, 9.5e-3);
+  for (Axis* axis : {&wave, &placed, &plain}) {
+    axis->start(0.0, kExact, {});
+    for (int k = 0; k < 400; ++k) axis->step(1.8);
+  }
+  // 5 mm from the crest of a wave of 10 m the share is off by 5e-6 of 0.2.
+  EXPECT_NEAR(wave.position(), placed.position(), 1e-5 * placed.position());
+  EXPECT_LT(wave.position(), 0.95 * plain.position());
+}
+
+TEST(Axis, TorqueRippleActsWithTheForceOnly) {
+  auto p = biaxial_x();
+  p.torque_ripple = TorqueRipple{0.05, 10.0, 0.5 * kPi};  // 5 % more at the start, on a wave of 10 m
+  Axis rippled(p, kPeriod, 9.5e-3), plain(biaxial_x(), kPeriod, 9.5e-3);
+  for (Axis* axis : {&rippled, &plain}) axis->start(0.0, kExact, {});
+  for (int k = 0; k < 200; ++k) {
+    rippled.step(1.8);
+    plain.step(1.05 * 1.8);
+  }
+  EXPECT_NEAR(rippled.position(), plain.position(), 1e-4 * plain.position());
+}
+
+TEST(Axis, AnEncoderErrorIsReadAndNotDriven) {
+  auto p = biaxial_x();
+  p.encoder_error = EncoderError{30e-9, 20e-6};
+  Axis axis(p, kPeriod, 9.5e-3);
+  axis.start(5e-6, {8, false, false}, {});
+  EXPECT_NEAR(axis.encoder() - axis.position(), 30e-9, 1e-15);
+  EXPECT_EQ(axis.position(), 5e-6);
+}
+
+TEST(Axis, AViscousExponentKeepsTheForceAtItsSpeed) {
+  auto p = biaxial_x();
+  p.viscous_exponent = ViscousExponent{0.75, 4e-3};
+  EXPECT_DOUBLE_EQ(p.viscous_exponent->share(-4e-3), 1.0);
+  EXPECT_NEAR(p.viscous_exponent->share(8e-3) * 8e-3, std::pow(2.0, 0.75) * 4e-3, 1e-15);
+  // At 9.5 mm/s the viscous part is smaller than in proportion: the same force gives a higher speed.
+  Axis bent(p, kPeriod, 12e-3), plain(biaxial_x(), kPeriod, 12e-3);
+  for (Axis* axis : {&bent, &plain}) {
+    axis->start(0.0, kExact, {});
+    for (int k = 0; k < 2000; ++k) axis->step(2.2);
+  }
+  EXPECT_GT(bent.velocity(), plain.velocity());
+}
+
 TEST(NoiseSource, HasTheDeviationAndCorrelationAskedFor) {
   NoiseSource noise({20.0, 47e-3}, kPeriod, {1, 0, 0});
   constexpr int kCount = 400000;
