@@ -10,10 +10,11 @@
 ///   [periods]. f force on the axis [N], x measured position. G: an observer outside the loop; its lag cancels. r: variance of ε
 ///   times its correlation (residual_noise.hpp). P₀: variance at the start. T_m: memory [s].
 ///
-///   used   θ·(1 − (σ/θ)⁴) where |θ| > σ, else 0       σ: standard deviation of θ, from P
+///   used   θ·(1 − (σ/θ)⁴) where |θ| > σ, else 0       σ: standard deviation of θ, from P; of ρ at least 0.3/√(reversals)
 ///
 /// Without evidence nothing is corrected. A parameter that is not excited keeps its estimate, and P cannot wind up. Adaptation
-/// pauses at rest, at the limit of the drive and while freeze is set. The model follows the measured motion, because in pre-sliding
+/// pauses at rest, at the limit of the drive and while freeze is set; stiffness waits for the first reversal, because the state of the
+/// bristles before the first motion is unknown. The model follows the measured motion, because in pre-sliding
 /// the missing force shows in the position only. Steps of θ in the feed-forward are removed from φ_δ; otherwise noise looks like a delay.
 /// To change: bounds and memory are in AdaptationParams; reasons and measurements in docs/theory/feedforward.md.
 /// Source: Ljung, System Identification, 1999, ch. 11.
@@ -39,7 +40,7 @@ struct AdaptationParams {
   double stiffness_spread = 0.4;  ///< of ρ
   double mass_spread = 0.15;      ///< of μ
   double delay_spread = 0.5;      ///< of δ [periods]
-  double noise_share = 0.03;  ///< least standard deviation of the residual, as a share of the level at rest
+  double noise_share = 0.05;  ///< least standard deviation of the residual, as a share of the level at rest
   double correlation = 0.05;  ///< correlation time of the residual then [s]
 
   static constexpr auto fields() {
@@ -77,11 +78,13 @@ class FrictionRls {
     ResidualNoise::State noise;
     std::array<FrictionFeedforward::Bristle, 4> bristles;
     bool started = false;
-    bool informed = false;  ///< P holds its start
-    bool recalled = false;  ///< θ and P come from an earlier run
-    double position = 0.0;  ///< where the axis is, within the encoder's step [m]
-    double reading = 0.0;   ///< of the encoder [m]
-    double jump = 0.0;      ///< least that the encoder has made while the axis hardly moved [m]
+    bool informed = false;   ///< P holds its start
+    bool recalled = false;   ///< θ and P come from an earlier run
+    double direction = 0.0;  ///< of the motion
+    double reversals = 0.0;  ///< since the first motion, at most kMostReversals
+    double position = 0.0;   ///< where the axis is, within the encoder's step [m]
+    double reading = 0.0;    ///< of the encoder [m]
+    double jump = 0.0;       ///< least that the encoder has made while the axis hardly moved [m]
     int jumps = 0;
     KalmanObserver::State observer;
     std::array<Vec<double, 3>, kCount> answers;
@@ -170,7 +173,7 @@ class FrictionRls {
     phi[kPositive] = (f[1].bristle - f[0].bristle) / kStep;
     phi[kNegative] = (f[2].bristle - f[0].bristle) / kStep;
     phi[kViscous] = f[0].viscous / scales[0].viscous;
-    phi[kStiffness] = (f[3].bristle - f[0].bristle) / kStep;
+    phi[kStiffness] = turned(s, v) ? (f[3].bristle - f[0].bristle) / kStep : 0.0;
     phi[kMass] = mass_ * acceleration;
     const auto wave = periodic(position - 0.5 * travel);
     phi[kSine] = wave[0];
@@ -243,11 +246,25 @@ class FrictionRls {
   [[nodiscard]] bool enabled() const noexcept { return params_.enabled; }
 
  private:
+  /// Whether the motion has reversed since it began. How far the bristles were deflected before the first motion is not known, so the
+  /// force at its start says nothing of their stiffness.
+  static bool turned(State& s, double v) noexcept {
+    if (v * s.direction < 0.0) s.reversals = min_of(s.reversals + 1.0, kMostReversals);
+    if (v != 0.0) s.direction = sign(v);
+    return s.reversals > 0.0;
+  }
+  static constexpr double kMostReversals = 100.0;
+  /// What one reversal may say too much or too little of the stiffness: no law of bristles is exact, and stiffness differs from place to
+  /// place. All rows of a reversal share that error, which P does not know.
+  static constexpr double kOneReversal = 0.3;
+
   /// The part of a correction that the data support: none below one standard deviation, 94 % at two.
   [[nodiscard]] static double evident(const State& s, std::size_t i) noexcept {
     const double theta = s.theta[i];
-    if (!(abs(theta) > s.deviation[i])) return 0.0;
-    const double share = s.deviation[i] * s.deviation[i] / (theta * theta);
+    double deviation = s.deviation[i];
+    if (i == kStiffness) deviation = max_of(deviation, kOneReversal / sqrt(max_of(s.reversals, 1.0)));
+    if (!(abs(theta) > deviation)) return 0.0;
+    const double share = deviation * deviation / (theta * theta);
     return theta * (1.0 - share * share);
   }
 
