@@ -15,7 +15,10 @@ std::string_view name_of(std::string_view host) {
 
 bool is_this_computer(std::string_view host) {
   const std::string_view name = name_of(host);
-  return name == "127.0.0.1" || name == "localhost" || name == "[::1]";
+  // Every address of 127.0.0.0/8; a name that only begins so has other letters.
+  const bool loopback =
+      name.starts_with("127.") && name.find_first_not_of("0123456789.") == std::string_view::npos;
+  return loopback || name == "localhost" || name == "[::1]";
 }
 
 std::string_view cookie_of(std::string_view cookies) {

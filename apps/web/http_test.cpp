@@ -35,10 +35,10 @@ Request asked(std::string method, std::string host) {
 
 TEST(Guard, OnlyNamesOfThisComputer) {
   const Guard guard("");
-  for (const char* host : {"127.0.0.1:80", "localhost:8080", "localhost", "[::1]:80"})
+  for (const char* host : {"127.0.0.1:80", "127.0.0.2", "localhost:8080", "localhost", "[::1]:80"})
     EXPECT_FALSE(guard.check(asked("GET", host))) << host;
-  for (const char* host :
-       {"", "evil.example", "127.0.0.1.evil.example", "localhost.evil.example:80", "[::2]"})
+  for (const char* host : {"", "evil.example", "127.0.0.1.evil.example", "127.evil.example:80",
+                           "localhost.evil.example:80", "[::2]"})
     EXPECT_EQ(guard.check(asked("GET", host)).value_or(Response{}).status, 403) << host;
 }
 
