@@ -100,19 +100,19 @@ void add_export(CLI::App& app, Action& action) {
       ->type_name("AXIS=FILE");
   verb->add_option(
           "--controller", o->what.controller,
-          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; with all: writes these three too")
+          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; for isg and all, where it adds what depends on the loop")
       ->type_name("NAME|FILE.toml");
   verb->add_option(
           "--period", o->what.period,
-          "For sinumerik, tnc and fanuc: period of the position loop; left out: 1 ms, or that of --machine")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): period of the position loop; left out: 1 ms, or that of --machine")
       ->type_name("TIME");
   verb->add_option(
           "--size", o->what.size,
-          "For sinumerik, tnc and fanuc: radius of the circle on which the contour error is predicted; left out: 10 mm")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): radius of the circle on which the contour error is predicted; left out: 10 mm")
       ->type_name("LENGTH");
   verb->add_option(
           "--machine", o->what.machine,
-          "For sinumerik, tnc and fanuc: virtual machine for the prediction; left out: axes that are what was identified")
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): virtual machine for the prediction; left out: axes that are what was identified")
       ->type_name("MACHINE.toml");
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);

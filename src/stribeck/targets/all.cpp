@@ -26,29 +26,44 @@ std::string file_in(const ExportRequest& o, std::string_view target, std::string
   return (std::filesystem::path(o.output) / (std::string(target) + std::string(extension))).string();
 }
 
-/// The targets with a pulse, with the peak that each of them leaves at the quadrants.
-void add_pulses(const ExportRequest& o, Exported& out) {
+/// A line of the table of peaks, and the same as JSON.
+std::string peak_line(std::string_view target, std::string_view what, const nlohmann::ordered_json& circle) {
+  const auto peak = [&](const char* of) {
+    return report::micrometres(1e-6 * circle[of]["quadrant_um"].get<double>()) + " µm";
+  };
+  return fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(target), 16),
+                     report::right_aligned(peak("without"), 14), report::right_aligned(peak("pulse"), 12),
+                     report::right_aligned(peak("model"), 12), what);
+}
+
+/// The peak that each target in a control leaves at the quadrants of the user's circle: tables, then pulses.
+void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyTarget*, SteadyText>>& steady,
+               Exported& out) {
+  const PulseTask task = *circle_task("all", o);
+  UserCircle c = user_circle(task);
+  out.text += fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
+                          report::right_aligned("peak without", 14), report::right_aligned("with it", 12),
+                          report::right_aligned("whole model", 12), "what is written");
+  for (std::size_t i = 0; i < steady.size(); ++i) {
+    const auto& [t, w] = steady[i];
+    if (t->simulator) continue;
+    const CircleError with = c.circle.with(std::array{w.tables[c.axes[0]], w.tables[c.axes[1]]});
+    out.json["targets"][i]["circle"] = circle_json(task, c, with);
+    out.text += peak_line(t->name, t->what, out.json["targets"][i]["circle"]);
+  }
   ExportRequest each = o;
   // Names of axes are those of the control.
   each.names.clear();
   each.gain.clear();
   each.lead.clear();
-  out.text += fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
-                          report::right_aligned("peak without", 14), report::right_aligned("with it", 12),
-                          report::right_aligned("whole model", 12), "what is written");
   for (const PulseTarget* t : pulse_targets()) {
     each.output = file_in(o, t->name, ".txt");
     const Exported written = write_pulse(*t, each);
-    const auto& circle = written.json["circle"];
-    out.json["targets"].push_back(
-        {{"to", t->name}, {"file", each.output}, {"axes", written.json["axes"]}, {"circle", circle}});
-    const auto peak = [&](const char* of) {
-      return report::micrometres(1e-6 * circle[of]["quadrant_um"].get<double>()) + " µm";
-    };
-    out.text +=
-        fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
-                    report::right_aligned(peak("without"), 14), report::right_aligned(peak("pulse"), 12),
-                    report::right_aligned(peak("model"), 12), t->what);
+    out.json["targets"].push_back({{"to", t->name},
+                                   {"file", each.output},
+                                   {"axes", written.json["axes"]},
+                                   {"circle", written.json["circle"]}});
+    out.text += peak_line(t->name, t->what, written.json["circle"]);
   }
 }
 
@@ -92,7 +107,7 @@ Exported write_all(const ExportRequest& o) {
                       report::right_aligned(report::significant(axis["rms_error_N"], 3) + " N", 12), t->what);
     }
   }
-  if (pulses) add_pulses(o, out);
+  if (pulses) add_peaks(o, all, out);
   for (const PulseTarget* t : pulse_targets()) {
     if (!pulses) open.push_back(fmt::format("{} (--controller)", t->name));
   }

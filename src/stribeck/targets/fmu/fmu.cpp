@@ -64,10 +64,11 @@ Packed pack(const std::vector<Axis>& axes, const std::string& command) {
 }  // namespace
 
 extern const SteadyTarget kFmu;
-const SteadyTarget kFmu{"fmu",    "FMU after FMI 3.0 with sources: friction with its bristles",
-                        "",       SteadyNeeds::kNothing,
-                        fmu_form, ".fmu",
-                        {},       {},
-                        pack};
+const SteadyTarget kFmu{.name = "fmu",
+                        .what = "FMU after FMI 3.0 with sources: friction with its bristles",
+                        .write = fmu_form,
+                        .extension = ".fmu",
+                        .pack = pack,
+                        .simulator = true};
 
 }  // namespace stribeck::targets

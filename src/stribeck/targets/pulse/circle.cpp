@@ -67,6 +67,10 @@ CircleError Circle::with(const std::array<Pulse, 2>& pulses) {
                                                         axes_.machine.sample_time, pulses));
 }
 
+CircleError Circle::with(const std::array<TableForce, 2>& tables) {
+  return error_of(std::make_shared<const TableCascade>(controller(sim::FrictionUse::kNone), tables));
+}
+
 CircleError Circle::with_model() { return error_of(controller(sim::FrictionUse::kWhole)); }
 
 }  // namespace stribeck::targets

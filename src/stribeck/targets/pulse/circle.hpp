@@ -8,6 +8,7 @@
 #include <optional>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/targets/pulse/pulse_law.hpp>
+#include <stribeck/targets/pulse/table_law.hpp>
 
 namespace stribeck::targets {
 
@@ -38,6 +39,7 @@ class Circle {
 
   [[nodiscard]] CircleError without();
   [[nodiscard]] CircleError with(const std::array<Pulse, 2>& pulses);
+  [[nodiscard]] CircleError with(const std::array<TableForce, 2>& tables);
   /// With all that is known fed forward to the force.
   [[nodiscard]] CircleError with_model();
 

@@ -47,7 +47,7 @@ TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
   EXPECT_THAT(x.refusal(), HasSubstr("--period: applies to --to sinumerik, tnc and fanuc alone"));
   x.request.controller = "cascade";
   const targets::Exported written = x.write();
-  EXPECT_THAT(written.text, HasSubstr("what is written\nsinumerik "));
+  EXPECT_THAT(written.text, HasSubstr("what is written\ncsv  "));
   for (const char* name : {"sinumerik", "tnc", "fanuc", "cia402"})
     EXPECT_TRUE(std::filesystem::exists(x.folder / ("all/" + std::string(name) + ".txt"))) << name;
   EXPECT_EQ(written.json["targets"].back()["to"], "fanuc");

@@ -16,8 +16,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <memory>
-#include <stribeck/sim/law/law_runner.hpp>
+#include <stribeck/targets/pulse/around_cascade.hpp>
 
 namespace stribeck::targets {
 
@@ -30,24 +29,16 @@ struct Pulse {
   std::array<double, 2> block_travel{};  ///< from and to this distance from the reversal [m]
 };
 
-class PulsedCascade final : public sim::LawRunner<2> {
+class PulsedCascade final : public AroundCascade {
  public:
   /// `cascade` must be made of these params, with differences of set positions.
   PulsedCascade(const sim::AnyController<2>& cascade, const control::CascadeParams& params, double period,
                 std::array<Pulse, 2> pulses)
-      : cascade_(cascade->copy()),
+      : AroundCascade(cascade),
         gain_(control::spread<2>(params.position_gain, 0.0)),
         share_(params.velocity_feedforward),
         period_(period),
         pulses_(std::move(pulses)) {}
-  PulsedCascade(const PulsedCascade& other)
-      : LawRunner(other),
-        cascade_(other.cascade_->copy()),
-        gain_(other.gain_),
-        share_(other.share_),
-        period_(other.period_),
-        pulses_(other.pulses_),
-        axes_(other.axes_) {}
 
   [[nodiscard]] std::unique_ptr<LawRunner> copy() const override {
     return std::make_unique<PulsedCascade>(*this);
@@ -55,15 +46,7 @@ class PulsedCascade final : public sim::LawRunner<2> {
   Vec<double, 2> step(const Point& now, const Vec<double, 2>& measured) override {
     Point shifted = now;
     for (std::size_t i = 0; i < 2; ++i) shifted.position[i] += shift(i, now, measured[i]);
-    return cascade_->step(shifted, measured);
-  }
-  Vec<double, 2> step_ahead(std::span<const Point> points, const Vec<double, 2>& measured) override {
-    return step(points.front(), measured);
-  }
-  [[nodiscard]] double lag() const override { return cascade_->lag(); }
-  [[nodiscard]] const StatusCounter& status() const override { return cascade_->status(); }
-  [[nodiscard]] std::vector<control::Drift> drift(double period) const override {
-    return cascade_->drift(period);
+    return cascade_step(shifted, measured);
   }
 
  private:
@@ -113,7 +96,6 @@ class PulsedCascade final : public sim::LawRunner<2> {
     return a.shift;
   }
 
-  std::unique_ptr<LawRunner> cascade_;
   Vec<double, 2> gain_;  ///< K_v [1/s]
   double share_;         ///< c_v
   double period_;        ///< [s]

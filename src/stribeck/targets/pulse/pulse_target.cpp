@@ -23,17 +23,17 @@ namespace {
 using workflow::option_si;
 using workflow::refuse_option;
 
-std::vector<std::string> axis_names(const PulseTarget& target, const ExportRequest& o) {
+std::vector<std::string> axis_names(AxisNamer namer, const ExportRequest& o) {
   std::vector<std::string> names = o.names;
-  for (std::size_t i = 0; o.names.empty() && i < o.files.size(); ++i) names.push_back(target.axis_name(i));
+  for (std::size_t i = 0; o.names.empty() && i < o.files.size(); ++i) names.push_back(namer(i));
   if (names.size() != o.files.size())
     refuse_option("--name",
                   fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
   for (const std::string& name : names) {
     constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     if (name.empty() || name.size() > 16 || name.find_first_not_of(kLetters) != std::string::npos)
-      refuse_option("--name", fmt::format("got {}, expected a machine axis, e.g. {}", io::in_quotes(name),
-                                          target.axis_name(0)));
+      refuse_option("--name",
+                    fmt::format("got {}, expected a machine axis, e.g. {}", io::in_quotes(name), namer(0)));
   }
   if (std::set(names.begin(), names.end()).size() != names.size())
     refuse_option("--name", "expected names that differ");
@@ -80,9 +80,22 @@ double feed_of(const ExportRequest& o, const std::vector<friction::AxisModel>& a
   return feed;
 }
 
-PulseTask task_of(const PulseTarget& target, const ExportRequest& o) {
+nlohmann::ordered_json json_of(const CircleError& e) {
+  return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
+}
+
+std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
+  return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
+                     report::right_aligned(report::micrometres(e.quadrant), 9),
+                     report::right_aligned(report::micrometres(e.largest), 9),
+                     100.0 * e.quadrant / without.quadrant);
+}
+
+}  // namespace
+
+PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportRequest& o) {
   const auto refuse = [&](const char* option) {
-    refuse_option(option, fmt::format("does not apply to --to {}", target.name));
+    refuse_option(option, fmt::format("does not apply to --to {}", target));
   };
   if (!o.omega.empty()) refuse("--omega");
   if (!o.feedforward.empty()) refuse("--feedforward");
@@ -92,7 +105,7 @@ PulseTask task_of(const PulseTarget& target, const ExportRequest& o) {
   if (!o.gain.empty()) refuse("--gain");
   if (!o.lead.empty()) refuse("--lead");
   PulseTask t;
-  t.names = axis_names(target, o);
+  t.names = axis_names(axis_name, o);
   for (const std::string& file : o.files) t.axes.push_back(axis_model(file));
   if (!o.machine.empty()) {
     if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
@@ -110,43 +123,34 @@ PulseTask task_of(const PulseTarget& target, const ExportRequest& o) {
   return t;
 }
 
-nlohmann::ordered_json json_of(const CircleError& e) {
-  return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
-}
-
-struct OnCircle {
-  CircleError without;
-  CircleError pulse;
-  CircleError model;
-  std::string where;
-};
-
-OnCircle on_circle(const PulseTask& t, const std::vector<WrittenPulse>& written) {
+UserCircle user_circle(const PulseTask& t) {
   const std::size_t second = t.axes.size() > 1 ? 1 : 0;
   const std::array known{t.axes[0], t.axes[second]};
   const CircleAxes axes{t.machine ? *t.machine : machine_of(known, t.period), known, t.loop};
-  Circle circle(axes, t.radius, t.feed, 2.0);
-  return {circle.without(), circle.with({written[0].pulse, written[second].pulse}), circle.with_model(),
-          t.machine ? t.machine->name : "the identified axes"};
+  UserCircle c{Circle(axes, t.radius, t.feed, 2.0),
+               {},
+               {},
+               t.machine ? t.machine->name : "the identified axes",
+               {0, second}};
+  c.without = c.circle.without();
+  c.model = c.circle.with_model();
+  return c;
 }
 
-std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
-  return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
-                     report::right_aligned(report::micrometres(e.quadrant), 9),
-                     report::right_aligned(report::micrometres(e.largest), 9),
-                     100.0 * e.quadrant / without.quadrant);
-}
-
-std::string words_of(const PulseTask& t, const OnCircle& c) {
+std::string circle_words(const PulseTask& t, const UserCircle& c, const char* what, const CircleError& with) {
   return fmt::format(
              "Circle of {} mm at {} mm/s on {}, loop {}, period {} ms; at the quadrants and largest contour error in µm, share of the first:\n",
              report::significant(1e3 * t.radius, 4), report::significant(1e3 * t.feed, 4), c.where, t.loop.id,
              report::significant(1e3 * t.period, 3)) +
-         line_of("no friction compensation", c.without, c.without) +
-         line_of("this pulse", c.pulse, c.without) + line_of("whole model to the force", c.model, c.without);
+         line_of("no friction compensation", c.without, c.without) + line_of(what, with, c.without) +
+         line_of("whole model to the force", c.model, c.without);
 }
 
-}  // namespace
+nlohmann::ordered_json circle_json(const PulseTask& t, const UserCircle& c, const CircleError& with) {
+  return {{"radius_mm", 1e3 * t.radius}, {"feed_mm_per_s", 1e3 * t.feed}, {"on", c.where},
+          {"controller", t.loop.id},     {"period_ms", 1e3 * t.period},   {"without", json_of(c.without)},
+          {"pulse", json_of(with)},      {"model", json_of(c.model)}};
+}
 
 double PulseTask::integral_time() const {
   return std::get<control::CascadeParams>(loop.law).integral_time[0];
@@ -213,7 +217,7 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
 }
 
 Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
-  const PulseTask t = task_of(target, o);
+  const PulseTask t = pulse_task(target.name, target.axis_name, o);
   io::check_writable(o.output);
   const auto remark = [&](const std::string& words) {
     constexpr std::size_t kLongest = 200;
@@ -235,14 +239,13 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
     axis.update(written.back().json);
     out.json["axes"].push_back(axis);
   }
-  const OnCircle c = on_circle(t, written);
+  UserCircle c = user_circle(t);
+  const CircleError with = c.circle.with(std::array{written[c.axes[0]].pulse, written[c.axes[1]].pulse});
   text += target.end;
   io::write_atomically(o.output, text);
-  out.json["circle"] = {
-      {"radius_mm", 1e3 * t.radius}, {"feed_mm_per_s", 1e3 * t.feed}, {"on", c.where},
-      {"controller", t.loop.id},     {"period_ms", 1e3 * t.period},   {"without", json_of(c.without)},
-      {"pulse", json_of(c.pulse)},   {"model", json_of(c.model)}};
-  out.text = words + words_of(t, c) + std::string(target.to_do) + fmt::format("\nWritten to {}.\n", o.output);
+  out.json["circle"] = circle_json(t, c, with);
+  out.text = words + circle_words(t, c, "this pulse", with) + std::string(target.to_do) +
+             fmt::format("\nWritten to {}.\n", o.output);
   return out;
 }
 

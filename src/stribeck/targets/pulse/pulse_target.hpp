@@ -28,6 +28,25 @@ struct PulseTask {
   [[nodiscard]] double integral_time() const;  ///< of the velocity loop [s]
 };
 
+using AxisNamer = std::string (*)(std::size_t axis);
+
+/// From the options of an export; the namer is asked unless the user gives names.
+PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportRequest& request);
+
+/// The user's circle, its errors without compensation and with the whole model, and where it is driven.
+struct UserCircle {
+  Circle circle;
+  CircleError without;
+  CircleError model;
+  std::string where;
+  std::array<std::size_t, 2> axes;  ///< of the task
+};
+UserCircle user_circle(const PulseTask& task);
+/// The prediction in words and as JSON; `what` is compared with none and the whole model.
+std::string circle_words(const PulseTask& task, const UserCircle& c, const char* what,
+                         const CircleError& with);
+nlohmann::ordered_json circle_json(const PulseTask& task, const UserCircle& c, const CircleError& with);
+
 /// One axis: found on the grid, written, and read back.
 struct WrittenPulse {
   Pulse pulse;  ///< as the text has it
@@ -38,11 +57,11 @@ struct WrittenPulse {
 
 struct PulseTarget {
   std::string_view name;
-  std::string_view what;                       ///< what is written, in a few words
-  std::string_view comment;                    ///< begins a comment line
-  std::string_view end;                        ///< last lines of the file
-  std::string_view to_do;                      ///< where it is typed, and what to check first
-  std::string (*axis_name)(std::size_t axis);  ///< unless the user gives names
+  std::string_view what;     ///< what is written, in a few words
+  std::string_view comment;  ///< begins a comment line
+  std::string_view end;      ///< last lines of the file
+  std::string_view to_do;    ///< where it is typed, and what to check first
+  AxisNamer axis_name;
   WrittenPulse (*write)(const PulseTask& task, std::size_t axis);
 };
 

@@ -29,7 +29,7 @@ double cost(const CircleError& e) { return e.quadrant + e.largest; }
 PulseRow best_of(Circle& circle, double most, const PulseShape& shape) {
   const auto with = [&](double amplitude) {
     const Pulse pulse = shape(amplitude);
-    return circle.with({pulse, pulse});
+    return circle.with(std::array{pulse, pulse});
   };
   const auto error = [&](double amplitude) { return cost(with(amplitude)); };
   constexpr double kShare = 1.0 / std::numbers::phi;
@@ -78,7 +78,7 @@ std::vector<CircleError> try_pulse(const friction::AxisModel& axis, const sim::C
   sim::parallel_for(
       rows.size(), 0, [] { return 0; },
       [&](int, std::size_t i) {
-        out[i] = Circle(axes, rows[i].radius, rows[i].feed, kPart).with({pulse, pulse});
+        out[i] = Circle(axes, rows[i].radius, rows[i].feed, kPart).with(std::array{pulse, pulse});
       });
   return out;
 }

@@ -46,9 +46,21 @@ Form isg(const Axis& axis) {
   form.held = [points](double v) { return signed_force(interpolated(points, std::abs(v)), v); };
   form.to_do = fmt::format(
       "Goes into the axis parameter list, with P-AXIS-00522 on; .in counts µm/s, .out counts {}. Check first in which unit the drive "
-      "takes the additive current. reversal_lookahead and position_delay are found on the circle.",
+      "takes the additive current. reversal_lookahead and position_delay come with --controller, which tells the loop, or are found on the "
+      "circle; position_delay counts 0.1 µm here: check that in the manual of the control, because its pages differ.",
       axis.unit);
   return form;
+}
+
+/// Weights of the force: in cycles before a reversal, in 0.1 µm after it.
+std::string isg_build_up(TableForce& table, double period) {
+  constexpr double kUnit = 1e-7;
+  const double cycles = std::round(table.look_ahead / period);
+  const double distance = std::round(table.build_up / kUnit);
+  table.look_ahead = cycles * period;
+  table.build_up = distance * kUnit;
+  return fmt::format("frict_comp.reversal_lookahead   {:.0f}\nfrict_comp.position_delay   {:.0f}\n", cycles,
+                     distance);
 }
 
 Form ax8000(const Axis& axis) {
@@ -117,8 +129,12 @@ Form indradrive(const Axis& axis) {
 }  // namespace
 
 extern const SteadyTarget kIsg;
-const SteadyTarget kIsg{"isg", "friction table of the ISG kernel and TwinCAT CNC (TF5200), 20 points", "#",
-                        SteadyNeeds::kGain, isg};
+const SteadyTarget kIsg{.name = "isg",
+                        .what = "friction table of the ISG kernel and TwinCAT CNC (TF5200), 20 points",
+                        .comment = "#",
+                        .needs = SteadyNeeds::kGain,
+                        .write = isg,
+                        .build_up = isg_build_up};
 extern const SteadyTarget kAx8000;
 const SteadyTarget kAx8000{"ax8000", "viscous friction factor of the AX8000", "#", SteadyNeeds::kLead,
                            ax8000};

@@ -138,19 +138,25 @@ Form simscape(const Axis& axis) {
 
 extern const SteadyTarget kMujoco;
 const SteadyTarget kMujoco{
-    "mujoco",
-    "MJCF model with frictionloss and damping of MuJoCo joints",
-    "<!--",
-    SteadyNeeds::kNothing,
-    mujoco,
-    ".xml",
-    "<mujoco model=\"axes\">\n  <option timestep=\"0.001\" gravity=\"0 0 0\"/>\n  <worldbody>\n",
-    "  </worldbody>\n</mujoco>\n"};
+    .name = "mujoco",
+    .what = "MJCF model with frictionloss and damping of MuJoCo joints",
+    .comment = "<!--",
+    .write = mujoco,
+    .extension = ".xml",
+    .begin = "<mujoco model=\"axes\">\n  <option timestep=\"0.001\" gravity=\"0 0 0\"/>\n  <worldbody>\n",
+    .end = "  </worldbody>\n</mujoco>\n",
+    .simulator = true};
 extern const SteadyTarget kModelica;
-const SteadyTarget kModelica{"modelica", "friction table of a Modelica axis", "//", SteadyNeeds::kNothing,
-                             modelica};
+const SteadyTarget kModelica{.name = "modelica",
+                             .what = "friction table of a Modelica axis",
+                             .comment = "//",
+                             .write = modelica,
+                             .simulator = true};
 extern const SteadyTarget kSimscape;
-const SteadyTarget kSimscape{"simscape", "parameters of Simscape's Translational Friction", "%",
-                             SteadyNeeds::kNothing, simscape};
+const SteadyTarget kSimscape{.name = "simscape",
+                             .what = "parameters of Simscape's Translational Friction",
+                             .comment = "%",
+                             .write = simscape,
+                             .simulator = true};
 
 }  // namespace stribeck::targets

@@ -10,6 +10,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/axis_file.hpp>
+#include <stribeck/targets/pulse/build_up.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -180,6 +181,22 @@ std::string remark(std::string_view comment, const std::string& words) {
   return std::string(comment) + " " + text + "\n";
 }
 
+/// How the force of an axis comes and goes around a reversal: found, written and told.
+void add_build_up(const SteadyTarget& target, const PulseTask& task, std::size_t i, const Axis& axis,
+                  SteadyText& w) {
+  TableForce& table = w.tables.back();
+  table = best_build_up(task, i, table.force);
+  w.text += target.build_up(table, task.period);
+  w.json.back()["build_up_um"] = 1e6 * table.build_up;
+  w.json.back()["look_ahead_ms"] = 1e3 * table.look_ahead;
+  const std::string before =
+      table.look_ahead > 0.0
+          ? fmt::format("goes over {} ms before it", report::significant(1e3 * table.look_ahead, 3))
+          : "stays until it";
+  w.words += fmt::format("{}: the force comes over {} µm after a reversal and {}.\n", axis.name,
+                         report::significant(1e6 * table.build_up, 3), before);
+}
+
 }  // namespace
 
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
@@ -190,6 +207,8 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   w.text = remark(target.comment, "Written by: " + o.command) + std::string(target.begin);
   std::string to_do;
   std::vector<Axis> axes;
+  const std::optional<PulseTask> task =
+      target.build_up == nullptr ? std::nullopt : circle_task(target.name, o);
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const Axis axis = axis_of(o, i, names[i]);
     const Form form = target.write(axis);
@@ -202,6 +221,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     w.text += form.text;
+    w.tables.push_back({form.held});
     w.words += fmt::format("{}: {}.\n", axis.name, words);
     to_do = form.to_do;
     w.json.push_back({{"name", axis.name},
@@ -211,6 +231,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
                       {"rms_error_N", e.rms},
                       {"rms_friction_N", e.friction},
                       {"left_out", missing}});
+    if (task) add_build_up(target, *task, i, axis, w);
     axes.push_back(axis);
   }
   w.text += target.end;
@@ -219,6 +240,12 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     w.text = packed.bytes;
     w.words += packed.words + "\n";
   }
+  if (task) {
+    UserCircle c = user_circle(*task);
+    const CircleError with = c.circle.with(std::array{w.tables[c.axes[0]], w.tables[c.axes[1]]});
+    w.words += circle_words(*task, c, "this table", with);
+    w.circle = circle_json(*task, c, with);
+  }
   w.words += to_do + "\n";
   return w;
 }
@@ -226,6 +253,17 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
 double Axis::friction(double v) const noexcept {
   return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },
                     model.friction.steady);
+}
+
+std::optional<PulseTask> circle_task(std::string_view target, const ExportRequest& o) {
+  if (o.controller.empty()) return {};
+  // What else the target takes is its own affair.
+  ExportRequest circle = o;
+  circle.names.clear();
+  circle.gain.clear();
+  circle.lead.clear();
+  return pulse_task(
+      target, [](std::size_t axis) { return fmt::format("{}", axis); }, circle);
 }
 
 void refuse_linuxcnc_options(const ExportRequest& o) {
@@ -239,12 +277,13 @@ void refuse_linuxcnc_options(const ExportRequest& o) {
 
 Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   refuse_linuxcnc_options(o);
-  refuse_pulse_options(o);
+  if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
   const SteadyText w = steady_text(target, o);
   io::write_atomically(o.output, w.text);
   Exported out;
   out.json = {{"schema", "stribeck.export/1"}, {"to", target.name}, {"file", o.output}, {"axes", w.json}};
+  if (!w.circle.is_null()) out.json["circle"] = w.circle;
   out.text = w.words + fmt::format("Written to {}.\n", o.output);
   return out;
 }

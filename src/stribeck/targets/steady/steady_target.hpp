@@ -14,12 +14,16 @@
 /// Errors: InputError naming the option or the file.
 
 #include <functional>
+#include <optional>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/targets/pulse/table_force.hpp>
 #include <stribeck/targets/target.hpp>
 #include <string>
 #include <vector>
 
 namespace stribeck::targets {
+
+struct PulseTask;
 
 /// One axis on its way into another program.
 struct Axis {
@@ -58,8 +62,8 @@ enum class SteadyNeeds { kNothing, kGain, kGainAndLead, kLead };
 
 struct SteadyTarget {
   std::string_view name;
-  std::string_view what;     ///< what is written, in a few words
-  std::string_view comment;  ///< begins a comment line: "#"; "(*" is closed with "*)"
+  std::string_view what;       ///< what is written, in a few words
+  std::string_view comment{};  ///< begins a comment line: "#"; "(*" is closed with "*)"
   SteadyNeeds needs = SteadyNeeds::kNothing;
   Form (*write)(const Axis&);
   std::string_view extension = ".txt";  ///< of the file in the folder of --to all
@@ -67,6 +71,10 @@ struct SteadyTarget {
   std::string_view end{};
   /// Makes the file from the axes and the typed command; null: the file is the texts of the axes, one after the other.
   Packed (*pack)(const std::vector<Axis>&, const std::string& command) = nullptr;
+  bool simulator = false;  ///< no force of a control comes from it
+  /// Lines for the way in which the force comes and goes around a reversal, which are found where --controller tells the loop; rounds it
+  /// to what the lines say. Null: the control has none.
+  std::string (*build_up)(TableForce&, double period) = nullptr;
 };
 
 /// All of them, in the order of help.
@@ -80,8 +88,13 @@ struct SteadyText {
   std::string text;
   nlohmann::ordered_json json;
   std::string words;
+  std::vector<TableForce> tables;  ///< what the target gives, for each axis
+  nlohmann::ordered_json circle;   ///< prediction, where the target has one of its own
 };
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& request);
+
+/// The circle of the request for these targets; absent without --controller.
+std::optional<PulseTask> circle_task(std::string_view target, const ExportRequest& request);
 
 /// Refuses the options that only --to linuxcnc takes.
 void refuse_linuxcnc_options(const ExportRequest& request);
