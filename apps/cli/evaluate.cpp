@@ -10,8 +10,11 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/report/circle/circle_change.hpp>
 #include <stribeck/report/circle/circle_report.hpp>
+#include <stribeck/report/lost_motion/lost_motion_report.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
+#include <stribeck/workflow/judge/indicator_series.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -39,16 +42,51 @@ int evaluate(const EvaluateCommand& o) {
   return passed ? 0 : 1;
 }
 
+/// Readings of a dial indicator: lost motion of one axis.
+int evaluate_indicator(const EvaluateCommand& o) {
+  const auto refuse = [](const char* option) {
+    refuse_option(option, "is about circles; leave it out with --path indicator");
+  };
+  const CircleOptions usual;
+  if (o.what.size != usual.size) refuse("--size");
+  if (!o.what.maps.empty()) refuse("--map");
+  if (!o.what.where.empty()) refuse("--where");
+  if (!o.what.labels.empty()) refuse("--label");
+  if (!o.what.beside.empty()) refuse("--beside");
+  if (!o.what.limits.empty()) refuse("--limit");
+  if (o.what.together) refuse("--together");
+  if (!o.common.report.empty())
+    refuse_option("--report", "readings of an indicator have no page; use --json");
+  if (o.what.logs.size() != 1)
+    refuse_option("--path", fmt::format("got {} files, expected one series of readings", o.what.logs.size()));
+  check_distinct(o.what.logs, {o.common.json});
+  const OutputFolder page_folder = check_outputs(o.common);
+  const auto series = read_indicator_series(o.what.logs.front());
+  const ident::lost_motion::LostMotion found = ident::lost_motion::identify(series);
+  nlohmann::ordered_json json;
+  json["schema"] = "stribeck.indicator/1";
+  json["readings"] = series.size();
+  json["lost_motion"] = report::lost_motion_json(found);
+  write_json(o.common.json, std::move(json), made_from(o.what.logs));
+  say(o.common, fmt::format("{} readings{}", series.size(), report::lost_motion_text(found)));
+  return found.total ? 0 : 1;
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& app, Action& action) {
-  auto* verb =
-      app.add_subcommand("evaluate", "Measured circles from any log: circular test and causes of the error");
+  auto* verb = app.add_subcommand(
+      "evaluate",
+      "Measured circles from any log: circular test and causes of the error; lost motion from readings of an indicator");
   auto o = std::make_shared<EvaluateCommand>();
   verb->add_option("logs", o->what.logs, "Logs of the same program, one log for each control")
       ->required()
       ->type_name("LOG...");
-  verb->add_option("--path", o->path, "Shape of the path")->check(one_of({"circle"}))->capture_default_str();
+  verb->add_option(
+          "--path", o->path,
+          "What was measured: circle, or indicator: readings of a dial indicator, in a table with the columns direction, reading, position and load")
+      ->check(one_of({"circle", "indicator"}))
+      ->capture_default_str();
   verb->add_option("--size", o->what.size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
   verb->add_option(
           "--map", o->what.maps,
@@ -75,7 +113,8 @@ void add_evaluate(CLI::App& app, Action& action) {
   verb->footer(
       "Examples:\n  stribeck evaluate before.log after.log --limit G=10um --report page\n  stribeck evaluate pid.log axis.log --map x=\"x-pos mm\" --map y=\"y-pos mm\" --where "
       "line=7 --report page");
-  verb->callback([o, &action] { action = [o] { return evaluate(*o); }; });
+  verb->callback(
+      [o, &action] { action = [o] { return o->path == "circle" ? evaluate(*o) : evaluate_indicator(*o); }; });
 }
 
 }  // namespace stribeck::cli

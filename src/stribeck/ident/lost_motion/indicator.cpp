@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stribeck/ident/lost_motion/indicator.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/quantiles.hpp>
+
+namespace stribeck::ident::lost_motion {
+namespace {
+
+constexpr int kFewestReadings = 3;  ///< of each direction
+constexpr int kFewestFreedom = 3;   ///< rows beyond the unknowns
+constexpr int kRowsForDrift = 8;    ///< with fewer, a drift is not asked for
+constexpr int kScanned = 400;       ///< frictions between 0 and the largest load
+constexpr double kMostError = 0.5;  ///< half width as a share of the stiffness; wider: not determined
+
+/// Positions that are the same for a person [m].
+double rounded(double x) { return std::round(x * 1e8) / 1e8; }
+
+/// A linear fit of the readings.
+struct Line {
+  bool good = false;
+  double left = 0.0;       ///< sum of the squared residuals [µm²]
+  double freedom = 0.0;    ///< rows less unknowns
+  Eigen::VectorXd x;       ///< unknowns; the last ones are those of the lost motion
+  Eigen::MatrixXd spread;  ///< their covariance for a scatter of one
+
+  /// Variance of the readings, at least that of their steps [µm²].
+  [[nodiscard]] double scatter(double step) const { return std::max(left / freedom, step * step / 12.0); }
+};
+
+class Series {
+ public:
+  explicit Series(const std::vector<Reading>& series) : series_(series) {
+    std::map<double, Eigen::Index> places;
+    for (const Reading& r : series_) place_.push_back(places.emplace(rounded(r.position), 0).first->first);
+    Eigen::Index n = 0;
+    for (auto& [at, index] : places) index = n++;
+    const auto rows = static_cast<Eigen::Index>(series_.size());
+    const bool drift = rows >= kRowsForDrift;
+    common_ = Eigen::MatrixXd::Zero(rows, n + (drift ? 1 : 0));
+    y_.resize(rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      common_(i, places[place_[static_cast<std::size_t>(i)]]) = 1.0;
+      if (drift) common_(i, n) = static_cast<double>(i) / static_cast<double>(rows) - 0.5;
+      y_(i) = 1e6 * at(i).value;
+      most_load_ = std::max(most_load_, std::abs(at(i).load));
+    }
+    std::vector<double> values(y_.data(), y_.data() + rows);
+    std::sort(values.begin(), values.end());
+    step_ = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      if (values[i] - values[i - 1] > 1e-3) step_ = std::min(step_, values[i] - values[i - 1]);
+    }
+    if (!std::isfinite(step_)) step_ = 0.0;
+  }
+
+  /// Lost motion [µm], and with loads compliance [µm/N], where no load is larger than friction.
+  [[nodiscard]] Line together() const {
+    Eigen::MatrixXd columns(y_.size(), loaded() ? 2 : 1);
+    for (Eigen::Index i = 0; i < y_.size(); ++i) {
+      columns(i, 0) = -0.5 * at(i).direction;
+      if (loaded()) columns(i, 1) = -at(i).load;
+    }
+    return solved(columns);
+  }
+  /// Backlash [µm] and compliance [µm/N] with a friction of the table [N].
+  [[nodiscard]] Line apart(double friction) const {
+    Eigen::MatrixXd columns(y_.size(), 2);
+    for (Eigen::Index i = 0; i < y_.size(); ++i) {
+      const double s = at(i).direction * friction + at(i).load;
+      columns(i, 0) = s > 0.0 ? -0.5 : s < 0.0 ? 0.5 : 0.0;
+      columns(i, 1) = -s;
+    }
+    return solved(columns);
+  }
+
+  [[nodiscard]] bool loaded() const { return most_load_ > 0.0; }
+  [[nodiscard]] double most_load() const { return most_load_; }
+  [[nodiscard]] double step() const { return step_; }
+
+ private:
+  [[nodiscard]] const Reading& at(Eigen::Index i) const { return series_[static_cast<std::size_t>(i)]; }
+
+  [[nodiscard]] Line solved(const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd A(y_.size(), common_.cols() + columns.cols());
+    A << common_, columns;
+    Line line;
+    line.freedom = static_cast<double>(A.rows() - A.cols());
+    if (line.freedom < kFewestFreedom) return line;
+    // Columns of one size, so that rank means something.
+    Eigen::VectorXd size(A.cols());
+    for (Eigen::Index c = 0; c < A.cols(); ++c) {
+      size(c) = A.col(c).norm();
+      if (!(size(c) > 0.0)) return line;
+      A.col(c) /= size(c);
+    }
+    const stats::LeastSquares fit = stats::least_squares(A, y_);
+    if (fit.rank < A.cols()) return line;
+    line.left = (y_ - A * fit.x).squaredNorm();
+    line.spread = stats::inverse(A.transpose() * A);
+    line.x = fit.x.cwiseQuotient(size);
+    for (Eigen::Index r = 0; r < size.size(); ++r) {
+      for (Eigen::Index c = 0; c < size.size(); ++c) line.spread(r, c) /= size(r) * size(c);
+    }
+    line.good = true;
+    return line;
+  }
+
+  const std::vector<Reading>& series_;
+  std::vector<double> place_;
+  Eigen::MatrixXd common_;
+  Eigen::VectorXd y_;  ///< [µm]
+  double most_load_ = 0.0;
+  double step_ = 0.0;  ///< of the indicator [µm]
+};
+
+/// Unknown number `from_end` from the last one, with its interval.
+Estimate unknown(const Line& line, double step, int from_end) {
+  const Eigen::Index i = line.x.size() - 1 - from_end;
+  return {line.x(i), stats::student_factor(line.freedom) * std::sqrt(line.scatter(step) * line.spread(i, i))};
+}
+
+/// 1/c, for a compliance c [µm/N] that is certainly above 0 [N/m].
+Estimate stiffness_of(const Estimate& c) {
+  const double k = 1e6 / c.value;
+  return {k, k * c.half_width / c.value};
+}
+
+/// With loads that exceed friction: every friction that the readings permit widens the intervals.
+bool told_apart(LostMotion& out, const Series& series, const Line& together) {
+  Line best;
+  double friction = 0.0;
+  std::vector<std::pair<double, Line>> scanned;
+  for (int i = 1; i < kScanned; ++i) {
+    const double F = series.most_load() * i / kScanned;
+    scanned.emplace_back(F, series.apart(F));
+    const Line& line = scanned.back().second;
+    if (line.good && (!best.good || line.left < best.left)) {
+      best = line;
+      friction = F;
+    }
+  }
+  if (!best.good) return false;
+  const double t = stats::student_factor(best.freedom);
+  const double permitted = best.left + t * t * best.scatter(series.step());
+  if (together.left <= permitted) return false;
+  const auto widened = [&](int from_end, double scale) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const auto& [F, line] : scanned) {
+      if (!line.good || line.left > permitted) continue;
+      const Estimate e = unknown(line, series.step(), from_end);
+      low = std::min(low, e.low());
+      high = std::max(high, e.high());
+    }
+    const double value = unknown(best, series.step(), from_end).value;
+    return Estimate{scale * value, scale * std::max(high - value, value - low)};
+  };
+  const Estimate compliance = widened(0, 1.0);
+  const Estimate backlash = widened(1, 1e-6);
+  if (!(compliance.half_width < kMostError * compliance.value)) return false;
+  out.stiffness = stiffness_of(compliance);
+  out.table_friction = friction;
+  if (backlash.low() > 0.0) {
+    out.backlash = backlash;
+  } else {
+    out.words.push_back(
+        fmt::format("no backlash was found; it is at most {:.2g} um", 1e6 * std::max(0.0, backlash.high())));
+  }
+  const double total = unknown(best, series.step(), 1).value + 2.0 * friction * compliance.value;
+  double low = total, high = total;
+  for (const auto& [F, line] : scanned) {
+    if (!line.good || line.left > permitted) continue;
+    const Eigen::Index c = line.x.size() - 1;
+    const double value = line.x(c - 1) + 2.0 * F * line.x(c);
+    const double variance =
+        line.spread(c - 1, c - 1) + 4.0 * F * F * line.spread(c, c) + 4.0 * F * line.spread(c, c - 1);
+    const double half = t * std::sqrt(line.scatter(series.step()) * std::max(0.0, variance));
+    low = std::min(low, value - half);
+    high = std::max(high, value + half);
+  }
+  out.total = Estimate{1e-6 * total, 1e-6 * std::max(high - total, total - low)};
+  return true;
+}
+
+/// +1 or -1: how the readings count along the axis; 0: one position only, which does not tell.
+int orientation(const std::vector<Reading>& series) {
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  const auto n = static_cast<double>(series.size());
+  for (const Reading& r : series) {
+    x += r.position / n;
+    y += r.value / n;
+  }
+  for (const Reading& r : series) {
+    xx += (r.position - x) * (r.position - x);
+    xy += (r.position - x) * (r.value - y);
+  }
+  // An indicator that follows the axis reads its travel; a tenth of it is no noise.
+  if (!(xx > 0.0) || std::abs(xy) < 0.1 * xx) return 0;
+  return xy > 0.0 ? 1 : -1;
+}
+
+}  // namespace
+
+LostMotion identify(const std::vector<Reading>& readings) {
+  LostMotion out;
+  std::array<int, 2> count{};
+  for (const Reading& r : readings) ++count[r.direction > 0 ? 1 : 0];
+  out.reversals = std::min(count[0], count[1]);
+  if (out.reversals < kFewestReadings) {
+    out.words.push_back(fmt::format(
+        "lost motion is not determined: {} readings in direction + and {} in direction -, expected at least {} of each "
+        "(approach every position several times from both sides)",
+        count[1], count[0], kFewestReadings));
+    return out;
+  }
+  std::vector<Reading> series = readings;
+  if (orientation(series) < 0) {
+    for (Reading& r : series) r.value = -r.value;
+  }
+  const Series all(series);
+  const Line together = all.together();
+  if (!together.good) {
+    out.words.emplace_back(
+        "lost motion is not determined: direction, load and order of the rows cannot be told apart (approach the same positions in "
+        "turn from both sides, with each load in both directions)");
+    return out;
+  }
+  const Estimate total = unknown(together, all.step(), all.loaded() ? 1 : 0);
+  if (1e-6 * total.high() < 0.0) {
+    out.words.emplace_back(
+        "lost motion is not determined: the readings are larger where the position is approached in direction +; the indicator counts "
+        "against the axis, or the directions are exchanged (change the sign of the readings)");
+    return out;
+  }
+  if (all.loaded() && told_apart(out, all, together)) return out;
+  out.total = Estimate{1e-6 * total.value, 1e-6 * total.half_width};
+  if (!(total.low() > 0.0)) {
+    out.none = true;
+    out.words.push_back(
+        fmt::format("no lost motion was found; it is at most {:.2g} um", std::max(0.0, total.high())));
+    return out;
+  }
+  if (!all.loaded()) {
+    out.words.emplace_back(
+        "without loads, backlash and wind-up cannot be told apart: only their sum is known (repeat the series with loads on the table "
+        "that exceed its friction, in both directions)");
+    return out;
+  }
+  const Estimate compliance = unknown(together, all.step(), 0);
+  if (compliance.value > 0.0 && compliance.half_width < kMostError * compliance.value) {
+    out.stiffness = stiffness_of(compliance);
+    out.words.emplace_back(
+        "backlash and wind-up cannot be told apart: no load exceeds the friction of the table clearly; the stiffness and the sum are "
+        "known (give larger loads)");
+  } else {
+    out.words.emplace_back(
+        "the wind-up is not determined: the readings change too little with the load (give larger loads, or more readings)");
+  }
+  return out;
+}
+
+}  // namespace stribeck::ident::lost_motion

@@ -1,0 +1,144 @@
+// Readings of a dial indicator, made from the law itself with noise and steps of the indicator.
+
+#include <stribeck/ident/lost_motion/indicator.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace stribeck::ident::lost_motion {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Truth {
+  double backlash = 12e-6, stiffness = 30e6, friction = 210.0;
+  double noise = 0.3e-6, step = 1e-6;
+
+  [[nodiscard]] double total() const { return backlash + 2.0 * friction / stiffness; }
+};
+
+/// Every position from both sides under every load, `times` times. A reading lags behind its direction.
+std::vector<Reading> series_of(const Truth& t, const std::vector<double>& positions,
+                               const std::vector<double>& loads, int times, unsigned seed,
+                               double drift = 0.0) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> noise(0.0, t.noise);
+  std::vector<Reading> all;
+  for (int n = 0; n < times; ++n) {
+    for (const double load : loads) {
+      for (const double x : positions) {
+        for (const int direction : {1, -1}) {
+          const double s = direction * t.friction + load;
+          const double behind = (s > 0.0 ? 0.5 : -0.5) * t.backlash + s / t.stiffness;
+          const double y = x + 5e-6 + drift * static_cast<double>(all.size()) - behind + noise(engine);
+          all.push_back({x, direction, t.step * std::round(y / t.step), load});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+bool holds(const std::optional<Estimate>& e, double truth) {
+  return e && e->low() <= truth && truth <= e->high();
+}
+
+TEST(Indicator, WithoutLoadsTheSumIsKnown) {
+  const Truth t;
+  const LostMotion found = identify(series_of(t, {0.0}, {0.0}, 5, 1));
+  ASSERT_TRUE(found.total);
+  EXPECT_TRUE(holds(found.total, t.total()));
+  EXPECT_LT(found.total->half_width, 1e-6);
+  EXPECT_FALSE(found.backlash || found.stiffness);
+  ASSERT_EQ(found.words.size(), 1U);
+  EXPECT_THAT(found.words[0], HasSubstr("without loads, backlash and wind-up cannot be told apart"));
+}
+
+TEST(Indicator, LoadsAboveFrictionTellBoth) {
+  const Truth t;
+  const LostMotion found = identify(series_of(t, {0.0}, {0.0, 500.0, -500.0, 1000.0, -1000.0}, 4, 2));
+  ASSERT_TRUE(found.total && found.backlash && found.stiffness);
+  EXPECT_NEAR(found.backlash->value, t.backlash, 1e-6);
+  EXPECT_NEAR(found.stiffness->value, t.stiffness, 0.05 * t.stiffness);
+  EXPECT_NEAR(found.table_friction, t.friction, 30.0);
+  EXPECT_TRUE(found.words.empty());
+}
+
+TEST(Indicator, LoadsBelowFrictionTellTheStiffnessAndTheSum) {
+  const Truth t;
+  const LostMotion found = identify(series_of(t, {0.0}, {0.0, 180.0, -180.0}, 6, 3));
+  ASSERT_TRUE(found.total && found.stiffness);
+  EXPECT_TRUE(holds(found.total, t.total()));
+  EXPECT_TRUE(holds(found.stiffness, t.stiffness));
+  EXPECT_FALSE(found.backlash);
+  EXPECT_THAT(found.words.at(0), HasSubstr("give larger loads"));
+}
+
+// Intervals hold the truth in 95 % of all draws; 93 % allows for 400 draws.
+TEST(Indicator, IntervalsHoldTheTruth) {
+  constexpr int kDraws = 400;
+  int total = 0, backlash = 0, stiffness = 0, apart = 0;
+  for (unsigned seed = 100; seed < 100 + kDraws; ++seed) {
+    std::mt19937 engine(seed);
+    const auto drawn = [&](double low, double high) {
+      return low + (high - low) * static_cast<double>(engine()) / 4294967296.0;
+    };
+    Truth t;
+    t.backlash = drawn(2e-6, 40e-6);
+    t.stiffness = drawn(5e6, 50e6);
+    t.friction = drawn(100.0, 300.0);
+    t.noise = drawn(0.2e-6, 1.5e-6);
+    total +=
+        holds(identify(series_of(t, {0.0, 0.01}, {0.0}, 4, seed, drawn(-0.1e-6, 0.1e-6))).total, t.total());
+    const LostMotion found = identify(series_of(t, {0.0}, {0.0, 400.0, -400.0, 800.0, -800.0}, 4, seed));
+    if (!found.backlash) continue;
+    ++apart;
+    backlash += holds(found.backlash, t.backlash);
+    stiffness += holds(found.stiffness, t.stiffness);
+  }
+  std::printf("coverage: sum %d of %d, backlash %d and stiffness %d of %d\n", total, kDraws, backlash,
+              stiffness, apart);
+  EXPECT_GE(total, 0.93 * kDraws);
+  EXPECT_GE(apart, kDraws / 2);
+  EXPECT_GE(backlash, 0.93 * apart);
+  EXPECT_GE(stiffness, 0.93 * apart);
+}
+
+TEST(Indicator, MirroredReadingsAreTurned) {
+  const Truth t;
+  std::vector<Reading> series = series_of(t, {0.0, 0.01, 0.02}, {0.0}, 4, 4);
+  const LostMotion as_it_is = identify(series);
+  for (Reading& r : series) r.value = -r.value;
+  const LostMotion turned = identify(series);
+  ASSERT_TRUE(as_it_is.total && turned.total);
+  EXPECT_NEAR(turned.total->value, as_it_is.total->value, 1e-12);
+  std::vector<Reading> one = series_of(t, {0.0}, {0.0}, 4, 4);
+  for (Reading& r : one) r.value = -r.value;
+  const LostMotion refused = identify(one);
+  EXPECT_FALSE(refused.total);
+  EXPECT_THAT(refused.words.at(0), HasSubstr("change the sign of the readings"));
+}
+
+TEST(Indicator, WhatTheSeriesCannotTellIsSaid) {
+  const Truth t;
+  std::vector<Reading> one_way;
+  for (const Reading& r : series_of(t, {0.0}, {0.0}, 5, 5)) {
+    if (r.direction > 0) one_way.push_back(r);
+  }
+  EXPECT_THAT(identify(one_way).words.at(0), HasSubstr("5 readings in direction + and 0 in direction -"));
+  // Each position from one side only.
+  std::vector<Reading> apart;
+  for (int n = 0; n < 8; ++n) apart.push_back({n % 2 == 0 ? 0.0 : 0.01, n % 2 == 0 ? 1 : -1, 1e-6 * n, 0.0});
+  EXPECT_THAT(identify(apart).words.at(0), HasSubstr("approach the same positions in turn from both sides"));
+  const Truth nothing{0.0, 1e12, 0.0, 0.3e-6, 1e-6};
+  const LostMotion none = identify(series_of(nothing, {0.0}, {0.0}, 6, 6));
+  EXPECT_TRUE(none.none);
+  EXPECT_THAT(none.words.at(0), HasSubstr("no lost motion was found"));
+}
+
+}  // namespace
+}  // namespace stribeck::ident::lost_motion

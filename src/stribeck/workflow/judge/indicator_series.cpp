@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <stribeck/workflow/judge/indicator_series.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr const char* kExpected =
+    "expected columns direction and reading [um], and as needed position [mm] and load [N]";
+
+const io::Column* column_of(const io::Log& table, std::string_view name) {
+  for (const io::Column& c : table.columns) {
+    if (c.name == name) return &c;
+  }
+  return nullptr;
+}
+
+[[noreturn]] void refuse_cell(const io::Log& table, std::size_t row, const std::string& what) {
+  throw io::InputError(
+      {table.source, 0, "direction", fmt::format("row {}: got {}, expected + or -", row + 1, what)});
+}
+
+std::vector<int> directions_of(const io::Log& table, const io::Column& column) {
+  std::vector<int> all;
+  for (std::size_t i = 0; i < column.texts.size(); ++i) {
+    const std::string& text = column.texts[i];
+    if (text != "+" && text != "-") refuse_cell(table, i, io::in_quotes(text));
+    all.push_back(text == "+" ? 1 : -1);
+  }
+  for (std::size_t i = 0; i < column.values.size(); ++i) {
+    const double value = column.values[i];
+    if (value != 1.0 && value != -1.0) refuse_cell(table, i, fmt::format("{:.6g}", value));
+    all.push_back(value > 0.0 ? 1 : -1);
+  }
+  return all;
+}
+
+/// Of a column that may be left out.
+std::vector<double> values_of(const io::Log& table, std::string_view name, const Quantity& quantity,
+                              std::size_t rows) {
+  const io::Column* column = column_of(table, name);
+  return column == nullptr ? std::vector<double>(rows, 0.0) : io::in_si(*column, quantity);
+}
+
+}  // namespace
+
+std::vector<ident::lost_motion::Reading> read_indicator_series(const std::string& file) {
+  const io::Log table = io::read_log(file, {.times_needed = false});
+  const io::Column* direction = column_of(table, "direction");
+  const io::Column* reading = column_of(table, "reading");
+  if (direction == nullptr || reading == nullptr) {
+    throw io::InputError(
+        {file, 0, "columns",
+         fmt::format("no column \"{}\", {}", direction == nullptr ? "direction" : "reading", kExpected)});
+  }
+  for (const io::Column& c : table.columns) {
+    if (c.name != "direction" && c.name != "reading" && c.name != "position" && c.name != "load")
+      throw io::InputError(
+          {file, 0, c.header, fmt::format("is no column of a series of readings, {}", kExpected)});
+  }
+  const std::vector<int> directions = directions_of(table, *direction);
+  const std::vector<double> values = io::in_si(*reading, quantity("m", "um"));
+  const std::vector<double> positions = values_of(table, "position", quantity("m", "mm"), values.size());
+  const std::vector<double> loads = values_of(table, "load", quantity("N", "N"), values.size());
+  std::vector<ident::lost_motion::Reading> series;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    series.push_back({positions[i], directions[i], values[i], loads[i]});
+  return series;
+}
+
+}  // namespace stribeck::workflow
