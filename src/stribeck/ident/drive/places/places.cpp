@@ -1,10 +1,13 @@
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
+#include <utility>
+#include <vector>
 
 namespace stribeck::ident::drive {
 namespace {
@@ -16,6 +19,9 @@ constexpr double kPredicts =
 constexpr double kWorthStoring = 0.03;  // largest share, at least
 constexpr double kNarrowest = 1e-3;     // travel that is divided into places, at least [m]
 constexpr double kFewestRows = 300.0;
+constexpr double kTold = 0.75;  // share of the differences between places that bins leave: 0.5 on a sine
+constexpr double kSeen = 0.2;   // of the squares of one of them
+constexpr std::size_t kMostRecords = 8;      // with a level of their own
 constexpr std::size_t kMostLooked = 20'000;  // rows: enough for nineteen columns
 constexpr double kLeast = 0.1;               // share that is stored
 constexpr auto kPlaces = static_cast<Index>(friction::kMostPlaces);
@@ -43,8 +49,10 @@ class Grid {
 
 /// Squares and products of one block of motion.
 struct Products {
-  MatrixXd columns = MatrixXd::Zero(kPlaces, kPlaces);
-  VectorXd with = VectorXd::Zero(kPlaces);
+  explicit Products(Index n) : columns(MatrixXd::Zero(n, n)), with(VectorXd::Zero(n)) {}
+
+  MatrixXd columns;
+  VectorXd with;
   double square = 0.0;
 
   void add(const VectorXd& c, double y) {
@@ -81,12 +89,23 @@ class Looked {
   [[nodiscard]] double level(std::size_t i) const {
     return direction(i) * data_.level(data_.rows.side[i], speed(i));
   }
-  /// Adds the two columns of a row that its place has.
-  void add_places(VectorXd& c, std::size_t i) const {
+  /// Places, and for each record a level of its own and one that drifts: a machine that warms up must not look like a place.
+  [[nodiscard]] Index columns() const {
+    return kPlaces + 2 * static_cast<Index>(std::min(data_.log.records.size(), kMostRecords));
+  }
+  /// Adds the columns of a row.
+  void add_columns(VectorXd& c, std::size_t i) const {
     const Between place = grid_.at(position(i));
     const double force = level(i);
     c(place.first) += (1.0 - place.weight) * force;
     c(place.first + 1) += place.weight * force;
+    const auto record = static_cast<std::size_t>(data_.rows.record[i]);
+    if (record >= kMostRecords) return;
+    const std::vector<double>& t = data_.log.records[record].t;
+    const double share = (t[data_.rows.at[i]] - t.front()) / (t.back() - t.front()) - 0.5;
+    const Index own = kPlaces + 2 * static_cast<Index>(record);
+    c(own) += force;
+    c(own + 1) += share * force;
   }
 
  private:
@@ -109,37 +128,51 @@ class Looked {
 /// The rows as deviations from the mean of their bins.
 std::vector<Products> deviations(const PlaceRows& data, const Looked& looked) {
   struct Bin {
-    VectorXd columns = VectorXd::Zero(kPlaces);
+    VectorXd columns;
     double y = 0.0, count = 0.0;
   };
   std::array<std::vector<Bin>, map::kSides> bins;
   for (std::size_t s = 0; s < map::kSides; ++s)
-    bins[s].resize(static_cast<std::size_t>(data.rows.grid[s].bins));
+    bins[s].assign(static_cast<std::size_t>(data.rows.grid[s].bins), Bin{VectorXd::Zero(looked.columns())});
   const auto bin_of = [&](std::size_t i) -> Bin& {
     return bins[data.rows.side[i]][static_cast<std::size_t>(data.rows.bin[i])];
   };
   for (const std::size_t i : looked.used()) {
     Bin& bin = bin_of(i);
-    looked.add_places(bin.columns, i);
+    looked.add_columns(bin.columns, i);
     bin.y += data.residual[i];
     bin.count += 1.0;
   }
-  std::vector<Products> out(data.rows.blocks);
+  std::vector<Products> out(data.rows.blocks, Products(looked.columns()));
   VectorXd c;
   for (const std::size_t i : looked.used()) {
     const Bin& bin = bin_of(i);
     c = bin.columns / -bin.count;
-    looked.add_places(c, i);
+    looked.add_columns(c, i);
     out[data.rows.block[i]].add(c, data.residual[i] - bin.y / bin.count);
   }
   return out;
 }
 
+/// The same with the records' own levels alone.
+std::vector<Products> without_places(const std::vector<Products>& blocks) {
+  std::vector<Products> out;
+  for (const Products& b : blocks) {
+    const Index n = b.with.size() - kPlaces;
+    Products own(n);
+    own.columns = b.columns.bottomRightCorner(n, n);
+    own.with = b.with.tail(n);
+    own.square = b.square;
+    out.push_back(std::move(own));
+  }
+  return out;
+}
+
 /// What is known before: small and smooth.
-MatrixXd prior() {
-  MatrixXd p = MatrixXd::Identity(kPlaces, kPlaces) / (kExpected * kExpected);
-  for (Index i = 1; i + 1 < kPlaces; ++i) {
-    VectorXd bend = VectorXd::Zero(kPlaces);
+MatrixXd prior(Index columns, Index places) {
+  MatrixXd p = MatrixXd::Identity(columns, columns) / (kExpected * kExpected);
+  for (Index i = 1; i + 1 < places; ++i) {
+    VectorXd bend = VectorXd::Zero(columns);
     bend(i - 1) = bend(i + 1) = 1.0, bend(i) = -2.0;
     p += bend * bend.transpose() / (kSmooth * kSmooth);
   }
@@ -154,10 +187,11 @@ struct Ridge {
   std::vector<double> left_out_of;  ///< of each block
 };
 
-Ridge solve_ridge(const std::vector<Products>& blocks, double rows_used, double memory) {
-  Products all;
+/// `places`: how many columns are places.
+Ridge solve_ridge(const std::vector<Products>& blocks, Index places, double rows_used, double memory) {
+  Products all(blocks.front().with.size());
   for (const Products& b : blocks) all.add(b);
-  const MatrixXd known = prior();
+  const MatrixXd known = prior(all.with.size(), places);
   double variance = all.square / rows_used;
   const auto of = [&](const Products& sums) {
     return VectorXd(
@@ -170,7 +204,7 @@ Ridge solve_ridge(const std::vector<Products>& blocks, double rows_used, double 
                    .ldlt()
                    .solve(MatrixXd::Identity(known.rows(), known.rows()));
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    Products others;
+    Products others(all.with.size());
     for (std::size_t j = 0; j < blocks.size(); ++j) {
       if (j != b) others.add(blocks[j]);
     }
@@ -186,6 +220,22 @@ double memory_of(const PlaceRows& data, const Looked& looked) {
   return std::max(1.0, 2.0 * thinned * stats::memory_of(data.residual, data.rows.record, data.rows.at).rows);
 }
 
+/// Share of the ways in which places may differ that is left when each speed has a mean of its own.
+double share_told(const Looked& looked, const std::vector<Products>& blocks) {
+  MatrixXd all = MatrixXd::Zero(kPlaces, kPlaces), left = all;
+  VectorXd c(looked.columns());
+  for (const std::size_t i : looked.used()) {
+    c.setZero();
+    looked.add_columns(c, i);
+    all += c.head(kPlaces) * c.head(kPlaces).transpose();
+  }
+  for (const Products& b : blocks) left += b.whole().topLeftCorner(kPlaces, kPlaces);
+  all.diagonal().array() += 1e-9 * all.trace();
+  const VectorXd shares =
+      Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(left, all, Eigen::EigenvaluesOnly).eigenvalues();
+  return static_cast<double>((shares.array() > kSeen).count()) / static_cast<double>(kPlaces);
+}
+
 bool enough(const Looked& looked) {
   return static_cast<double>(looked.used().size()) >= kFewestRows && looked.travel() > kNarrowest;
 }
@@ -195,12 +245,12 @@ PlaceShares places_of(const Looked& looked, const Ridge& ridge, double before) {
   const auto rows_used = static_cast<double>(looked.used().size());
   PlaceShares out;
   out.before = std::sqrt(before / rows_used), out.after = std::sqrt(ridge.left_out / rows_used);
-  const VectorXd& s = ridge.shares;
+  const VectorXd s = ridge.shares.head(kPlaces);
   const double mean = s.mean();
   if ((s.array() - mean).abs().maxCoeff() < kWorthStoring) return out;
   const MatrixXd centred =
       MatrixXd::Identity(kPlaces, kPlaces) - MatrixXd::Constant(kPlaces, kPlaces, 1.0 / kPlaces);
-  const MatrixXd spread = centred * ridge.spread * centred.transpose();
+  const MatrixXd spread = centred * ridge.spread.topLeftCorner(kPlaces, kPlaces) * centred.transpose();
   for (Index k = 0; k < kPlaces; ++k) {
     const double level = std::clamp((1.0 + s(k)) / (1.0 + mean), kLeast, 1.0 / kLeast);
     out.places.push_back({looked.grid().position(static_cast<std::size_t>(k)), level, 1.0});
@@ -215,15 +265,16 @@ PlaceShares find_places(const PlaceRows& data) {
   const Looked looked(data);
   if (!enough(looked)) return {};
   const std::vector<Products> blocks = deviations(data, looked);
-  const Ridge ridge = solve_ridge(blocks, static_cast<double>(looked.used().size()), memory_of(data, looked));
-  double before = 0.0;
+  if (share_told(looked, blocks) < kTold) return {};
+  const auto rows_used = static_cast<double>(looked.used().size());
+  const double memory = memory_of(data, looked);
+  const Ridge with = solve_ridge(blocks, kPlaces, rows_used, memory);
+  const Ridge without = solve_ridge(without_places(blocks), 0, rows_used, memory);
   std::size_t better = 0;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    before += blocks[b].square;
-    better += ridge.left_out_of[b] < blocks[b].square ? 1 : 0;
-  }
-  if (!(ridge.left_out < kPredicts * before) || better + 1 < blocks.size()) return {};
-  return places_of(looked, ridge, before);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    better += with.left_out_of[b] < without.left_out_of[b] ? 1 : 0;
+  if (!(with.left_out < kPredicts * without.left_out) || better + 1 < blocks.size()) return {};
+  return places_of(looked, with, without.left_out);
 }
 
 void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const friction::Places& from,

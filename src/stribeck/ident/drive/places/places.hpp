@@ -4,8 +4,9 @@
 ///   residual_i = s(x_i)·level(|v_i|)·sgn v_i + e_i       s: linear between places, their number and distance from the travel
 ///
 /// Only deviations from the mean of each bin of speed are used, as for the other linear terms: what all rows of one speed share belongs
-/// to the map. On a sine, where a speed occurs at two places, the data therefore tell how these two differ, not their mean. Where the
-/// data say nothing, s is small and smooth (ridge). Places are taken where they predict the blocks of motion that were left out.
+/// to the map. On a sine, where a speed occurs at two places, that leaves too little, and nothing is found. Each record may have a level of
+/// its own that drifts, because a machine that warms up must not look like a place. Where the data say nothing, s is small and smooth
+/// (ridge). Places are taken where they predict the blocks of motion that were left out.
 ///
 /// Source: ridge as a prior of s and of its second difference: Hastie, Tibshirani, Friedman, The Elements of Statistical Learning, 5.5.
 /// Not modelled: a share that depends on direction or speed; a force along the travel that does not reverse.
