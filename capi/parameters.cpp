@@ -29,8 +29,9 @@ class Name {
     return {*this, before};
   }
   [[nodiscard]] Mark with(std::size_t index) noexcept {
-    const char digit = static_cast<char>('0' + index % 10);  // no list has more than ten items
-    return with(std::string_view(&digit, 1));
+    const std::array<char, 2> digits{static_cast<char>('0' + index / 10 % 10),
+                                     static_cast<char>('0' + index % 10)};
+    return with(index < 10 ? std::string_view(&digits[1], 1) : std::string_view(digits.data(), 2));
   }
   [[nodiscard]] const char* text() const noexcept { return text_.data(); }
   [[nodiscard]] std::string_view view() const noexcept { return {text_.data(), size_}; }
@@ -202,7 +203,7 @@ stribeck_result assign_optional(Target target, const Quantity& quantity, std::st
 }
 
 stribeck_result assign_item(Target list, const Quantity& quantity, std::string_view rest, double x) noexcept {
-  constexpr std::size_t kMostItems = 10;
+  constexpr std::size_t kMostItems = 100;  // names have two digits
   const std::size_t i = index_in(take_part(rest), kMostItems);
   const std::size_t before = list.size();
   if (i >= std::min(list.type().most_items, kMostItems)) return STRIBECK_UNKNOWN_NAME;

@@ -665,7 +665,7 @@ TEST(Evaluate, RefusesInOneLine) {
     words.insert(words.begin(), {"evaluate", a});
     expect_refused(f, std::move(words), text);
   };
-  refused({"--path", "eight"}, "--path: got \"eight\", expected circle");
+  refused({"--path", "eight"}, "--path: got \"eight\", expected one of circle and indicator");
   refused({"--size", "10"}, "--size");
   refused({"--size", "nan mm"}, "--size");
   refused({"--map", "z=x"}, "expected x, y (positions)");

@@ -4,7 +4,6 @@
 #include <stribeck/friction/table.hpp>
 #include <stribeck/plant/any_mechanics.hpp>
 #include <stribeck/plant/axis.hpp>
-#include <tuple>
 
 namespace stribeck::plant {
 namespace {
@@ -30,8 +29,9 @@ struct Axis::Implementation {
 
   /// Sets what changes slowly to its value in the coming period: warmth, place, viscous part.
   void vary() {
-    const auto& [warming, along, exponent] =
-        std::tie(params.warming, params.friction_along_travel, params.viscous_exponent);
+    const std::optional<Warming>& warming = params.warming;
+    const std::optional<FrictionAlongTravel>& along = params.friction_along_travel;
+    const std::optional<ViscousExponent>& exponent = params.viscous_exponent;
     const friction::Places& places = params.friction.places;
     if (!warming && !along && !exponent && places.empty()) return;
     const double warmth = warming ? warming->share((ticks++ + 0.5) * period) : 1.0;
@@ -56,7 +56,7 @@ struct Axis::Implementation {
 
   /// One period under what is held, of which the first part may still be that of the period before.
   void advance(const Held& held) {
-    const double part = params.delay_fraction;
+    const double part = params.delay_fraction.value_or(0.0);
     std::visit(
         [&](auto& m) {
           if (part <= 0.0) return m.advance(held, period, fidelity.substeps);
@@ -168,7 +168,7 @@ void Axis::step_together(Axis& a, double voltage_a, Axis& b, double voltage_b, d
   Implementation& one = *a.implementation_;
   Implementation& other = *b.implementation_;
   if (one.mechanics.index() != other.mechanics.index() || one.loop || other.loop ||
-      one.params.delay_fraction > 0.0 || other.params.delay_fraction > 0.0) {
+      one.params.delay_fraction || other.params.delay_fraction) {
     a.step(voltage_a, cutting_a);
     b.step(voltage_b, cutting_b);
     return;

@@ -281,7 +281,7 @@ struct AxisParams {
   std::optional<ViscousExponent> viscous_exponent;
   std::optional<TorqueRipple> torque_ripple;
   std::optional<EncoderError> encoder_error;
-  double delay_fraction = 0.0;  ///< in addition to delay_periods [control periods]
+  std::optional<double> delay_fraction;  ///< in addition to delay_periods [control periods]
 
   static constexpr auto fields() {
     return std::tuple{
@@ -326,7 +326,7 @@ struct AxisParams {
               "error of the encoder within a period of its signal; left out: none")
             .or_default(),
         field("delay_fraction", &AxisParams::delay_fraction, pure_number().not_negative().at_most(1.0),
-              "share of a control period that the delay is longer than delay_periods")
+              "share of a control period that the delay is longer than delay_periods; left out: none")
             .or_default()};
   }
   template <class Report>
@@ -339,7 +339,7 @@ struct AxisParams {
       report("rotor_inertia",
              "needs a drive of kind \"voltage\", whose lead reflects it; or include it in mass");
     }
-    if (drive_loop && delay_fraction > 0.0) {
+    if (drive_loop && delay_fraction) {
       report("delay_fraction", "not with drive_loop; its delay_cycles are finer than a control period");
     }
     if (lost_motion && axial_mode) {

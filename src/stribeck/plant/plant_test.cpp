@@ -434,7 +434,7 @@ TEST(Axis, AFractionOfADelayLiesBetweenWholePeriods) {
     for (int k = 0; k < 300; ++k) axis.step(1.5 + std::sin(0.1 * k));
     end[static_cast<std::size_t>(i)] = axis.position();
   }
-  p.delay_fraction = 0.0;
+  p.delay_fraction.reset();
   p.delay_periods = 1;
   Axis whole(p, kPeriod, 9.5e-3);
   whole.start(0.0, kExact, {});

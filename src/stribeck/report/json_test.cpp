@@ -228,7 +228,8 @@ TEST(IdentifyJson, IsAsDescribed) {
     "eccentric": [],
     "dynamics": {
       "kind": "static"
-    }
+    },
+    "places": []
   },
   "break_away_um": null,
   "cannot_tell": [],

@@ -152,16 +152,15 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     for (const ControllerSpec& c : spec.controllers) {
       auto setup = make_setup<N>(machine, knowledge, axes, c);
       setup.lap = route->lap;
-      cells.push_back({guide_motors<N>(route, machine, knowledge, axes, c, setup),
-                       setup,
-                       {},
-                       std::vector<StatusCounter>(spec.trials)});
+      cells.push_back({route, setup, {}, std::vector<StatusCounter>(spec.trials)});
       CompareRow row;
       row.controller = c;
       row.travel = t;
       row.speed = speed;
       row.trials.resize(spec.trials);
       try {
+        cells.back().route = guide_motors<N>(route, machine, knowledge, axes, c, setup);
+        cells.back().setup = setup;
         check_law<N>(c, setup);
         cells.back().controller = make_controller<N>(c.law, setup);
       } catch (const Refused& e) {

@@ -53,7 +53,9 @@ std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion
   }
   if (found.backlash) p.backlash = found.backlash->value;
   p.stiffness = found.stiffness->value;
-  p.table_friction = found.table_friction;
+  // A backlash that is not determined is a part of the wind-up.
+  p.table_friction =
+      found.backlash ? found.table_friction : 0.5 * found.stiffness->value * found.total->value;
   if (found.motor_mass > 0.0) p.table_mass = std::max(0.0, mass - found.motor_mass);
   if (found.build_up > 0.0) p.build_up = found.build_up;
   return p;

@@ -81,7 +81,8 @@ class FrictionRls {
     bool informed = false;   ///< P holds its start
     bool recalled = false;   ///< θ and P come from an earlier run
     double direction = 0.0;  ///< of the motion
-    double reversals = 0.0;  ///< since the first motion, at most kMostReversals
+    double reversals = 0.0;  ///< seen in all, at most kMostReversals
+    bool turned = false;     ///< since this state was made
     double position = 0.0;   ///< where the axis is, within the encoder's step [m]
     double reading = 0.0;    ///< of the encoder [m]
     double jump = 0.0;       ///< least that the encoder has made while the axis hardly moved [m]
@@ -98,9 +99,10 @@ class FrictionRls {
     Mat<double, kCount> p;
     ResidualNoise::State noise;
     bool known = false;
+    double reversals = 0.0;
   };
   [[nodiscard]] static Learned learned(const State& s) noexcept {
-    return {s.theta, s.deviation, s.p, s.noise, s.informed};
+    return {s.theta, s.deviation, s.p, s.noise, s.informed, s.reversals};
   }
   /// A state that has just been made goes on with that.
   static void recall(State& s, const Learned& l) noexcept {
@@ -108,6 +110,7 @@ class FrictionRls {
     s.deviation = l.deviation;
     s.p = l.p;
     s.noise = l.noise;
+    s.reversals = l.reversals;
     s.recalled = true;
   }
 
@@ -159,6 +162,7 @@ class FrictionRls {
     // make bristles creep.
     if (bridged) s.reading = position;
     const double resolution = resolution_of(s, position, v);
+    const double stiffness_used = evident(s, kStiffness);  // another reversal changes it too
     const double before = s.position;
     s.position = clamp_to(before + period_ * v, position - 0.5 * resolution, position + 0.5 * resolution);
     const double travel = s.position - before;
@@ -200,6 +204,7 @@ class FrictionRls {
     const double share = s.residual / sum;
     Vector used;
     for (std::size_t i = 0; i < kCount; ++i) used[i] = evident(s, i);
+    used[kStiffness] = stiffness_used;
     for (std::size_t i = 0; i < kCount; ++i) {
       s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
       for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
@@ -236,6 +241,7 @@ class FrictionRls {
   /// Begins again without corrections.
   void forget(State& s) const noexcept {
     s.theta = {};
+    s.reversals = 0.0;
     s.p = {};
     for (std::size_t i = 0; i < kCount; ++i) s.p[i][i] = spread_[i] * spread_[i];
     s.deviation = spread_;
@@ -249,9 +255,12 @@ class FrictionRls {
   /// Whether the motion has reversed since it began. How far the bristles were deflected before the first motion is not known, so the
   /// force at its start says nothing of their stiffness.
   static bool turned(State& s, double v) noexcept {
-    if (v * s.direction < 0.0) s.reversals = min_of(s.reversals + 1.0, kMostReversals);
+    if (v * s.direction < 0.0) {
+      s.reversals = min_of(s.reversals + 1.0, kMostReversals);
+      s.turned = true;
+    }
     if (v != 0.0) s.direction = sign(v);
-    return s.reversals > 0.0;
+    return s.turned;
   }
   static constexpr double kMostReversals = 100.0;
   /// What one reversal may say too much or too little of the stiffness: no law of bristles is exact, and stiffness differs from place to

@@ -101,6 +101,23 @@ TEST(FrictionRls, ItsBoundCoversTheTruthUnderAnyNoise) {
   }
 }
 
+// One reversal says little of a stiffness; what a hundred said is kept over a fault, and gone once all is forgotten.
+TEST(FrictionRls, AStiffnessIsUsedByTheNumberOfItsReversals) {
+  const FrictionRls law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0, kPeriod);
+  FrictionRls::State s;
+  s.theta[FrictionRls::kStiffness] = 0.25;
+  s.deviation[FrictionRls::kStiffness] = 0.01;
+  s.reversals = 1.0;
+  EXPECT_EQ(law.scales(s).stiffness, 1.0);
+  s.reversals = 100.0;
+  EXPECT_NEAR(law.scales(s).stiffness, 1.25, 1e-3);
+  FrictionRls::State anew;
+  FrictionRls::recall(anew, FrictionRls::learned(s));
+  EXPECT_EQ(law.scales(anew).stiffness, law.scales(s).stiffness);
+  law.forget(s);
+  EXPECT_EQ(s.reversals, 0.0);
+}
+
 TEST(FrictionRls, IsFrozenAtRestAndStaysWithinBounds) {
   const FrictionRls law(adapting(1000.0, 3e8).adaptation, adapting(1000.0, 3e8).model, 1e-9, 0.0, kPeriod);
   FrictionRls::State s;

@@ -10,7 +10,8 @@ namespace {
 constexpr std::size_t kMostPathRows = 8'000;
 constexpr double kExpectedShare = 0.4;  // standard deviation of ln ρ, known before
 constexpr double kSmoothShare = 0.15;   // of its second difference from place to place
-constexpr double kBeside = 0.05;  // of the levels, the load and the viscous part, as shares of the level
+constexpr double kBeside = 0.05;     // of the levels, the load and the viscous part, as shares of the level
+constexpr double kLeastShare = 0.1;  // that is stored
 constexpr double kPredictsBetter = 0.95;
 constexpr int kRounds = 6;
 constexpr double kNudge = 1e-3;
@@ -41,18 +42,6 @@ class PlacedModel {
   [[nodiscard]] double variance(const VectorXd& e) const {
     return std::max(e.squaredNorm() / static_cast<double>(e.size()) * 2.0 * memory_of_rows(path_, e).rows,
                     1e-18 * level_ * level_);
-  }
-
-  [[nodiscard]] VectorXd residual(const VectorXd& p) const {
-    return std::visit(
-        [&]<class Law>(const Law& law) -> VectorXd {
-          if constexpr (friction::PreSlidingLaw<Law>) {
-            return along(law, p);
-          } else {
-            return VectorXd::Zero(static_cast<Index>(path_.rows.size()));
-          }
-        },
-        known_.friction.dynamics);
   }
 
  private:
@@ -103,6 +92,27 @@ class PlacedModel {
                 piece.force[i];
   }
 
+  /// A function object: clang 14 does not instantiate what only a generic lambda calls.
+  struct Along {
+    const PlacedModel* model;
+    const VectorXd* p;
+    template <class Law>
+    VectorXd operator()(const Law& law) const {
+      if constexpr (friction::PreSlidingLaw<Law>) {
+        return model->along(law, *p);
+      } else {
+        return VectorXd::Zero(static_cast<Index>(model->path_.rows.size()));
+      }
+    }
+  };
+
+ public:
+  [[nodiscard]] VectorXd residual(const VectorXd& p) const {
+    const friction::DynamicsVariant& law = known_.friction.dynamics;
+    return std::visit(Along{this, &p}, law);
+  }
+
+ private:
   const friction::AxisModel& known_;
   BristlePath path_;
   double level_ = 0.0;
@@ -201,8 +211,8 @@ PlaceStiffness fit_place_stiffness(const std::vector<log::Record>& records, cons
   const Solved all = solve_places(model, 2, true, model.variance(model.residual(first.p)));
   const MatrixXd spread = all.information.inverse();
   for (Index k = 0; k < model.places(); ++k) {
-    out.share.push_back(std::exp(all.p(k)));
-    out.half.push_back(1.96 * std::sqrt(spread(k, k)) * out.share.back());
+    out.share.push_back(std::clamp(std::exp(all.p(k)), kLeastShare, 1.0 / kLeastShare));
+    out.half.push_back(1.96 * std::sqrt(spread(k, k)));
   }
   return out;
 }

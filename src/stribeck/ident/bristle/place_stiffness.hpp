@@ -19,7 +19,7 @@ namespace stribeck::ident::bristle {
 struct PlaceStiffness {
   std::vector<double>
       share;                 ///< at each place of the model; empty: the reversals do not tell that it differs
-  std::vector<double> half;  ///< 95 % half width
+  std::vector<double> half;  ///< 95 % half width of the logarithm
 };
 
 /// `known` has places and a law with pre-sliding; `shift` of the force as in MotionOptions [rows].

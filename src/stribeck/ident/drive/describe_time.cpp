@@ -53,8 +53,9 @@ void add_place_stiffness(Result& result, const std::vector<log::Record>& records
   for (std::size_t k = 0; k < found.share.size(); ++k) {
     const double share = found.share[k], half = found.half[k];
     result.friction.places[k].stiffness = share;
-    result.parameters.push_back({"stiffness_at_place_" + std::to_string(k + 1), share, "1", "1", share - half,
-                                 share + half, half < std::abs(share - 1.0)});
+    result.parameters.push_back({"stiffness_at_place_" + std::to_string(k + 1), share, "1", "1",
+                                 share * std::exp(-half), share * std::exp(half),
+                                 half < std::abs(std::log(share))});
   }
 }
 
@@ -145,7 +146,7 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes) {
                                  share + half, half < std::abs(share - 1.0)});
   }
   notes.warn(text(
-      "friction differs along the travel, from %.3g %% to %+.3g %%: the model holds it at %zu places from %.4g to %.4g mm, which belong to the homing position of this log; outside, the last place counts",
+      "friction differs along the travel, from %+.3g %% to %+.3g %%: the model holds it at %zu places from %.4g to %.4g mm, which belong to the homing position of this log; beyond them, the nearest place counts",
       100.0 * (least - 1.0), 100.0 * (most - 1.0), along.places.size(), 1e3 * along.places[0].position,
       1e3 * along.places[along.places.size() - 1].position));
 }

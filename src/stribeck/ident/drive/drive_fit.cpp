@@ -295,6 +295,7 @@ Judged without_uncertain_terms(Stage& stage, Judged judged, const DriveFitOption
 /// Everything that is chosen beside places.
 struct Placed {
   Stage stage;
+  std::vector<double> lag;  ///< of the rows, without places
   PlaceShares along;
   std::optional<Judged> judged;
   Steady steady;
@@ -305,7 +306,9 @@ struct Placed {
 void lay_and_judge(Placed& p, const PlaceShares& next, const DriveFitOptions& options, bool shift_known,
                    const Notes& before) {
   Stage& stage = p.stage;
-  lay_places(stage.log, stage.rows, level_of(stage.fit), p.along.places, next.places);
+  const Level level = level_of(stage.fit);
+  stage.rows.lag = p.lag;
+  lay_places(stage.log, stage.rows, level, next.places);
   p.along = next;
   stage.terms.periodic.clear();
   stage.fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
@@ -343,8 +346,11 @@ Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& o
   if (!shift_known) finish_shift(stage, steady, options);
   Judged first = without_uncertain_terms(stage, judge(stage, steady.map, shift_known), options, shift_known);
   stage.fit = first.fit;
-  Placed placed{std::move(stage), {}, std::move(first), std::move(steady), std::move(attempt.notes)};
-  if (options.places) take_out_places(placed, options, shift_known, before);
+  std::vector<double> lag = stage.rows.lag;
+  Placed placed{std::move(stage), std::move(lag),    {},
+                std::move(first), std::move(steady), std::move(attempt.notes)};
+  if (options.places && records.front().position_unit == "m")
+    take_out_places(placed, options, shift_known, before);
   return placed;
 }
 

@@ -91,11 +91,11 @@ std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
   leave_out(p.viscous_exponent.has_value(), "viscous_exponent");
   leave_out(p.torque_ripple.has_value(), "torque_ripple");
   leave_out(p.encoder_error.has_value(), "encoder_error");
-  leave_out(p.delay_fraction > 0.0, "delay_fraction");
+  leave_out(p.delay_fraction.has_value(), "delay_fraction");
   leave_out(!p.friction.places.empty(), "friction.places");
   p.lost_motion.reset(), p.second_encoder.reset(), p.friction_along_travel.reset(),
       p.viscous_exponent.reset();
-  p.torque_ripple.reset(), p.encoder_error.reset(), p.delay_fraction = 0.0, p.friction.places = {};
+  p.torque_ripple.reset(), p.encoder_error.reset(), p.delay_fraction.reset(), p.friction.places = {};
   return left_out + setp_all(name, value_of(p));
 }
 

@@ -148,6 +148,12 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   if (most > 0.0)
     out.push_back(
         fmt::format("up to {} % of friction along the travel", report::significant(100.0 * most, 2)));
+  double stiffest = 0.0;
+  for (const friction::Place& p : axis.model.friction.places)
+    stiffest = std::max(stiffest, std::abs(p.stiffness - 1.0));
+  if (stiffest > 0.0 && form.pre_sliding)
+    out.push_back(
+        fmt::format("up to {} % of stiffness along the travel", report::significant(100.0 * stiffest, 2)));
   if (friction::has_pre_sliding(axis.model.friction.dynamics) && !form.pre_sliding)
     out.emplace_back("pre-sliding (the force jumps at a reversal)");
   if (axis.model.load != 0.0 && !form.load)

@@ -19,9 +19,10 @@ constexpr double kPredicts =
 constexpr double kWorthStoring = 0.03;  // largest share, at least
 constexpr double kNarrowest = 1e-3;     // travel that is divided into places, at least [m]
 constexpr double kFewestRows = 300.0;
-constexpr double kTold = 0.75;  // share of the differences between places that bins leave: 0.5 on a sine
-constexpr double kSeen = 0.2;   // of the squares of one of them
-constexpr std::size_t kMostRecords = 8;      // with a level of their own
+constexpr double kTold =
+    0.75;  // of thirteen places, ten must differ after the mean of each speed is taken off
+constexpr double kSeen = 0.2;            // share of the squares of a difference that must be left for that
+constexpr std::size_t kMostRecords = 8;  // with a level of their own
 constexpr std::size_t kMostLooked = 20'000;  // rows: enough for nineteen columns
 constexpr double kLeast = 0.1;               // share that is stored
 constexpr auto kPlaces = static_cast<Index>(friction::kMostPlaces);
@@ -102,7 +103,8 @@ class Looked {
     const auto record = static_cast<std::size_t>(data_.rows.record[i]);
     if (record >= kMostRecords) return;
     const std::vector<double>& t = data_.log.records[record].t;
-    const double share = (t[data_.rows.at[i]] - t.front()) / (t.back() - t.front()) - 0.5;
+    const double duration = t.back() - t.front();
+    const double share = duration > 0.0 ? (t[data_.rows.at[i]] - t.front()) / duration - 0.5 : 0.0;
     const Index own = kPlaces + 2 * static_cast<Index>(record);
     c(own) += force;
     c(own + 1) += share * force;
@@ -220,7 +222,7 @@ double memory_of(const PlaceRows& data, const Looked& looked) {
   return std::max(1.0, 2.0 * thinned * stats::memory_of(data.residual, data.rows.record, data.rows.at).rows);
 }
 
-/// Share of the ways in which places may differ that is left when each speed has a mean of its own.
+/// How many of the independent differences between places are left after the mean of each speed is taken off, as a share.
 double share_told(const Looked& looked, const std::vector<Products>& blocks) {
   MatrixXd all = MatrixXd::Zero(kPlaces, kPlaces), left = all;
   VectorXd c(looked.columns());
@@ -277,12 +279,11 @@ PlaceShares find_places(const PlaceRows& data) {
   return places_of(looked, with, without.left_out);
 }
 
-void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const friction::Places& from,
-                const friction::Places& to) {
+void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const friction::Places& places) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const log::Motion& m = motion_of(log, rows, i);
     const double x = m.x[rows.at[i]];
-    const double change = friction::shares_at(to, x).level - friction::shares_at(from, x).level;
+    const double change = friction::shares_at(places, x).level - 1.0;
     rows.lag[i] += map::kDirection[rows.side[i]] * change * level(rows.side[i], std::abs(m.v[rows.at[i]]));
   }
 }
@@ -290,7 +291,8 @@ void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const fri
 friction::Places together(const friction::Places& a, const friction::Places& b) {
   friction::Places out = a.empty() ? b : a;
   if (a.empty()) return out;
-  for (friction::Place& p : out) p.level += friction::shares_at(b, p.position).level - 1.0;
+  for (friction::Place& p : out)
+    p.level = std::clamp(p.level + friction::shares_at(b, p.position).level - 1.0, kLeast, 1.0 / kLeast);
   return out;
 }
 

@@ -37,9 +37,8 @@ struct PlaceRows {
 
 PlaceShares find_places(const PlaceRows& data);
 
-/// Adds to rows.lag what the places add to friction: `to` in place of `from` (empty: none).
-void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const friction::Places& from,
-                const friction::Places& to);
+/// Adds to rows.lag what the places add to friction.
+void lay_places(const AlignedLog& log, Rows& rows, const Level& level, const friction::Places& places);
 
 /// The shares of both; the places of the first, or of the second where the first has none.
 friction::Places together(const friction::Places& a, const friction::Places& b);
