@@ -162,7 +162,6 @@ class FrictionRls {
     // make bristles creep.
     if (bridged) s.reading = position;
     const double resolution = resolution_of(s, position, v);
-    const double stiffness_used = evident(s, kStiffness);  // another reversal changes it too
     const double before = s.position;
     s.position = clamp_to(before + period_ * v, position - 0.5 * resolution, position + 0.5 * resolution);
     const double travel = s.position - before;
@@ -204,7 +203,6 @@ class FrictionRls {
     const double share = s.residual / sum;
     Vector used;
     for (std::size_t i = 0; i < kCount; ++i) used[i] = evident(s, i);
-    used[kStiffness] = stiffness_used;
     for (std::size_t i = 0; i < kCount; ++i) {
       s.theta[i] = clamp_to(s.theta[i] + share * pf[i], -bounds_[i][0], bounds_[i][1]);
       for (std::size_t k = 0; k < kCount; ++k) s.p[i][k] -= pf[i] * pf[k] / sum;
