@@ -159,10 +159,16 @@ std::string_view take_part(std::string_view& rest) noexcept {
   return part;
 }
 
-/// One digit; anything else gives `otherwise`.
+/// One or two digits; anything else gives `otherwise`.
 std::size_t index_in(std::string_view part, std::size_t otherwise) noexcept {
-  return part.size() == 1 && part[0] >= '0' && part[0] <= '9' ? static_cast<std::size_t>(part[0] - '0')
-                                                              : otherwise;
+  const bool has_leading_zero = part.size() > 1 && part[0] == '0';
+  if (part.empty() || part.size() > 2 || has_leading_zero) return otherwise;
+  std::size_t index = 0;
+  for (const char c : part) {
+    if (c < '0' || c > '9') return otherwise;
+    index = 10 * index + static_cast<std::size_t>(c - '0');
+  }
+  return index;
 }
 
 /// Whether a number is one of 0, 1, …, count − 1.

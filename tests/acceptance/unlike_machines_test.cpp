@@ -73,7 +73,8 @@ class UnlikeMachine : public testing::TestWithParam<const char*> {
     words.insert(words.end(), known.begin(), known.end());
     run(words);
     std::map<std::string, double> mean;
-    for (const auto& row : nlohmann::json::parse(text_of(json))["rows"])
+    const nlohmann::json result = nlohmann::json::parse(text_of(json));
+    for (const auto& row : result.at("rows"))
       mean[row["controller"].get<std::string>()] += 0.5 * row["max_contour_error_um"].get<double>();
     return mean;
   }

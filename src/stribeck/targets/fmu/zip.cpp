@@ -13,7 +13,7 @@ constexpr unsigned kDeflate = 8;
 constexpr unsigned kDate = 0x21;  ///< 1980-01-01
 
 void put(std::string& out, std::size_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * i) & 0xFF);
+  for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xFF);
 }
 
 /// A stream of deflate without the head of zlib.
