@@ -374,6 +374,18 @@ TEST(LogFormats, SinumerikTrace) {
               HasSubstr("is not valid XML"));
 }
 
+// Only the results in it are known: refused with the way out, and never at the cost of memory.
+TEST(LogFormats, RenishawBallBarIsToldTheWayOut) {
+  const std::string plane = "<?xml version=\"1.0\"?>\n<A><B><PLANE TEST_PLANE=\"XY\"/></B></A>";
+  const std::string result = "<A><FEATURE NAME=\"AF_CIRCULARITY\" DT=\"UT_LENGTH_UM\">8.1</FEATURE></A>";
+  for (const std::string& text : {plane, result})
+    EXPECT_THAT(refusal(text), AllOf(HasSubstr(".b5r"), HasSubstr("export the samples as a table")));
+  EXPECT_THAT(refusal("<A><PLANE/><FEATURE NAME=\"a\"/></A>"), HasSubstr("no SINUMERIK trace"));
+  EXPECT_THAT(refusal(plane.substr(0, plane.size() - 8)), HasSubstr("is cut off or damaged"));
+  EXPECT_THAT(refusal("<!DOCTYPE A [<!ENTITY a \"aa\"><!ENTITY b \"&a;&a;\">]><A>&b;</A>"),
+              HasSubstr("has a document type"));
+}
+
 /// Gzip, the UTF-8 mark and other line ends change nothing.
 TEST(LogFormats, PackedAndMarkedTheSame) {
   for (const auto& sample : test::sample_logs()) {

@@ -117,6 +117,7 @@ class HalReader : Reader {
   void make_time() {
     const std::vector<bool> lost = note_losses();
     if (time_column(log_) >= 0 || !options_.time_column.empty()) return;
+    if (!options_.times_needed && !options_.sample_time) return;
     if (!options_.sample_time) {
       fail(0,
            "has no time (give the period of the sampling thread with --sample-time \"1 ms\", or put "

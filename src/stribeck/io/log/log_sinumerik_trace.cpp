@@ -47,6 +47,12 @@ class TraceReader : Reader {
               [](TraceReader& r) { r.fail(r.line(), "has a document type, which no trace has"); });
         });
     parse();
+    if (frames_ == 0 && ball_bar_) {
+      fail(
+          0,
+          "is a ball-bar file of Renishaw (.b5r): it is known how the results in it are written, but not its "
+          "samples, so it is not read (export the samples as a table with angle and radius, or deviation)");
+    }
     if (frames_ == 0) {
       fail(
           0,
@@ -120,6 +126,10 @@ class TraceReader : Reader {
   void start(std::string_view name, Attributes attributes) {
     constexpr std::size_t kDeepest = 64;
     if (path_.size() >= kDeepest) fail(line(), "is nested deeper than 64 levels: not a trace");
+    // As in files of Ballbar 20: <PLANE TEST_PLANE="XY">, <FEATURE NAME="AF_CIRCULARITY" DT="UT_LENGTH_UM">.
+    if ((name == "PLANE" && !attribute(attributes, "TEST_PLANE").empty()) ||
+        (name == "FEATURE" && begins_with(attribute(attributes, "DT"), "UT_")))
+      ball_bar_ = true;
     const std::string_view parent = path_.empty() ? std::string_view() : path_.back();
     if (parent == "dataFrame") {
       if (frames_ == 1) start_in_frame(name, attributes);
@@ -264,6 +274,7 @@ class TraceReader : Reader {
   std::size_t filled_ = 0;
   std::size_t frames_ = 0;
   std::size_t recs_ = 0;
+  bool ball_bar_ = false;
 };
 
 }  // namespace
