@@ -56,6 +56,7 @@ Outcome evaluate(const py::args& logs, const py::kwargs& given) {
   Keywords keywords("evaluate", given);
   workflow::CircleOptions o;
   if (const std::string size = keywords.quantity("size", "m"); !size.empty()) o.size = size;
+  if (const std::string feed = keywords.quantity("feed", "m/s"); !feed.empty()) o.feeds = {feed};
   o.maps = keywords.texts("map");
   o.where = keywords.texts("where");
   o.labels = keywords.texts("label");
@@ -88,11 +89,12 @@ void add_judges(py::module_& module) {
       "Raises InputError for files and arguments, Refused where no part of the log can be replayed.");
   module.def(
       "evaluate", &evaluate,
-      "evaluate(*logs, size='10 mm', map=None, where=None, label=None, limit=None, together=False)\n--\n\n"
+      "evaluate(*logs, size=None, feed=None, map=None, where=None, label=None, limit=None, together=False)\n--\n\n"
       "Circular test of measured circles after ISO 230-4, and the causes of their deviation.\n\n"
       "logs: files, Log objects or dicts of arrays {\"t\": t, \"x\": x, \"y\": y} in SI, with rx, ry (commanded) where known, or "
-      "angle [rad] and radius [m] of a ball-bar; t may be left out.\n"
-      "size: commanded radius, \"50 mm\" or in m. map: {\"x\": \"COLUMN mm\"}. where: rows of one circle, {\"line\": 7}. "
+      "angle [rad] and radius [m] (or deviation [m]) of a ball-bar; t may be left out.\n"
+      "size: commanded radius, \"50 mm\" or in m; left out: what the file of a ball-bar states, else 10 mm. feed: of logs without "
+      "times, \"1000 mm/min\" or in m/s. map: {\"x\": \"COLUMN mm\"}. where: rows of one circle, {\"line\": 7}. "
       "limit: {\"G\": \"10 um\"}, or in m. together: the logs are of one machine.\n"
       "Returns a Result: result[\"logs\"][0][\"circular_test\"] has G, G(b), F, D and H; ok is False where a limit is broken.\n"
       "Raises InputError for logs without a circle of this size.");

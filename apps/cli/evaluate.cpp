@@ -47,8 +47,8 @@ int evaluate_indicator(const EvaluateCommand& o) {
   const auto refuse = [](const char* option) {
     refuse_option(option, "is about circles; leave it out with --path indicator");
   };
-  const CircleOptions usual;
-  if (o.what.size != usual.size) refuse("--size");
+  if (!o.what.size.empty()) refuse("--size");
+  if (!o.what.feeds.empty()) refuse("--feed");
   if (!o.what.maps.empty()) refuse("--map");
   if (!o.what.where.empty()) refuse("--where");
   if (!o.what.labels.empty()) refuse("--label");
@@ -87,10 +87,17 @@ void add_evaluate(CLI::App& app, Action& action) {
           "What was measured: circle, or indicator: readings of a dial indicator, in a table with the columns direction, reading, position and load")
       ->check(one_of({"circle", "indicator"}))
       ->capture_default_str();
-  verb->add_option("--size", o->what.size, "Commanded radius")->type_name("LENGTH")->capture_default_str();
+  verb->add_option("--size", o->what.size,
+                   "Commanded radius; left out: what the file of a ball-bar states, else 10 mm")
+      ->type_name("LENGTH");
+  verb->add_option(
+          "--feed", o->what.feeds,
+          "Feed where a log has no times, as of a ball-bar: one for all logs, or one for each; left out: what "
+          "the file states")
+      ->type_name("SPEED");
   verb->add_option(
           "--map", o->what.maps,
-          "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre); of a ball-bar angle and radius")
+          "Which column is what: x, y (positions; left out: found by name), rx, ry (commanded positions; the circle then has their centre, else the least-squares centre); of a ball-bar angle and radius or deviation, and direction (ccw, cw) where a column tells it; left out: found by their names")
       ->type_name("QUANTITY=COLUMN");
   verb->add_option("--where", o->what.where,
                    "Rows of one circle, e.g. line=7; repeat for more circles; left out: all rows")
@@ -112,7 +119,7 @@ void add_evaluate(CLI::App& app, Action& action) {
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck evaluate before.log after.log --limit G=10um --report page\n  stribeck evaluate pid.log axis.log --map x=\"x-pos mm\" --map y=\"y-pos mm\" --where "
-      "line=7 --report page");
+      "line=7 --report page\n  stribeck evaluate bar.csv --size \"100 mm\" --feed \"1000 mm/min\" --report page");
   verb->callback(
       [o, &action] { action = [o] { return o->path == "circle" ? evaluate(*o) : evaluate_indicator(*o); }; });
 }

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -16,7 +17,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
-#include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/judge/circle_track.hpp>
 #include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -26,136 +27,31 @@ namespace circle = ident::circle;
 
 namespace {
 
-/// The texts of --map: quantity, column.
-std::map<std::string, std::string> mapped(const CircleOptions& o) {
-  std::map<std::string, std::string> given;
-  for (const std::string& text : o.maps) {
-    const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
-    if (what != "x" && what != "y" && what != "rx" && what != "ry" && what != "angle" && what != "radius")
-      refuse_option("--map",
-                    fmt::format("got {}, expected x, y (positions), rx, ry (commands), angle or radius "
-                                "(ball-bar)",
-                                io::in_quotes(what)));
-    if (!given.emplace(what, column).second) refuse_option("--map", fmt::format("{} is given twice", what));
-  }
-  if (given.count("rx") != given.count("ry"))
-    refuse_option("--map", "got one of rx and ry, expected both or none");
-  if (given.count("angle") != given.count("radius"))
-    refuse_option("--map", "got one of angle and radius, expected both or none");
-  if (given.count("angle") != 0 && given.size() > 2)
-    refuse_option("--map", "got angle and radius beside positions, expected one or the other");
-  return given;
-}
-
-/// The columns of a log that are used.
-struct Track {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> rx;  ///< empty: no command
-  std::vector<double> ry;
-  std::vector<double> t;  ///< empty: no times
-
-  [[nodiscard]] circle::CircleSamples samples() const { return {x, y, rx, ry}; }
-
-  /// Its rows from `first` to before `last`, behind those of `to`.
-  void append_to(Track& to, std::size_t first, std::size_t last) const {
-    const auto copy = [&](const std::vector<double>& from, std::vector<double>& all) {
-      if (!from.empty()) all.insert(all.end(), from.begin() + first, from.begin() + last);
-    };
-    copy(x, to.x);
-    copy(y, to.y);
-    copy(rx, to.rx);
-    copy(ry, to.ry);
-    copy(t, to.t);
-  }
-};
-
-/// Times of the rows [s]; empty where the log has none of one unit for all.
-std::vector<double> times_of(const io::Log& log, std::size_t rows) {
-  const int at = io::time_column(log);
-  if (at < 0) return {};
-  const io::Column& column = log.columns[static_cast<std::size_t>(at)];
-  if (column.values.size() != rows || column.unit_text.empty()) return {};
-  return io::in_si(column, quantity("s", "s"));
-}
-
-/// The columns angle and radius of a ball-bar, mapped or named so; absent where the log has positions.
-std::optional<std::pair<NamedColumn, NamedColumn>> ball_bar_columns(
-    const io::Log& log, const std::map<std::string, std::string>& map) {
-  if (const auto angle = map.find("angle"); angle != map.end())
-    return std::pair{named_column(log, angle->second), named_column(log, map.at("radius"))};
-  if (!map.empty() || log.find("x") != nullptr) return std::nullopt;
-  const io::Column* angle = log.find("angle");
-  const io::Column* radius = log.find("radius");
-  if (angle == nullptr || radius == nullptr || angle->values.empty() || radius->values.empty())
-    return std::nullopt;
-  return std::pair{NamedColumn{angle, angle->unit_text}, NamedColumn{radius, radius->unit_text}};
-}
-
-/// A ball-bar measures the distance from its own centre: that is the centre of the command.
-Track ball_bar_track(const io::Log& log, const NamedColumn& angle, const NamedColumn& radius, double size) {
-  io::Column turned = *angle.column;
-  turned.unit_text = angle.unit;
-  if (turned.unit_text.empty())
-    throw io::InputError(
-        {log.source, 0, turned.name,
-         "has no unit, expected one of an angle (name the column \"angle [deg]\", or give --map "
-         "angle=\"angle deg\" --map radius=\"radius mm\")"});
-  const std::vector<double> angles = io::in_si(turned, quantity("rad", "deg"));
-  const std::vector<double> radii = positions(log, radius);
-  if (angles.size() != radii.size())
-    throw io::InputError({log.source, 0, turned.name,
-                          fmt::format("has {} rows, {} has {}: expected columns of one rate", angles.size(),
-                                      radius.column->name, radii.size())});
-  Track t;
-  for (std::size_t i = 0; i < angles.size(); ++i) {
-    t.x.push_back(radii[i] * std::cos(angles[i]));
-    t.y.push_back(radii[i] * std::sin(angles[i]));
-    t.rx.push_back(size * std::cos(angles[i]));
-    t.ry.push_back(size * std::sin(angles[i]));
-  }
-  t.t = times_of(log, t.x.size());
-  return t;
-}
-
-Track track_of(const io::Log& log, const std::map<std::string, std::string>& map, double size) {
-  if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, bar->first, bar->second, size);
-  const io::Column* first = nullptr;
-  const auto values = [&](const std::string& what) -> std::vector<double> {
-    const auto given = map.find(what);
-    if (given == map.end() && what.size() > 1) return {};
-    const NamedColumn named =
-        given == map.end() ? position_column(log, what) : named_column(log, given->second);
-    std::vector<double> all = positions(log, named);
-    if (first == nullptr) first = named.column;
-    if (all.size() != first->values.size()) {
-      throw io::InputError({log.source, 0, named.column->name,
-                            fmt::format("has {} rows, {} has {}: expected columns of one rate", all.size(),
-                                        first->name, first->values.size())});
-    }
-    return all;
-  };
-  Track t;
-  t.x = values("x");
-  t.y = values("y");
-  t.rx = values("rx");
-  t.ry = values("ry");
-  t.t = times_of(log, t.x.size());
-  return t;
-}
+using Track = CircleTrack;
 
 /// The rows that --where names; all without it.
 Track chosen_rows(const io::Log& log, const Track& track, const std::string& where) {
   if (where.empty()) return track;
   const std::vector<std::uint8_t> counts = rows_with(log, where);
-  if (counts.size() != track.x.size())
+  const auto last = std::max_element(track.row.begin(), track.row.end());
+  if (last != track.row.end() && *last + 1 != counts.size())
     throw io::InputError(
         {log.source, 0, where, "has another sampling rate than the positions (leave it out)"});
-  Track some;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] != 0) track.append_to(some, i, i + 1);
+  Track some = track.empty_copy();
+  for (std::size_t i = 0; i < track.row.size(); ++i) {
+    if (counts[track.row[i]] != 0) some.append(track, i);
   }
   return some;
+}
+
+/// Runs of rows without times have the feed that was stated.
+circle::CircleMotion motion_of(const Track& t, double radius) {
+  circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
+  motion.ball_bar = t.ball_bar;
+  for (circle::CircleRun& run : motion.runs) {
+    if (run.time.empty()) run.feed = t.feed;
+  }
+  return motion;
 }
 
 circle::CircleTest tested(const io::Log& log, const Track& t, const std::string& where, double radius) {
@@ -173,7 +69,7 @@ circle::CircleTest tested(const io::Log& log, const Track& t, const std::string&
 /// One circle for each direction of travel, without run-in and run-out.
 void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, const std::string& where,
                  double radius, std::vector<std::string>& rows) {
-  const circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
+  const circle::CircleMotion motion = motion_of(t, radius);
   // Where no circle is found, the test says what is missing.
   if (motion.runs.empty()) {
     one.circles.push_back(tested(log, t, where, radius));
@@ -182,11 +78,11 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
   }
   for (const bool counter_clockwise :
        {motion.runs.front().counter_clockwise, !motion.runs.front().counter_clockwise}) {
-    Track own;
+    Track own = t.empty_copy();
     double revolutions = 0.0;
     for (const circle::CircleRun& run : motion.runs) {
       if (run.counter_clockwise != counter_clockwise) continue;
-      t.append_to(own, run.first, run.last);
+      for (std::size_t i = run.first; i < run.last; ++i) own.append(t, i);
       revolutions += run.revolutions;
     }
     if (own.x.empty()) continue;
@@ -208,7 +104,7 @@ void add_test(report::CircleLog& one, const Track& all, double radius,
       return;
     }
   }
-  circle::CircleMotion motion = circle::circle_motion(all.samples(), all.t, radius);
+  circle::CircleMotion motion = motion_of(all, radius);
   one.notes.insert(one.notes.end(), motion.notes.begin(), motion.notes.end());
   if (motion.runs.empty()) return;
   one.test = circle::circular_test(all.samples(), motion);
@@ -252,6 +148,97 @@ std::vector<report::CircleLimit> limits_of(const std::vector<std::string>& texts
   return limits;
 }
 
+/// A log, its circles, and its chosen rows.
+struct Judged {
+  report::CircleLog one;
+  Track all;
+  std::vector<std::string> rows;
+};
+
+/// The feed of a log without times: of --feed, else as the file states it.
+void give_feed(Track& t, const CircleOptions& o, std::size_t log) {
+  if (o.feeds.empty()) return;
+  const double feed =
+      option_si("--feed", o.feeds[o.feeds.size() == 1 ? 0 : log], quantity("m/s", "mm/min").positive());
+  if (!t.t.empty()) {
+    t.notes.emplace_back("the feed follows from the times; --feed is not used");
+    return;
+  }
+  if (std::isfinite(t.feed) && std::abs(t.feed - feed) > 1e-6 * feed)
+    t.notes.push_back(fmt::format("states a feed of {} mm/min; --feed gives {} mm/min",
+                                  report::short_number(t.feed * 6e4), report::short_number(feed * 6e4)));
+  t.feed = feed;
+}
+
+Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, double radius,
+              std::size_t at) {
+  Track track = circle_track(log, map, radius);
+  give_feed(track, o, at);
+  Judged j;
+  j.one.file = o.logs[at];
+  j.one.label = o.labels.empty() ? std::filesystem::path(o.logs[at]).stem().string() : o.labels[at];
+  j.one.notes = track.notes;
+  j.all = track.empty_copy();
+  for (const std::string& where : o.where.empty() ? std::vector<std::string>{""} : o.where) {
+    const Track chosen = chosen_rows(log, track, where);
+    add_circles(j.one, log, chosen, where, radius, j.rows);
+    for (std::size_t i = 0; i < chosen.row.size(); ++i) j.all.append(chosen, i);
+  }
+  return j;
+}
+
+/// Logs of the two directions, one behind the other, are one measurement of a machine.
+void join_directions(std::vector<Judged>& all) {
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    Judged& a = all[i];
+    const Judged& b = all[i + 1];
+    const bool fits = a.one.circles.size() == 1 && b.one.circles.size() == 1 &&
+                      a.one.circles[0].counter_clockwise != b.one.circles[0].counter_clockwise &&
+                      a.all.t.empty() == b.all.t.empty() && a.all.rx.empty() == b.all.rx.empty() &&
+                      a.all.ball_bar == b.all.ball_bar && same(a.all.feed, b.all.feed);
+    if (!fits) continue;
+    a.one.label += " + " + b.one.label;
+    a.one.file += " + " + b.one.file;
+    a.one.circles.push_back(b.one.circles[0]);
+    a.one.notes.insert(a.one.notes.end(), b.one.notes.begin(), b.one.notes.end());
+    for (std::size_t k = 0; k < a.one.beside.size(); ++k) {
+      if (a.one.beside[k] != b.one.beside[k]) a.one.beside[k] += " + " + b.one.beside[k];
+    }
+    a.rows.push_back(b.rows[0]);
+    for (std::size_t k = 0; k < b.all.row.size(); ++k) a.all.append(b.all, k);
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  }
+}
+
+/// All logs are compared with the first.
+void check_as_first(const report::CircleLog& one, const report::CircleLog& first) {
+  if (one.circles.size() != first.circles.size())
+    throw io::InputError({one.file,
+                          0,
+                          {},
+                          fmt::format("has {} circles, one for each direction; {} has {}", one.circles.size(),
+                                      first.file, first.circles.size())});
+  for (std::size_t c = 0; c < one.circles.size(); ++c) {
+    if (one.circles[c].counter_clockwise != first.circles[c].counter_clockwise)
+      throw io::InputError(
+          {one.file,
+           0,
+           {},
+           "turns the other way than " + first.file +
+               " (give --together where both are of one machine, first the one, then the other)"});
+  }
+}
+
+void check_counts(const CircleOptions& o) {
+  if (!o.labels.empty() && o.labels.size() != o.logs.size())
+    refuse_option("--label",
+                  fmt::format("got {}, expected {}, one for each log", o.labels.size(), o.logs.size()));
+  if (o.feeds.size() > 1 && o.feeds.size() != o.logs.size())
+    refuse_option("--feed", fmt::format("got {}, expected one, or {}, one for each log", o.feeds.size(),
+                                        o.logs.size()));
+}
+
 }  // namespace
 
 io::Log read_circle_log(const std::string& path) {
@@ -261,55 +248,38 @@ io::Log read_circle_log(const std::string& path) {
 }
 
 report::CircleReportInput judge_circles(const CircleOptions& o, const std::vector<io::Log>& read) {
-  const double radius = option_si("--size", o.size, quantity("m", "mm").positive());
-  if (!o.labels.empty() && o.labels.size() != o.logs.size())
-    refuse_option("--label",
-                  fmt::format("got {}, expected {}, one for each log", o.labels.size(), o.logs.size()));
+  check_counts(o);
+  const CircleMap map = circle_map(o.maps);
   report::CircleReportInput input;
-  input.title = fmt::format("Circle of {} mm", report::short_number(radius * 1e3));
-  input.radius = radius;
   input.limits = limits_of(o.limits);
   const auto beside = beside_columns(o, input);
-  const auto map = mapped(o);
-  std::vector<circle::CircleMotion> motions;
-  for (std::size_t i = 0; i < o.logs.size(); ++i) {
-    const io::Log log = read.empty() ? read_circle_log(o.logs[i]) : read[i];
-    const Track track = track_of(log, map, radius);
-    report::CircleLog one;
-    one.file = o.logs[i];
-    one.label = o.labels.empty() ? std::filesystem::path(o.logs[i]).stem().string() : o.labels[i];
-    Track all;
-    std::vector<std::string> rows;
-    for (const std::string& where : o.where.empty() ? std::vector<std::string>{""} : o.where) {
-      const Track chosen = chosen_rows(log, track, where);
-      add_circles(one, log, chosen, where, radius, rows);
-      chosen.append_to(all, 0, chosen.x.size());
-    }
-    std::vector<circle::CircleMotion> own;
-    add_test(one, all, radius, own);
-    if (!o.together && !own.empty()) one.diagnosis = circle::diagnose(own);
-    motions.insert(motions.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
-    for (const std::string& note : one.notes) input.warnings.push_back(one.label + ": " + note);
-    if (i == 0) input.rows = rows;
-    for (const auto& words : beside) one.beside.push_back(words[i]);
-    if (i > 0) {
-      if (one.circles.size() != input.logs.front().circles.size())
-        throw io::InputError(
-            {log.source,
-             0,
-             {},
-             fmt::format("has {} circles, one for each direction; {} has {}", one.circles.size(),
-                         input.logs.front().file, input.logs.front().circles.size())});
-      for (std::size_t c = 0; c < one.circles.size(); ++c) {
-        if (one.circles[c].counter_clockwise != input.logs.front().circles[c].counter_clockwise)
-          throw io::InputError({log.source, 0, {}, "turns the other way than " + input.logs.front().file});
-      }
-    }
+  std::vector<io::Log> own;
+  for (std::size_t i = 0; read.empty() && i < o.logs.size(); ++i) own.push_back(read_circle_log(o.logs[i]));
+  const std::vector<io::Log>& logs = read.empty() ? own : read;
+  input.radius = circle_radius(logs, map, o.size);
+  input.title = fmt::format("Circle of {} mm", report::short_number(input.radius * 1e3));
+  std::vector<Judged> all;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    all.push_back(judged(o, logs[i], map, input.radius, i));
+    for (const auto& words : beside) all.back().one.beside.push_back(words[i]);
     // Names from a side file are known to the program and need no note.
-    for (const io::Note& note : log.notes) {
-      if (note.about != io::Note::About::kGivenNames) input.warnings.push_back(one.label + ": " + note.text);
+    for (const io::Note& note : logs[i].notes) {
+      if (note.about != io::Note::About::kGivenNames)
+        input.warnings.push_back(all.back().one.label + ": " + note.text);
     }
-    input.logs.push_back(std::move(one));
+  }
+  if (o.together) join_directions(all);
+  std::vector<circle::CircleMotion> motions;
+  for (Judged& j : all) {
+    if (!input.logs.empty()) check_as_first(j.one, input.logs.front());
+    std::vector<circle::CircleMotion> own_motions;
+    add_test(j.one, j.all, input.radius, own_motions);
+    if (!o.together && !own_motions.empty()) j.one.diagnosis = circle::diagnose(own_motions);
+    motions.insert(motions.end(), std::make_move_iterator(own_motions.begin()),
+                   std::make_move_iterator(own_motions.end()));
+    for (const std::string& note : j.one.notes) input.warnings.push_back(j.one.label + ": " + note);
+    if (input.logs.empty()) input.rows = j.rows;
+    input.logs.push_back(std::move(j.one));
   }
   if (o.together && !motions.empty()) input.together = circle::diagnose(motions);
   return input;

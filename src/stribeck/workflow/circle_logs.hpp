@@ -12,8 +12,10 @@ namespace stribeck::workflow {
 
 struct CircleOptions {
   std::vector<std::string> logs;
-  std::string size = "10 mm";       ///< radius that was meant
-  std::vector<std::string> maps;    ///< QUANTITY=COLUMN [UNIT]
+  std::string size;  ///< radius that was meant; empty: as a ball-bar's file states, else 10 mm
+  std::vector<std::string>
+      feeds;                      ///< of logs without times: one for all, or one for each; empty: of the file
+  std::vector<std::string> maps;  ///< QUANTITY=COLUMN [UNIT]
   std::vector<std::string> where;   ///< COLUMN=VALUE, one circle each; empty: one circle of all rows
   std::vector<std::string> labels;  ///< one for each log; empty: the files' names
   std::vector<std::string> beside;  ///< HEAD=VALUE,VALUE,…: a further column of the table

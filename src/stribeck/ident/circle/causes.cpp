@@ -239,8 +239,31 @@ bool is_found(const std::vector<Cause>& causes, CauseKind kind) {
   return std::any_of(causes.begin(), causes.end(), [&](const Cause& c) { return c.kind == kind && c.found; });
 }
 
+/// What a measurement of this kind does not hold.
+void add_remarks_on_instrument(const CauseRows& rows, const std::vector<CircleMotion>& motions,
+                               std::vector<std::string>& out) {
+  const bool times = std::any_of(motions.begin(), motions.end(), [](const CircleMotion& m) {
+    return std::any_of(m.runs.begin(), m.runs.end(), [](const CircleRun& r) { return !r.time.empty(); });
+  });
+  if (!times)
+    out.emplace_back(
+        "no times: a vibration cannot be looked for, and run-in and run-out are only known by the spacing of the rows");
+  if (!rows.feeds_known)
+    out.emplace_back(
+        "the feed is not known (--feed \"1000 mm/min\"): times of the peaks and of the servo mismatch cannot be stated");
+  if (std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.ball_bar; })) {
+    out.emplace_back(
+        "a ball-bar measures the distance from its centre: an error along the circle cannot be seen");
+  } else {
+    out.emplace_back(
+        "positions of a motor encoder hold no backlash, lateral play, squareness or straightness: these need a "
+        "ball-bar, a grid encoder or linear scales");
+  }
+}
+
 std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cause>& causes,
-                                    const std::vector<QuadrantPeak>& peaks, bool commanded) {
+                                    const std::vector<QuadrantPeak>& peaks,
+                                    const std::vector<CircleMotion>& motions, bool commanded) {
   std::vector<std::string> out;
   if (!rows.both_directions)
     out.emplace_back(
@@ -273,9 +296,7 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cau
         "a radius cannot be told from an error of the instrument's length, unless that was calibrated");
   if (!commanded)
     out.emplace_back("without a commanded circle (--map rx=…, ry=…) an offset of the centre cannot be seen");
-  out.emplace_back(
-      "positions of a motor encoder hold no backlash, lateral play, squareness or straightness: these need a ball-bar, a "
-      "grid encoder or linear scales");
+  add_remarks_on_instrument(rows, motions, out);
   return out;
 }
 
@@ -322,7 +343,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& motions) {
     out.causes.push_back(std::move(c));
   }
   rank(out.causes);
-  out.remarks = remarks_on(f.rows, out.causes, out.peaks, commanded);
+  out.remarks = remarks_on(f.rows, out.causes, out.peaks, motions, commanded);
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window;
   const auto [low, high] =

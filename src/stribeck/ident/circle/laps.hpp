@@ -25,7 +25,7 @@ struct CircleRun {
   std::size_t first = 0;  ///< row of the record
   std::size_t last = 0;   ///< row after the last one
   double revolutions = 0.0;
-  double feed = 0.0;          ///< [m/s]; NaN: the record has no times
+  double feed = 0.0;          ///< [m/s]; NaN: the record has no times; the caller may set it
   std::vector<double> angle;  ///< of the positions; goes on from lap to lap [rad]
   std::vector<double> error;  ///< [m]
   std::vector<double> time;   ///< [s]; empty: none
@@ -37,6 +37,7 @@ struct CircleMotion {
   double centre_x = 0.0;
   double centre_y = 0.0;
   bool commanded = false;       ///< the centre is that of the command
+  bool ball_bar = false;        ///< set by the caller: distances from the centre alone are measured
   std::vector<CircleRun> runs;  ///< of at least a revolution, in order of time
   std::vector<std::string> notes;
 };

@@ -1,0 +1,312 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/judge/ball_bar.hpp>
+#include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// The words of a name in lower case; letters beyond ASCII stay.
+std::vector<std::string> words_of_name(const std::string& name) {
+  std::vector<std::string> words{""};
+  for (const char c : lower_case(name)) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
+      words.back() += c;
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+template <std::size_t N>
+bool any_word(const std::vector<std::string>& words, const std::array<std::string_view, N>& known) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return std::find(known.begin(), known.end(), word) != known.end();
+  });
+}
+
+constexpr std::array<std::string_view, 7> kAngleWords{"angle", "angular", "winkel", "theta", "phi", "θ", "φ"};
+constexpr std::array<std::string_view, 5> kRadiusWords{"radius", "r", "distance", "abstand", "istradius"};
+constexpr std::array<std::string_view, 8> kDeviationWords{
+    "deviation", "dev", "abweichung", "error", "fehler", "radiusabweichung", "radialabweichung", "dr"};
+constexpr std::array<std::string_view, 7> kNominalWords{"nominal", "soll",       "sollradius", "nennradius",
+                                                        "target",  "programmed", "commanded"};
+constexpr std::array<std::string_view, 4> kDirectionWords{"direction", "dir", "richtung", "drehrichtung"};
+constexpr std::array<std::string_view, 4> kFeedWords{"feed", "feedrate", "vorschub", "bahnvorschub"};
+
+constexpr std::array<std::string_view, 11> kBesideWords{"nominal",   "circle",     "test", "ballbar",
+                                                        "ball",      "bar",        "soll", "kreis",
+                                                        "commanded", "programmed", "rate"};
+
+/// Counter-clockwise, clockwise, or neither.
+std::optional<bool> told_direction(const std::vector<std::string>& words) {
+  constexpr std::array<std::string_view, 9> kCounter{
+      "ccw", "acw", "counterclockwise", "anticlockwise", "counter", "anti", "gegen", "gegenuhrzeigersinn",
+      "g3"};
+  constexpr std::array<std::string_view, 4> kClock{"cw", "clockwise", "uhrzeigersinn", "g2"};
+  if (any_word(words, kCounter)) return true;
+  if (any_word(words, kClock)) return false;
+  return std::nullopt;
+}
+
+enum class Role { kNone, kAngle, kRadius, kDeviation, kNominal, kDirection };
+
+Role role_of(const std::vector<std::string>& words) {
+  if (any_word(words, kDirectionWords)) return Role::kDirection;
+  if (any_word(words, kNominalWords)) return any_word(words, kAngleWords) ? Role::kNone : Role::kNominal;
+  const bool angle = any_word(words, kAngleWords);
+  if (any_word(words, kDeviationWords)) return angle ? Role::kNone : Role::kDeviation;
+  if (angle) return Role::kAngle;
+  return any_word(words, kRadiusWords) ? Role::kRadius : Role::kNone;
+}
+
+/// Columns of numbers of one role and direction; a column without a direction serves both.
+const io::Column* column_for(const io::Log& log, Role role, std::optional<bool> counter_clockwise) {
+  const io::Column* found = nullptr;
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty()) continue;
+    const std::vector<std::string> words = words_of_name(c.name);
+    if (role_of(words) != role || told_direction(words) != counter_clockwise) continue;
+    if (found != nullptr)
+      throw io::InputError(
+          {log.source, 0, header_of(c),
+           fmt::format(
+               "and {} could both be the {} of a ball-bar (choose with --map angle=… and --map radius=… or "
+               "--map deviation=…)",
+               io::in_quotes(header_of(*found)), role == Role::kAngle ? "angle" : "radius")});
+    found = &c;
+  }
+  return found;
+}
+
+std::optional<BallBarColumns::Series> series_of(const io::Log& log, std::optional<bool> counter_clockwise) {
+  const io::Column* radial = column_for(log, Role::kRadius, counter_clockwise);
+  const bool deviation = radial == nullptr;
+  if (deviation) radial = column_for(log, Role::kDeviation, counter_clockwise);
+  if (radial == nullptr) return std::nullopt;
+  const io::Column* angle = column_for(log, Role::kAngle, counter_clockwise);
+  if (angle == nullptr) angle = column_for(log, Role::kAngle, std::nullopt);
+  if (angle == nullptr) return std::nullopt;
+  return BallBarColumns::Series{
+      counter_clockwise, {angle, angle->unit_text}, {radial, radial->unit_text}, deviation};
+}
+
+bool has_position(const io::Log& log, const std::string& axis) {
+  try {
+    static_cast<void>(position_column(log, axis));
+    return true;
+  } catch (const io::InputError&) {
+    return false;
+  }
+}
+
+/// A value of the lines above the names; its unit may stand in the key.
+std::optional<double> stated_value(const io::Log& log, const std::array<std::string_view, 4>& names,
+                                   const Quantity& quantity) {
+  for (const auto& [key, value] : log.metadata) {
+    const auto open = key.find_first_of("[(");
+    const std::vector<std::string> words = words_of_name(key.substr(0, open));
+    // "tool radius" and "feed override" are something else.
+    const bool plain = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+      return any_word({word}, names) || any_word({word}, kBesideWords);
+    });
+    if (!any_word(words, names) || !plain) continue;
+    std::string text = value;
+    if (open != std::string::npos) {
+      const auto close = key.find_first_of("])", open);
+      if (close != std::string::npos && text.find_first_not_of("+-.0123456789eE ") == std::string::npos)
+        text += " " + key.substr(open + 1, close - open - 1);
+    }
+    try {
+      return io::to_si(text, quantity);
+    } catch (const io::InputError& e) {
+      throw io::InputError({log.source, 0, key, e.problems().front().message});
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<double> angles_of(const io::Log& log, const NamedColumn& angle) {
+  io::Column turned = *angle.column;
+  turned.unit_text = angle.unit;
+  if (turned.unit_text.empty())
+    throw io::InputError(
+        {log.source, 0, turned.name,
+         "has no unit, expected one of an angle (name the column \"angle [deg]\", or give --map "
+         "angle=\"angle deg\" --map radius=\"radius mm\")"});
+  try {
+    return io::in_si(turned, quantity("rad", "deg"));
+  } catch (const io::InputError& e) {
+    io::Problem p = e.problems().front();
+    p.file = log.source;
+    throw io::InputError(p);
+  }
+}
+
+/// A deviation of this share of the radius is no error of a machine, as in ident/circle.
+constexpr double kFarthest = 0.2;
+
+/// The distances from the centre [m].
+std::vector<double> radii_of(const io::Log& log, const BallBarColumns::Series& s, double radius) {
+  std::vector<double> radii = positions(log, s.radial);
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    if (s.deviation) radii[i] += radius;
+    if (std::abs(radii[i] - radius) < kFarthest * radius) continue;
+    throw io::InputError(
+        {log.source, 0, header_of(*s.radial.column),
+         fmt::format("row {}: a radius of {} mm, expected about {} mm{}", i + 1,
+                     report::short_number(radii[i] * 1e3), report::short_number(radius * 1e3),
+                     s.deviation
+                         ? " (--size is the radius that was meant)"
+                         : " (--size is the radius that was meant; a column of deviations from it is named "
+                           "\"deviation [um]\" or given with --map deviation=…)")});
+  }
+  return radii;
+}
+
+/// Rows of one direction.
+struct Piece {
+  std::size_t first;
+  std::size_t last;
+  std::optional<bool> counter_clockwise;
+};
+
+std::optional<bool> direction_at(const io::Log& log, const io::Column& column, std::size_t row) {
+  std::string text;
+  if (column.texts.empty()) {
+    const double value = column.values[row];
+    if (value == 1.0 || value == -1.0) return value > 0.0;
+    text = io::number_text(value);
+  } else {
+    text = column.texts[row];
+    if (text == "+" || text == "-") return text == "+";
+    if (const auto told = told_direction(words_of_name(text))) return told;
+  }
+  throw io::InputError(
+      {log.source, 0, header_of(column),
+       fmt::format("row {}: got {}, expected ccw or cw (or + or -, 1 or -1)", row + 1, io::in_quotes(text))});
+}
+
+std::vector<Piece> pieces_of(const io::Log& log, const BallBarColumns& c, const BallBarColumns::Series& s,
+                             std::size_t rows) {
+  if (c.direction == nullptr) return {{0, rows, s.counter_clockwise}};
+  if (std::max(c.direction->values.size(), c.direction->texts.size()) != rows)
+    throw io::InputError({log.source, 0, header_of(*c.direction),
+                          fmt::format("has another number of rows than {}", header_of(*s.angle.column))});
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto told = direction_at(log, *c.direction, i);
+    if (pieces.empty() || pieces.back().counter_clockwise != told) pieces.push_back({i, i, told});
+    pieces.back().last = i + 1;
+  }
+  return pieces;
+}
+
+/// Adds the rows of a piece in the order of the motion.
+void add_piece(CircleTrack& t, const Piece& piece, const std::vector<double>& angles,
+               const std::vector<double>& radii, double radius) {
+  double turned = 0.0;
+  for (std::size_t i = piece.first + 1; i < piece.last; ++i)
+    turned += std::remainder(angles[i] - angles[i - 1], 2.0 * kPi);
+  const bool reversed = piece.counter_clockwise && *piece.counter_clockwise != (turned > 0.0);
+  if (reversed)
+    t.notes.push_back(fmt::format(
+        "rows {} to {} are {}, but their angle {}: taken as the angle from +x towards +y, in reversed order of the rows",
+        piece.first + 1, piece.last, *piece.counter_clockwise ? "counter-clockwise" : "clockwise",
+        turned > 0.0 ? "increases" : "falls"));
+  for (std::size_t k = piece.first; k < piece.last; ++k) {
+    const std::size_t i = reversed ? piece.last - 1 - (k - piece.first) : k;
+    t.x.push_back(radii[i] * std::cos(angles[i]));
+    t.y.push_back(radii[i] * std::sin(angles[i]));
+    t.rx.push_back(radius * std::cos(angles[i]));
+    t.ry.push_back(radius * std::sin(angles[i]));
+    t.row.push_back(i);
+  }
+}
+
+}  // namespace
+
+std::optional<BallBarColumns> ball_bar_columns(const io::Log& log, const CircleMap& map) {
+  BallBarColumns columns;
+  if (const auto angle = map.find("angle"); angle != map.end()) {
+    const bool deviation = map.count("deviation") != 0;
+    columns.series.push_back({std::nullopt, named_column(log, angle->second),
+                              named_column(log, map.at(deviation ? "deviation" : "radius")), deviation});
+    if (const auto told = map.find("direction"); told != map.end()) columns.direction = &log.at(told->second);
+    return columns;
+  }
+  if (!map.empty()) return std::nullopt;
+  const auto is_angle = [](const io::Column& c) { return role_of(words_of_name(c.name)) == Role::kAngle; };
+  if (std::none_of(log.columns.begin(), log.columns.end(), is_angle) || has_position(log, "x"))
+    return std::nullopt;
+  if (auto both = series_of(log, std::nullopt)) {
+    columns.series.push_back(*both);
+  } else {
+    for (const bool counter_clockwise : {true, false}) {
+      if (auto one = series_of(log, counter_clockwise)) columns.series.push_back(*one);
+    }
+  }
+  if (columns.series.empty())
+    throw io::InputError(
+        {log.source, 0, "columns",
+         fmt::format(
+             "an angle but no radius: expected \"radius [mm]\" or \"deviation [um]\" of a ball-bar, got {} "
+             "(name it with --map angle=… --map radius=…)",
+             column_names(log))});
+  for (const io::Column& c : log.columns) {
+    if (columns.series.size() == 1 && role_of(words_of_name(c.name)) == Role::kDirection)
+      columns.direction = &c;
+  }
+  return columns;
+}
+
+std::optional<double> stated_radius(const io::Log& log) {
+  constexpr std::array<std::string_view, 4> kStated{"radius", "sollradius", "nennradius", "size"};
+  if (const auto told = stated_value(log, kStated, quantity("m", "mm").positive())) return told;
+  for (const io::Column& c : log.columns) {
+    if (c.values.empty() || role_of(words_of_name(c.name)) != Role::kNominal) continue;
+    const std::vector<double> all = positions(log, {&c, c.unit_text});
+    const auto [least, most] = std::minmax_element(all.begin(), all.end());
+    if (*most - *least > 1e-9 || !(*least > 0.0))
+      throw io::InputError(
+          {log.source, 0, header_of(c),
+           fmt::format(
+               "is from {} mm to {} mm, expected one radius above 0 for all rows (--size replaces it)",
+               report::short_number(*least * 1e3), report::short_number(*most * 1e3))});
+    return *least;
+  }
+  return std::nullopt;
+}
+
+CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius) {
+  CircleTrack t;
+  t.ball_bar = true;
+  for (const BallBarColumns::Series& s : columns.series) {
+    const std::vector<double> angles = angles_of(log, s.angle);
+    const std::vector<double> radii = radii_of(log, s, radius);
+    if (angles.size() != radii.size())
+      throw io::InputError({log.source, 0, s.angle.column->name,
+                            fmt::format("has {} rows, {} has {}: expected columns of one rate", angles.size(),
+                                        s.radial.column->name, radii.size())});
+    for (const Piece& piece : pieces_of(log, columns, s, angles.size()))
+      add_piece(t, piece, angles, radii, radius);
+  }
+  // Times of rows that stand in another order would be no times of the motion.
+  const bool in_order = columns.series.size() == 1 && std::is_sorted(t.row.begin(), t.row.end());
+  if (in_order) t.t = circle_times(log, t.x.size());
+  if (const auto feed = stated_value(log, kFeedWords, quantity("m/s", "mm/min").positive())) t.feed = *feed;
+  return t;
+}
+
+}  // namespace stribeck::workflow

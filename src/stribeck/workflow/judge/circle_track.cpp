@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/judge/ball_bar.hpp>
+#include <stribeck/workflow/judge/circle_track.hpp>
+#include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <utility>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr double kUsualRadius = 10e-3;
+
+bool is_one_of(const std::string& what, const std::vector<std::string>& words) {
+  return std::find(words.begin(), words.end(), what) != words.end();
+}
+
+}  // namespace
+
+void CircleTrack::append(const CircleTrack& from, std::size_t at) {
+  const auto copy = [at](const auto& source, auto& to) {
+    if (!source.empty()) to.push_back(source[at]);
+  };
+  copy(from.x, x);
+  copy(from.y, y);
+  copy(from.rx, rx);
+  copy(from.ry, ry);
+  copy(from.t, t);
+  copy(from.row, row);
+}
+
+CircleTrack CircleTrack::empty_copy() const {
+  CircleTrack copy;
+  copy.ball_bar = ball_bar;
+  copy.feed = feed;
+  return copy;
+}
+
+CircleMap circle_map(const std::vector<std::string>& texts) {
+  const std::vector<std::string> positions{"x", "y", "rx", "ry"};
+  const std::vector<std::string> of_ball_bar{"angle", "radius", "deviation", "direction"};
+  CircleMap given;
+  for (const std::string& text : texts) {
+    const auto [what, column] = halves("--map", text, "QUANTITY=COLUMN, e.g. x=\"x-pos mm\"");
+    if (!is_one_of(what, positions) && !is_one_of(what, of_ball_bar))
+      refuse_option("--map",
+                    fmt::format("got {}, expected x, y (positions), rx, ry (commands), angle, radius, "
+                                "deviation or direction (ball-bar)",
+                                io::in_quotes(what)));
+    if (!given.emplace(what, column).second) refuse_option("--map", fmt::format("{} is given twice", what));
+  }
+  if (given.count("rx") != given.count("ry"))
+    refuse_option("--map", "got one of rx and ry, expected both or none");
+  const auto count = [&](const std::vector<std::string>& words) {
+    std::size_t there = 0;
+    for (const std::string& word : words) there += given.count(word);
+    return there;
+  };
+  if (count(of_ball_bar) == 0) return given;
+  if (given.count("angle") != given.count("radius") + given.count("deviation"))
+    refuse_option(
+        "--map",
+        "got a part of a ball-bar's columns, expected both or none of angle and radius (or deviation)");
+  if (given.count("angle") == 0)
+    refuse_option("--map", "got direction alone, expected angle and radius (or deviation) beside it");
+  if (count(positions) > 0)
+    refuse_option("--map", "got columns of a ball-bar beside positions, expected one or the other");
+  return given;
+}
+
+double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size) {
+  if (!size.empty()) return option_si("--size", size, quantity("m", "mm").positive());
+  std::optional<double> stated;
+  const io::Log* first = nullptr;
+  for (const io::Log& log : logs) {
+    const auto bar = ball_bar_columns(log, map);
+    if (!bar) continue;
+    const std::optional<double> radius = stated_radius(log);
+    if (!radius) continue;
+    if (stated && std::abs(*radius - *stated) > 1e-9)
+      throw io::InputError({log.source, 0, "radius",
+                            fmt::format("states {} mm, {} states {} mm: expected circles of one radius (give "
+                                        "--size where it is the same)",
+                                        report::short_number(*radius * 1e3), first->source,
+                                        report::short_number(*stated * 1e3))});
+    stated = radius;
+    first = &log;
+  }
+  if (stated) return *stated;
+  for (const io::Log& log : logs) {
+    const auto bar = ball_bar_columns(log, map);
+    if (bar && bar->series.front().deviation)
+      throw io::InputError({log.source, 0, header_of(*bar->series.front().radial.column),
+                            "is a deviation from a radius that the file does not state (give it with --size "
+                            "\"100 mm\", with your value)"});
+  }
+  return kUsualRadius;
+}
+
+std::vector<double> circle_times(const io::Log& log, std::size_t rows) {
+  const int at = io::time_column(log);
+  if (at < 0) return {};
+  const io::Column& column = log.columns[static_cast<std::size_t>(at)];
+  if (column.values.size() != rows || column.unit_text.empty()) return {};
+  return io::in_si(column, quantity("s", "s"));
+}
+
+CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius) {
+  if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, *bar, radius);
+  const io::Column* first = nullptr;
+  const auto values = [&](const std::string& what) -> std::vector<double> {
+    const auto given = map.find(what);
+    if (given == map.end() && what.size() > 1) return {};
+    const NamedColumn named =
+        given == map.end() ? position_column(log, what) : named_column(log, given->second);
+    std::vector<double> all = positions(log, named);
+    if (first == nullptr) first = named.column;
+    if (all.size() != first->values.size()) {
+      throw io::InputError({log.source, 0, named.column->name,
+                            fmt::format("has {} rows, {} has {}: expected columns of one rate", all.size(),
+                                        first->name, first->values.size())});
+    }
+    return all;
+  };
+  CircleTrack t;
+  t.x = values("x");
+  t.y = values("y");
+  t.rx = values("rx");
+  t.ry = values("ry");
+  t.t = circle_times(log, t.x.size());
+  for (std::size_t i = 0; i < t.x.size(); ++i) t.row.push_back(i);
+  return t;
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,46 @@
+#pragma once
+/// The columns of a log of a circle: positions and commands, or angle and radius of a ball-bar.
+/// Real time: no.
+/// Errors: InputError naming the log, the column or the option.
+
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <stribeck/ident/circle/radial_error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <string>
+#include <vector>
+
+namespace stribeck::workflow {
+
+struct CircleTrack {
+  std::vector<double> x;  ///< [m]
+  std::vector<double> y;
+  std::vector<double> rx;  ///< empty: no command
+  std::vector<double> ry;
+  std::vector<double> t;         ///< empty: no times
+  std::vector<std::size_t> row;  ///< of the log
+  bool ball_bar = false;
+  double feed = std::nan("");  ///< stated, where the log has no times [m/s]
+  std::vector<std::string> notes;
+
+  [[nodiscard]] ident::circle::CircleSamples samples() const { return {x, y, rx, ry}; }
+  /// One row of `from`, behind those that are there.
+  void append(const CircleTrack& from, std::size_t at);
+  /// No samples, all else as here.
+  [[nodiscard]] CircleTrack empty_copy() const;
+};
+
+/// What --map gives: quantity, column.
+using CircleMap = std::map<std::string, std::string>;
+CircleMap circle_map(const std::vector<std::string>& texts);
+
+/// `size` is the text of --size; empty: what a ball-bar's file states, else 10 mm. One radius for all logs [m].
+double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size);
+
+CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius);
+
+/// Times of the rows [s]; empty where the log has none of one unit for all.
+std::vector<double> circle_times(const io::Log& log, std::size_t rows);
+
+}  // namespace stribeck::workflow
