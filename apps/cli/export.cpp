@@ -91,6 +91,10 @@ void add_export(CLI::App& app, Action& action) {
                    "For controls that count at the motor: travel of the axis per turn of the motor")
       ->type_name("LENGTH");
   verb->add_option(
+          "--resolution", o->what.resolution,
+          "For pid, and for all: step of the encoder on the axis, for the deadband; left out: none is written")
+      ->type_name("LENGTH");
+  verb->add_option(
           "--parameters", o->what.parameters,
           "For a configuration, parameters of its controllers: identified (from simulated logs of this machine, the default) or commissioning (the rough values of the machine file)")
       ->check(one_of({"identified", "commissioning"}));

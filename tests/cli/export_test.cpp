@@ -414,7 +414,7 @@ TEST(Export, RefusesInOneLine) {
   refused({x}, "--output is required");
   expect_refused(f, {"export", x, "-o", out}, "--to is required");
   expect_refused(f, {"export", x, "--to", "heidenhain", "-o", out},
-                 "--to: got \"heidenhain\", expected one of linuxcnc, csv, c, ");
+                 "--to: got \"heidenhain\", expected one of linuxcnc, csv, json, c, ");
   expect_refused(f, {"export", "--to", "linuxcnc", "-o", out}, "files is required");
   refused({f / "none.toml", "-o", out}, "none.toml: no such file");
   refused({x, "-o", ""}, "got \"\"");

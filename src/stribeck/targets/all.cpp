@@ -56,6 +56,7 @@ void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyT
   each.names.clear();
   each.gain.clear();
   each.lead.clear();
+  each.resolution.clear();
   for (const PulseTarget* t : pulse_targets()) {
     each.output = file_in(o, t->name, ".txt");
     const Exported written = write_pulse(*t, each);
@@ -95,10 +96,14 @@ Exported write_all(const ExportRequest& o) {
   out.text = fmt::format("{} {} {} {}  {}\n", report::left_aligned("target", 16),
                          report::left_aligned("axis", 6), report::right_aligned("largest error", 14),
                          report::right_aligned("RMS error", 12), "what is written");
+  std::string besides;
   for (const auto& [t, w] : all) {
     const std::string file = file_in(o, t->name, t->extension);
     io::write_atomically(file, w.text);
     out.json["targets"].push_back({{"to", t->name}, {"file", file}, {"axes", w.json}});
+    const WrittenBeside beside = write_beside(*t, file);
+    if (!beside.file.empty()) out.json["targets"].back()["beside"] = beside.file;
+    besides += beside.words;
     for (const auto& axis : w.json) {
       out.text +=
           fmt::format("{} {} {} {}  {}\n", report::left_aligned(std::string(t->name), 16),
@@ -111,7 +116,7 @@ Exported write_all(const ExportRequest& o) {
   for (const PulseTarget* t : pulse_targets()) {
     if (!pulses) open.push_back(fmt::format("{} (--controller)", t->name));
   }
-  out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output);
+  out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output) + besides;
   if (!open.empty())
     out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
   return out;

@@ -13,14 +13,14 @@ namespace stribeck::targets {
 // kSteady; one with a pulse at the reversal: in kPulses.
 extern const Target kLinuxCnc;
 extern const PulseTarget kSinumerik, kTnc, kFanuc;
-extern const SteadyTarget kCsv, kC, kStructuredText, kCia402, kIsg, kAx8000, kKeba, kMitsubishi, kPmac,
-    kIndraDrive, kMujoco, kModelica, kSimscape, kFmu;
+extern const SteadyTarget kCsv, kJson, kC, kStructuredText, kPid, kRos2Control, kCia402, kIsg, kAx8000, kKeba,
+    kMitsubishi, kPmac, kIndraDrive, kMujoco, kModelica, kSimscape, kFmu;
 
 namespace {
 
-constexpr std::array<const SteadyTarget*, 14> kSteady{
-    &kCsv,        &kC,    &kStructuredText, &kCia402, &kIsg,      &kAx8000,   &kKeba,
-    &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica, &kSimscape, &kFmu};
+constexpr std::array<const SteadyTarget*, 17> kSteady{
+    &kCsv,  &kJson,       &kC,    &kStructuredText, &kPid,    &kRos2Control, &kCia402,   &kIsg, &kAx8000,
+    &kKeba, &kMitsubishi, &kPmac, &kIndraDrive,     &kMujoco, &kModelica,    &kSimscape, &kFmu};
 
 constexpr std::array<const PulseTarget*, 3> kPulses{&kSinumerik, &kTnc, &kFanuc};
 

@@ -32,7 +32,7 @@ Form fmu_form(const Axis& axis) {
   return form;
 }
 
-Packed pack(const std::vector<Axis>& axes, const std::string& command) {
+Packed pack(const std::vector<Axis>& axes, const SteadyText& /*known*/, const std::string& command) {
   std::vector<ZipFile> sources{{"friction.h", std::string(kFrictionHeader)},
                                {"friction.c", std::string(kFrictionSource)},
                                {"fmi3.h", std::string(kFmiHeader)},

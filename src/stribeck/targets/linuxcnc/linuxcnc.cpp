@@ -154,6 +154,7 @@ void check_options(const ExportRequest& o, bool machine, bool folder) {
   const auto refuse = [](const char* option, const char* why) {
     refuse_option(option, std::string("does not apply to ") + why);
   };
+  if (!o.resolution.empty()) refuse("--resolution", "--to linuxcnc, only to pid and all");
   if (machine && o.files.size() > 1)
     refuse_option("MACHINE.toml", "expected one machine file, or axis files alone");
   if (!folder) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
 
@@ -84,6 +85,9 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.model = io::read_toml<sim::AxisFile>(a.file).model;
   std::tie(a.gain, a.unit) = gain_of(o);
   a.lead = o.lead.empty() ? kUnknown : option_si("--lead", o.lead, quantity("m", "mm").positive());
+  a.resolution = o.resolution.empty()
+                     ? kUnknown
+                     : option_si("--resolution", o.resolution, quantity("m", "um").positive());
   const auto range = a.model.friction.identified_range();
   if (!o.speed.empty()) {
     a.fastest = option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
@@ -210,7 +214,6 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   const std::vector<std::string> names = names_of(o);
   SteadyText w;
   w.json = nlohmann::ordered_json::array();
-  w.text = remark(target.comment, "Written by: " + o.command) + std::string(target.begin);
   std::string to_do;
   std::vector<Axis> axes;
   const std::optional<PulseTask> task =
@@ -240,11 +243,13 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     if (task) add_build_up(target, *task, i, axis, w);
     axes.push_back(axis);
   }
-  w.text += target.end;
+  const std::string head = target.head == nullptr ? std::string() : target.head(axes);
+  w.text = remark(target.comment, "Written by: " + o.command) + std::string(target.begin) + head + w.text +
+           std::string(target.end);
   if (target.pack != nullptr) {
-    const Packed packed = target.pack(axes, o.command);
+    const Packed packed = target.pack(axes, w, o.command);
     w.text = packed.bytes;
-    w.words += packed.words + "\n";
+    if (!packed.words.empty()) w.words += packed.words + "\n";
   }
   if (task) {
     UserCircle c = user_circle(*task);
@@ -268,6 +273,7 @@ std::optional<PulseTask> circle_task(std::string_view target, const ExportReques
   circle.names.clear();
   circle.gain.clear();
   circle.lead.clear();
+  circle.resolution.clear();
   return pulse_task(
       target, [](std::size_t axis) { return fmt::format("{}", axis); }, circle);
 }
@@ -281,8 +287,21 @@ void refuse_linuxcnc_options(const ExportRequest& o) {
   if (!o.axis_files.empty()) refuse("--axis-file");
 }
 
+WrittenBeside write_beside(const SteadyTarget& target, const std::string& output) {
+  if (!target.beside) return {};
+  namespace fs = std::filesystem;
+  const std::string file = (fs::path(output).parent_path() / std::string(target.beside->name)).string();
+  std::error_code ignored;
+  if (fs::exists(file, ignored) && io::read_text(file) != target.beside->text)
+    return {file, fmt::format("Kept, because it is another one: {} (remove it to write it anew).\n", file)};
+  io::write_atomically(file, target.beside->text);
+  return {file, fmt::format("Beside it: {}.\n", file)};
+}
+
 Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   refuse_linuxcnc_options(o);
+  if (!target.encoder && !o.resolution.empty())
+    refuse_option("--resolution", "applies to --to pid and all alone");
   if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
   const SteadyText w = steady_text(target, o);
@@ -290,7 +309,9 @@ Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   Exported out;
   out.json = {{"schema", "stribeck.export/1"}, {"to", target.name}, {"file", o.output}, {"axes", w.json}};
   if (!w.circle.is_null()) out.json["circle"] = w.circle;
-  out.text = w.words + fmt::format("Written to {}.\n", o.output);
+  const WrittenBeside beside = write_beside(target, o.output);
+  if (!beside.file.empty()) out.json["beside"] = beside.file;
+  out.text = w.words + fmt::format("Written to {}.\n", o.output) + beside.words;
   return out;
 }
 

@@ -30,11 +30,12 @@ struct Axis {
   std::string name;
   std::string file;
   friction::AxisModel model;
-  double slowest = 0.0;  ///< smallest speed that counts [m/s]
-  double fastest = 0.0;  ///< [m/s]
-  double gain = 1.0;     ///< force of one unit of the control [N]; NaN: nobody said it
-  std::string unit;      ///< name of that unit: "%", "A"
-  double lead = 0.0;     ///< travel per turn of the motor [m]; NaN: nobody said it
+  double slowest = 0.0;     ///< smallest speed that counts [m/s]
+  double fastest = 0.0;     ///< [m/s]
+  double gain = 1.0;        ///< force of one unit of the control [N]; NaN: nobody said it
+  std::string unit;         ///< name of that unit: "%", "A"
+  double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: nobody said it
+  double resolution = 0.0;  ///< step of the encoder [m]; NaN: nobody said it
 
   /// Steady friction without load and periodic terms [N].
   [[nodiscard]] double friction(double v) const noexcept;
@@ -51,10 +52,18 @@ struct Form {
   std::string to_do;  ///< where it is typed, and what to check first
 };
 
-/// All axes in the file of a target that is not a text.
+struct SteadyText;
+
+/// All axes in the file of a target that is not their texts, one after the other.
 struct Packed {
   std::string bytes;
-  std::string words;  ///< what is in it
+  std::string words;  ///< what is in it; empty: nothing to tell
+};
+
+/// A file that a target writes beside that of the axes, the same for all axes.
+struct Beside {
+  std::string_view name;
+  std::string_view text;
 };
 
 /// What a target needs beside the axis file.
@@ -69,12 +78,17 @@ struct SteadyTarget {
   std::string_view extension = ".txt";  ///< of the file in the folder of --to all
   std::string_view begin{};             ///< lines around those of all axes
   std::string_view end{};
-  /// Makes the file from the axes and the typed command; null: the file is the texts of the axes, one after the other.
-  Packed (*pack)(const std::vector<Axis>&, const std::string& command) = nullptr;
+  /// Makes the file from the axes, what is known of them so far, and the typed command; null: the file is the texts of the axes, one
+  /// after the other.
+  Packed (*pack)(const std::vector<Axis>&, const SteadyText&, const std::string& command) = nullptr;
   bool simulator = false;  ///< no force of a control comes from it
   /// Lines for the way in which the force comes and goes around a reversal, which are found where --controller tells the loop; rounds it
   /// to what the lines say. Null: the control has none.
   std::string (*build_up)(TableForce&, double period) = nullptr;
+  /// Lines before those of the axes that depend on all of them; null: none.
+  std::string (*head)(const std::vector<Axis>&) = nullptr;
+  std::optional<Beside> beside{};
+  bool encoder = false;  ///< takes the step of the encoder
 };
 
 /// All of them, in the order of help.
@@ -82,6 +96,14 @@ std::span<const SteadyTarget* const> steady_targets();
 
 /// Writes all axes of the request into one file.
 Exported write_steady(const SteadyTarget& target, const ExportRequest& request);
+
+/// Writes the file that goes with that of the axes into the same folder. One that is there and differs is kept. Returns its path and what
+/// was done, in a sentence; empty texts where the target has none.
+struct WrittenBeside {
+  std::string file;
+  std::string words;
+};
+WrittenBeside write_beside(const SteadyTarget& target, const std::string& output);
 
 /// The bytes of that file, what is in it, and the errors of all axes.
 struct SteadyText {

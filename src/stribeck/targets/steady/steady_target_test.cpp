@@ -12,7 +12,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/targets/steady/approximation.hpp>
-#include <stribeck/targets/target.hpp>
+#include <stribeck/targets/steady/test_export.hpp>
 #include <string>
 
 namespace stribeck::test {
@@ -21,44 +21,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr const char* kAxis =
-    "mass = \"800 kg\"\nload = \"30 N\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"60 N\"\nalpha2 = \"0.5 N s/mm\"\n"
-    "stribeck = { alpha1 = \"100 N\", v0 = \"5 mm/s\", delta = 1 }\n"
-    "[[friction.eccentric]]\namplitude = \"7 N\"\nperiod = \"5 mm\"\nphase = \"0.4 rad\"\nform = \"proportional\"\n";
-
-/// Truth of kAxis, written down once more: level by Stribeck's law, viscous part, and the load [N].
-double friction_of(double v) {
-  const double s = std::abs(v);
-  const double f = 60.0 + 40.0 * std::exp(-s / 5e-3) + 500.0 * s;
-  return v < 0.0 ? -f : f;
-}
-
-struct Export {
-  Folder folder;
-  targets::ExportRequest request;
-
-  explicit Export(const char* axis = kAxis) {
-    request.files = {folder.write("x.toml", axis)};
-    request.output = folder / "out.txt";
-    request.speed = "100 mm/s";
-    request.command = "test";
-  }
-  targets::Exported to(const char* name) { return targets::find_target(name)->write(request); }
-  std::string text(const char* name) {
-    static_cast<void>(to(name));
-    return text_of(request.output);
-  }
-  std::string refusal(const char* name) {
-    try {
-      static_cast<void>(to(name));
-    } catch (const io::InputError& e) {
-      return e.problems().front().text();
-    }
-    return "accepted";
-  }
-};
-
-double error_of(const targets::Exported& e) { return e.json["axes"][0]["max_error_N"].get<double>(); }
+using Export = SteadyExport;
+constexpr const char* kAxis = kSteadyAxis;
 
 TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
   Export x;
@@ -159,23 +123,14 @@ double number_behind(const std::string& text, const std::string& mark) {
   return std::stod(text.substr(at + mark.size()));
 }
 
-/// Largest difference between a friction and that of kAxis over the speeds of the export, in both directions.
-double largest_off(const std::function<double(double)>& at) {
-  double largest = 0.0;
-  for (int i = 0; i <= 1000; ++i) {
-    const double v = 1e-4 + (0.1 - 1e-4) * i / 1000.0;
-    largest = std::max({largest, std::abs(at(v) - friction_of(v)), std::abs(-at(v) - friction_of(-v))});
-  }
-  return largest;
-}
-
 TEST(SteadyTarget, WhatSimulatorsReadHasTheErrorThatIsPrinted) {
   Export x;
   const std::string mjcf = x.text("mujoco");
   const double loss = number_behind(mjcf, "frictionloss=\"");
   const double damping = number_behind(mjcf, "damping=\"");
   EXPECT_EQ(number_behind(mjcf, "mass=\""), 800.0);
-  EXPECT_NEAR(largest_off([&](double v) { return loss + damping * v; }), error_of(x.to("mujoco")), 1e-9);
+  const auto joint = [&](double v) { return v < 0.0 ? damping * v - loss : damping * v + loss; };
+  EXPECT_NEAR(largest_off(joint), error_of(x.to("mujoco")), 1e-9);
 
   const std::string block = x.text("simscape");
   const double breakaway = number_behind(block, "brkwy_frc = ");
@@ -216,10 +171,12 @@ TEST(SteadyTarget, ModelicasTableHasTheErrorThatIsPrintedAtTheAxisAndAtTheMotor)
     ASSERT_LE(rows.size(), 20U);
     EXPECT_EQ(rows.front()[0], 0.0);
     const double off = largest_off([&](double v) {
+      const double s = std::abs(v) / radius;
       std::size_t i = 1;
-      while (i + 1 < rows.size() && v / radius > rows[i][0]) ++i;
-      const double share = (v / radius - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
-      return (rows[i - 1][1] + share * (rows[i][1] - rows[i - 1][1])) / radius;
+      while (i + 1 < rows.size() && s > rows[i][0]) ++i;
+      const double share = (s - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
+      const double force = (rows[i - 1][1] + share * (rows[i][1] - rows[i - 1][1])) / radius;
+      return v < 0.0 ? -force : force;
     });
     EXPECT_NEAR(off, error_of(x.to("modelica")), 1e-6) << lead;
     EXPECT_LT(off, 1.0);
@@ -282,7 +239,8 @@ TEST(SteadyTarget, AllSideBySide) {
   EXPECT_THAT(written.text, HasSubstr("cia402 (--gain)"));
   EXPECT_THAT(written.text, HasSubstr("keba (--gain, --lead)"));
   EXPECT_TRUE(std::filesystem::exists(x.folder / "all/fmu.fmu"));
-  EXPECT_EQ(written.json["targets"].size(), 7U);
+  EXPECT_EQ(written.json["targets"].size(), 10U);
+  EXPECT_TRUE(std::filesystem::exists(x.folder / "all/friction_feedforward.cpp"));
 }
 
 TEST(SteadyTarget, NoNameLeavesItsComment) {
