@@ -77,6 +77,8 @@ Exported write_all(const ExportRequest& o) {
   std::error_code ignored;
   if (std::filesystem::exists(o.output, ignored) && !std::filesystem::is_directory(o.output, ignored))
     throw io::InputError({o.output, 0, {}, "is a file, expected a folder for one file per target"});
+  // What the pulses need is asked for before anything is computed.
+  if (pulses) static_cast<void>(circle_task("all", o));
   std::vector<std::pair<const SteadyTarget*, SteadyText>> all;
   std::vector<std::string> open;
   for (const SteadyTarget* t : steady_targets()) {
@@ -87,6 +89,8 @@ Exported write_all(const ExportRequest& o) {
       open.push_back(fmt::format("{} ({})", t->name, missing));
     }
   }
+  // A target that fails leaves the folder as it was.
+  io::WriteTogether together;
   const io::OutputFolder folder(o.output);
   Exported out;
   out.json = {{"schema", "stribeck.export/1"},
@@ -119,6 +123,7 @@ Exported write_all(const ExportRequest& o) {
   out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output) + besides;
   if (!open.empty())
     out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
+  together.commit();
   return out;
 }
 

@@ -243,6 +243,22 @@ TEST(SteadyTarget, AllSideBySide) {
   EXPECT_TRUE(std::filesystem::exists(x.folder / "all/friction_feedforward.cpp"));
 }
 
+// All files of --to all are written, or none.
+TEST(SteadyTarget, AllThatFailsLeavesTheFolderAsItWas) {
+  Export x;
+  x.request.output = x.folder / "all";
+  x.request.controller = "cascade";
+  EXPECT_THAT(x.refusal("all"), HasSubstr("friction.dynamics: is missing: the pulse depends on pre-sliding"));
+  EXPECT_FALSE(std::filesystem::exists(x.request.output));
+  // The last file cannot be written.
+  x.request.controller.clear();
+  std::filesystem::create_directories(x.folder / "all/fmu.fmu/in-the-way");
+  static_cast<void>(x.folder.write("all/csv.txt", "mine\n"));
+  EXPECT_NE(x.refusal("all"), "accepted");
+  EXPECT_EQ(text_of(x.folder / "all/csv.txt"), "mine\n");
+  EXPECT_FALSE(std::filesystem::exists(x.folder / "all/c.txt"));
+}
+
 TEST(SteadyTarget, NoNameLeavesItsComment) {
   Export x;
   x.request.files = {x.folder.write("a\n*) evil := 1; (*.toml", kAxis)};
