@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 
 #include <stribeck/core/scalar.hpp>
@@ -14,27 +13,6 @@
 
 namespace stribeck::workflow {
 namespace {
-
-/// The words of a name in lower case; letters beyond ASCII stay.
-std::vector<std::string> words_of_name(const std::string& name) {
-  std::vector<std::string> words{""};
-  for (const char c : lower_case(name)) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
-      words.back() += c;
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  return words;
-}
-
-template <std::size_t N>
-bool any_word(const std::vector<std::string>& words, const std::array<std::string_view, N>& known) {
-  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(known.begin(), known.end(), word) != known.end();
-  });
-}
 
 constexpr std::array<std::string_view, 7> kAngleWords{"angle", "angular", "winkel", "theta", "phi", "θ", "φ"};
 constexpr std::array<std::string_view, 5> kRadiusWords{"radius", "r", "distance", "abstand", "istradius"};

@@ -1,4 +1,6 @@
 #include <fmt/format.h>
+#include <algorithm>
+#include <optional>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>

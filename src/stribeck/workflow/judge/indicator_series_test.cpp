@@ -44,7 +44,33 @@ TEST_F(IndicatorSeries, SignsAndNumbersAreDirections) {
   EXPECT_EQ(numbers[1].load, 0.0);
 }
 
+// As typed into a German spreadsheet, with tabs, with words for the direction, without names.
+TEST_F(IndicatorSeries, ReadsWhatPeopleType) {
+  const auto wanted =
+      read_indicator_series(file_with("direction,reading [um],load [N]\n+,0.5,0\n-,26.5,500\n"));
+  for (const std::string text :
+       {"Richtung;Anzeige (\u00B5m);Last (N)\n+;0,5;0\n\u2212;26,5;500\n",
+        "Direction\tDial indicator [mm]\tLoad [N]\nforward\t0.0005\t0\nBack\t0.0265\t500\n",
+        "sep=;\nRICHTUNG;ABLESUNG_um;LAST_N\nvor;0,5;0\nzur\u00FCck;26,5;500\n"}) {
+    const auto got = read_indicator_series(file_with(text));
+    ASSERT_EQ(got.size(), 2U) << text;
+    for (const std::size_t i : {0, 1}) {
+      EXPECT_EQ(got[i].direction, wanted[i].direction) << text;
+      EXPECT_NEAR(got[i].value, wanted[i].value, 1e-12) << text;
+      EXPECT_EQ(got[i].load, wanted[i].load) << text;
+    }
+  }
+  static_cast<void>(folder_.write("bare.csv.toml", "columns = [\"direction\", \"reading um\"]\n"));
+  const auto bare = read_indicator_series(folder_.write("bare.csv", "1 0.5\n-1 26.5\n"));
+  ASSERT_EQ(bare.size(), 2U);
+  EXPECT_NEAR(bare[1].value, 26.5e-6, 1e-12);
+}
+
 TEST_F(IndicatorSeries, OtherTablesAreRefused) {
+  EXPECT_THAT(refused("direction,reading [um],Anzeige [um]\n+,1,1\n-,2,2\n"),
+              HasSubstr("are both the reading"));
+  EXPECT_THAT(refused("direction,load position [mm],reading [um]\n+,1,1\n-,2,2\n"),
+              HasSubstr("is no column of a series of readings"));
   EXPECT_THAT(refused("direction,reading [um]\n+,1\nup,2\n"),
               HasSubstr("row 2: got \"up\", expected + or -"));
   EXPECT_THAT(refused("direction,reading [um]\n1,1\n0,2\n"), HasSubstr("row 2: got 0, expected + or -"));

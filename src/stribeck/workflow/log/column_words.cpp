@@ -226,6 +226,25 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::vector<std::string> words_of_name(const std::string& name) {
+  std::vector<std::string> words{""};
+  for (const char c : lower_case(name)) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
+      words.back() += c;
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+bool any_word(const std::vector<std::string>& words, std::span<const std::string_view> known) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return std::find(known.begin(), known.end(), word) != known.end();
+  });
+}
+
 std::optional<NameMeaning> meaning_of(const std::string& header) {
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;

@@ -9,8 +9,11 @@
 /// Real time: no.
 
 #include <optional>
+#include <span>
 #include <stribeck/workflow/log/columns.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace stribeck::workflow {
 
@@ -21,6 +24,11 @@ struct NameMeaning {
 };
 
 std::string lower_case(std::string text);
+
+/// The words of a name in lower case, apart where other signs than letters and digits stand; letters beyond ASCII are kept.
+std::vector<std::string> words_of_name(const std::string& name);
+/// Whether one of them is known.
+bool any_word(const std::vector<std::string>& words, std::span<const std::string_view> known);
 
 std::optional<NameMeaning> meaning_of(const std::string& name);
 
