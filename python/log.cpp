@@ -42,8 +42,14 @@ py::object values_in_si(const io::Column& column) {
 
 /// The SI unit of a quantity of identify ("x", "force", …), of an excitation or of a circle; "" for another name.
 std::string unit_of_name(const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kFurther{
-      {{"y", "m"}, {"rx", "m"}, {"ry", "m"}, {"radius", "m"}, {"angle", "rad"}, {"f", "N"}, {"u", "V"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kFurther{{{"y", "m"},
+                                                                                   {"rx", "m"},
+                                                                                   {"ry", "m"},
+                                                                                   {"radius", "m"},
+                                                                                   {"deviation", "m"},
+                                                                                   {"angle", "rad"},
+                                                                                   {"f", "N"},
+                                                                                   {"u", "V"}}};
   for (const auto& [known, unit] : kFurther) {
     if (name == known) return std::string(unit);
   }
@@ -117,7 +123,7 @@ void add_log_members(py::class_<io::Log, std::shared_ptr<io::Log>>& log) {
       py::arg("columns"), py::arg("name") = "arrays",
       "Log(columns, name='arrays')\n--\n\n"
       "A log of arrays.\n\n"
-      "columns: dict of one-dimensional arrays of equal length. t [s], x, y, r, rx, ry, radius [m], v [m/s], force, f [N], torque [N m], "
+      "columns: dict of one-dimensional arrays of equal length. t [s], x, y, r, rx, ry, radius, deviation [m], v [m/s], force, f [N], torque [N m], "
       "current [A], voltage, u [V], angle [rad] and percent are in these units; any other unit stands in the name: {\"x [mm]\": x}.\n"
       "name: what messages call it.\n"
       "Raises InputError for NaN, unequal lengths, unknown units.");
