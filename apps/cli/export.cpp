@@ -48,6 +48,26 @@ int run_export(const ExportCommand& o) {
   return 0;
 }
 
+/// The loop, and the circle on which the contour error is predicted.
+void add_circle_options(CLI::App& verb, targets::ExportRequest& what) {
+  verb.add_option(
+          "--controller", what.controller,
+          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; for isg and all, where it adds what depends on the loop")
+      ->type_name("NAME|FILE.toml");
+  verb.add_option(
+          "--period", what.period,
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): period of the position loop; left out: 1 ms, or that of --machine")
+      ->type_name("TIME");
+  verb.add_option(
+          "--size", what.size,
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): radius of the circle on which the contour error is predicted; left out: 10 mm")
+      ->type_name("LENGTH");
+  verb.add_option(
+          "--machine", what.machine,
+          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): virtual machine for the prediction; left out: axes that are what was identified")
+      ->type_name("MACHINE.toml");
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, Action& action) {
@@ -95,6 +115,10 @@ void add_export(CLI::App& app, Action& action) {
           "For pid, and for all: step of the encoder on the axis, for the deadband; left out: none is written")
       ->type_name("LENGTH");
   verb->add_option(
+          "--zero", o->what.zero,
+          "For moteus, and for all: position of the axis at which the encoder of the motor reads zero; left out: 0 mm")
+      ->type_name("LENGTH");
+  verb->add_option(
           "--parameters", o->what.parameters,
           "For a configuration, parameters of its controllers: identified (from simulated logs of this machine, the default) or commissioning (the rough values of the machine file)")
       ->check(one_of({"identified", "commissioning"}));
@@ -102,22 +126,7 @@ void add_export(CLI::App& app, Action& action) {
           "--axis-file", o->what.axis_files,
           "For a configuration: axis file written by identify, to be used for this axis; repeat for more axes")
       ->type_name("AXIS=FILE");
-  verb->add_option(
-          "--controller", o->what.controller,
-          "For sinumerik, tnc and fanuc: file of a cascade with the gains of the machine, e.g. a changed controllers/cascade.toml; left out: cascade, built in; for isg and all, where it adds what depends on the loop")
-      ->type_name("NAME|FILE.toml");
-  verb->add_option(
-          "--period", o->what.period,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): period of the position loop; left out: 1 ms, or that of --machine")
-      ->type_name("TIME");
-  verb->add_option(
-          "--size", o->what.size,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): radius of the circle on which the contour error is predicted; left out: 10 mm")
-      ->type_name("LENGTH");
-  verb->add_option(
-          "--machine", o->what.machine,
-          "With a prediction on a circle (sinumerik, tnc, fanuc; isg and all with --controller): virtual machine for the prediction; left out: axes that are what was identified")
-      ->type_name("MACHINE.toml");
+  add_circle_options(*verb, o->what);
   add_common(*verb, o->common, Page::kNone);
   refuse_empty_options(*verb);
   verb->footer(

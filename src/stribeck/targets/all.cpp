@@ -6,6 +6,7 @@
 #include <stribeck/io/output_folder.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/all.hpp>
+#include <stribeck/targets/cogging/moteus.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
@@ -57,6 +58,7 @@ void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyT
   each.gain.clear();
   each.lead.clear();
   each.resolution.clear();
+  each.zero.clear();
   for (const PulseTarget* t : pulse_targets()) {
     each.output = file_in(o, t->name, ".txt");
     const Exported written = write_pulse(*t, each);
@@ -66,6 +68,14 @@ void add_peaks(const ExportRequest& o, const std::vector<std::pair<const SteadyT
                                    {"circle", written.json["circle"]}});
     out.text += peak_line(t->name, t->what, written.json["circle"]);
   }
+}
+
+void add_moteus(const ExportRequest& o, Exported& out) {
+  const MoteusText w = moteus_text(o);
+  const std::string file = file_in(o, "moteus", ".txt");
+  io::write_atomically(file, w.text);
+  out.json["targets"].push_back({{"to", "moteus"}, {"file", file}, {"axes", w.axes}});
+  out.text += "moteus: " + w.words.substr(0, w.words.find('\n') + 1);
 }
 
 }  // namespace
@@ -117,12 +127,15 @@ Exported write_all(const ExportRequest& o) {
     }
   }
   if (pulses) add_peaks(o, all, out);
+  const std::string lacks = moteus_lacks(o);
+  if (lacks.empty()) add_moteus(o, out);
   for (const PulseTarget* t : pulse_targets()) {
     if (!pulses) open.push_back(fmt::format("{} (--controller)", t->name));
   }
   out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output) + besides;
   if (!open.empty())
     out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
+  if (!lacks.empty()) out.text += fmt::format("Not written: moteus, which needs {}.\n", lacks);
   together.commit();
   return out;
 }

@@ -30,6 +30,7 @@ struct ExportRequest {
   std::string gain;                     ///< force of one unit of the target: "12.5 N/%"
   std::string lead;                     ///< travel per turn of the motor
   std::string resolution;               ///< step of the encoder
+  std::string zero;                     ///< position of the axis at which the motor's encoder reads zero
   std::string controller;               ///< file of the loop, or name of a built-in one
   std::string machine;                  ///< virtual machine for the prediction of the contour error
   std::string period;                   ///< control period

@@ -11,7 +11,7 @@ namespace stribeck::targets {
 
 // A target with a writer of its own: its name here and in all_targets(). One that holds the steady friction: its name here and in
 // kSteady; one with a pulse at the reversal: in kPulses.
-extern const Target kLinuxCnc;
+extern const Target kLinuxCnc, kMoteus;
 extern const PulseTarget kSinumerik, kTnc, kFanuc;
 extern const SteadyTarget kCsv, kJson, kC, kStructuredText, kPid, kRos2Control, kCia402, kIsg, kAx8000, kKeba,
     kMitsubishi, kPmac, kIndraDrive, kMujoco, kModelica, kSimscape, kFmu;
@@ -37,6 +37,7 @@ std::vector<Target> made() {
                    "the form of the pulse; the contour error that remains on a circle is printed",
                    [t](const ExportRequest& o) { return write_pulse(*t, o); }});
   }
+  out.push_back(kMoteus);
   out.push_back(
       {"all", "axis files of identify",
        "a folder with each of the others but linuxcnc, those with a pulse where --controller tells the loop, and their errors "

@@ -155,6 +155,7 @@ void check_options(const ExportRequest& o, bool machine, bool folder) {
     refuse_option(option, std::string("does not apply to ") + why);
   };
   if (!o.resolution.empty()) refuse("--resolution", "--to linuxcnc, only to pid and all");
+  if (!o.zero.empty()) refuse("--zero", "--to linuxcnc, only to moteus and all");
   if (machine && o.files.size() > 1)
     refuse_option("MACHINE.toml", "expected one machine file, or axis files alone");
   if (!folder) {

@@ -105,6 +105,7 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   if (!o.gain.empty()) refuse("--gain");
   if (!o.lead.empty()) refuse("--lead");
   if (!o.resolution.empty()) refuse("--resolution");
+  if (!o.zero.empty()) refuse("--zero");
   PulseTask t;
   t.names = axis_names(axis_name, o);
   for (const std::string& file : o.files) t.axes.push_back(axis_model(file));

@@ -88,6 +88,12 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.resolution = o.resolution.empty()
                      ? kUnknown
                      : option_si("--resolution", o.resolution, quantity("m", "um").positive());
+  return a;
+}
+
+/// With the speeds of the request, or of the identification.
+Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& name) {
+  Axis a = axis_of(o, i, name);
   const auto range = a.model.friction.identified_range();
   if (!o.speed.empty()) {
     a.fastest = option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
@@ -219,7 +225,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   const std::optional<PulseTask> task =
       target.build_up == nullptr ? std::nullopt : circle_task(target.name, o);
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const Axis axis = axis_of(o, i, names[i]);
+    const Axis axis = axis_with_speeds(o, i, names[i]);
     const Form form = target.write(axis);
     const Error e = error_of(axis, form);
     const std::vector<std::string> missing = left_out(axis, form);
@@ -274,8 +280,16 @@ std::optional<PulseTask> circle_task(std::string_view target, const ExportReques
   circle.gain.clear();
   circle.lead.clear();
   circle.resolution.clear();
+  circle.zero.clear();
   return pulse_task(
       target, [](std::size_t axis) { return fmt::format("{}", axis); }, circle);
+}
+
+std::vector<Axis> axes_of(const ExportRequest& o) {
+  const std::vector<std::string> names = names_of(o);
+  std::vector<Axis> out;
+  for (std::size_t i = 0; i < names.size(); ++i) out.push_back(axis_of(o, i, names[i]));
+  return out;
 }
 
 void refuse_linuxcnc_options(const ExportRequest& o) {
@@ -302,6 +316,7 @@ Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   refuse_linuxcnc_options(o);
   if (!target.encoder && !o.resolution.empty())
     refuse_option("--resolution", "applies to --to pid and all alone");
+  if (!o.zero.empty()) refuse_option("--zero", "applies to --to moteus and all alone");
   if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
   const SteadyText w = steady_text(target, o);

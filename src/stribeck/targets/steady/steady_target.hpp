@@ -115,6 +115,9 @@ struct SteadyText {
 };
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& request);
 
+/// The axes of the request with gain, lead and step of the encoder, without speeds.
+std::vector<Axis> axes_of(const ExportRequest& request);
+
 /// The circle of the request for these targets; absent without --controller.
 std::optional<PulseTask> circle_task(std::string_view target, const ExportRequest& request);
 

@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/file.hpp>
+#include <stribeck/io/printable.hpp>
+#include <stribeck/report/text.hpp>
+#include <stribeck/targets/cogging/moteus.hpp>
+#include <stribeck/targets/pulse/options.hpp>
+#include <stribeck/targets/steady/steady_target.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::targets {
+
+namespace {
+
+using workflow::option_si;
+using workflow::refuse_option;
+
+constexpr std::size_t kCells = 1024;
+constexpr double kLargestCell = 127.0;
+/// Positions of a turn at which the error is taken, some between each two cells.
+constexpr std::size_t kPositions = 8 * kCells;
+/// How far the lead may be from a whole number of periods, as a share of that number: a table of one turn would drift away from the term.
+constexpr double kPeriodTolerance = 5e-3;
+
+using Terms = std::vector<friction::Eccentric<double>>;
+
+bool fits_the_turn(const friction::Eccentric<double>& t, double lead) {
+  const double waves = lead / t.period;
+  const double whole = std::round(waves);
+  return t.form == friction::EccentricForm::kAdditive && t.amplitude > 0.0 && whole >= 1.0 &&
+         whole < 0.5 * kCells && std::abs(waves - whole) <= kPeriodTolerance * whole;
+}
+
+Terms terms_of_the_turn(const Axis& axis) {
+  Terms out;
+  for (const auto& t : axis.model.friction.eccentric) {
+    if (fits_the_turn(t, axis.lead)) out.push_back(t);
+  }
+  return out;
+}
+
+/// Force of the terms at a position [N], each with the whole number of periods per turn that it is nearest to.
+double force_at(const Terms& terms, double lead, double x) {
+  double force = 0.0;
+  for (const auto& t : terms)
+    force += t.amplitude * std::sin(2.0 * kPi * std::round(lead / t.period) * x / lead - t.phase);
+  return force;
+}
+
+struct CoggingTable {
+  double scale = 0.0;  ///< [A]
+  std::array<int, kCells> cells{};
+
+  /// Current [A] at this share of a turn of the encoder, as the firmware interpolates.
+  [[nodiscard]] double at(double turn) const {
+    const double cell = turn * kCells;
+    const auto k = std::min(static_cast<std::size_t>(cell), kCells - 1);
+    const double s = cell - static_cast<double>(k);
+    return scale * ((1.0 - s) * cells[k] + s * cells[(k + 1) % kCells]);
+  }
+};
+
+CoggingTable cogging_table(const Axis& axis, const Terms& terms, double zero) {
+  std::array<double, kCells> current{};
+  double largest = 0.0;
+  for (std::size_t k = 0; k < kCells; ++k) {
+    const double x = zero + axis.lead * static_cast<double>(k) / kCells;
+    current[k] = force_at(terms, axis.lead, x) / axis.gain;
+    largest = std::max(largest, std::abs(current[k]));
+  }
+  CoggingTable table;
+  table.scale = std::stod(fmt::format("{:.6g}", largest / kLargestCell));
+  for (std::size_t k = 0; k < kCells; ++k) {
+    table.cells[k] =
+        static_cast<int>(std::clamp(std::round(current[k] / table.scale), -kLargestCell, kLargestCell));
+  }
+  return table;
+}
+
+struct CoggingError {
+  double largest = 0.0;  ///< [N]
+  double rms = 0.0;
+  double force = 0.0;  ///< RMS of the terms themselves
+};
+
+CoggingError cogging_error(const Axis& axis, const Terms& terms, double zero, const CoggingTable& table) {
+  CoggingError e;
+  for (std::size_t i = 0; i < kPositions; ++i) {
+    const double turn = (static_cast<double>(i) + 0.5) / kPositions;
+    const double force = force_at(terms, axis.lead, zero + axis.lead * turn);
+    const double off = axis.gain * table.at(turn) - force;
+    e.largest = std::max(e.largest, std::abs(off));
+    e.rms += off * off / kPositions;
+    e.force += force * force / kPositions;
+  }
+  e.rms = std::sqrt(e.rms);
+  e.force = std::sqrt(e.force);
+  return e;
+}
+
+/// Steady friction is always among it: the table knows positions alone.
+std::vector<std::string> not_in_the_table(const Axis& axis) {
+  std::vector<std::string> out{"friction over velocity"};
+  if (friction::has_pre_sliding(axis.model.friction.dynamics)) out.emplace_back("pre-sliding");
+  if (!axis.model.friction.places.empty()) out.emplace_back("friction along the travel");
+  for (const auto& t : axis.model.friction.eccentric) {
+    if (t.amplitude <= 0.0 || fits_the_turn(t, axis.lead)) continue;
+    const char* why = t.form == friction::EccentricForm::kProportional
+                          ? "which changes its sign with the velocity"
+                          : "of which the lead is no whole number of periods";
+    out.push_back(fmt::format("{} N with a period of {} mm, {}", report::significant(t.amplitude, 3),
+                              report::significant(1e3 * t.period, 4), why));
+  }
+  if (axis.model.load != 0.0)
+    out.push_back(fmt::format("the load of {} N", report::significant(axis.model.load, 4)));
+  return out;
+}
+
+/// The axis, with what the table needs of the options.
+Axis moteus_axis(const ExportRequest& o) {
+  if (o.files.size() != 1)
+    refuse_option("AXIS.toml",
+                  fmt::format("got {}, expected one: every motor has a board of its own", o.files.size()));
+  if (o.gain.empty())
+    refuse_option("--gain", "missing: moteus counts amperes; say the force of one, e.g. \"140 N/A\"");
+  if (o.lead.empty())
+    refuse_option("--lead", "missing: moteus counts at the motor; say the travel per turn, e.g. \"10 mm\"");
+  const Axis axis = axes_of(o).front();
+  if (axis.unit != "A")
+    refuse_option(
+        "--gain",
+        fmt::format("got the unit {}, expected A: moteus counts amperes of the q axis, e.g. \"140 N/A\"",
+                    io::in_quotes(axis.unit)));
+  return axis;
+}
+
+constexpr const char* kNoTerm =
+    "no additive term has a period that divides the lead (--lead): a table over the motor's turn can hold nothing of this file";
+
+Exported write_moteus(const ExportRequest& o) {
+  refuse_linuxcnc_options(o);
+  refuse_pulse_options(o);
+  if (!o.resolution.empty()) refuse_option("--resolution", "applies to --to pid and all alone");
+  if (!o.speed.empty())
+    refuse_option("--speed", "does not apply to --to moteus, whose table is over the position");
+  io::check_writable(o.output);
+  const MoteusText w = moteus_text(o);
+  io::write_atomically(o.output, w.text);
+  return {{{"schema", "stribeck.export/1"}, {"to", "moteus"}, {"file", o.output}, {"axes", w.axes}},
+          w.words + fmt::format("Written to {}.\n", o.output)};
+}
+
+}  // namespace
+
+std::string moteus_lacks(const ExportRequest& o) {
+  if (o.gain.empty() || o.lead.empty()) return "--gain in N/A and --lead";
+  if (o.files.size() != 1) return "a single axis file";
+  const Axis axis = axes_of(o).front();
+  if (axis.unit != "A") return "--gain in N/A";
+  return terms_of_the_turn(axis).empty() ? "a term periodic in the motor's turn" : "";
+}
+
+MoteusText moteus_text(const ExportRequest& o) {
+  const Axis axis = moteus_axis(o);
+  const double zero = o.zero.empty() ? 0.0 : option_si("--zero", o.zero, quantity("m", "mm"));
+  const Terms terms = terms_of_the_turn(axis);
+  if (terms.empty()) throw io::InputError({axis.file, 0, "friction.eccentric", kNoTerm});
+  const CoggingTable table = cogging_table(axis, terms, zero);
+  const CoggingError e = cogging_error(axis, terms, zero, table);
+  const std::vector<std::string> missing = not_in_the_table(axis);
+  const std::string words = fmt::format(
+      "over a turn of the motor at most {} N beside the {} N RMS of the periodic terms, RMS {} N; not in it: {}",
+      report::significant(e.largest, 3), report::significant(e.force, 3), report::significant(e.rms, 3),
+      report::joined(missing, ", "));
+  MoteusText w;
+  w.text = io::comment_lines("Written by: " + o.command) +
+           io::comment_lines(fmt::format("Axis {} from {}: {}", axis.name, axis.file, words)) +
+           fmt::format("conf set motor.cogging_dq_scale {:.6g}\n", table.scale);
+  for (std::size_t k = 0; k < kCells; ++k)
+    w.text += fmt::format("conf set motor.cogging_dq_comp.{} {}\n", k, table.cells[k]);
+  w.text += "conf write\n";
+  w.words = fmt::format(
+      "{}: {}.\n"
+      "Goes line by line to the diagnostic console of the board (tview); it acts in position mode. Check first that the "
+      "commutation encoder reads zero where the axis is at {} mm (--zero) and counts up in the positive direction, and that "
+      "the motor at rest is pushed to and fro by at most {} A (control.q_comp_A).\n",
+      axis.name, words, report::significant(1e3 * zero, 4),
+      report::significant(table.scale * kLargestCell, 3));
+  w.axes = nlohmann::ordered_json::array({{{"name", axis.name},
+                                           {"file", axis.file},
+                                           {"max_error_N", e.largest},
+                                           {"rms_error_N", e.rms},
+                                           {"rms_periodic_N", e.force},
+                                           {"left_out", missing}}});
+  return w;
+}
+
+extern const Target kMoteus;
+const Target kMoteus{
+    "moteus", "one axis file of identify",
+    "cogging table of a moteus controller: current over the position of the motor",
+    "steps of a 127th of the largest current; the largest and the RMS error over a turn are printed",
+    write_moteus};
+
+}  // namespace stribeck::targets
