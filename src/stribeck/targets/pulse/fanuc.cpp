@@ -98,6 +98,7 @@ const PulseTarget kFanuc{
     "Servo parameters of the axis; their numbers differ between the series, see two-stage backlash acceleration in the parameter manual "
     "of the motor. Check first the detection unit (with 0.1 µm the start is ten times the number), in which unit the control counts the "
     "stage 2 amount, and begin on the circle with stage 1 alone: too much cuts into the contour.",
+    "",
     axis_letter,
     write_stages};
 

@@ -39,6 +39,24 @@ TEST(Fanuc, WritesWhatTakesMostOfTheQuadrantErrorAway) {
   EXPECT_THAT(written.text, HasSubstr("Check first the detection unit"));
 }
 
+TEST(PulseTargets, TellTheLoopInTheUnitsOfTheControl) {
+  PulseExport x("tnc", kBristles);
+  x.request.period = "1 ms";
+  x.request.controller = x.folder.write(
+      "loop.toml",
+      "id = \"own\"\nlabel = \"own\"\n[law]\nkind = \"cascade\"\nposition_gain = [\"50 1/s\"]\nvelocity_gain = [\"200 1/s\"]\nintegral_time = [\"20 ms\"]\n");
+  const targets::Exported written = x.write();
+  // 50 mm/s per mm are 3 m/min per mm; 1000 kg · 200 1/s are 200 N s/mm.
+  const std::string loop =
+      "found for Kv 3.000 (m/min)/mm (MP1510 with velocity feed-forward, MP1810 without), Kp 200.0 N s/mm at the axis, Tn 20.00 ms";
+  EXPECT_THAT(written.text, HasSubstr("; " + loop + ".\n"));
+  EXPECT_THAT(text_of(x.request.output), HasSubstr(loop + "\nMP711.0 : "));
+  const auto& axis = written.json["axes"][0];
+  EXPECT_NEAR(axis["position_gain_per_s"], 50.0, 1e-9);
+  EXPECT_NEAR(axis["velocity_gain_N_s_per_mm"], 200.0, 1e-9);
+  EXPECT_NEAR(axis["integral_time_ms"], 20.0, 1e-9);
+}
+
 TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
   PulseExport x("all", kBristles);
   x.request.output = x.folder / "all";

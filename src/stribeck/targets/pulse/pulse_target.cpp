@@ -91,6 +91,26 @@ std::string line_of(const char* what, const CircleError& e, const CircleError& w
                      100.0 * e.quadrant / without.quadrant);
 }
 
+/// The gains of an axis as a control has them. Kp acts on the speed of the axis, in force.
+struct LoopGains {
+  double kv = 0.0;  ///< [1/s]
+  double kp = 0.0;  ///< [N s/m]
+  double tn = 0.0;  ///< [s]
+};
+
+LoopGains loop_gains(const PulseTask& t, std::size_t axis) {
+  const auto& law = std::get<control::CascadeParams>(t.loop.law);
+  return {law.position_gain[axis], law.velocity_gain[axis] * t.axes[axis].mass, law.integral_time[axis]};
+}
+
+std::string gain_words(const LoopGains& g, std::string_view name) {
+  constexpr double kMetrePerMinuteAndMillimetre = 1000.0 / 60.0;  // [1/s]
+  return fmt::format("found for Kv {} (m/min)/mm{}, Kp {} N s/mm at the axis, Tn {} ms",
+                     report::significant(g.kv / kMetrePerMinuteAndMillimetre, 4),
+                     name.empty() ? "" : fmt::format(" ({})", name), report::significant(1e-3 * g.kp, 4),
+                     report::significant(1e3 * g.tn, 4));
+}
+
 }  // namespace
 
 PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportRequest& o) {
@@ -235,9 +255,16 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
   std::vector<WrittenPulse> written;
   for (std::size_t i = 0; i < t.axes.size(); ++i) {
     written.push_back(target.write(t, i));
-    text += remark(fmt::format("{} from {}", t.names[i], o.files[i])) + written.back().text;
-    words += fmt::format("{} from {}: {}.\n", t.names[i], o.files[i], written.back().words);
-    nlohmann::ordered_json axis{{"name", t.names[i]}, {"file", o.files[i]}};
+    const LoopGains gains = loop_gains(t, i);
+    const std::string loop = gain_words(gains, target.kv);
+    text += remark(fmt::format("{} from {}", t.names[i], o.files[i])) +
+            remark(fmt::format("{} {}", t.names[i], loop)) + written.back().text;
+    words += fmt::format("{} from {}: {}; {}.\n", t.names[i], o.files[i], written.back().words, loop);
+    nlohmann::ordered_json axis{{"name", t.names[i]},
+                                {"file", o.files[i]},
+                                {"position_gain_per_s", gains.kv},
+                                {"velocity_gain_N_s_per_mm", 1e-3 * gains.kp},
+                                {"integral_time_ms", 1e3 * gains.tn}};
     axis.update(written.back().json);
     out.json["axes"].push_back(axis);
   }

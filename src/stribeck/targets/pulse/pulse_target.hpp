@@ -61,6 +61,7 @@ struct PulseTarget {
   std::string_view comment;  ///< begins a comment line
   std::string_view end;      ///< last lines of the file
   std::string_view to_do;    ///< where it is typed, and what to check first
+  std::string_view kv;       ///< the control's name for the Kv factor, in (m/min)/mm; empty: none is known
   AxisNamer axis_name;
   WrittenPulse (*write)(const PulseTask& task, std::size_t axis);
 };

@@ -53,6 +53,7 @@ const PulseTarget kSinumerik{
     "Read in as an archive of axis machine data, or typed under Setup, Machine data, Axis MD; with password, then NCK reset. Check first, "
     "on an archive of the machine, that its units are mm/min, s and m/s² and that the data have no further index, and begin with half of "
     "MD32520 and MD32530 in the circularity test. MD32580 (short blocks) is found by trial.",
+    "MD32200",
     machine_axis,
     write_qec};
 

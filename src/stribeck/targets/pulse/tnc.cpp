@@ -81,6 +81,7 @@ const PulseTarget kTnc{
     "Machine parameters MP711.x and MP712.x, x the number of the axis, behind the code number of the machine maker; MP715 and MP716 are "
     "the same for M105. Check first that --period is the control loop cycle time of the control, that the backlash compensation (MP750) "
     "is off, and begin with half of both in a circular test with the grid encoder: too much cuts into the contour.",
+    "MP1510 with velocity feed-forward, MP1810 without",
     axis_number,
     write_spikes};
 
