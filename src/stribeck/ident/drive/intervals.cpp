@@ -71,7 +71,12 @@ std::vector<double> residuals(const AlignedLog& log, const Rows& rows, const Ter
     const map::Grid& grid = rows.grid[s];
     double e = terms.fill(log, rows, i, c.data());
     for (std::size_t j = 0; j < terms.count(); ++j) e -= fit.value(static_cast<Index>(j)) * c[j];
-    const double place = (std::abs(velocity_of(log, rows, i)) - grid.low) / (grid.high - grid.low) * kTable;
+    const double speed = std::abs(velocity_of(log, rows, i));
+    if (rows.bin[i] < grid.slow_bins) {  // a cell would be too wide
+      out[i] = e - map::kDirection[s] * map.force(static_cast<int>(s), speed);
+      continue;
+    }
+    const double place = (speed - grid.low) / (grid.high - grid.low) * kTable;
     const int cell = std::clamp(static_cast<int>(place), 0, kTable - 1);
     const double share = place - cell;
     const auto u = static_cast<std::size_t>(cell);
@@ -318,8 +323,7 @@ double Misfit::within(int side, double speed, double wide) const {
 }
 
 double Misfit::at(int side, double speed) const {
-  const map::Grid& grid = grid_[static_cast<std::size_t>(side)];
-  const double least = 1.5 * (grid.high - grid.low) / grid.bins;
+  const double least = 1.5 * grid_[static_cast<std::size_t>(side)].width(speed);
   return std::max(within(side, speed, std::max(least, kNear * speed)),
                   within(side, speed, std::max(least, kAround * speed)));
 }

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stribeck/ident/drive/rows.hpp>
+#include <stribeck/ident/drive/steady_rows.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <string>
 
@@ -12,18 +14,25 @@ namespace {
 /// and known.
 constexpr double kLagShare = 0.2;
 constexpr std::size_t kFewestOfADirection = 30;
+constexpr double kBinsPerDecade = 12.0;     // of slow speeds
 constexpr std::size_t kSampleRows = 60000;  // enough for a quick look at the data
 constexpr std::size_t kSampleChunk = 2000;  // rows in sequence, so that their correlation can be seen
+
+double slowest_of(const Extent& extent, const Window& window, double velocity) {
+  return window.slowest_share * extent.top_speed[velocity > 0.0 ? 0 : 1];
+}
 
 void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window) {
   int stretches_before = 0;
   for (std::size_t r = 0; r < log.motions.size(); ++r) {
     const log::Motion& m = log.motions[r];
     const std::vector<std::uint8_t>& skip = log.records[r].skip;
+    const std::vector<std::uint8_t> steady = steady_rows(m, window.exclude);
     for (std::size_t k = 0; k < m.rows(); ++k) {
       const double speed = m.v[k] * m.direction[k];
-      const double slowest = window.slowest_share * extent.top_speed[m.v[k] > 0.0 ? 0 : 1];
-      if (speed < slowest || window.relaxation * std::abs(m.a[k]) > kLagShare * speed * speed) continue;
+      const bool is_slow = speed < slowest_of(extent, window, m.v[k]);
+      if (!(speed > 0.0) || (is_slow && steady[k] == 0)) continue;
+      if (window.relaxation * std::abs(m.a[k]) > kLagShare * speed * speed) continue;
       if (!m.sliding(k, window.exclude) || (!skip.empty() && skip[k] != 0)) continue;
       rows.record.push_back(static_cast<int>(r));
       rows.at.push_back(k);
@@ -34,14 +43,26 @@ void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Wi
   }
 }
 
-void sort_into_bins(Rows& rows, const AlignedLog& log, int most_bins) {
+/// Bins of equal width for rows above the slowest speed, of equal ratio below.
+void lay_bins(map::Grid& g, std::size_t rows, int most_bins) {
+  g.bins = std::max(8, std::min(most_bins, static_cast<int>(rows / 12)));
+  if (!(g.low < g.knee)) return;
+  g.slow_bins = 1 + static_cast<int>(kBinsPerDecade * std::log10(g.knee / g.low));
+  g.bins += g.slow_bins;
+}
+
+void sort_into_bins(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window,
+                    int most_bins) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
   std::array<std::size_t, map::kSides> count{};
-  for (map::Grid& g : rows.grid) g = {std::numeric_limits<double>::infinity(), 0.0, 1};
+  for (map::Grid& g : rows.grid) g = {kNone, 0.0, 1, kNone, 0};
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double v = velocity_of(log, rows, i);
+    const double speed = std::abs(v);
     map::Grid& g = rows.grid[rows.side[i]];
-    const double speed = std::abs(velocity_of(log, rows, i));
     g.low = std::min(g.low, speed);
     g.high = std::max(g.high, speed);
+    if (speed >= slowest_of(extent, window, v)) g.knee = std::min(g.knee, speed);
     ++count[rows.side[i]];
   }
   for (std::size_t s = 0; s < map::kSides; ++s) {
@@ -50,7 +71,7 @@ void sort_into_bins(Rows& rows, const AlignedLog& log, int most_bins) {
                     " sliding motion, expected at least " + std::to_string(kFewestOfADirection) +
                     "; run the axis through its speeds in both directions");
     }
-    rows.grid[s].bins = std::max(8, std::min(most_bins, static_cast<int>(count[s] / 12)));
+    lay_bins(rows.grid[s], count[s], most_bins);
   }
   rows.bin.resize(rows.size());
   rows.lag.assign(rows.size(), 0.0);
@@ -88,7 +109,7 @@ Rows gather(const AlignedLog& log, const Extent& extent, const Window& window, i
   rows.reserve(std::accumulate(log.motions.begin(), log.motions.end(), std::size_t{0},
                                [](std::size_t sum, const log::Motion& m) { return sum + m.rows(); }));
   pick_rows(rows, log, extent, window);
-  sort_into_bins(rows, log, bins);
+  sort_into_bins(rows, log, extent, window, bins);
   number_blocks(rows);
   return rows;
 }

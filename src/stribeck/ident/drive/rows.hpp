@@ -2,7 +2,8 @@
 /// Rows of settled sliding motion: which rows of a log the fit uses, sorted into bins of speed and into blocks.
 ///
 /// A row is used when its window lies in one stretch between reversals, farther from the reversal than friction needs to
-/// settle, faster than the slowest speed, and not marked `skip`. Blocks are left out in turn to judge the fit on other motion:
+/// settle, faster than the slowest speed (a share of the top speed of all records) or steady (steady_rows.hpp), and not marked
+/// `skip`. Blocks are left out in turn to judge the fit on other motion:
 /// whole stretches where there are enough of them, otherwise pieces of stretches.
 ///
 /// Inside ident only. Real time: no.

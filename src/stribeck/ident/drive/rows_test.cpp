@@ -47,6 +47,74 @@ TEST(Rows, EveryUsedRowFitsTheWindow) {
   }
 }
 
+/// Strokes to and fro at one speed for 4 s each, four of them.
+void add_slow_jogs(testing::SyntheticLog& s, double speed) {
+  constexpr double kStep = 1e-3, kTime = 16.0, kStroke = 4.0;
+  log::Record rec;
+  log::Motion m;
+  rec.source = "jogs";
+  rec.sample_time = m.sample_time = kStep;
+  double x = 0.0, reversal = 0.0;
+  for (double t = 0.0; t < kTime; t += kStep) {
+    const int stretch = static_cast<int>(t / kStroke);
+    const auto direction = static_cast<std::int8_t>(stretch % 2 == 0 ? 1 : -1);
+    if (!m.stretch.empty() && stretch != m.stretch.back()) reversal = x, m.reversals.push_back(m.rows());
+    m.x.push_back(x), m.v.push_back(direction * speed), m.a.push_back(0.0), m.instrument.push_back(0.0);
+    m.direction.push_back(direction), m.stretch.push_back(stretch), m.f.push_back(0.0);
+    m.distance.push_back(std::abs(x - reversal));
+    rec.t.push_back(t), rec.x.push_back(x), rec.f.push_back(0.0);
+    x += kStep * direction * speed;
+  }
+  m.stroke = kStroke * speed;
+  m.reach = 1;
+  s.records->push_back(std::move(rec));
+  s.log.records = *s.records;
+  s.log.force.push_back(m.f);
+  s.log.predicted.emplace_back();
+  s.log.motions.push_back(std::move(m));
+}
+
+// A hundredth of the top speed of the other record: left out by their speed, used because they are steady.
+TEST(Rows, SlowJogsBesideAFastMotionAreUsed) {
+  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  const Window window{1e-4, 0.04, 1e-5};
+  const Rows fast = gather(s.log, extent_of(s.log), window, 160);
+  constexpr double kSlow = 1e-3;
+  add_slow_jogs(s, kSlow);
+  const Rows both = gather(s.log, extent_of(s.log), window, 160);
+  for (std::size_t side = 0; side < map::kSides; ++side) {
+    EXPECT_EQ(fast.grid[side].slow_bins, 0);
+    EXPECT_NEAR(both.grid[side].low, kSlow, 1e-9);
+    EXPECT_DOUBLE_EQ(both.grid[side].knee, fast.grid[side].low);
+    EXPECT_DOUBLE_EQ(both.grid[side].high, fast.grid[side].high);
+    EXPECT_GT(both.grid[side].slow_bins, 3);
+  }
+  std::size_t slow = 0;
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    if (both.record[i] != 1) continue;
+    ++slow;
+    ASSERT_LT(both.bin[i], both.grid[both.side[i]].slow_bins) << i;
+  }
+  EXPECT_GT(slow, 15000u);
+  EXPECT_EQ(both.size(), fast.size() + slow);
+}
+
+TEST(Rows, BinsHoldTheSpeedsBetweenTheirBorders) {
+  for (const map::Grid& g : {map::Grid{1e-3, 0.5, 40, 0.02, 12}, map::Grid{0.02, 0.5, 40}}) {
+    for (int b = 0; b < g.bins; ++b) {
+      const double left = g.left(b), right = g.left(b + 1);
+      ASSERT_LT(left, right) << b;
+      ASSERT_EQ(g.bin(left + 1e-6 * (right - left)), b);
+      ASSERT_EQ(g.bin(right - 1e-6 * (right - left)), b);
+      ASSERT_NEAR(g.width(0.5 * (left + right)), right - left, 1e-12) << b;
+    }
+    EXPECT_DOUBLE_EQ(g.left(0), g.low);
+    EXPECT_DOUBLE_EQ(g.left(g.bins), g.high);
+    EXPECT_EQ(g.bin(0.5 * g.low), 0);
+    EXPECT_EQ(g.bin(2.0 * g.high), g.bins - 1);
+  }
+}
+
 TEST(Rows, OneDirectionIsRefused) {
   testing::SyntheticLog s = any_log();
   auto& skip = (*s.records)[0].skip;

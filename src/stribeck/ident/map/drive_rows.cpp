@@ -16,8 +16,7 @@ void BinCurve::build(const Grid& g, const std::vector<double>& n, const std::vec
   }
   next.assign(static_cast<std::size_t>(g.bins), static_cast<int>(speed.size()));
   for (int b = g.bins - 1, i = static_cast<int>(speed.size()); b >= 0; --b) {
-    const double left = g.low + (g.high - g.low) * b / g.bins;
-    while (i > 0 && speed[static_cast<std::size_t>(i) - 1] > left) --i;
+    while (i > 0 && speed[static_cast<std::size_t>(i) - 1] > g.left(b)) --i;
     next[static_cast<std::size_t>(b)] = i;
   }
 }

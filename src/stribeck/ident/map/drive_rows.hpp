@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <stribeck/ident/log/motion.hpp>
 #include <vector>
@@ -17,16 +18,44 @@ inline constexpr std::array<const char*, kSides> kSideName{"positive", "negative
 
 inline int side_of(double v) { return v > 0.0 ? 0 : 1; }
 
-/// Bins of speed of one direction.
+/// Bins of speed of one direction: of equal width from `knee` to `high`; below, where slow steady motion was recorded too, of equal
+/// ratio from `low` to `knee`.
 struct Grid {
   double low = 0.0;   ///< [m/s]
   double high = 0.0;  ///< [m/s]
-  int bins = 1;
+  int bins = 1;       ///< of both kinds
+  double knee = 0.0;  ///< [m/s]; without slow bins it is not used
+  int slow_bins = 0;
 
-  [[nodiscard]] int bin(double speed) const noexcept {
-    return std::clamp(static_cast<int>((speed - low) / (high - low) * bins), 0, bins - 1);
-  }
+  [[nodiscard]] int bin(double speed) const noexcept;
+  /// Slowest speed of a bin [m/s].
+  [[nodiscard]] double left(int bin) const noexcept;
+  /// Width of the bin with this speed [m/s].
+  [[nodiscard]] double width(double speed) const noexcept;
+
+ private:
+  [[nodiscard]] double equal_from() const noexcept { return slow_bins > 0 ? knee : low; }
 };
+
+inline int Grid::bin(double speed) const noexcept {
+  if (slow_bins > 0 && speed < knee) {
+    const double place = std::log(std::max(speed, low) / low) / std::log(knee / low) * slow_bins;
+    return std::clamp(static_cast<int>(place), 0, slow_bins - 1);
+  }
+  const int equal = bins - slow_bins;
+  const double place = (speed - equal_from()) / (high - equal_from()) * equal;
+  return slow_bins + std::clamp(static_cast<int>(place), 0, equal - 1);
+}
+
+inline double Grid::left(int bin) const noexcept {
+  if (bin < slow_bins) return low * std::pow(knee / low, static_cast<double>(bin) / slow_bins);
+  return equal_from() + (high - equal_from()) * (bin - slow_bins) / (bins - slow_bins);
+}
+
+inline double Grid::width(double speed) const noexcept {
+  if (slow_bins > 0 && speed < knee) return left(bin(speed) + 1) - left(bin(speed));
+  return (high - equal_from()) / (bins - slow_bins);
+}
 
 /// Mean over each bin, joined by straight lines.
 struct BinCurve {
