@@ -14,7 +14,9 @@ namespace {
 /// and known.
 constexpr double kLagShare = 0.2;
 constexpr std::size_t kFewestOfADirection = 30;
-constexpr double kBinsPerDecade = 12.0;     // of slow speeds
+constexpr std::size_t kRowsOfABin = 12;  // at least, on average
+constexpr int kFewestBins = 8;
+constexpr double kBinsPerDecade = 12.0;     // of slow speeds: each bin is a fifth wider than the one below
 constexpr std::size_t kSampleRows = 60000;  // enough for a quick look at the data
 constexpr std::size_t kSampleChunk = 2000;  // rows in sequence, so that their correlation can be seen
 
@@ -43,18 +45,27 @@ void pick_rows(Rows& rows, const AlignedLog& log, const Extent& extent, const Wi
   }
 }
 
-/// Bins of equal width for rows above the slowest speed, of equal ratio below.
-void lay_bins(map::Grid& g, std::size_t rows, int most_bins) {
-  g.bins = std::max(8, std::min(most_bins, static_cast<int>(rows / 12)));
-  if (!(g.low < g.knee)) return;
-  g.slow_bins = 1 + static_cast<int>(kBinsPerDecade * std::log10(g.knee / g.low));
+/// Number of rows of one direction.
+struct Count {
+  std::size_t fast = 0, slow = 0;
+};
+
+int bins_for(std::size_t rows, int most) { return std::min(most, static_cast<int>(rows / kRowsOfABin)); }
+
+/// Bins of equal width for rows above the slowest speed, of equal ratio below; of equal width alone where one kind is missing.
+void lay_bins(map::Grid& g, const Count& count, int most_bins) {
+  const bool has_both = g.low < g.knee && g.knee < g.high;
+  g.bins = std::max(kFewestBins, bins_for(has_both ? count.fast : count.fast + count.slow, most_bins));
+  if (!has_both) return;
+  const int wanted = 1 + static_cast<int>(kBinsPerDecade * std::log10(g.knee / g.low));
+  g.slow_bins = std::max(1, bins_for(count.slow, wanted));
   g.bins += g.slow_bins;
 }
 
 void sort_into_bins(Rows& rows, const AlignedLog& log, const Extent& extent, const Window& window,
                     int most_bins) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  std::array<std::size_t, map::kSides> count{};
+  std::array<Count, map::kSides> count{};
   for (map::Grid& g : rows.grid) g = {kNone, 0.0, 1, kNone, 0};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double v = velocity_of(log, rows, i);
@@ -62,12 +73,14 @@ void sort_into_bins(Rows& rows, const AlignedLog& log, const Extent& extent, con
     map::Grid& g = rows.grid[rows.side[i]];
     g.low = std::min(g.low, speed);
     g.high = std::max(g.high, speed);
-    if (speed >= slowest_of(extent, window, v)) g.knee = std::min(g.knee, speed);
-    ++count[rows.side[i]];
+    const bool is_slow = speed < slowest_of(extent, window, v);
+    if (!is_slow) g.knee = std::min(g.knee, speed);
+    ++(is_slow ? count[rows.side[i]].slow : count[rows.side[i]].fast);
   }
   for (std::size_t s = 0; s < map::kSides; ++s) {
-    if (count[s] < kFewestOfADirection || !(rows.grid[s].high > rows.grid[s].low)) {
-      throw Refused("identification: " + std::to_string(count[s]) + " rows of " + map::kSideName[s] +
+    const std::size_t all = count[s].fast + count[s].slow;
+    if (all < kFewestOfADirection || !(rows.grid[s].high > rows.grid[s].low)) {
+      throw Refused("identification: " + std::to_string(all) + " rows of " + map::kSideName[s] +
                     " sliding motion, expected at least " + std::to_string(kFewestOfADirection) +
                     "; run the axis through its speeds in both directions");
     }

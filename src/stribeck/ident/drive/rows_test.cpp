@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -72,6 +73,36 @@ void add_slow_jogs(testing::SyntheticLog& s, double speed) {
   s.log.force.push_back(m.f);
   s.log.predicted.emplace_back();
   s.log.motions.push_back(std::move(m));
+}
+
+// Rows of the fast motion are skipped: what is left is slow, and its bins have equal width.
+TEST(Rows, SlowJogsAloneBelowATopSpeedThatIsNotUsed) {
+  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  (*s.records)[0].skip.assign(s.log.motions[0].rows(), 1);
+  add_slow_jogs(s, 1e-3);
+  add_slow_jogs(s, 1.5e-3);
+  const Rows rows = gather(s.log, extent_of(s.log), {1e-4, 0.04, 1e-5}, 160);
+  EXPECT_GT(rows.size(), 30000u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const map::Grid& g = rows.grid[rows.side[i]];
+    ASSERT_EQ(g.slow_bins, 0);
+    ASSERT_GE(g.bins, 8);
+    ASSERT_GE(rows.bin[i], 0);
+    ASSERT_LT(rows.bin[i], g.bins);
+  }
+}
+
+// Few fast rows beside very many slow ones do not get a bin each, which would take their acceleration from the mass.
+TEST(Rows, FastRowsHaveBinsForTheirOwnNumber) {
+  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  auto& skip = (*s.records)[0].skip;
+  skip.assign(s.log.motions[0].rows(), 1);
+  std::fill(skip.begin(), skip.begin() + 5000, std::uint8_t{0});
+  const Window window{1e-4, 0.04, 1e-5};
+  const int alone = gather(s.log, extent_of(s.log), window, 1000).grid[0].bins;
+  add_slow_jogs(s, 1e-3);
+  const map::Grid both = gather(s.log, extent_of(s.log), window, 1000).grid[0];
+  EXPECT_EQ(both.bins - both.slow_bins, alone);
 }
 
 // A hundredth of the top speed of the other record: left out by their speed, used because they are steady.

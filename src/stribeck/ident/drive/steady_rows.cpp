@@ -5,11 +5,16 @@
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr double kOfARow = 0.5;  // largest difference of a row's speed from the mean of its piece, as a share
-constexpr double kOfAPiece = 0.3;  // of a piece's mean from that of the first piece of its run
-constexpr double kLeastOfTravel = 0.25;
+// Differences as shares of the mean. A slip begins and ends at rest, so that rows of its pieces differ by 100 %; noise of the speed
+// by a coarse encoder must fit in.
+constexpr double kRowMayDiffer = 0.5;  // from the mean of its piece
+constexpr double kPieceMayDiffer =
+    0.3;  // from the first piece of its run: friction changes little over such a range of speed
+// Up to four speeds between two reversals; a slip is a smaller share.
+constexpr double kLeastShareOfTravel = 0.25;
+// The end of a stroke that runs out passes through any range of speed within one or two.
 constexpr int kFewestPieces = 4;
-constexpr double kNoises = 20.0;
+constexpr double kNoises = 20.0;  // the mean speed of a piece is then right within 7 %
 
 struct Run {
   std::size_t first = 0, last = 0;  ///< rows
@@ -27,7 +32,7 @@ class Stretch {
     double farthest = 0.0;
     for (std::size_t k = first_; k <= last_; ++k) farthest = std::max(farthest, m_.distance[k]);
     for (const Run& run : runs()) {
-      if (run.pieces < kFewestPieces || run.travel < kLeastOfTravel * farthest) continue;
+      if (run.pieces < kFewestPieces || run.travel < kLeastShareOfTravel * farthest) continue;
       std::fill(steady.begin() + static_cast<std::ptrdiff_t>(run.first),
                 steady.begin() + static_cast<std::ptrdiff_t>(run.last) + 1, std::uint8_t{1});
     }
@@ -44,7 +49,7 @@ class Stretch {
       if (travel < piece_) break;
       const double speed = travel / (static_cast<double>(to - from) * m_.sample_time);
       const bool steady = is_steady(from, to, speed);
-      if (steady && goes_on && std::abs(speed - out.back().speed) <= kOfAPiece * out.back().speed) {
+      if (steady && goes_on && std::abs(speed - out.back().speed) <= kPieceMayDiffer * out.back().speed) {
         out.back().last = to;
         out.back().travel += travel;
         ++out.back().pieces;
@@ -59,7 +64,7 @@ class Stretch {
 
   [[nodiscard]] bool is_steady(std::size_t from, std::size_t to, double speed) const {
     for (std::size_t k = from; k <= to; ++k) {
-      if (std::abs(m_.v[k] * m_.direction[k] - speed) > kOfARow * speed) return false;
+      if (!(std::abs(m_.v[k] * m_.direction[k] - speed) <= kRowMayDiffer * speed)) return false;
     }
     return true;
   }
