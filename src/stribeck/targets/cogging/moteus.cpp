@@ -26,6 +26,10 @@ constexpr std::size_t kPositions = 8 * kCells;
 /// How far the lead may be from a whole number of periods, as a share of that number: a table of one turn would drift away from the term.
 constexpr double kPeriodTolerance = 5e-3;
 
+constexpr double kLeastCurrent = 1e-9;  ///< [A]
+constexpr double kLeastShare = 1e-6;    ///< of the sum of the amplitudes: the terms cancel but for rounding
+constexpr double kLargestZero = 1e3;    ///< [m]: beyond it the digits of a position no longer tell the phase
+
 using Terms = std::vector<friction::Eccentric<double>>;
 
 bool fits_the_turn(const friction::Eccentric<double>& t, double lead) {
@@ -35,20 +39,27 @@ bool fits_the_turn(const friction::Eccentric<double>& t, double lead) {
          whole < 0.5 * kCells && std::abs(waves - whole) <= kPeriodTolerance * whole;
 }
 
-Terms terms_of_the_turn(const Axis& axis) {
-  Terms out;
-  for (const auto& t : axis.model.friction.eccentric) {
-    if (fits_the_turn(t, axis.lead)) out.push_back(t);
-  }
-  return out;
-}
-
 /// Force of the terms at a position [N], each with the whole number of periods per turn that it is nearest to.
 double force_at(const Terms& terms, double lead, double x) {
   double force = 0.0;
   for (const auto& t : terms)
     force += t.amplitude * std::sin(2.0 * kPi * std::round(lead / t.period) * x / lead - t.phase);
   return force;
+}
+
+/// Empty where a board could not tell the current from none, also because the terms cancel.
+Terms terms_of_the_turn(const Axis& axis) {
+  Terms out;
+  double sum = 0.0, largest = 0.0;
+  for (const auto& t : axis.model.friction.eccentric) {
+    if (fits_the_turn(t, axis.lead)) out.push_back(t), sum += t.amplitude;
+  }
+  for (std::size_t k = 0; k < kCells; ++k) {
+    const double x = axis.lead * static_cast<double>(k) / kCells;
+    largest = std::max(largest, std::abs(force_at(out, axis.lead, x)));
+  }
+  const double least = std::max(kLeastCurrent * axis.gain, kLeastShare * sum);
+  return largest > least ? out : Terms{};
 }
 
 struct CoggingTable {
@@ -167,6 +178,8 @@ std::string moteus_lacks(const ExportRequest& o) {
 MoteusText moteus_text(const ExportRequest& o) {
   const Axis axis = moteus_axis(o);
   const double zero = o.zero.empty() ? 0.0 : option_si("--zero", o.zero, quantity("m", "mm"));
+  if (std::abs(zero) > kLargestZero)
+    refuse_option("--zero", fmt::format("got {}, expected at most 1 km", o.zero));
   const Terms terms = terms_of_the_turn(axis);
   if (terms.empty()) throw io::InputError({axis.file, 0, "friction.eccentric", kNoTerm});
   const CoggingTable table = cogging_table(axis, terms, zero);

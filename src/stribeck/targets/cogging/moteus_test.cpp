@@ -113,6 +113,21 @@ TEST(Moteus, RefusesWithAWayOut) {
   EXPECT_THAT(without.refusal("moteus"), HasSubstr("AXIS.toml: got 2, expected one"));
 }
 
+TEST(Moteus, TermsThatCancelOrAreNothingAreNoTable) {
+  const auto term = [](const char* amplitude, const char* phase) {
+    return std::string("[[friction.eccentric]]\namplitude = \"") + amplitude +
+           "\"\nperiod = \"1 mm\"\nphase = \"" + phase + "\"\nform = \"additive\"\n";
+  };
+  const std::string plain = std::string(kRipple).substr(0, std::string(kRipple).find("[[friction"));
+  CoggingExport cancel((plain + term("8 N", "0 rad") + term("8 N", "3.14159265358979312 rad")).c_str());
+  EXPECT_THAT(cancel.refusal("moteus"), HasSubstr("friction.eccentric: no additive term"));
+  CoggingExport nothing((plain + term("1e-320 N", "0 rad")).c_str());
+  EXPECT_THAT(nothing.refusal("moteus"), HasSubstr("friction.eccentric: no additive term"));
+  CoggingExport far;
+  far.request.zero = "1e300 mm";
+  EXPECT_THAT(far.refusal("moteus"), HasSubstr("--zero: got 1e300 mm, expected at most 1 km"));
+}
+
 TEST(Moteus, IsAmongAllWhereThereIsATermForIt) {
   CoggingExport x;
   x.request.speed = "100 mm/s";

@@ -37,8 +37,9 @@ struct Table {
   std::vector<double> force;
 
   bool valid() const {
-    bool good = !speed.empty() && speed.size() == force.size() && std::isfinite(speed[0]);
-    for (std::size_t i = 1; good && i < speed.size(); ++i) good = speed[i] > speed[i - 1];
+    bool good = !speed.empty() && speed.size() == force.size();
+    for (std::size_t i = 0; good && i < speed.size(); ++i)
+      good = std::isfinite(speed[i]) && std::isfinite(force[i]) && (i == 0 || speed[i] > speed[i - 1]);
     return good;
   }
 
@@ -64,7 +65,11 @@ struct JointFriction {
 
   bool valid() const {
     const std::size_t terms = amplitude.size();
-    return positive.valid() && negative.valid() && period.size() == terms && phase.size() == terms && proportional.size() == terms;
+    bool good = std::isfinite(mass) && std::isfinite(load) && positive.valid() && negative.valid() && period.size() == terms &&
+      phase.size() == terms && proportional.size() == terms;
+    for (std::size_t i = 0; good && i < terms; ++i)
+      good = std::isfinite(amplitude[i]) && std::isfinite(phase[i]) && std::isfinite(period[i]) && period[i] > 0.0;
+    return good;
   }
 
   double effort(double acceleration, double velocity, double position) const {
@@ -106,7 +111,7 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
       if (!f.valid()) {
         RCLCPP_ERROR(
           get_node()->get_logger(),
-          "%s: expected tables of equal length with ascending speeds, and periodic terms of equal length", joint.c_str());
+          "%s: expected finite numbers, tables of equal length with ascending speeds, and periodic terms with periods above 0", joint.c_str());
         return controller_interface::CallbackReturn::ERROR;
       }
       friction_.push_back(f);

@@ -230,10 +230,24 @@ TEST(Ros2Control, RefusesParametersThatAreNoTable) {
   bad.replace(bad.find("x.speed_positive "), 17, "x.speed_positive 0.2 ");
   static_cast<void>(c.run(bad, ""));
   EXPECT_NE(c.code, 0);
-  EXPECT_THAT(text_of(c.x.folder / "said.txt"), HasSubstr("x: expected tables of equal length"));
+  EXPECT_THAT(text_of(c.x.folder / "said.txt"),
+              HasSubstr("x: expected finite numbers, tables of equal length"));
+  std::string not_finite = good;
+  not_finite.replace(not_finite.find("x.force_positive ") + 17, 0, "nan ");
+  not_finite.replace(not_finite.find("x.speed_positive ") + 17, 0, "-1 ");
+  static_cast<void>(c.run(not_finite, ""));
+  EXPECT_NE(c.code, 0);
   static_cast<void>(c.run("joints \n", ""));
   EXPECT_NE(c.code, 0);
   EXPECT_THAT(text_of(c.x.folder / "said.txt"), HasSubstr("joints: is empty"));
+}
+
+TEST(Ros2Control, TheYamlMayNotHaveTheNameOfTheSource) {
+  SteadyExport x;
+  x.request.output = x.folder / "friction_feedforward.cpp";
+  EXPECT_THAT(x.refusal("ros2_control"),
+              HasSubstr("--output: friction_feedforward.cpp is the name of the source"));
+  EXPECT_FALSE(std::filesystem::exists(x.folder / "friction_feedforward.cpp"));
 }
 
 TEST(Ros2Control, AControllerOfYoursIsKept) {

@@ -319,6 +319,10 @@ Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   if (!o.zero.empty()) refuse_option("--zero", "applies to --to moteus and all alone");
   if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
+  if (target.beside && std::filesystem::path(o.output).filename() == target.beside->name)
+    refuse_option("--output",
+                  fmt::format("{} is the name of the source that is written beside, expected another one",
+                              target.beside->name));
   const SteadyText w = steady_text(target, o);
   io::write_atomically(o.output, w.text);
   Exported out;
