@@ -28,7 +28,9 @@ std::string command_line;
 /// One line on stderr, whatever a message holds and however long it is.
 void complain(std::string_view message) {
   constexpr std::size_t kLongest = 1900;
-  fmt::print(stderr, "stribeck: {}\n", io::shortened(io::printable(message), kLongest));
+  // fmt::print throws where nobody reads; the exit code counts then.
+  const std::string line = fmt::format("stribeck: {}\n", io::shortened(io::printable(message), kLongest));
+  std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 /// Message for an argument that the verb does not have: a similar option, or that it is one too many.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <map>
 #include <random>
 #include <stribeck/io/test_folder.hpp>
@@ -366,6 +367,14 @@ TEST_F(StoppedStudy, GoesOnAfterAFullDisk) {
     ASSERT_EQ(run(f, words("out", 2)), 0) << text_of(f / "said");
     EXPECT_EQ(results("out"), whole_) << k;
   }
+}
+
+// It ended with an exception that nobody caught.
+TEST(Messages, ThatNobodyCanReadDoNotChangeTheExitCode) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  const int status = std::system("'" STRIBECK_PROGRAM "' machine no-such-file.toml 2>/dev/full");
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 2);
 }
 
 }  // namespace
