@@ -15,7 +15,13 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # Sloppy only about what precompiled headers need; the base folder lets another checkout hit the same cache.
   set(CMAKE_CXX_COMPILER_LAUNCHER
       ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true
-      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE})
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime)
+  # ccache does not make paths with a blank relative in the list of included files. Another checkout that got such a list from the
+  # cache would watch this one's files, and not compile its own again when they change.
+  if(PROJECT_SOURCE_DIR MATCHES " ")
+    list(APPEND CMAKE_CXX_COMPILER_LAUNCHER CCACHE_READONLY=true)
+  endif()
+  list(APPEND CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
 # One interface target carries the flags. No contraction and no fast-math: the same bytes everywhere.
