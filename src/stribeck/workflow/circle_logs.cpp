@@ -17,6 +17,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/metrics.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
+#include <stribeck/workflow/judge/ball_bar.hpp>
 #include <stribeck/workflow/judge/circle_track.hpp>
 #include <stribeck/workflow/log/runs.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -155,11 +156,23 @@ struct Judged {
   std::vector<std::string> rows;
 };
 
+/// The feed that a ball-bar's file states; one that cannot be read is refused only where it is needed.
+void take_stated_feed(Track& t, const io::Log& log, bool needed) {
+  try {
+    if (const auto stated = stated_feed(log)) t.feed = *stated;
+  } catch (const io::InputError& e) {
+    if (needed) throw;
+    const io::Problem& p = e.problems().front();
+    t.notes.push_back(fmt::format("the stated {} is not used: {}", io::in_quotes(p.key), p.message));
+  }
+}
+
 /// The feed of a log without times: of --feed, else as the file states it.
-void give_feed(Track& t, const CircleOptions& o, std::size_t log) {
+void give_feed(Track& t, const CircleOptions& o, const io::Log& log, std::size_t at) {
+  if (t.ball_bar) take_stated_feed(t, log, o.feeds.empty() && t.t.empty());
   if (o.feeds.empty()) return;
   const double feed =
-      option_si("--feed", o.feeds[o.feeds.size() == 1 ? 0 : log], quantity("m/s", "mm/min").positive());
+      option_si("--feed", o.feeds[o.feeds.size() == 1 ? 0 : at], quantity("m/s", "mm/min").positive());
   if (!t.t.empty()) {
     t.notes.emplace_back("the feed follows from the times; --feed is not used");
     return;
@@ -173,7 +186,7 @@ void give_feed(Track& t, const CircleOptions& o, std::size_t log) {
 Judged judged(const CircleOptions& o, const io::Log& log, const CircleMap& map, double radius,
               std::size_t at) {
   Track track = circle_track(log, map, radius);
-  give_feed(track, o, at);
+  give_feed(track, o, log, at);
   Judged j;
   j.one.file = o.logs[at];
   j.one.label = o.labels.empty() ? std::filesystem::path(o.logs[at]).stem().string() : o.labels[at];

@@ -7,13 +7,13 @@
 #include <map>
 #include <optional>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/decimal_commas.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <utility>
 
 namespace stribeck::io::detail {
-
 namespace {
 
 /// Parses one text.
@@ -48,6 +48,7 @@ class CsvReader {
            std::to_string(line_number(unended.data())) +
            ") was left out: it has no line end and may be cut off");
     }
+    if (decimal_ == ',') note_decimal_commas(log_);
     if (log_.rows < 2) {
       fail(0, log_.rows == 0 ? "has a header but no data rows, expected at least two"
                              : "has one data row, expected at least two");

@@ -5,6 +5,7 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/decimal_commas.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
@@ -40,13 +41,42 @@ std::optional<bool> told_direction(const std::vector<std::string>& words) {
 
 enum class Role { kNone, kAngle, kRadius, kDeviation, kNominal, kDirection };
 
-Role role_of(const std::vector<std::string>& words) {
+bool is_length(const std::string& unit) {
+  if (unit.empty()) return false;
+  try {
+    static_cast<void>(io::conversion(unit, "m"));
+    return true;
+  } catch (const io::InputError&) {
+    return false;
+  }
+}
+
+Role role_of(const io::Column& column) {
+  const std::vector<std::string> words = words_of_name(column.name);
   if (any_word(words, kDirectionWords)) return Role::kDirection;
   if (any_word(words, kNominalWords)) return any_word(words, kAngleWords) ? Role::kNone : Role::kNominal;
   const bool angle = any_word(words, kAngleWords);
   if (any_word(words, kDeviationWords)) return angle ? Role::kNone : Role::kDeviation;
   if (angle) return Role::kAngle;
+  // "ccw [um]" beside an angle.
+  const bool bare = std::all_of(words.begin(), words.end(),
+                                [](const std::string& word) { return told_direction({word}).has_value(); });
+  if (bare && !words.empty() && is_length(column.unit_text)) return Role::kDeviation;
   return any_word(words, kRadiusWords) ? Role::kRadius : Role::kNone;
+}
+
+[[noreturn]] void refuse_two(const io::Log& log, const io::Column& one, const io::Column& other,
+                             std::string_view what) {
+  throw io::InputError(
+      {log.source, 0, header_of(other),
+       fmt::format(
+           "and {} could both be the {} of a ball-bar (choose with --map angle=… and --map radius=… or "
+           "--map deviation=…{})",
+           io::in_quotes(header_of(one)), what, what == "direction" ? ", and --map direction=…" : "")});
+}
+
+std::optional<bool> direction_of(const io::Column& column) {
+  return told_direction(words_of_name(column.name));
 }
 
 /// Columns of numbers of one role and direction; a column without a direction serves both.
@@ -54,15 +84,8 @@ const io::Column* column_for(const io::Log& log, Role role, std::optional<bool> 
   const io::Column* found = nullptr;
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
-    const std::vector<std::string> words = words_of_name(c.name);
-    if (role_of(words) != role || told_direction(words) != counter_clockwise) continue;
-    if (found != nullptr)
-      throw io::InputError(
-          {log.source, 0, header_of(c),
-           fmt::format(
-               "and {} could both be the {} of a ball-bar (choose with --map angle=… and --map radius=… or "
-               "--map deviation=…)",
-               io::in_quotes(header_of(*found)), role == Role::kAngle ? "angle" : "radius")});
+    if (role_of(c) != role || direction_of(c) != counter_clockwise) continue;
+    if (found != nullptr) refuse_two(log, *found, c, role == Role::kAngle ? "angle" : "radius");
     found = &c;
   }
   return found;
@@ -80,6 +103,44 @@ std::optional<BallBarColumns::Series> series_of(const io::Log& log, std::optiona
       counter_clockwise, {angle, angle->unit_text}, {radial, radial->unit_text}, deviation};
 }
 
+/// Columns that tell a direction go before those that do not: a mean of both directions says less.
+void add_told_series(const io::Log& log, BallBarColumns& columns) {
+  for (const bool counter_clockwise : {true, false}) {
+    if (auto one = series_of(log, counter_clockwise)) columns.series.push_back(*one);
+  }
+  if (columns.series.empty()) {
+    if (auto both = series_of(log, std::nullopt)) columns.series.push_back(*both);
+    return;
+  }
+  for (const io::Column& c : log.columns) {
+    const Role role = role_of(c);
+    if (c.values.empty() || direction_of(c) || (role != Role::kRadius && role != Role::kDeviation)) continue;
+    columns.notes.push_back(fmt::format("column {} is left out: other columns tell their direction",
+                                        io::in_quotes(header_of(c))));
+  }
+}
+
+const io::Column* direction_column(const io::Log& log) {
+  const io::Column* found = nullptr;
+  for (const io::Column& c : log.columns) {
+    if (role_of(c) != Role::kDirection) continue;
+    if (found != nullptr) refuse_two(log, *found, c, "direction");
+    found = &c;
+  }
+  return found;
+}
+
+/// The unit that --map gives goes before that of the file.
+void note_new_unit(const NamedColumn& named, std::vector<std::string>& notes) {
+  const std::string& own = named.column->unit_text;
+  if (own.empty() || named.column->unit_assumed || named.unit == own) return;
+  const double times = io::conversion(named.unit, own).factor;
+  if (times == 1.0) return;
+  notes.push_back(
+      fmt::format("column {} has the unit {} in the file; --map gives {} instead, {:.6g} times as much",
+                  io::in_quotes(header_of(*named.column)), own, named.unit, times));
+}
+
 bool has_position(const io::Log& log, const std::string& axis) {
   try {
     static_cast<void>(position_column(log, axis));
@@ -89,27 +150,56 @@ bool has_position(const io::Log& log, const std::string& axis) {
   }
 }
 
-/// A value of the lines above the names; its unit may stand in the key.
-std::optional<double> stated_value(const io::Log& log, const std::array<std::string_view, 4>& names,
-                                   const Quantity& quantity) {
+/// A value of the lines above the names; its unit may stand in the key. `option` gives the same and goes before it.
+struct Stated {
+  std::array<std::string_view, 4> names;
+  Quantity quantity;
+  std::string_view option;
+};
+
+/// Where the number at the beginning of a text ends.
+std::size_t end_of_number(const std::string& text) {
+  return std::min(text.find_first_not_of("+-.,0123456789eE "), text.size());
+}
+
+/// "100,5 mm" above a table of decimal commas. A point there may stand between thousands.
+std::string with_decimal_point(const io::Log& log, const std::string& key, std::string text) {
+  if (!io::has_decimal_commas(log)) return text;
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(end_of_number(text));
+  if (std::find(text.begin(), end, '.') != end)
+    throw io::InputError(
+        {log.source, 0, key,
+         fmt::format("got {}, expected a number without a point: the table has decimal commas, "
+                     "and a point may stand between thousands (write 1000 or 1,0)",
+                     io::in_quotes(text))});
+  std::replace(text.begin(), end, ',', '.');
+  return text;
+}
+
+std::optional<double> stated_value(const io::Log& log, const Stated& stated) {
   for (const auto& [key, value] : log.metadata) {
     const auto open = key.find_first_of("[(");
     const std::vector<std::string> words = words_of_name(key.substr(0, open));
     // "tool radius" and "feed override" are something else.
     const bool plain = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
-      return any_word({word}, names) || any_word({word}, kBesideWords);
+      return any_word({word}, stated.names) || any_word({word}, kBesideWords);
     });
-    if (!any_word(words, names) || !plain) continue;
+    if (!any_word(words, stated.names) || !plain) continue;
     std::string text = value;
     if (open != std::string::npos) {
       const auto close = key.find_first_of("])", open);
-      if (close != std::string::npos && text.find_first_not_of("+-.0123456789eE ") == std::string::npos)
+      if (close != std::string::npos && end_of_number(text) == text.size())
         text += " " + key.substr(open + 1, close - open - 1);
     }
+    // "size: 1441" counts the rows.
+    if (std::find(words.begin(), words.end(), "size") != words.end() &&
+        !is_length(text.substr(end_of_number(text))))
+      continue;
     try {
-      return io::to_si(text, quantity);
+      return io::to_si(with_decimal_point(log, key, text), stated.quantity);
     } catch (const io::InputError& e) {
-      throw io::InputError({log.source, 0, key, e.problems().front().message});
+      throw io::InputError({log.source, 0, key,
+                            fmt::format("{}; {} replaces it", e.problems().front().message, stated.option)});
     }
   }
   return std::nullopt;
@@ -158,7 +248,15 @@ struct Piece {
   std::size_t first;
   std::size_t last;
   std::optional<bool> counter_clockwise;
+
+  [[nodiscard]] std::string text() const {
+    return fmt::format("rows {} to {} are {}", first + 1, last,
+                       *counter_clockwise ? "counter-clockwise" : "clockwise");
+  }
 };
+
+/// Fewer rows say nothing about the way that an angle turns.
+constexpr std::size_t kFewRows = 3;
 
 std::optional<bool> direction_at(const io::Log& log, const io::Column& column, std::size_t row) {
   std::string text;
@@ -188,21 +286,56 @@ std::vector<Piece> pieces_of(const io::Log& log, const BallBarColumns& c, const 
     if (pieces.empty() || pieces.back().counter_clockwise != told) pieces.push_back({i, i, told});
     pieces.back().last = i + 1;
   }
+  if (pieces.size() > 2 && pieces.size() * kFewRows > rows)
+    throw io::InputError(
+        {log.source, 0, header_of(*c.direction),
+         fmt::format("changes {} times in {} rows, expected the rows of one direction behind "
+                     "each other (sort the table by direction, then in order of the motion)",
+                     pieces.size() - 1, rows)});
   return pieces;
 }
 
+/// How far the angle turns over the rows of a piece: its sum with sign, and all ways forth and back [rad].
+struct Turn {
+  double sum = 0.0;
+  double ways = 0.0;
+};
+
+Turn turn_of(const Piece& piece, const std::vector<double>& angles) {
+  constexpr double kLeastWay = kPi / 180.0;  // below it is the noise of an angle
+  Turn turn;
+  double from = 0.0;
+  for (std::size_t i = piece.first + 1; i < piece.last; ++i) {
+    turn.sum += std::remainder(angles[i] - angles[i - 1], 2.0 * kPi);
+    const double way = std::abs(turn.sum - from);
+    if (way < kLeastWay) continue;
+    turn.ways += way;
+    from = turn.sum;
+  }
+  return turn;
+}
+
+/// Whether the rows of a piece stand against the direction that is told.
+bool is_reversed(const io::Log& log, const BallBarColumns::Series& s, const Piece& piece,
+                 const std::vector<double>& angles) {
+  constexpr double kOneWay = 0.5;
+  if (!piece.counter_clockwise || piece.last - piece.first < kFewRows) return false;
+  const Turn turn = turn_of(piece, angles);
+  if (turn.ways == 0.0) return false;
+  if (std::abs(turn.sum) < kOneWay * turn.ways)
+    throw io::InputError(
+        {log.source, 0, header_of(*s.angle.column),
+         fmt::format("{}, but their angle goes forth and back, {} deg in all and {} deg from the "
+                     "first row to the last: expected one way (keep the rows of one way, or leave "
+                     "out the direction where the order of the angles tells it)",
+                     piece.text(), report::short_number(turn.ways * 180.0 / kPi),
+                     report::short_number(std::abs(turn.sum) * 180.0 / kPi))});
+  return *piece.counter_clockwise != (turn.sum > 0.0);
+}
+
 /// Adds the rows of a piece in the order of the motion.
-void add_piece(CircleTrack& t, const Piece& piece, const std::vector<double>& angles,
+void add_piece(CircleTrack& t, const Piece& piece, bool reversed, const std::vector<double>& angles,
                const std::vector<double>& radii, double radius) {
-  double turned = 0.0;
-  for (std::size_t i = piece.first + 1; i < piece.last; ++i)
-    turned += std::remainder(angles[i] - angles[i - 1], 2.0 * kPi);
-  const bool reversed = piece.counter_clockwise && *piece.counter_clockwise != (turned > 0.0);
-  if (reversed)
-    t.notes.push_back(fmt::format(
-        "rows {} to {} are {}, but their angle {}: taken as the angle from +x towards +y, in reversed order of the rows",
-        piece.first + 1, piece.last, *piece.counter_clockwise ? "counter-clockwise" : "clockwise",
-        turned > 0.0 ? "increases" : "falls"));
   for (std::size_t k = piece.first; k < piece.last; ++k) {
     const std::size_t i = reversed ? piece.last - 1 - (k - piece.first) : k;
     t.x.push_back(radii[i] * std::cos(angles[i]));
@@ -213,6 +346,19 @@ void add_piece(CircleTrack& t, const Piece& piece, const std::vector<double>& an
   }
 }
 
+/// One note for all pieces that were reversed.
+void note_reversed(const std::vector<Piece>& reversed, std::vector<std::string>& notes) {
+  constexpr std::size_t kMostNamed = 3;
+  if (reversed.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(reversed.size(), kMostNamed); ++i)
+    text += fmt::format("{}{}, but their angle {}", i == 0 ? "" : "; ", reversed[i].text(),
+                        *reversed[i].counter_clockwise ? "falls" : "increases");
+  if (reversed.size() > kMostNamed)
+    text += fmt::format("; and {} more such parts", reversed.size() - kMostNamed);
+  notes.push_back(text + ": taken as the angle from +x towards +y, in reversed order of the rows");
+}
+
 }  // namespace
 
 std::optional<BallBarColumns> ball_bar_columns(const io::Log& log, const CircleMap& map) {
@@ -221,20 +367,16 @@ std::optional<BallBarColumns> ball_bar_columns(const io::Log& log, const CircleM
     const bool deviation = map.count("deviation") != 0;
     columns.series.push_back({std::nullopt, named_column(log, angle->second),
                               named_column(log, map.at(deviation ? "deviation" : "radius")), deviation});
+    note_new_unit(columns.series.back().angle, columns.notes);
+    note_new_unit(columns.series.back().radial, columns.notes);
     if (const auto told = map.find("direction"); told != map.end()) columns.direction = &log.at(told->second);
     return columns;
   }
   if (!map.empty()) return std::nullopt;
-  const auto is_angle = [](const io::Column& c) { return role_of(words_of_name(c.name)) == Role::kAngle; };
+  const auto is_angle = [](const io::Column& c) { return role_of(c) == Role::kAngle; };
   if (std::none_of(log.columns.begin(), log.columns.end(), is_angle) || has_position(log, "x"))
     return std::nullopt;
-  if (auto both = series_of(log, std::nullopt)) {
-    columns.series.push_back(*both);
-  } else {
-    for (const bool counter_clockwise : {true, false}) {
-      if (auto one = series_of(log, counter_clockwise)) columns.series.push_back(*one);
-    }
-  }
+  add_told_series(log, columns);
   if (columns.series.empty())
     throw io::InputError(
         {log.source, 0, "columns",
@@ -242,18 +384,16 @@ std::optional<BallBarColumns> ball_bar_columns(const io::Log& log, const CircleM
              "an angle but no radius: expected \"radius [mm]\" or \"deviation [um]\" of a ball-bar, got {} "
              "(name it with --map angle=… --map radius=…)",
              column_names(log))});
-  for (const io::Column& c : log.columns) {
-    if (columns.series.size() == 1 && role_of(words_of_name(c.name)) == Role::kDirection)
-      columns.direction = &c;
-  }
+  if (columns.series.size() == 1) columns.direction = direction_column(log);
   return columns;
 }
 
 std::optional<double> stated_radius(const io::Log& log) {
-  constexpr std::array<std::string_view, 4> kStated{"radius", "sollradius", "nennradius", "size"};
-  if (const auto told = stated_value(log, kStated, quantity("m", "mm").positive())) return told;
+  const Stated radius{
+      {"radius", "sollradius", "nennradius", "size"}, quantity("m", "mm").positive(), "--size"};
+  if (const auto told = stated_value(log, radius)) return told;
   for (const io::Column& c : log.columns) {
-    if (c.values.empty() || role_of(words_of_name(c.name)) != Role::kNominal) continue;
+    if (c.values.empty() || role_of(c) != Role::kNominal) continue;
     const std::vector<double> all = positions(log, {&c, c.unit_text});
     const auto [least, most] = std::minmax_element(all.begin(), all.end());
     if (*most - *least > 1e-9 || !(*least > 0.0))
@@ -267,9 +407,15 @@ std::optional<double> stated_radius(const io::Log& log) {
   return std::nullopt;
 }
 
+std::optional<double> stated_feed(const io::Log& log) {
+  return stated_value(log, {kFeedWords, quantity("m/s", "mm/min").positive(), "--feed"});
+}
+
 CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, double radius) {
   CircleTrack t;
   t.ball_bar = true;
+  t.notes = columns.notes;
+  std::vector<Piece> reversed;
   for (const BallBarColumns::Series& s : columns.series) {
     const std::vector<double> angles = angles_of(log, s.angle);
     const std::vector<double> radii = radii_of(log, s, radius);
@@ -277,13 +423,16 @@ CircleTrack ball_bar_track(const io::Log& log, const BallBarColumns& columns, do
       throw io::InputError({log.source, 0, s.angle.column->name,
                             fmt::format("has {} rows, {} has {}: expected columns of one rate", angles.size(),
                                         s.radial.column->name, radii.size())});
-    for (const Piece& piece : pieces_of(log, columns, s, angles.size()))
-      add_piece(t, piece, angles, radii, radius);
+    for (const Piece& piece : pieces_of(log, columns, s, angles.size())) {
+      const bool turned = is_reversed(log, s, piece, angles);
+      if (turned) reversed.push_back(piece);
+      add_piece(t, piece, turned, angles, radii, radius);
+    }
   }
+  note_reversed(reversed, t.notes);
   // Times of rows that stand in another order would be no times of the motion.
   const bool in_order = columns.series.size() == 1 && std::is_sorted(t.row.begin(), t.row.end());
   if (in_order) t.t = circle_times(log, t.x.size());
-  if (const auto feed = stated_value(log, kFeedWords, quantity("m/s", "mm/min").positive())) t.feed = *feed;
   return t;
 }
 

@@ -314,5 +314,79 @@ TEST_F(BallBar, BadTablesAreRefused) {
   EXPECT_THAT(refused(circle_of(100, 360, 500, head), feeds), HasSubstr("--feed"));
 }
 
+/// `columns` gives the cells behind the angle, in degrees.
+template <typename Cells>
+std::string turn_table(const std::string& head, const Cells& cells) {
+  std::string text = head;
+  for (int i = 0; i <= 1440; ++i) text += fmt::format("{},{}\n", 0.25 * i, cells(i));
+  return text;
+}
+
+TEST_F(BallBar, ColumnsOfADirectionGoBeforeThoseWithout) {
+  const auto three = [](int i) { return fmt::format("{},3,{}", 2.0 * std::cos(0.5 * i * kDegree), 9); };
+  for (const std::string names :
+       {"deviation ccw [um],deviation cw [um],deviation mean [um]", "ccw [um],cw [um],radius mean [um]"}) {
+    const auto got = judged({turn_table("angle [deg]," + names + "\n", three)}, sized());
+    ASSERT_EQ(got.logs[0].circles.size(), 2U) << names;
+    EXPECT_NEAR(got.logs[0].test->directions[0].circular_deviation, 4e-6, 0.02e-6);
+    EXPECT_NEAR(got.logs[0].test->directions[1].radial_max, 3e-6, 1e-9);
+    EXPECT_THAT(got.logs[0].notes, Contains(AllOf(HasSubstr("mean [um]\""), HasSubstr("left out"))));
+  }
+  const auto two = [](int) { return "100,ccw,ccw"; };
+  EXPECT_THAT(refused(turn_table("angle [deg],radius [mm],direction,dir\n", two), sized()),
+              AllOf(HasSubstr("could both be the direction"), HasSubstr("--map direction=")));
+}
+
+TEST_F(BallBar, ADirectionThatContradictsTheAnglesIsRefused) {
+  std::string back = "angle [deg],deviation ccw [um],deviation cw [um]\n";
+  for (int i = 0; i <= 2880; ++i) back += fmt::format("{},1,2\n", 0.25 * (i <= 1440 ? i : 2880 - i));
+  EXPECT_THAT(refused(back, sized()),
+              AllOf(HasSubstr("rows 1 to 2881 are counter-clockwise"), HasSubstr("goes forth and back")));
+  const auto alternating = [](int i) { return i % 2 == 0 ? "1,ccw" : "1,cw"; };
+  const std::string text = turn_table("angle [deg],deviation [um],direction\n", alternating);
+  EXPECT_THAT(refused(text, sized()), HasSubstr("changes 1440 times in 1441 rows"));
+  // A few rows between the directions say nothing about the turn, and all that is reversed is one note.
+  std::string laps = "angle [deg],deviation [um],direction\n";
+  for (int i = 0; i < 2884; ++i)
+    laps +=
+        fmt::format("{},1,{}\n", 0.25 * (i < 1441 ? i : std::max(i - 1443, 0)), i / 2 == 721 ? "ccw" : "cw");
+  const auto got = judged({laps}, sized());
+  EXPECT_EQ(std::count_if(got.logs[0].notes.begin(), got.logs[0].notes.end(),
+                          [](const std::string& note) { return note.find("reversed order") != note.npos; }),
+            1);
+}
+
+TEST_F(BallBar, OptionsGoBeforeWhatTheFileStates) {
+  const std::string table = plain_table(rows_of(record()));
+  CircleOptions told = sized();
+  told.feeds = {"1000 mm/min"};
+  for (const std::string stated : {"100 %", "0 mm/min"}) {
+    const auto got = judged({"# feed: " + stated + "\n" + table}, told);
+    EXPECT_NEAR(got.logs[0].diagnosis->peaks[0].feed, kFeed, 1e-12);
+    EXPECT_THAT(got.logs[0].notes, Contains(HasSubstr("the stated \"feed\" is not used")));
+    EXPECT_THAT(refused("# feed: " + stated + "\n" + table, sized()), HasSubstr("--feed"));
+  }
+  EXPECT_THAT(refused("# radius: 0 mm\n" + table), HasSubstr("--size"));
+  // A count of rows is no radius.
+  const auto counted = judged({"# size: 1441\n# radius: 100 mm\n" + table});
+  EXPECT_NEAR(counted.radius, kR, 1e-12);
+  EXPECT_NEAR(judged({"# size: 100 mm\n" + table}).radius, kR, 1e-12);
+  CircleOptions mapped = sized();
+  mapped.maps = {"angle=angle", "radius=radius mm"};
+  const auto renamed = judged({plain_table(rows_of(record()), "angle [deg],radius [m]\n")}, mapped);
+  EXPECT_THAT(renamed.logs[0].notes, Contains(AllOf(HasSubstr("--map"), HasSubstr("\"radius [m]\""))));
+}
+
+TEST_F(BallBar, NumbersAboveATableOfDecimalCommasHaveThemToo) {
+  std::string table = "Winkel [deg];Abweichung [um]\n";
+  for (int i = 0; i <= 1440; ++i) table += fmt::format("{},{};1,0\n", i / 4, 25 * (i % 4));
+  const auto got = judged({"# Radius: 100,5 mm\n# Vorschub [mm/min]: 1000,0\n" + table});
+  EXPECT_NEAR(got.radius, 0.1005, 1e-12);
+  EXPECT_THAT(refused("# Radius: 100,0 mm\n# Vorschub: 1.000 mm/min\n" + table),
+              AllOf(HasSubstr("\"1.000 mm/min\""), HasSubstr("decimal commas"), HasSubstr("--feed")));
+  EXPECT_THAT(refused("# Radius: 100.000 mm\n" + table),
+              AllOf(HasSubstr("decimal commas"), HasSubstr("--size")));
+}
+
 }  // namespace
 }  // namespace stribeck::workflow
