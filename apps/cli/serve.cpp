@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +17,7 @@
 #include <apps/web/http_server.hpp>
 #include <apps/web/site.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -43,6 +46,16 @@ void check_serve(const ServeCommand& o) {
   }
 }
 
+/// What stands in the address line of a browser. "All addresses" is none that it can open: the name of this computer then.
+std::string host_to_open(const std::string& address) {
+  if (address == "0.0.0.0" || address == "::") {
+    std::array<char, 256> name{};
+    if (::gethostname(name.data(), name.size() - 1) == 0 && name[0] != '\0')
+      return io::printable(name.data());
+  }
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
 int serve(const ServeCommand& o) {
   check_serve(o);
   web::Site site({o.folder, o.token, STRIBECK_VERSION});
@@ -52,7 +65,7 @@ int serve(const ServeCommand& o) {
                                   [&](web::Request request, web::Reply reply) {
                                     site.answer(std::move(request), std::move(reply));
                                   }});
-  const std::string host = o.address.find(':') == std::string::npos ? o.address : "[" + o.address + "]";
+  const std::string host = host_to_open(o.address);
   fmt::print("Dashboard of {}: http://{}:{}/{} (Ctrl-C ends it)\n", o.folder, host, server.port(),
              o.token.empty() ? "" : "?token=" + o.token);
   std::fflush(stdout);

@@ -5,8 +5,6 @@
 namespace stribeck::web {
 namespace {
 
-constexpr std::string_view kCookie = "stribeck=";
-
 /// A host without its port.
 std::string_view name_of(std::string_view host) {
   if (host.starts_with('[')) return host.substr(0, host.find(']') + 1);
@@ -21,13 +19,21 @@ bool is_this_computer(std::string_view host) {
   return loopback || name == "localhost" || name == "[::1]";
 }
 
-std::string_view cookie_of(std::string_view cookies) {
+/// Browsers keep one set of cookies for all ports of a host: each dashboard has its own name.
+std::string cookie_name(std::string_view host) {
+  std::string_view port = host.substr(name_of(host).size());
+  port.remove_prefix(std::min(port.size(), std::size_t{1}));
+  const bool is_number = !port.empty() && port.find_first_not_of("0123456789") == std::string_view::npos;
+  return "stribeck" + (is_number ? '-' + std::string(port) : std::string()) + "=";
+}
+
+std::string_view cookie_of(std::string_view cookies, std::string_view name) {
   while (!cookies.empty()) {
     const std::size_t end = std::min(cookies.find(';'), cookies.size());
     std::string_view one = cookies.substr(0, end);
     cookies.remove_prefix(std::min(end + 1, cookies.size()));
     one.remove_prefix(std::min(one.find_first_not_of(' '), one.size()));
-    if (one.starts_with(kCookie)) return one.substr(kCookie.size());
+    if (one.starts_with(name)) return one.substr(name.size());
   }
   return {};
 }
@@ -66,14 +72,14 @@ std::optional<Response> Guard::check(const Request& r) const {
   if (r.authorization.starts_with(kBearer) &&
       is_token(std::string_view(r.authorization).substr(kBearer.size())))
     return {};
-  if (is_token(cookie_of(r.cookie))) return {};
+  if (is_token(cookie_of(r.cookie, cookie_name(r.host)))) return {};
   if (const auto given = query_value(r.target, "token"); r.method == "GET" && given && is_token(*given)) {
     // Out of the address line, the history and what a page could see.
     return Response{303,
                     "text/plain; charset=utf-8",
                     "",
                     {{"Location", "/"},
-                     {"Set-Cookie", std::string(kCookie) + token_ + "; HttpOnly; SameSite=Strict; Path=/"}}};
+                     {"Set-Cookie", cookie_name(r.host) + token_ + "; HttpOnly; SameSite=Strict; Path=/"}}};
   }
   return error_response(401,
                         "the token is missing or wrong (open the whole address that stribeck serve printed)");

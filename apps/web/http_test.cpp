@@ -59,12 +59,13 @@ TEST(Guard, Token) {
   Request r = asked("GET", "machine.example:80");
   const auto status = [&] { return guard.check(r).value_or(Response{}).status; };
   EXPECT_EQ(status(), 401);
-  for (const char* cookie : {"stribeck=", "stribeck=0123456789abcde", "stribeck=0123456789abcdef0",
-                             "xstribeck=0123456789abcdef"}) {
+  for (const char* cookie :
+       {"stribeck-80=", "stribeck-80=0123456789abcde", "stribeck-80=0123456789abcdef0",
+        "xstribeck-80=0123456789abcdef", "stribeck-81=0123456789abcdef", "stribeck=0123456789abcdef"}) {
     r.cookie = cookie;
     EXPECT_EQ(status(), 401) << cookie;
   }
-  r.cookie = "a=b; stribeck=0123456789abcdef";
+  r.cookie = "a=b; stribeck-80=0123456789abcdef";
   EXPECT_FALSE(guard.check(r));
   r.cookie.clear();
   r.authorization = "Bearer 0123456789abcdef";
