@@ -7,9 +7,10 @@ namespace {
 
 // Differences as shares of the mean. A slip begins and ends at rest, so that rows of its pieces differ by 100 %; noise of the speed
 // by a coarse encoder must fit in.
-constexpr double kRowMayDiffer = 0.5;  // from the mean of its piece
-constexpr double kPieceMayDiffer =
-    0.3;  // from the first piece of its run: friction changes little over such a range of speed
+// From the mean of its piece.
+constexpr double kRowMayDiffer = 0.5;
+// From the first piece of its run: friction changes little over such a range of speed.
+constexpr double kPieceMayDiffer = 0.3;
 // Up to four speeds between two reversals; a slip is a smaller share.
 constexpr double kLeastShareOfTravel = 0.25;
 // The end of a stroke that runs out passes through any range of speed within one or two.

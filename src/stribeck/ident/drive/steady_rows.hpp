@@ -3,8 +3,8 @@
 ///
 /// The travel between two reversals is cut into pieces as long as `exclude`. A piece is steady when the speed of none of its rows
 /// differs from its mean by more than half. Steady pieces in a row whose means differ by at most 30 % are a run; the rows of a run
-/// are steady when it has four pieces and is at least a quarter of the travel between the two reversals. So a jog at one speed counts, and an axis
-/// that sticks and slips on its way does not, because it stops or nearly stops in between.
+/// are steady when it has four pieces and is at least a quarter of the travel between the two reversals. So a jog at one speed
+/// counts. An axis that sticks and slips does not, because it stops or nearly stops in between.
 ///
 /// Inside ident only. Real time: no.
 /// Not modelled: stick-slip so fast that the window of the motion (motion.hpp) hides it.

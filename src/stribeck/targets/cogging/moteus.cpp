@@ -9,6 +9,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/cogging/moteus.hpp>
 #include <stribeck/targets/pulse/options.hpp>
+#include <stribeck/targets/steady/nearest_polyline.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -84,7 +85,7 @@ CoggingTable cogging_table(const Axis& axis, const Terms& terms, double zero) {
     largest = std::max(largest, std::abs(current[k]));
   }
   CoggingTable table;
-  table.scale = std::stod(fmt::format("{:.6g}", largest / kLargestCell));
+  table.scale = with_digits(largest / kLargestCell, 6);
   for (std::size_t k = 0; k < kCells; ++k) {
     table.cells[k] =
         static_cast<int>(std::clamp(std::round(current[k] / table.scale), -kLargestCell, kLargestCell));

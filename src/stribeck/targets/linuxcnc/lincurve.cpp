@@ -104,8 +104,8 @@ Lincurve best_lincurve(const friction::AxisModel& model, double fastest, double 
   out.table.corners = nearest_corners(negative, positive, kPieces);
   // Numbers as HAL will read them.
   for (Corner& c : out.table.corners) {
-    c.x = std::stod(fmt::format("{:.9g}", c.x));
-    c.y = std::stod(fmt::format("{:.9g}", c.y));
+    c.x = with_digits(c.x, 9);
+    c.y = with_digits(c.y, 9);
   }
   for (const Side* s : {&negative, &positive}) {
     for (std::size_t i = 0; i < s->v.size(); ++i)

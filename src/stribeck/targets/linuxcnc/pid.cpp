@@ -14,7 +14,8 @@ constexpr double kMillimetre = 1e-3;
 /// Of the encoder's step: the manual page of pid wants slightly more than half a count.
 constexpr double kDeadband = 0.55;
 
-double hal_digits(double value) { return std::stod(fmt::format("{:.9g}", value)); }
+/// HAL lines have nine digits.
+double hal_digits(double value) { return with_digits(value, 9); }
 
 /// What one pid and one lincurve get, in mm and in the unit of pid.output.
 struct PidNumbers {

@@ -24,8 +24,7 @@ JointUnits joint_units(const Axis& axis) {
 std::vector<Corner> joint_table(const std::vector<Corner>& points, double radius) {
   std::vector<Corner> out;
   for (const Corner& c : points) {
-    out.push_back(
-        {std::stod(fmt::format("{:.9e}", c.x / radius)), std::stod(fmt::format("{:.9e}", c.y * radius))});
+    out.push_back({with_digits(c.x / radius, 10), with_digits(c.y * radius, 10)});
   }
   return out;
 }

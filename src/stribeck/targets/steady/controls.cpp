@@ -66,7 +66,7 @@ std::string isg_build_up(TableForce& table, double period) {
 Form ax8000(const Axis& axis) {
   // Torque of the motor per angular speed of the motor.
   const double radius = axis.lead / (2.0 * kPi);
-  const double factor = std::stod(fmt::format("{:.6g}", nearest_slope(axis) * radius * radius));
+  const double factor = with_digits(nearest_slope(axis) * radius * radius, 6);
   Form form;
   form.text = fmt::format("3144:03 = {:.6g} (N m s/rad, dynamic friction factor)\n", factor);
   form.held = [=](double v) { return factor / (radius * radius) * v; };

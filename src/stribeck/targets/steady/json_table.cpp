@@ -15,17 +15,16 @@ namespace {
 
 /// Points of each direction.
 constexpr std::size_t kRowsOfADirection = 50;
-
-double nine_digits(double value) { return std::stod(fmt::format("{:.9g}", value)); }
+constexpr int kDigits = 9;
 
 /// Both directions in ascending velocity, with the digits that the file has: velocity [mm/s], friction [N].
 std::vector<Corner> json_rows(const Axis& axis) {
   std::vector<Corner> rows;
   for (const Corner& c : nearest_points(axis, kRowsOfADirection, -1.0))
-    rows.push_back({nine_digits(-1e3 * c.x), nine_digits(-c.y)});
+    rows.push_back({with_digits(-1e3 * c.x, kDigits), with_digits(-c.y, kDigits)});
   std::reverse(rows.begin(), rows.end());
   for (const Corner& c : nearest_points(axis, kRowsOfADirection, 1.0))
-    rows.push_back({nine_digits(1e3 * c.x), nine_digits(c.y)});
+    rows.push_back({with_digits(1e3 * c.x, kDigits), with_digits(c.y, kDigits)});
   return rows;
 }
 

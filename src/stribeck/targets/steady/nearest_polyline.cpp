@@ -1,7 +1,10 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+
 #include <stribeck/targets/steady/nearest_polyline.hpp>
 
 namespace stribeck::targets {
@@ -181,5 +184,7 @@ Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, 
   }
   return joined(best, s, x, y);
 }
+
+double with_digits(double value, int digits) { return std::stod(fmt::format("{:.{}g}", value, digits)); }
 
 }  // namespace stribeck::targets

@@ -41,4 +41,7 @@ std::optional<Polyline> polyline_within(std::span<const double> x, std::span<con
 
 Polyline nearest_polyline(std::span<const double> x, std::span<const double> y, std::size_t pieces);
 
+/// The value that a reader gets from a text with this many significant digits.
+double with_digits(double value, int digits);
+
 }  // namespace stribeck::targets

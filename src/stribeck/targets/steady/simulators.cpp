@@ -10,7 +10,7 @@ namespace stribeck::targets {
 namespace {
 
 /// A number as these texts show it.
-double shown(double value) { return std::stod(fmt::format("{:.9g}", value)); }
+double shown(double value) { return with_digits(value, 9); }
 
 Form mujoco(const Axis& axis) {
   Line line = nearest_line(axis);

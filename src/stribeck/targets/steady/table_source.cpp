@@ -9,8 +9,8 @@ namespace {
 
 std::vector<Corner> rounded(std::vector<Corner> points) {
   for (Corner& c : points) {
-    c.x = std::stod(fmt::format("{:.9e}", c.x));
-    c.y = std::stod(fmt::format("{:.9e}", c.y));
+    c.x = with_digits(c.x, 10);
+    c.y = with_digits(c.y, 10);
   }
   return points;
 }
