@@ -27,7 +27,7 @@ struct Interval {
 };
 
 struct Parameter {
-  std::string name;  ///< mass, eta0_positive, gaussian_1_a_negative, …
+  std::string name;  ///< mass, eta0_positive, gaussian_1_a_negative, exponential_a_positive, …
   double value = 0.0;
   std::string unit;   ///< SI
   std::string shown;  ///< unit for people

@@ -175,11 +175,18 @@ void Description::write_symmetric() {
   add("load", fit.load, "N", "N", map_error(0), seen(0));
   add("alpha0", fit.coulomb, "N", "N", map_error(1), seen(1));
   if (fit.family == map::StaticFit::Family::kSymmetricStribeck) {
-    steady.stribeck = friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, 2.0};
+    steady.stribeck =
+        friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, static_cast<double>(fit.exponent)};
     VectorXd h = found_.intervals.zero();
     h(at(1)) = h(at(3)) = 1.0;
     add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), seen(3));
     add("v0", fit.v0, "m/s", "mm/s", map_error(4), seen(4));
+    if (fit.exponent == map::Exponent::kOne) {
+      Parameter delta;
+      delta.name = "delta";
+      delta.value = steady.stribeck->delta;
+      result_.parameters.push_back(delta);
+    }
   }
   add("alpha2", fit.viscous, "N s/m", "N s/mm", map_error(2), seen(2));
   result_.friction.steady = steady;
@@ -218,6 +225,14 @@ std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<do
   add("eta0" + tail, branch.eta0, "N", "N", map_error(i), seen(i));
   add("eta1" + tail, branch.eta1, "N s/m", "N s/mm", map_error(i + 1) / top, seen(i + 1));
   i += 2;
+  if (b.exponential) {
+    const map::FitTerm& g = b.terms.front();
+    add("exponential_a" + tail, d * g.a, "N", "N", map_error(i), seen(i));
+    add("exponential_c" + tail, g.c * top, "m/s", "mm/s", map_error(i + 1) * top, seen(i + 1));
+    for (const map::FitTerm& part : map::as_gaussians(g))
+      branch.gaussians.push_back({d * part.a, 0.0, part.c * top});
+    return branch.gaussians.size();
+  }
   for (std::size_t k = 0; k < b.terms.size(); ++k) {
     const map::FitTerm& g = b.terms[k];
     const std::string name = "gaussian_" + std::to_string(k + 1) + "_";

@@ -2,6 +2,7 @@
 #include <ceres/tiny_solver.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <stribeck/friction/gaussian.hpp>
@@ -280,6 +281,7 @@ Bins joined(const Bins& bins, std::size_t wanted) {
 
 double BranchFit::force(double u) const noexcept {
   double sum = eta0 + eta1 * u;
+  if (exponential) return sum + terms.front().a * std::exp(-u / terms.front().c);
   for (const FitTerm& g : terms) sum += friction::GaussianTerm<double>{g.a, g.b, g.c}.value(u);
   return sum;
 }
@@ -287,6 +289,13 @@ double BranchFit::force(double u) const noexcept {
 void BranchFit::gradient(double u, double* out) const noexcept {
   *out++ = 1.0;
   *out++ = u;
+  if (exponential) {
+    const FitTerm& g = terms.front();
+    const double e = std::exp(-u / g.c);
+    *out++ = e;
+    *out = g.a * e * u / (g.c * g.c);
+    return;
+  }
   // The law itself on jets: a, b, c are the three directions.
   using Jet = ceres::Jet<double, 3>;
   for (const FitTerm& g : terms) {
@@ -298,7 +307,27 @@ void BranchFit::gradient(double u, double* out) const noexcept {
   }
 }
 
-std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings) {
+std::vector<double> stribeck_widths(double slowest, double fastest) {
+  // A narrower part is a level, a wider one is a straight line.
+  constexpr double kNarrowestPart = 1.5, kWidestPart = 0.7, kRatio = 1.35;
+  const double low = kNarrowestPart * slowest, high = kWidestPart * fastest;
+  if (!(low > 0.0 && low < high)) return {};
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::log(high / low) / std::log(kRatio))));
+  std::vector<double> out;
+  for (int i = 0; i <= steps; ++i) out.push_back(low * std::pow(high / low, static_cast<double>(i) / steps));
+  return out;
+}
+
+std::vector<FitTerm> as_gaussians(const FitTerm& exponential) {
+  // Heights and widths of the smallest largest error for four terms.
+  static constexpr std::array<FitTerm, 4> kUnit{
+      {{0.0653, 0.0, 0.0455}, {0.2181, 0.0, 0.2793}, {0.4460, 0.0, 0.9373}, {0.2706, 0.0, 2.3731}}};
+  std::vector<FitTerm> out;
+  for (const FitTerm& g : kUnit) out.push_back({exponential.a * g.a, 0.0, exponential.c * g.c});
+  return out;
+}
+
+std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings, Exponent exponent) {
   if (bins.size() < 10) return std::nullopt;
   const auto n = static_cast<Index>(bins.size());
   const VectorXd root = Eigen::Map<const VectorXd>(bins.weight.data(), n).cwiseSqrt();
@@ -307,35 +336,37 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
   MatrixXd design(n, 3);
   design.col(0) = root;
   design.col(1) = root.cwiseProduct(u);
-  const auto fit = [&](double log_width) {
-    const double c = std::exp(log_width);
-    design.col(2) = root.array() * (-(u / c).array().square()).exp();
+  const bool exponential = exponent == Exponent::kOne;
+  const auto fit = [&](double c) {
+    const Eigen::ArrayXd ratio = u.array() / c;
+    if (exponential) {
+      design.col(2) = root.array() * (-ratio).exp();
+    } else {
+      design.col(2) = root.array() * (-ratio.square()).exp();
+    }
     const VectorXd x = design.colPivHouseholderQr().solve(y);
     BranchFit f;
     f.eta0 = x(0), f.eta1 = x(1);
     f.terms = {{x(2), 0.0, c}};
     f.centred = true;
+    f.exponential = exponential;
     f.cost = (y - design * x).squaredNorm();
     return f;
   };
-  // A width below the second bin, or one that covers the range, is a level or a straight line.
-  const double lowest = std::log(std::max(settings.narrowest, 2.0 * bins.u.front()));
-  const double highest = std::log(0.7);
-  if (!(lowest < highest)) return std::nullopt;
-  constexpr int kCoarse = 24;
-  const double step = (highest - lowest) / kCoarse;
-  BranchFit best = fit(lowest);
-  double at = lowest;
-  for (int i = 1; i <= kCoarse; ++i) {
-    BranchFit f = fit(lowest + step * i);
-    if (f.cost < best.cost) best = std::move(f), at = lowest + step * i;
-  }
-  for (double half = 0.5 * step; half > 1e-4; half *= 0.5) {
-    for (const double p : {at - half, at + half}) {
-      if (p < lowest || p > highest) continue;
-      BranchFit f = fit(p);
-      if (f.cost < best.cost) best = std::move(f), at = p;
-    }
+  const std::vector<double> widths = stribeck_widths(bins.u.front(), 1.0);
+  if (widths.empty()) return std::nullopt;
+  BranchFit best = fit(widths.front());
+  const auto take_better = [&](double c) {
+    if (c < widths.front() || c > widths.back()) return;
+    BranchFit f = fit(c);
+    if (f.cost < best.cost) best = std::move(f);
+  };
+  for (const double c : widths) take_better(c);
+  const double step = widths[1] / widths[0];
+  for (double half = std::sqrt(step); half > 1.0001; half = std::sqrt(half)) {
+    const double at = best.terms.front().c;
+    take_better(at / half);
+    take_better(at * half);
   }
   return physical(best, settings) ? std::optional(best) : std::nullopt;
 }

@@ -21,7 +21,8 @@
 /// `most_height`, and F − η1·v opposing the motion. The pulls are made firmer until that holds.
 ///
 /// Source: Golub, Pereyra 1973, doi:10.1137/0710036; Kaufman 1975, doi:10.1007/BF01932995.
-/// Not modelled: an exponent other than 2 in a term.
+/// A Stribeck part of exponent 1, a·exp(−u/c), stands beside the terms: fit_centred() fits it too.
+/// Not modelled: other exponents.
 /// Real time: no.
 
 #include <cstddef>
@@ -50,11 +51,14 @@ struct BranchFit {
   double eta0 = 0.0;  ///< [N]
   double eta1 = 0.0;  ///< [N] per unit of u
   std::vector<FitTerm> terms;
-  bool centred = false;  ///< one term with b = 0, not fitted: a Stribeck part
-  double cost = 0.0;     ///< Σ w·residual² [N²]
+  bool centred = false;      ///< one term with b = 0, not fitted: a Stribeck part
+  double cost = 0.0;         ///< Σ w·residual² [N²]
+  bool exponential = false;  ///< the centred term is a·exp(−u/c): a Stribeck part of exponent 1
 
   [[nodiscard]] double force(double u) const noexcept;
   [[nodiscard]] std::size_t parameters() const noexcept { return 2 + (centred ? 2 : 3 * terms.size()); }
+  /// What the choice of a map counts: a Stribeck part of exponent 1 has one more, see static_fit.hpp.
+  [[nodiscard]] std::size_t complexity() const noexcept { return parameters() + (exponential ? 1 : 0); }
   /// ∂force/∂(η0, η1, a1, b1, c1, a2, …); centred: ∂force/∂(η0, η1, a1, c1).
   void gradient(double u, double* out) const noexcept;
 };
@@ -84,8 +88,19 @@ std::optional<BranchFit> fit_one_more(const Bins& bins, const BranchFit& before,
 /// Fits with 0 … most terms, each started from the one before; element n has n terms.
 std::vector<BranchFit> fit_ladder(const Bins& bins, int most, const FitSettings& settings);
 
-/// η0 + η1·u + a·exp(−(u/c)²): a Stribeck part that may rise or fall. Absent where the bins do not determine it.
-std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings);
+/// Exponent of a Stribeck part.
+enum class Exponent { kOne = 1, kTwo = 2 };
+
+/// η0 + η1·u + a·exp(−(u/c)^exponent): a Stribeck part that may rise or fall, as narrow as the slowest bins show. Absent where the
+/// bins do not determine it.
+std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settings, Exponent exponent);
+
+/// Widths of a Stribeck part that are tried, of equal ratio: from what the slowest rows show to a part of the range of speed.
+/// Empty where the rows have nearly one speed.
+std::vector<double> stribeck_widths(double slowest, double fastest);
+
+/// Parts of a·exp(−u/c), u ≥ 0, as terms around rest: error at most 0.8 % of a, none at rest.
+std::vector<FitTerm> as_gaussians(const FitTerm& exponential);
 
 /// Joins neighbouring bins until about `wanted` are left.
 Bins joined(const Bins& bins, std::size_t wanted);

@@ -107,6 +107,47 @@ TEST(GaussianFit, GradientIsThatOfTheFrictionMap) {
   }
 }
 
+// A Stribeck part of either exponent that is narrower than a hundredth of the range, seen by slow bins alone.
+TEST(GaussianFit, AStribeckPartIsAsNarrowAsTheSlowestBinsShow) {
+  for (const Exponent exponent : {Exponent::kOne, Exponent::kTwo}) {
+    constexpr double kWidth = 0.006;
+    Bins bins;
+    for (double u = 0.001; u < 1.0; u *= 1.15) {
+      bins.u.push_back(u);
+      bins.force.push_back(
+          500.0 + 300.0 * u +
+          120.0 * std::exp(exponent == Exponent::kOne ? -u / kWidth : -std::pow(u / kWidth, 2.0)));
+      bins.weight.push_back(100.0);
+    }
+    const auto fit = fit_centred(bins, settings(), exponent);
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->exponential, exponent == Exponent::kOne);
+    EXPECT_NEAR(fit->terms.front().c, kWidth, 1e-3 * kWidth);
+    EXPECT_NEAR(fit->terms.front().a, 120.0, 0.1);
+    EXPECT_NEAR(fit->eta0, 500.0, 0.1);
+    // The other exponent does not describe it.
+    const auto other =
+        fit_centred(bins, settings(), exponent == Exponent::kOne ? Exponent::kTwo : Exponent::kOne);
+    if (other) {
+      EXPECT_GT(other->cost, 100.0 * fit->cost + 1.0);
+    }
+  }
+}
+
+TEST(GaussianFit, AnExponentialIsAFewGaussians) {
+  const FitTerm fall{50.0, 0.0, 0.02};
+  const std::vector<FitTerm> parts = as_gaussians(fall);
+  EXPECT_LE(parts.size(), friction::kMaxGaussians);
+  const auto sum = [&](double u) {
+    double f = 0.0;
+    for (const FitTerm& g : parts) f += friction::GaussianTerm<double>{g.a, g.b, g.c}.value(u);
+    return f;
+  };
+  EXPECT_NEAR(sum(0.0), fall.a, 1e-9);
+  for (double u = 0.0; u < 0.3; u += 1e-4)
+    EXPECT_NEAR(sum(u), fall.a * std::exp(-u / fall.c), 0.008 * fall.a) << u;
+}
+
 TEST(GaussianFit, ScalesWithForce) {
   Bins bins = bins_of_table('y', 1.0);
   const auto a = fit_ladder(bins, 2, settings());

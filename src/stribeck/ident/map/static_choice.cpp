@@ -66,6 +66,7 @@ struct Scored {
   std::string name;
   int terms = 0;
   std::size_t parameters = 0;
+  std::size_t complexity = 0;
   std::vector<double> loss;  // for each block
 };
 
@@ -86,9 +87,9 @@ std::vector<Candidate> rows_of(const std::vector<Scored>& scored, const Picked& 
 }
 Picked pick_of(const std::vector<Scored>& scored, double rows) {
   std::vector<std::vector<double>> loss;
-  std::vector<std::size_t> parameters;
-  for (const Scored& s : scored) loss.push_back(s.loss), parameters.push_back(s.parameters);
-  return pick(loss, parameters, rows);
+  std::vector<std::size_t> complexity;
+  for (const Scored& s : scored) loss.push_back(s.loss), complexity.push_back(s.complexity);
+  return pick(loss, complexity, rows);
 }
 
 /// Gaussian fits of one direction, and their held-out errors.
@@ -140,11 +141,13 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
   const std::string where = s == 0 ? ", v > 0" : ", v < 0";
   const auto add = [&](BranchFit fit) {
     Scored scored;
-    scored.name = fit.centred ? "by direction, Stribeck part" + where
+    const std::string of_one = fit.exponential ? " of exponent 1" : "";
+    scored.name = fit.centred ? "by direction, Stribeck part" + of_one + where
                               : "by direction, " + std::to_string(fit.terms.size()) +
                                     (fit.terms.size() == 1 ? " Gaussian" : " Gaussians") + where;
     scored.terms = static_cast<int>(fit.terms.size());
     scored.parameters = fit.parameters();
+    scored.complexity = fit.complexity();
     for (std::size_t k = 0; k < blocks; ++k) {
       const BranchFit& part = folds[k].fit;
       scored.loss.push_back(
@@ -159,12 +162,13 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
   BranchFit fit = fit_line(all, settings);
   for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
   double best = add(fit);
-  if (!options.terms) {
-    if (auto centred = fit_centred(all, settings)) {
-      for (Fold& f : folds) f.fit = fit_centred(f.bins, quick).value_or(f.fit);
-      add(std::move(*centred));
-      for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
-    }
+  for (const Exponent exponent : {Exponent::kTwo, Exponent::kOne}) {
+    if (options.terms) break;
+    auto centred = fit_centred(all, settings, exponent);
+    if (!centred) continue;
+    for (Fold& f : folds) f.fit = fit_centred(f.bins, quick, exponent).value_or(f.fit);
+    add(std::move(*centred));
+    for (Fold& f : folds) f.fit = fit_line(f.bins, quick);
   }
   int vain = 0;
   for (int n = 1; n <= most && (options.terms || vain < 2); ++n) {
@@ -199,7 +203,9 @@ struct Both {
   }
 };
 
-StaticFit fit_symmetric(const Both& b, bool stribeck) {
+/// Without an exponent: without a Stribeck part.
+StaticFit fit_symmetric(const Both& b, std::optional<Exponent> exponent) {
+  const bool stribeck = exponent.has_value();
   const auto n = static_cast<Index>(b.speed.size());
   MatrixXd design(n, stribeck ? 4 : 3);
   VectorXd y(n);
@@ -222,7 +228,7 @@ StaticFit fit_symmetric(const Both& b, bool stribeck) {
     if (stribeck) {
       for (Index i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        design(i, 3) = b.root[k] * std::exp(-std::pow(b.speed[k] / v0, 2.0));
+        design(i, 3) = b.root[k] * std::exp(-std::pow(b.speed[k] / v0, static_cast<double>(*exponent)));
       }
     }
     VectorXd x = design.colPivHouseholderQr().solve(y);
@@ -232,25 +238,22 @@ StaticFit fit_symmetric(const Both& b, bool stribeck) {
   StaticFit fit;
   fit.family = stribeck ? Family::kSymmetricStribeck : Family::kSymmetric;
   Trial best = solve(highest);
-  double at = std::log(highest);
   if (stribeck) {
-    const double from = std::log(std::max(1.5 * lowest, 0.01 * highest));
-    const double to = std::log(0.7 * highest);
-    constexpr int kCoarse = 24;
-    const double step = (to - from) / kCoarse;
+    std::vector<double> widths = stribeck_widths(lowest, highest);
+    if (widths.empty()) widths = {lowest, highest};
     best.cost = std::numeric_limits<double>::infinity();
-    for (int i = 0; i <= kCoarse; ++i) {
-      Trial t = solve(std::exp(from + step * i));
-      if (t.cost < best.cost) best = std::move(t), at = from + step * i;
+    const auto take_better = [&](double v0) {
+      Trial t = solve(v0);
+      if (t.cost < best.cost) best = std::move(t), fit.v0 = v0;
+    };
+    for (const double v0 : widths) take_better(v0);
+    for (double half = std::sqrt(widths[1] / widths[0]); half > 1.0001; half = std::sqrt(half)) {
+      const double at = fit.v0;
+      take_better(at / half);
+      take_better(at * half);
     }
-    for (double half = 0.5 * std::abs(step); half > 1e-4; half *= 0.5) {
-      for (const double p : {at - half, at + half}) {
-        Trial t = solve(std::exp(p));
-        if (t.cost < best.cost) best = std::move(t), at = p;
-      }
-    }
+    fit.exponent = *exponent;
     fit.rise = best.x(3);
-    fit.v0 = std::exp(at);
   }
   fit.load = best.x(0);
   fit.coulomb = best.x(1);
@@ -308,6 +311,7 @@ ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const 
     std::sort(terms.begin(), terms.end(), [](const FitTerm& x, const FitTerm& y) { return x.b < y.b; });
     out.fit.top[s] = sums[s].grid.high;
     out.scored.parameters += out.fit.branch[s].parameters();
+    out.scored.complexity += out.fit.branch[s].complexity();
     const std::vector<double>& loss = found.scored[picked.chosen].loss;
     for (std::size_t k = 0; k < loss.size(); ++k) out.scored.loss[k % out.scored.loss.size()] += loss[k];
     for (std::size_t n = 0; n < picked.equal.size(); ++n) {
@@ -323,16 +327,20 @@ ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const 
   return out;
 }
 
-/// By direction: the straight line, with and without a Stribeck part.
+/// By direction: the straight line, with and without a Stribeck part of either exponent.
 std::vector<StaticFit> simple_by_direction(const ByDirection& found) {
+  const auto line = [](const BranchFit& b) { return b.terms.empty(); };
+  const auto two = [](const BranchFit& b) { return b.centred && !b.exponential; };
+  const auto one = [](const BranchFit& b) { return b.exponential; };
   std::vector<StaticFit> out;
-  for (std::size_t n = 0; n < 2; ++n) {
+  for (const auto kind : {+line, +two, +one}) {
     StaticFit fit = found.fit;
     bool there = true;
     for (std::size_t s = 0; s < kSides && there; ++s) {
       const std::vector<BranchFit>& fits = found.branches[s].fit;
-      there = fits.size() > n && (n == 0 || fits[n].centred);
-      if (there) fit.branch[s] = found.with_branch(s, n).branch[s];
+      const auto at = std::find_if(fits.begin(), fits.end(), kind);
+      there = at != fits.end();
+      if (there) fit.branch[s] = found.with_branch(s, static_cast<std::size_t>(at - fits.begin())).branch[s];
     }
     if (there) out.push_back(fit);
   }
@@ -351,8 +359,11 @@ Scored score_symmetric(const std::array<SideSums, kSides>& sums, const StaticFit
   Scored scored;
   scored.name = fit.name();
   scored.parameters = fit.parameters();
+  scored.complexity = fit.complexity();
+  const bool stribeck = fit.family == Family::kSymmetricStribeck;
   for (std::size_t k = 0; k < blocks; ++k) {
-    const StaticFit part = fit_symmetric(bins_of_both(sums, k), fit.family == Family::kSymmetricStribeck);
+    const StaticFit part =
+        fit_symmetric(bins_of_both(sums, k), stribeck ? std::optional(fit.exponent) : std::nullopt);
     double loss = 0.0;
     for (int s = 0; s < kSides; ++s) {
       const SideSums& side = sums[static_cast<std::size_t>(s)];
@@ -371,9 +382,10 @@ std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
                                       const std::array<double, kSides>& top) {
   const Both all = bins_of_both(sums, std::max(sums[0].block.size(), sums[1].block.size()));
   std::vector<StaticFit> out;
-  for (const bool stribeck : {false, true}) {
-    if (all.speed.size() < (stribeck ? 12u : 8u)) continue;
-    StaticFit fit = fit_symmetric(all, stribeck);
+  for (const auto exponent :
+       {std::optional<Exponent>(), std::optional(Exponent::kTwo), std::optional(Exponent::kOne)}) {
+    if (all.speed.size() < (exponent ? 12u : 8u)) continue;
+    StaticFit fit = fit_symmetric(all, exponent);
     fit.top = top;
     const double highest = *std::max_element(all.force.begin(), all.force.end());
     if (fit.coulomb + fit.rise > kMostForce * highest) continue;
@@ -385,7 +397,7 @@ std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
 
 }  // namespace
 
-Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& parameters,
+Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& complexity,
             double rows) {
   const auto m = static_cast<double>(loss.front().size());
   std::vector<double> mean;
@@ -402,7 +414,7 @@ Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std:
     p.rms.push_back(std::sqrt(std::max(0.0, mean[n])));
     p.error.push_back(p.rms.back() > 0.0 ? error / (2.0 * p.rms.back()) : 0.0);
     p.equal.push_back(mean[n] - mean[best] <= std::max(error, 2.0 * kWorthwhileGain * mean[best]));
-    if (p.equal.back() && parameters[n] < parameters[p.chosen]) p.chosen = n;
+    if (p.equal.back() && complexity[n] < complexity[p.chosen]) p.chosen = n;
   }
   return p;
 }

@@ -19,13 +19,19 @@ double StaticFit::force(int side, double speed) const noexcept {
     return d * load + branch[s].force(speed / top[s]);
   }
   double f = d * load + coulomb + viscous * speed;
-  if (family == Family::kSymmetricStribeck) f += rise * std::exp(-std::pow(speed / v0, 2.0));
+  if (family == Family::kSymmetricStribeck)
+    f += rise * std::exp(-std::pow(speed / v0, static_cast<double>(exponent)));
   return f;
 }
 
 std::size_t StaticFit::parameters() const noexcept {
   if (family == Family::kByDirection) return branch[0].parameters() + branch[1].parameters();
   return family == Family::kSymmetric ? 3 : 5;
+}
+
+std::size_t StaticFit::complexity() const noexcept {
+  if (family == Family::kByDirection) return branch[0].complexity() + branch[1].complexity();
+  return parameters() + (family == Family::kSymmetricStribeck && exponent == Exponent::kOne ? 1 : 0);
 }
 
 std::pair<std::size_t, std::size_t> StaticFit::span(int side) const noexcept {
@@ -45,9 +51,11 @@ void StaticFit::gradient(int side, double speed, double* out) const noexcept {
   out[2] = speed;
   if (family == Family::kSymmetric) return;
   const double r = speed / v0;
-  const double e = std::exp(-r * r);
+  const auto delta = static_cast<double>(exponent);
+  const double power = std::pow(r, delta);
+  const double e = std::exp(-power);
   out[3] = e;
-  out[4] = rise * e * 2.0 * r * r / v0;
+  out[4] = rise * e * delta * power / v0;
 }
 
 double StaticFit::move(const Eigen::VectorXd& step) noexcept {
@@ -100,10 +108,17 @@ bool StaticFit::plausible() const noexcept {
 
 std::string StaticFit::name() const {
   if (family == Family::kSymmetric) return "symmetric, Coulomb and viscous";
-  if (family == Family::kSymmetricStribeck) return "symmetric, Coulomb, viscous and Stribeck";
+  const std::string one = " of exponent 1";
+  if (family == Family::kSymmetricStribeck)
+    return "symmetric, Coulomb, viscous and Stribeck" + (exponent == Exponent::kOne ? one : "");
   std::string text = "by direction";
   if (branch[0].terms.empty() && branch[1].terms.empty()) return text + ", Coulomb and viscous";
-  if (branch[0].centred && branch[1].centred) return text + ", Coulomb, viscous and Stribeck";
+  if (branch[0].centred && branch[1].centred) {
+    text += ", Coulomb, viscous and Stribeck";
+    if (branch[0].exponential && branch[1].exponential) return text + one;
+    if (branch[0].exponential) return text + one + " for v > 0";
+    return branch[1].exponential ? text + one + " for v < 0" : text;
+  }
   return text + ", " + std::to_string(branch[0].terms.size()) + " and " +
          std::to_string(branch[1].terms.size()) + " Gaussians";
 }

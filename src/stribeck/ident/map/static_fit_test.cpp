@@ -39,6 +39,7 @@ double viscous(int, double speed) { return 40.0 + 600.0 * speed; }
 double stribeck(int, double speed) {
   return viscous(0, speed) + 25.0 * std::exp(-std::pow(speed / 8e-3, 2.0));
 }
+double steep(int, double speed) { return viscous(0, speed) + 25.0 * std::exp(-speed / 8e-3); }
 /// A bell at half the range in one direction.
 double bell(int side, double speed) {
   return viscous(0, speed) + (side == 0 ? 18.0 * std::exp(-std::pow((speed - 0.05) / 0.012, 2.0)) : 0.0);
@@ -56,6 +57,13 @@ TEST(StaticFit, TakesTheFamilyThatMadeTheForce) {
   EXPECT_EQ(fall.fit.family, Family::kSymmetricStribeck);
   EXPECT_NEAR(fall.fit.rise, 25.0, 0.5);
   EXPECT_NEAR(fall.fit.v0, 8e-3, 3e-4);
+  EXPECT_EQ(fall.fit.exponent, Exponent::kTwo);
+
+  const StaticChoice one_exponent = choose_static(sums_of(steep, 1.0), {});
+  EXPECT_EQ(one_exponent.fit.family, Family::kSymmetricStribeck);
+  EXPECT_EQ(one_exponent.fit.exponent, Exponent::kOne);
+  EXPECT_NEAR(one_exponent.fit.rise, 25.0, 0.5);
+  EXPECT_NEAR(one_exponent.fit.v0, 8e-3, 3e-4);
 
   const StaticChoice one = choose_static(sums_of(bell, 1.0), {});
   EXPECT_EQ(one.fit.family, Family::kByDirection);
@@ -66,6 +74,35 @@ TEST(StaticFit, TakesTheFamilyThatMadeTheForce) {
     EXPECT_NEAR(one.fit.force(0, v), bell(0, v), 0.6) << v;
     EXPECT_NEAR(one.fit.force(1, v), bell(1, v), 0.6) << v;
   }
+}
+
+TEST(StaticFit, EachDirectionHasItsOwnExponent) {
+  StaticOptions options;
+  options.symmetric = false;
+  const auto force = [](int side, double speed) {
+    return side == 0 ? stribeck(0, speed) : steep(1, speed) + 30.0;
+  };
+  const StaticChoice c = choose_static(sums_of(force, 1.0), options);
+  ASSERT_TRUE(c.fit.branch[0].centred);
+  ASSERT_TRUE(c.fit.branch[1].centred);
+  EXPECT_FALSE(c.fit.branch[0].exponential);
+  EXPECT_TRUE(c.fit.branch[1].exponential);
+  for (double v = 2e-3; v < 0.1; v += 5e-3) {
+    EXPECT_NEAR(c.fit.force(0, v), force(0, v), 0.4) << v;
+    EXPECT_NEAR(c.fit.force(1, v), force(1, v), 0.4) << v;
+  }
+}
+
+// Noise of the size of the Stribeck part hides its shape; an exponent of 1 would rise more steeply below the slowest rows.
+TEST(StaticFit, WhereTheLogDoesNotTellTheExponentIsTwo) {
+  const auto faint = [](int, double speed) { return viscous(0, speed) + 3.0 * std::exp(-speed / 8e-3); };
+  const StaticChoice c = choose_static(sums_of(faint, 10.0), {});
+  EXPECT_FALSE(c.fit.family == Family::kSymmetricStribeck && c.fit.exponent == Exponent::kOne);
+  StaticFit two, one;
+  two.family = one.family = Family::kSymmetricStribeck;
+  one.exponent = Exponent::kOne;
+  EXPECT_LT(two.complexity(), one.complexity());
+  EXPECT_EQ(two.parameters(), one.parameters());
 }
 
 TEST(StaticFit, ExactlyOneCandidateOfEachChoiceIsChosen) {
@@ -134,7 +171,10 @@ TEST(StaticFit, GradientIsThatOfTheForce) {
   by_direction.top = {0.1, 0.09};
   by_direction.branch[0] = {40.0, 50.0, {{18.0, 0.5, 0.12}, {-5.0, 0.9, 0.3}}, false, 0.0};
   by_direction.branch[1] = {38.0, 52.0, {{9.0, 0.0, 0.2}}, true, 0.0};
-  for (const StaticFit& fit : {symmetric, by_direction}) {
+  StaticFit steep_symmetric = symmetric, steep_by_direction = by_direction;
+  steep_symmetric.exponent = Exponent::kOne;
+  steep_by_direction.branch[1].exponential = true;
+  for (const StaticFit& fit : {symmetric, by_direction, steep_symmetric, steep_by_direction}) {
     const auto p = static_cast<Eigen::Index>(fit.parameters());
     for (int side = 0; side < kSides; ++side) {
       const auto [first, count] = fit.span(side);

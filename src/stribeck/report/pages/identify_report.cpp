@@ -140,8 +140,8 @@ void parameters(Page& page, const ident::Result& r) {
   Table curve{"", all.columns, {}};
   for (const auto& row : all.rows) {
     const std::string& name = row.front().text;
-    const bool of_curve =
-        name.starts_with("gaussian_") || name.starts_with("eta") || name.starts_with("friction_at_");
+    const bool of_curve = name.starts_with("gaussian_") || name.starts_with("exponential_") ||
+                          name.starts_with("eta") || name.starts_with("friction_at_");
     (of_curve ? curve : single).rows.push_back(row);
   }
   constexpr std::size_t kFew = 6;

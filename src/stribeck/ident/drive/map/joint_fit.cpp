@@ -12,9 +12,6 @@ namespace {
 
 using Family = map::StaticFit::Family;
 
-// Widths of a Stribeck part that are tried: from what the slowest rows show to a part of the range of speed.
-constexpr double kNarrowestOfSlowest = 1.5, kNarrowest = 0.01, kWidest = 0.7;
-constexpr int kWidths = 14;
 constexpr int kRounds = 2;  ///< over the directions
 constexpr int kSteps = 8;   ///< of Gauss–Newton
 
@@ -128,11 +125,11 @@ double Pooled::step(JointFit& joint, const std::vector<Index>& fixed) const {
   return joint.map.move(x.tail(P));
 }
 
-/// The width of a Stribeck part, its range, and the parameter of the map that it is.
+/// The width of a Stribeck part, the values that are tried, and the parameter of the map that it is.
 struct Width {
   std::size_t side = 0;
   Index parameter = 0;
-  double low = 0.0, high = 0.0;
+  std::vector<double> tried;
 
   [[nodiscard]] double& of(map::StaticFit& map) const {
     return map.family == Family::kByDirection ? map.branch[side].terms.front().c : map.v0;
@@ -140,21 +137,18 @@ struct Width {
 };
 
 std::vector<Width> widths_of(const map::StaticFit& map, const Pooled& sums) {
-  const auto range = [&](std::size_t s, double unit) {
-    return std::pair{std::max(kNarrowestOfSlowest * sums.slowest(s), kNarrowest * sums.fastest(s)) / unit,
-                     kWidest * sums.fastest(s) / unit};
-  };
   std::vector<Width> out;
   if (map.family == Family::kSymmetricStribeck) {
-    const auto [low, high] = range(sums.slowest(0) < sums.slowest(1) ? 0 : 1, 1.0);
-    out.push_back({0, static_cast<Index>(map.parameters()) - 1, low, high});
+    const std::size_t s = sums.slowest(0) < sums.slowest(1) ? 0 : 1;
+    out.push_back({0, static_cast<Index>(map.parameters()) - 1,
+                   map::stribeck_widths(sums.slowest(s), sums.fastest(s))});
   }
   if (map.family != Family::kByDirection) return out;
   for (std::size_t s = 0; s < map::kSides; ++s) {
     if (!map.branch[s].centred || map.branch[s].terms.empty()) continue;
-    const auto [low, high] = range(s, map.top[s]);
     const auto [first, count] = map.span(static_cast<int>(s));
-    out.push_back({s, static_cast<Index>(first + count) - 1, low, high});
+    out.push_back({s, static_cast<Index>(first + count) - 1,
+                   map::stribeck_widths(sums.slowest(s) / map.top[s], sums.fastest(s) / map.top[s])});
   }
   return out;
 }
@@ -164,7 +158,7 @@ void scan_widths(const Pooled& sums, const std::vector<Width>& widths, JointFit&
   std::vector<Index> fixed;
   for (const Width& w : widths) {
     fixed.push_back(w.parameter);
-    w.of(best.map) = std::clamp(w.of(best.map), w.low, std::max(w.low, w.high));
+    if (!w.tried.empty()) w.of(best.map) = std::clamp(w.of(best.map), w.tried.front(), w.tried.back());
   }
   double least = std::numeric_limits<double>::infinity();
   const auto try_width = [&](const Width& w, double width) {
@@ -176,8 +170,7 @@ void scan_widths(const Pooled& sums, const std::vector<Width>& widths, JointFit&
   };
   for (int round = 0; round < kRounds; ++round) {
     for (const Width& w : widths) {
-      if (!(w.high > w.low)) continue;
-      for (int i = 0; i <= kWidths; ++i) try_width(w, w.low * std::pow(w.high / w.low, i / double{kWidths}));
+      for (const double width : w.tried) try_width(w, width);
     }
   }
 }

@@ -48,7 +48,7 @@ const char* const kTogether = "with periodic terms: ";
 struct JointFits {
   std::vector<JointFit> fits;
   std::vector<std::vector<double>> losses;  ///< of each fit, by block
-  std::vector<std::size_t> parameters;
+  std::vector<std::size_t> complexity;
 
   JointFits(const std::vector<map::StaticFit>& starts, const LinearFit& fit) {
     const std::size_t blocks = fit.sums.blocks;
@@ -59,7 +59,7 @@ struct JointFits {
       for (std::size_t k = 0; k < blocks; ++k)
         loss.push_back(loss_of(fit_jointly(joint.map, fit, k), fit.sums, k));
       losses.push_back(std::move(loss));
-      parameters.push_back(joint.map.parameters());
+      complexity.push_back(joint.map.complexity());
       fits.push_back(std::move(joint));
     }
   }
@@ -97,13 +97,13 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
   const JointFits together(map.simple, fit);
   std::vector<std::vector<double>> losses = together.losses;
   losses.insert(losses.begin(), map.block_loss);
-  std::vector<std::size_t> parameters = together.parameters;
-  parameters.insert(parameters.begin(), map.fit.parameters());
-  const map::Picked picked = map::pick(losses, parameters, map.tested);
+  std::vector<std::size_t> complexity = together.complexity;
+  complexity.insert(complexity.begin(), map.fit.complexity());
+  const map::Picked picked = map::pick(losses, complexity, map.tested);
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     Candidate c;
     c.name = kTogether + together.fits[i].map.name();
-    c.parameters = static_cast<int>(together.parameters[i]);
+    c.parameters = static_cast<int>(together.fits[i].map.parameters());
     c.held_out_rms = picked.rms[i + 1];
     c.standard_error = picked.error[i + 1];
     map.candidates.push_back(std::move(c));
@@ -120,7 +120,7 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
 std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit) {
   const JointFits together(choice.map.simple, fit);
   if (together.fits.empty()) return std::nullopt;
-  const map::Picked picked = map::pick(together.losses, together.parameters, choice.map.tested);
+  const map::Picked picked = map::pick(together.losses, together.complexity, choice.map.tested);
   choice.map.rivals.clear();
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     if (picked.equal[i] && i != picked.chosen) choice.map.rivals.push_back(together.fits[i].map);
