@@ -1,6 +1,7 @@
 # `cmake --install` puts the command with its man pages and completion, the headers and the libraries where shells, find_package(stribeck)
 # and pkg-config find them. The real-time tier is headers alone: stribeck::control needs nothing else. stribeck::workflow has what the
-# verbs do; it needs the libraries that stribeckConfig.cmake looks for. Component program: what runs; development: the rest.
+# verbs do; it needs the libraries that stribeckConfig.cmake looks for. Component program: what runs; shared: the
+# library that is loaded at run time; python; development: the rest.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
@@ -10,6 +11,7 @@ set(modules core friction path control plant sim ident io report workflow target
 list(TRANSFORM modules PREPEND stribeck_ OUTPUT_VARIABLE targets)
 list(APPEND targets stribeck_capi stribeck_capi_plant)
 install(TARGETS ${targets} EXPORT stribeckTargets)
+install(TARGETS stribeck_shared EXPORT stribeckTargets LIBRARY COMPONENT shared NAMELINK_COMPONENT development)
 foreach(module IN LISTS modules)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/stribeck/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stribeck
           FILES_MATCHING PATTERN "*.hpp" PATTERN "test_*" EXCLUDE)
@@ -26,22 +28,24 @@ include(\${CMAKE_CURRENT_LIST_DIR}/stribeckTargets.cmake)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/stribeckConfig.cmake ${PROJECT_BINARY_DIR}/stribeckConfigVersion.cmake DESTINATION ${cmake_files})
 
-# For C: the controllers, and the virtual drive. The folder is named relative to the file, so that an unpacked archive works anywhere.
+# For C: the controllers, and the virtual drive; both in one shared library. The folder is named relative to the file, so that an unpacked archive works anywhere.
 string(REGEX REPLACE "[^/]+" ".." up ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 function(pkg_config_file name about libs requires)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${name}.pc @ONLY CONTENT
        "prefix=\${pcfiledir}/@up@
+libdir=\${prefix}/@CMAKE_INSTALL_LIBDIR@
 Name: @name@
 Description: @about@
 Version: @PROJECT_VERSION@
 Requires: @requires@
 Cflags: -I\${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
-Libs: -L\${prefix}/@CMAKE_INSTALL_LIBDIR@ @libs@
+Libs: -L\${libdir} @libs@
 ")
   install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 pkg_config_file(stribeck "Position controllers with friction compensation, in C" "-lstribeck_capi -lstdc++ -lm" "")
 pkg_config_file(stribeck-plant "Virtual feed drives, in C" "-lstribeck_capi_plant -lstribeck_plant -lstdc++ -lm" stribeck)
+pkg_config_file(stribeck-shared "Position controllers with friction compensation and virtual feed drives, in C, as a shared library" "-lstribeck" "")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/stribeck)
 
 # ---- what runs
@@ -70,10 +74,13 @@ if(TARGET stribeck_python)
   install(TARGETS stribeck_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT python OPTIONAL)
   set(python_package python3-stribeck)
 endif()
-foreach(package stribeck libstribeck-dev ${python_package})
+set(shared_package libstribeck${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+foreach(package stribeck libstribeck-dev ${shared_package} ${python_package})
   set(component program)
   if(package STREQUAL "libstribeck-dev")
     set(component development)
+  elseif(package STREQUAL shared_package)
+    set(component shared)
   elseif(package STREQUAL "python3-stribeck")
     set(component python)
   endif()

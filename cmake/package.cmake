@@ -1,5 +1,5 @@
 # `cpack -G DEB` and `cpack -G TGZ` in a build folder: Debian packages, stribeck (what runs), libstribeck-dev (headers, libraries,
-# examples) and, where the module was built, python3-stribeck; and one archive with everything, which works wherever it is unpacked.
+# examples), libstribeck0.1 (the shared library of the C interface) and, where the module was built, python3-stribeck; and one archive with everything, which works wherever it is unpacked.
 set(CPACK_PACKAGE_NAME stribeck)
 set(CPACK_PACKAGE_VENDOR "The Stribeck authors")
 set(CPACK_PACKAGE_CONTACT "The Stribeck authors")
@@ -9,7 +9,7 @@ set(CPACK_PACKAGE_FILE_NAME stribeck-${PROJECT_VERSION}-${CMAKE_SYSTEM_NAME}-${C
 set(CPACK_STRIP_FILES ON)
 set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_GENERATOR TGZ)
-set(CPACK_COMPONENTS_ALL program development)
+set(CPACK_COMPONENTS_ALL program development shared)
 if(TARGET stribeck_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -30,10 +30,18 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot-qt | gnuplot-x11")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace, libnetcdf19 | libnetcdf22")
 # What find_package(stribeck) looks for. A program in C needs none of them.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev, ${shared_package} (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "libeigen3-dev, libceres-dev, libnlopt-dev, libfmt-dev, libboost-dev, nlohmann-json3-dev, libudunits2-dev, libexpat1-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS stribeck)
+set(CPACK_DEBIAN_SHARED_PACKAGE_NAME ${shared_package})
+set(CPACK_DEBIAN_SHARED_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_SHARED_PACKAGE_SHLIBDEPS ON)
+set(CPACK_COMPONENT_SHARED_DESCRIPTION "Position controllers with friction compensation and virtual feed drives behind a
+C interface, as a library that programs load at run time.")
+# The linker of the system learns of the library.
+file(WRITE ${PROJECT_BINARY_DIR}/package/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_SHARED_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/triggers)
 if(TARGET stribeck_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-stribeck)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
