@@ -62,6 +62,7 @@ struct Log {
   /// Keys as in the file; "sample time" and "axis N" where the format has its own place for them.
   std::vector<std::pair<std::string, std::string>> metadata;
   std::string format = "CSV";
+  char decimal_sign = '.';  ///< of the numbers in the table
 
   /// By header as in the file, else by name; null where there is none.
   [[nodiscard]] const Column* find(std::string_view name) const;

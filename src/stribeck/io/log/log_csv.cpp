@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/log/decimal_commas.hpp>
+#include <stribeck/io/log/decimal_sign.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -48,7 +48,7 @@ class CsvReader {
            std::to_string(line_number(unended.data())) +
            ") was left out: it has no line end and may be cut off");
     }
-    if (decimal_ == ',') note_decimal_commas(log_);
+    set_decimal_sign(log_, decimal_);
     if (log_.rows < 2) {
       fail(0, log_.rows == 0 ? "has a header but no data rows, expected at least two"
                              : "has one data row, expected at least two");

@@ -5,7 +5,6 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
-#include <stribeck/io/log/decimal_commas.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
@@ -164,7 +163,7 @@ std::size_t end_of_number(const std::string& text) {
 
 /// "100,5 mm" above a table of decimal commas. A point there may stand between thousands.
 std::string with_decimal_point(const io::Log& log, const std::string& key, std::string text) {
-  if (!io::has_decimal_commas(log)) return text;
+  if (log.decimal_sign != ',') return text;
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(end_of_number(text));
   if (std::find(text.begin(), end, '.') != end)
     throw io::InputError(
