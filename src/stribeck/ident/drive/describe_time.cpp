@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stribeck/ident/bristle/bristle_fit.hpp>
 #include <stribeck/ident/bristle/place_stiffness.hpp>
 #include <stribeck/ident/drive/describe.hpp>
@@ -57,6 +58,17 @@ void add_place_stiffness(Result& result, const std::vector<log::Record>& records
                                  share * std::exp(-half), share * std::exp(half),
                                  half < std::abs(std::log(share))});
   }
+}
+
+/// Of each record the number of its log: a log that was cut at gaps is several records, one after the other in time.
+std::vector<std::size_t> logs_of(std::span<const log::Record> records) {
+  std::vector<std::size_t> out;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const bool goes_on =
+        r > 0 && records[r].source == records[r - 1].source && records[r].t.front() > records[r - 1].t.back();
+    out.push_back(r == 0 ? 0 : out.back() + (goes_on ? 0 : 1));
+  }
+  return out;
 }
 
 }  // namespace
@@ -153,23 +165,30 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes) {
 
 void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes) {
   const Rows& rows = found.rows;
-  std::vector<std::size_t> length(found.log.records.size());
-  for (const int r : rows.record) ++length[static_cast<std::size_t>(r)];
-  const auto longest = static_cast<int>(std::max_element(length.begin(), length.end()) - length.begin());
+  const auto records = found.log.records;
+  const std::vector<std::size_t> log = logs_of(records);
+  std::vector<std::size_t> length(log.size());
+  for (const int r : rows.record) ++length[log[static_cast<std::size_t>(r)]];
+  const auto longest =
+      static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
   std::vector<std::size_t> used;
   for (const std::size_t i : sample(rows)) {
-    if (rows.record[i] == longest) used.push_back(i);
+    if (log[static_cast<std::size_t>(rows.record[i])] == longest) used.push_back(i);
   }
   if (used.size() < kFewestForDrift) return;
-  const log::Record& rec = found.log.records[static_cast<std::size_t>(longest)];
-  const double from = rec.t[rows.at[used.front()]], to = rec.t[rows.at[used.back()]];
+  const auto time = [&](std::size_t i) {
+    return records[static_cast<std::size_t>(rows.record[i])].t[rows.at[i]];
+  };
+  const log::Record& rec = records[static_cast<std::size_t>(rows.record[used.front()])];
+  const double from = time(used.front()), to = time(used.back());
   MatrixXd X(static_cast<Index>(used.size()), 2);
   VectorXd y(static_cast<Index>(used.size()));
-  const std::vector<int> record(used.size(), 0);
+  std::vector<int> record(used.size());
   std::vector<std::size_t> at(used.size());
   for (std::size_t j = 0; j < used.size(); ++j) {
     const auto k = static_cast<Index>(j);
-    const double tau = (rec.t[rows.at[used[j]]] - from) / (to - from) - 0.5;
+    const double tau = (time(used[j]) - from) / (to - from) - 0.5;
+    record[j] = rows.record[used[j]];
     X(k, 0) = tau;
     X(k, 1) = tau * map::kDirection[rows.side[used[j]]];
     y(k) = found.intervals.residual[used[j]];

@@ -200,6 +200,16 @@ TEST(DriveFit, SaysWhatWarmingUpDoes) {
   }
   const Result r = identify_drive({rec}, quick());
   EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("friction fell by")));
+  // The same where the log was cut at a gap.
+  log::Record first = rec, second = rec;
+  const auto half = static_cast<std::ptrdiff_t>(rec.t.size() / 2);
+  for (auto column : {&log::Record::t, &log::Record::r, &log::Record::x, &log::Record::f}) {
+    if ((rec.*column).empty()) continue;
+    (first.*column).resize(static_cast<std::size_t>(half) - 20);
+    (second.*column).erase((second.*column).begin(), (second.*column).begin() + half);
+  }
+  const Result cut = identify_drive({first, second}, quick());
+  EXPECT_THAT(cut.warnings, ::testing::Contains(HasSubstr("friction fell by")));
   const Result steady = identify_drive({sine(drive, 3, 6.0)}, quick());
   EXPECT_THAT(steady.warnings, ::testing::Not(::testing::Contains(HasSubstr("warming up"))));
 }

@@ -193,12 +193,48 @@ TEST(Condition, ManySingleGapsAreBridged) {
   RawLog log = logged();
   for (std::size_t k = 7900; k > 50; k -= 60) erase(log, k, k + 1);
   const Conditioned c = condition(log);
-  EXPECT_THAT(only(c, "gap").text, HasSubstr("interpolated by straight lines"));
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("the first of 131 short ones with 131 rows in all"));
   ASSERT_EQ(c.records.size(), 1U);
   EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-9);
+  EXPECT_EQ(c.records[0].x.size(), 8000U);
+  EXPECT_EQ(std::count(c.records[0].skip.begin(), c.records[0].skip.end(), 1), 131);
   const Axis axis;
   for (std::size_t k = 0; k < c.records[0].x.size(); k += 97)
     EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 2e-6) << k;  // a·T²/8 = 0.2 um, and resolution
+}
+
+TEST(Condition, ShortGapsAreBridgedAndNotFitted) {
+  RawLog log = logged();
+  for (const auto& [at, rows] : {std::pair{7000, 1}, {5200, 3}, {2400, 5}, {900, 2}})
+    erase(log, static_cast<std::size_t>(at), static_cast<std::size_t>(at + rows));
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("the first of 4 short ones with 11 rows in all"));
+  ASSERT_EQ(c.records.size(), 1U);
+  ASSERT_EQ(c.records[0].x.size(), 8000U);
+  ASSERT_EQ(c.records[0].skip.size(), 8000U);
+  EXPECT_EQ(std::count(c.records[0].skip.begin(), c.records[0].skip.end(), 1), 11);
+  const Axis axis;
+  for (const std::size_t k : {900U, 901U, 2400U, 2402U, 2404U, 5201U, 7000U}) {
+    EXPECT_EQ(c.records[0].skip[k], 1) << k;
+    EXPECT_NEAR(c.records[0].t[k], static_cast<double>(k) * 1e-3, 1e-9);
+    EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 1e-6) << k;
+  }
+  // A longer gap is cut beside them.
+  erase(log, 4000, 4006);
+  EXPECT_EQ(condition(log).records.size(), 2U);
+}
+
+// The time jumps, the motion does not: rows put in would be a standstill that never was.
+TEST(Condition, AClockThatJumpsIsNotBridged) {
+  RawLog log = logged();
+  for (std::size_t k = 4000; k < log.x.t.size(); ++k) {
+    for (Signal* s : {&log.x, &log.v, &log.f}) {
+      if (!s->t.empty()) s->t[k] += 3e-3;
+    }
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("cut there"));
+  EXPECT_EQ(c.records.size(), 2U);
 }
 
 TEST(Condition, TimeBackIsANewRecordOrRefused) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/log/condition_parts.hpp>
+#include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>
@@ -265,6 +266,7 @@ void note_gaps(const Table& piece, const Gaps& gaps, Notes& notes) {
 
 /// The case of a piece whose time does not go back: cuts it at gaps and makes its time regular.
 void cut_at_gaps(Table piece, Sampling& sampling, Notes& notes, std::vector<Table>& out) {
+  bridge_short_gaps(piece, sampling, notes);
   const Gaps gaps = find_gaps(piece, sampling);
   const bool many = gaps.count() > 0;
   if (many && gaps.kept * 2 < piece.rows() && gaps.starts.size() * 20 > piece.rows() &&

@@ -1,13 +1,24 @@
 #pragma once
-/// Faults of logs that neither their time stamps nor one channel alone tell of. Steps of condition(), inside of it only.
+/// Faults of logs that one channel alone does not tell of. Steps of condition(), inside of it only.
 ///
 /// Real time: no.
 
+#include <array>
+#include <cstddef>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <string>
 #include <vector>
 
 namespace stribeck::ident::log::parts {
+
+inline constexpr std::size_t kMostLost = 5;  ///< rows in one place that are put in again
+
+// short_gaps.cpp
+/// Puts in up to kMostLost rows that are missing in one place, time stamps included, and marks them as not fitted. Longer gaps
+/// stay, as do those that the motion does not have.
+void bridge_short_gaps(Table& table, Sampling& sampling, Notes& notes);
+/// Value at step `at` of a hole of `hole` steps, on the cubic through the two samples before it and the two after it.
+double on_cubic(const std::array<double, 4>& y, double hole, double at);
 
 // lost_rows.cpp
 /// Puts in rows that a logger lost, takes out those that it wrote twice, and mends those that it did not renew,

@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::size_t kNeighbours = 5;  // steps on either side
 constexpr std::size_t kFewestNeighbours = 3;
-constexpr std::size_t kMostLost = 5;   // rows in one place that are put in again; more are cut out
 constexpr std::size_t kMostHeld = 50;  // rows in one place that were not renewed
 constexpr double kWhole = 0.25;        // of a step, by which a whole number of steps may be missed
 constexpr double kBeyondSpread = 5.0;
@@ -229,22 +228,6 @@ class Mender {
     out_.mark.push_back(from_.mark[k]);
   }
 
-  /// On the cubic through the two samples before and the two after; row `next` is not yet copied.
-  [[nodiscard]] static double on_cubic(const std::vector<double>& done, const std::vector<double>& raw,
-                                       std::size_t next, double hole, double at) {
-    const std::array<double, 4> t{-1.0, 0.0, hole, hole + 1.0};
-    const std::array<double, 4> y{done[done.size() - 2], done.back(), raw[next], raw[next + 1]};
-    double sum = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      double weight = 1.0;
-      for (std::size_t j = 0; j < 4; ++j) {
-        if (j != i) weight *= (at - t[j]) / (t[i] - t[j]);
-      }
-      sum += weight * (y[i] - y[1]);
-    }
-    return y[1] + sum;
-  }
-
   /// Puts `rows` rows between the last one and `next`; those that are in the log keep what was renewed in them.
   void fill(std::size_t k, std::size_t next, std::size_t rows, bool in_log) {
     const double hole = static_cast<double>(rows + 1);
@@ -258,9 +241,11 @@ class Mender {
       for (std::size_t i = 0; i < rows; ++i) {
         const double at = static_cast<double>(i + 1);
         const bool renewed = in_log && c > 0 && (*raw)[k + i] != (*raw)[k - 1];
-        fresh[c].push_back(renewed    ? (*raw)[k + i]
-                           : position ? on_cubic(*done, *raw, next, hole, at)
-                                      : done->back() + ((*raw)[next] - done->back()) * at / hole);
+        fresh[c].push_back(
+            renewed    ? (*raw)[k + i]
+            : position ? on_cubic({(*done)[done->size() - 2], done->back(), (*raw)[next], (*raw)[next + 1]},
+                                  hole, at)
+                       : done->back() + ((*raw)[next] - done->back()) * at / hole);
       }
     }
     for (std::size_t c = 0; c < columns.size(); ++c)
