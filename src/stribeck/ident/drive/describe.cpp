@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
@@ -13,6 +14,9 @@ namespace {
 constexpr std::size_t kShownResiduals = 4000;
 constexpr double kVagueShift = 0.3;  ///< [rows] half width of a shift that is worth a word
 constexpr double kApart = 0.1;       ///< of friction: difference of the directions that is worth a word
+constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
+constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
+constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
 constexpr double kMostUnseen =
     0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
 
@@ -62,6 +66,7 @@ class Description {
 
   void write_head();
   void write_summary(int s);
+  bool slow_enough(int s, const std::optional<Figure>& stribeck_speed);
   void write_speeds(int s);
   /// Standard error of a figure of one direction.
   [[nodiscard]] double error_of(const Figure& figure, int s) const;
@@ -83,6 +88,8 @@ class Description {
   const DriveFitOptions& options_;
   Notes& notes_;
   std::size_t terms_;
+  bool at_rest_seen_ = false;  ///< by one direction at least
+  bool said_slowest_ = false;
   Result result_;
 };
 
@@ -122,13 +129,34 @@ void Description::write_summary(int s) {
   const std::string tail = std::string("_") + map::kSideName[side];
   const double d = map::kDirection[side];
   add("coulomb" + tail, d * summary.coulomb.value, "N", "N", error_of(summary.coulomb, s), true);
-  add("static" + tail, d * summary.at_rest.value, "N", "N", error_of(summary.at_rest, s), true);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s);
+  const bool seen_at_rest = slow_enough(s, rises ? summary.stribeck_speed : std::nullopt);
+  at_rest_seen_ = at_rest_seen_ || seen_at_rest;
+  add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
+      seen_at_rest);
   if (rises && summary.stribeck_speed) {
     add("stribeck_speed" + tail, summary.stribeck_speed->value, "m/s", "mm/s",
-        error_of(*summary.stribeck_speed, s), true);
+        error_of(*summary.stribeck_speed, s), seen_at_rest);
   }
   add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s), true);
+}
+
+/// Whether the slowest rows show the friction at rest: where a Stribeck part was found, most of its rise; where none was, speeds at
+/// which there usually is one. The first direction that does not is noted.
+bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed) {
+  const map::Grid& grid = found_.rows.grid[static_cast<std::size_t>(s)];
+  const bool metres = result_.position_unit == "m";
+  const double slow = stribeck_speed ? kMostOfStribeckSpeed * stribeck_speed->value
+                      : metres       ? kUsualStribeckSpeed
+                                     : kSlowOfTop * grid.high;
+  if (grid.low <= slow) return true;
+  if (said_slowest_) return false;
+  said_slowest_ = true;
+  notes_.cannot_tell.push_back(text(
+      "static friction: nothing slower than %.3g %s was used, and the friction may rise below it: add jogs at %.2g %s and slower",
+      grid.low * (metres ? 1e3 : 1.0), metres ? "mm/s" : "rad/s", 0.2 * grid.low * (metres ? 1e3 : 1.0),
+      metres ? "mm/s" : "rad/s"));
+  return false;
 }
 
 void Description::write_speeds(int s) {
@@ -179,8 +207,8 @@ void Description::write_symmetric() {
         friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, static_cast<double>(fit.exponent)};
     VectorXd h = found_.intervals.zero();
     h(at(1)) = h(at(3)) = 1.0;
-    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), seen(3));
-    add("v0", fit.v0, "m/s", "mm/s", map_error(4), seen(4));
+    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), at_rest_seen_ && seen(3));
+    add("v0", fit.v0, "m/s", "mm/s", map_error(4), at_rest_seen_ && seen(4));
     if (fit.exponent == map::Exponent::kOne) {
       Parameter delta;
       delta.name = "delta";

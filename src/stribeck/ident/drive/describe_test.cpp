@@ -99,6 +99,22 @@ TEST(Describe, AShiftIsAParameterAndAWarning) {
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("3 rows (3 ms) later")));
 }
 
+// Below the slowest rows nothing was measured: static friction is not determined, and that is said once for both directions.
+TEST(Describe, StaticFrictionIsToldBySlowRowsAlone) {
+  Steps steps;
+  ASSERT_GT(steps.rows.grid[0].low, 2e-3);
+  Notes notes;
+  const Result r = describe(steps.found(), {}, notes);
+  EXPECT_FALSE(r.find("static_positive")->identifiable);
+  EXPECT_TRUE(r.find("coulomb_positive")->identifiable);
+  EXPECT_THAT(notes.cannot_tell,
+              ::testing::ElementsAre(HasSubstr("static friction: nothing slower than 4.89 mm/s was used")));
+  for (map::Grid& grid : steps.rows.grid) grid.low = 1e-3;
+  Notes slow;
+  EXPECT_TRUE(describe(steps.found(), {}, slow).find("static_positive")->identifiable);
+  EXPECT_THAT(slow.cannot_tell, IsEmpty());
+}
+
 TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
   Notes notes;
   warn_of_drift(Steps().found(), "N", notes);
@@ -116,9 +132,10 @@ TEST(Describe, NoBristleWithoutAMassOrMetres) {
   Result r = describe(steps.found(), {}, notes);
   r.position_unit = "rad";
   const std::size_t before = r.parameters.size();
-  add_bristle(r, steps.found(), notes);
+  Notes bristle;
+  add_bristle(r, steps.found(), bristle);
   EXPECT_EQ(r.parameters.size(), before);
-  EXPECT_THAT(notes.cannot_tell, IsEmpty());
+  EXPECT_THAT(bristle.cannot_tell, IsEmpty());
 }
 
 }  // namespace
