@@ -1,12 +1,12 @@
 #pragma once
 /// Sliding-mode contouring control with a switching gain that follows the error.
 ///
-///   s = ė_l + λ e_l            w = R(λṘᵀe_w + λRᵀė_w + R̈ᵀe_w + 2Ṙᵀė_w)
-///   f = M̂(q̈_d − w) + f̂_f + ĝ − M̂·R·(A s + diag(φ(s))·k)
-///   k = γ + h̄                                        printed:     h̄ = |Rᵀ|·M̄⁻¹·(m̃ ∘ |q̈_d − w| + f̄)
+///   s = ė_l + λ e_l  (4.9)     w = R(λṘᵀe_w + λRᵀė_w + R̈ᵀe_w + 2Ṙᵀė_w)  (in 4.12)
+///   f = M̂(q̈_d − w) + f̂_f + ĝ − M̂·R·(A s + diag(φ(s))·k)  (4.12), (4.13)
+///   k = γ + h̄  (4.19)                                printed:     h̄ = |Rᵀ|·M̄⁻¹·(m̃ ∘ |q̈_d − w| + f̄)  (4.18)
 ///   k = (I − D̄)⁻¹(γ + h̄ + D̄ A|s|)                     sufficient:  D̄ = |Rᵀ|·diag(m̃/(m̂ − m̃))·|R|
 ///   adaptive, in place of γ + h̄:                         k̇ = G|s|·sgn(|s| − c_k·k·T),   k(0) = γ,   γ_least ≤ k ≤ γ_most
-///   φ(s)   sign: sgn s (printed) · boundary-layer: sat(s/Φ) · tanh: tanh(s/Φ)
+///   φ(s)   sign: sgn s (4.14, printed) · boundary-layer: sat(s/Φ) · tanh: tanh(s/Φ)
 ///   super-twisting, in place of A s + φ(s)k:   1.5·√(c k |s|)·sgn s + z,   ż = 1.1·c·k·sgn s,   |z| ≤ k
 ///
 ///   λ, A [1/s], γ, k, z [m/s²], Φ, s [m/s] in (t, n, b, …); m̃ [kg] bound of the mass's error, f̄ [N] bound of the errors of

@@ -1,8 +1,8 @@
 #pragma once
 /// Adaptive friction: a first-order filter of the force that the nominal model of an axis lacks.
 ///
-///   β_e' = K_c·(f_u − f_nom − β_e + K_c·m·q̇),   β̂ = β_e − K_c·m·q̇      so that   dβ̂/dt = K_c·(β − β̂)
-///   β = f_u − f_nom − m·q̈
+///   β_e' = K_c·(f_u − f_nom − β_e + K_c·m·q̇),   β̂ = β_e − K_c·m·q̇  (4.23)      so that   dβ̂/dt = K_c·(β − β̂)
+///   β = f_u − f_nom − m·q̈;   f_nom + β̂ is added to the feedback  (4.22)
 ///
 ///   f_u force on the axis [N], f_nom nominal friction and load at the reference [N], q̇ measured velocity [m/s], m mass [kg],
 ///   K_c gain [1/s]. β̂ > 0 brakes a motion in +x; the controller adds it. Stable for every K_c > 0: one pole at −K_c.
