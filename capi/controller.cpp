@@ -56,7 +56,7 @@ void refuse_gains(const Controller<N>& c, std::string_view what, Refuse&& refuse
 
 template <std::size_t N, class Refuse>
 void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refuse&& refuse) {
-  refuse_gains(c, "sliding-mode has none: set omega, or lambda and a", refuse);
+  refuse_gains(c, "the sliding-mode law has no such gain: set omega, or lambda and a", refuse);
   const control::SlidingModeParams initial;
   for (control::PerAxis* list :
        {&p.lambda, &p.a, &p.gamma, &p.mass_bound, &p.force_bound, &p.gamma_least, &p.gamma_most})
@@ -89,11 +89,12 @@ void gather(const Controller<N>& c, double, control::SlidingModeParams& p, Refus
 
 template <std::size_t N, class Refuse>
 void gather(const Controller<N>& c, double period, control::PredictiveParams& p, Refuse&& refuse) {
-  refuse_gains(c, "predictive has none: set omega", refuse);
+  refuse_gains(c, "the predictive law has no such gain: set omega", refuse);
   p.omega = c.settings[0].omega;
   p.speed_limit.clear();
   for (std::size_t i = 0; i < N; ++i) {
-    if (c.settings[i].omega != p.omega) refuse(i, "omega", "predictive has the same on all axes");
+    if (c.settings[i].omega != p.omega)
+      refuse(i, "omega", "expected the same omega on all axes for the predictive law");
     p.speed_limit.push_back(std::get<capi::PredictiveLaw>(c.settings[i].law)
                                 .speed_limit.value_or(std::numeric_limits<double>::infinity()));
   }

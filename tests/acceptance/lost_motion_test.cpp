@@ -197,7 +197,7 @@ TEST(LostMotion, WhatTheDataDoNotCarryIsAbsent) {
   EXPECT_NEAR(sum.total->value, 12e-6 + 2.0 * 0.6 * 360.0 / 30e6, 1e-6);
   EXPECT_FALSE(sum.backlash || sum.stiffness);
   ASSERT_EQ(sum.words.size(), 1U);
-  EXPECT_TRUE(sum.words[0].starts_with("without a force, backlash and wind-up cannot be told apart"));
+  EXPECT_TRUE(sum.words[0].starts_with("without a force, backlash and wind-up cannot be distinguished"));
   const LostMotion still = ident::lost_motion::identify({Positions{1e-3, {0.0, 0.0}, {0.0, 0.0}, {}}});
   EXPECT_FALSE(still.total);
   EXPECT_FALSE(still.words.empty());

@@ -755,7 +755,7 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   double force[2];
   EXPECT_EQ(stribeck_controller_step(h.c, turning<2>(0).data(), force), STRIBECK_OK);
   h.choose("law", "sliding-mode").set("kp", 3600.0);
-  expect(h, "axis 0: kp: sliding-mode has none: set omega, or lambda and a");
+  expect(h, "axis 0: kp: the sliding-mode law has no such gain: set omega, or lambda and a");
   h.set("kp", kNan).set("sliding-mode.mass_bound", 900.0);
   expect(h, "axis 0: sliding-mode.mass_bound: expected less than the mass");
   h.set("sliding-mode.mass_bound", 450.0).choose("sliding-mode.gain", "sufficient");
@@ -777,7 +777,7 @@ TEST(CLaws, RefuseWhatMeansNothing) {
   expect(h, "axis 0: omega: unstable at this period");
   h.set("omega", 60.0);
   stribeck_controller_set(h.c, 1, "omega", 50.0);
-  expect(h, "axis 1: omega: predictive has the same on all axes");
+  expect(h, "axis 1: omega: expected the same omega on all axes for the predictive law");
   h.choose("law", "learning");
   expect(h, "axis 0: learning.lap: not set");
   h.set("learning.lap", 1.0).set("omega", 1500.0);

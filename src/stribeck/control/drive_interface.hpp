@@ -12,7 +12,7 @@
 ///   the drive (friction/drive_loop.hpp). With the right mass ẍ = a, as if the drive took forces: the loop that the law closes, its gains
 ///   and its margins stay the same, and the drive's own loop holds against what the model does not explain.
 ///
-/// Observers and adaptation of the law need F. It cannot be told from set points and encoder: a lateness τ of the drive's own
+/// Observers and adaptation of the law need F. It cannot be computed from set points and encoder: a lateness τ of the drive's own
 /// velocity is a force K·v·τ/T_n to its integral, thousands of newtons for a tenth of a millisecond. If the drive reports F, they get it;
 /// if not, they rest (setup.hpp), and the integral of the drive takes what the model does not explain.
 /// The integral of the drive holds the axis before the first period. The first U is taken as that force, so that nothing jumps; a

@@ -18,7 +18,7 @@ std::string printable(std::string_view text);
 /// The same, but line feeds are kept.
 std::string printable_lines(std::string_view text);
 
-/// The text itself, or its begin and its end if it has more bytes than `most`.
+/// The text itself, or its start and its end if it has more bytes than `most`.
 std::string shortened(std::string_view text, std::size_t most);
 
 /// A text that is safe as part of one line of a file that another program obeys: printable, at most `most` bytes, and without a

@@ -101,7 +101,7 @@ Mat<double, C::kAxes> carried(const C& curve, double from, double to, int steps)
 /// Largest difference of R' and R'' from central differences of R, R' of neighbouring frames.
 template <PathCurve C>
 double derivative_error(const C& curve, double phi) {
-  // Rows with torsion need neighbours that are carried from here.
+  // With torsion, the neighbouring frames must be transported from this point.
   const double h = 1e-5;
   const auto here = carried(curve, 0.0, phi, 2000);
   const auto at = [&](double p) {

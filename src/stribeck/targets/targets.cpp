@@ -40,8 +40,8 @@ std::vector<Target> made() {
   out.push_back(kMoteus);
   out.push_back(
       {"all", "axis files of identify",
-       "a folder with each of the others but linuxcnc, those with a pulse where --controller tells the loop, and their errors "
-       "side by side",
+       "a folder with every export except linuxcnc, each if the options that it needs are given (a pulse needs --controller), "
+       "and a table of their errors",
        "that of each is printed", write_all});
   return out;
 }

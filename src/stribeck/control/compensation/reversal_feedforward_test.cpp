@@ -98,7 +98,7 @@ class ByHand {
 
 TEST(Reversal, ExponentialOverDistanceUnderConstantAcceleration) {
   const double a = 50e-3;
-  // The reversal at the begin of a hold, at its middle, and near its end.
+  // The reversal at the start of a hold, at its middle, and near its end.
   for (const double phase : {0.0, 0.5, 0.93}) {
     const ReversalFeedforward law(exponential(), flat(), kPeriod);
     ReversalFeedforward::State s;

@@ -43,7 +43,7 @@ TEST(CrossCoupled, OnAStraightStretchItIsPdAlongAndPidAcross) {
 }
 
 TEST(CrossCoupled, LeavesNoContourErrorUnderAConstantDisturbanceAndPdAlong) {
-  // On a diagonal: what pushes along is answered by k_p alone, what pushes across by the integral.
+  // On a diagonal: only k_p acts against the force along the path; the integral acts against the force across it.
   const auto r = along(kPi / 4);
   const CrossCoupled<2> law({}, test::masses<2>(1e-3));
   CrossCoupled<2>::State s;

@@ -254,7 +254,7 @@ TEST(Predictive, WithoutFeedForwardTheForceIsThatOfTheMeanAccelerationOverTheHol
     for (int j = 0; j < 30; ++j) ahead.push_back(at(k + j));
     const double force = law.step(s, std::span<const path::PathPoint<1>>(ahead), ahead[0].position)[0];
     const double mean = (ahead[1].velocity[0] - ahead[0].velocity[0]) / kStep;
-    // The acceleration at the begin of the hold is up to 0.2 m/s² off. A tenth of that is left for the answer to what a parabola over
+    // The acceleration at the start of the hold is up to 0.2 m/s² off. A tenth of that is left for the answer to what a parabola over
     // the hold misses of the sine.
     if (k > 2) {
       EXPECT_NEAR(force / setup.compensation[0].model.mass, mean, 0.02) << k;

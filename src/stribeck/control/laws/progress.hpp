@@ -27,7 +27,7 @@ class Progress {
     Vec<double, N> c;    ///< mean acceleration as programmed [m/s²]
     Vec<double, N> low;  ///< bounds of the acceleration [m/s²]
     Vec<double, N> high;
-    double most = 1.0;  ///< greatest z at its begin
+    double most = 1.0;  ///< greatest z at its start
   };
   /// Stages ahead; greatest[j]: largest z permitted at the beginning of stage j.
   struct Work {

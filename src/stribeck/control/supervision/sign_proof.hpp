@@ -3,7 +3,7 @@
 ///
 ///   unproven    f within load ± start
 ///   push run    periods for which f − load has kept its sign with |f − load| ≥ level/2, counted once the delay is over
-///   proven      in a push run, moved with it by 5 µm and 10 encoder steps, and no slower than at its begin; from then on no limit
+///   proven      in a push run, moved with it by 5 µm and 10 encoder steps, and no slower than at its start; from then on no limit
 ///
 ///   start, level see limits.hpp. Not slower: with a wrong sign, an axis that the force brakes seems to move with it as well.
 /// A wrong sign needs some periods until it is seen (motion_check.hpp). A stiff law would ask for full force in the first of them.

@@ -225,13 +225,13 @@ void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radi
       1e3 * angle_fast * radius / fast, 1e6 * radius * (1.0 - std::cos(angle_fast)), 6e4 * fast);
   if (std::abs(time) < 0.5 * std::abs(travel)) {
     remarks.push_back(fmt::format(
-        "spikes of {}: {}: the time stays, as where play is taken up or compensated late", name, tops));
+        "spikes of {}: {}: the time stays, as of backlash that closes, or is compensated, late", name, tops));
   } else if (std::abs(travel) < 0.5 * std::abs(time)) {
     remarks.push_back(
         fmt::format("spikes of {}: {}: the travel stays, as of friction before sliding", name, tops));
   } else {
-    remarks.push_back(
-        fmt::format("spikes of {}: {}: neither stays, friction and play cannot be told apart", name, tops));
+    remarks.push_back(fmt::format(
+        "spikes of {}: {}: neither stays, friction and backlash cannot be distinguished", name, tops));
   }
 }
 
@@ -267,17 +267,17 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cau
   std::vector<std::string> out;
   if (!rows.both_directions)
     out.emplace_back(
-        "one direction of travel: squareness cannot be told from servo mismatch, nor scale mismatch from lateral play; "
+        "one direction of travel: squareness cannot be distinguished from servo mismatch, nor scale mismatch from lateral play; "
         "measure the other direction too");
   if (!rows.feeds_differ &&
       (is_found(causes, CauseKind::kRadius) || is_found(causes, CauseKind::kScaleMismatch)))
     out.emplace_back(
-        "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be told from those of the "
+        "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be distinguished from those of the "
         "scales; measure at a second feed, at least twice as fast, and give both logs with --together");
   if (is_found(causes, CauseKind::kReversalSpike)) {
     if (!rows.feeds_differ) {
       out.emplace_back(
-          "one feed: a spike of friction cannot be told from play that is taken up late; measure at a second feed and "
+          "one feed: a spike of friction cannot be distinguished from backlash that closes late; measure at a second feed and "
           "give both logs with --together");
     } else {
       for (const int axis : {0, 1}) {
@@ -290,10 +290,10 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cau
   }
   if (is_found(causes, CauseKind::kStraightness))
     out.emplace_back(
-        "a bow of a guide cannot be told from a scale whose error grows with the square of the travel");
+        "a bow of a guide cannot be distinguished from a scale whose error grows with the square of the travel");
   if (is_found(causes, CauseKind::kRadius))
     out.emplace_back(
-        "a radius cannot be told from an error of the instrument's length, unless that was calibrated");
+        "a radius cannot be distinguished from an error of the instrument's length, unless that was calibrated");
   if (!commanded)
     out.emplace_back("without a commanded circle (--map rx=…, ry=…) an offset of the centre cannot be seen");
   add_remarks_on_instrument(rows, motions, out);
@@ -371,7 +371,7 @@ CauseWords words_of(CauseKind kind) {
     case CauseKind::kCyclic:
       return {
           "the position error of this axis repeats with this pitch",
-          "compare the pitch with lead, gear, belt and scale; mend what has that pitch, or enter it in the screw error table",
+          "compare the pitch with lead, gear, belt and scale; repair the part with that pitch, or enter it in the screw error table",
           true};
     case CauseKind::kServoMismatch:
       return {"one axis follows later than the other",

@@ -63,7 +63,9 @@ TEST(Causes, SpikeAndNegativeBacklash) {
     EXPECT_NEAR(p.delay, m.spike_time * kFeed / m.radius, 0.5 * kPi / 180.0);
     EXPECT_NEAR(p.width, 1.60 * m.spike_time * kFeed / m.radius, 0.5 * kPi / 180.0);
   }
-  EXPECT_THAT(d.remarks, Contains(HasSubstr("a spike of friction cannot be told from play")));
+  EXPECT_THAT(
+      d.remarks,
+      Contains(HasSubstr("a spike of friction cannot be distinguished from backlash that closes late")));
 }
 
 // Invariance: with x and y exchanged, every cause is that of the other axis, and the direction of the lag turns round.
@@ -100,7 +102,7 @@ TEST(Causes, SaysWhatCannotBeToldApart) {
   const auto one = diagnose({record.motion(m.radius)});
   ASSERT_TRUE(one);
   EXPECT_EQ(found_in(*one), std::vector<std::string>{"squareness"});
-  EXPECT_THAT(one->remarks, Contains(HasSubstr("squareness cannot be told from servo mismatch")));
+  EXPECT_THAT(one->remarks, Contains(HasSubstr("squareness cannot be distinguished from servo mismatch")));
   VirtualMachine lagging;
   lagging.lag[0] = lagging.lag[1] = 0.02;
   const Diagnosis slow = diagnosis_of(lagging, {kFeed});

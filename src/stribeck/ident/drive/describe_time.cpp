@@ -195,7 +195,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
     at[j] = rows.at[used[j]];
   }
   const MatrixXd normal = X.transpose() * X;
-  // With almost only one direction, offset and friction cannot be told apart.
+  // With almost only one direction, offset and friction cannot be distinguished.
   if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return;
   const MatrixXd inverse = normal.inverse();
   const VectorXd x = inverse * (X.transpose() * y);

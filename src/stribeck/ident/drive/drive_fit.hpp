@@ -6,7 +6,7 @@
 ///
 /// Partially linear model: rows of equal velocity have equal friction, so within narrow bins of velocity only the other terms
 /// remain. They are estimated first, without any model of F. Then F is fitted to what remains, over the bins (static_fit.hpp).
-/// The bins lose nothing and cost a hundredth of the rows.
+/// The fit over bins loses no information and needs a hundredth of the time.
 ///
 ///   s         shift of the force, to a fraction of a row: least residual, then Gauss–Newton (motion.hpp). Where it is
 ///             within three standard errors of −½, the force acts as commanded, under its zero-order hold

@@ -18,7 +18,7 @@
 namespace stribeck::ident::drive {
 
 /// φ(map) without the load, and ∂φ/∂(parameters of map.span(side)). The derivative by the load stays: what is load and what is friction
-/// of one direction cannot be told apart, and the sum of both is what has to be right.
+/// of one direction cannot be distinguished, and the sum of both is what has to be right.
 struct Figure {
   double value = 0.0;
   Eigen::VectorXd slope;

@@ -825,7 +825,7 @@ TEST(Condition, RowsOfTheLogAreKept) {
   EXPECT_EQ(only(condition(log), "gap").row, 4501U);
 }
 
-// In a motion of one frequency a spring k·x and a mass cannot be told apart. identify has no spring and finds the mass.
+// In a motion of one frequency a spring k·x and a mass cannot be distinguished. identify has no spring and finds the mass.
 TEST(Condition, MassOfASineShowsUnlessASpringActs) {
   Axis axis;
   RawLog log = logged(axis);

@@ -226,7 +226,7 @@ LostMotion identify(const std::vector<Reading>& readings) {
   const Line together = all.together();
   if (!together.good) {
     out.words.emplace_back(
-        "lost motion is not determined: direction, load and order of the rows cannot be told apart (approach the same positions in "
+        "lost motion is not determined: direction, load and order of the rows cannot be distinguished (approach the same positions in "
         "turn from both sides, with each load in both directions)");
     return out;
   }
@@ -247,7 +247,7 @@ LostMotion identify(const std::vector<Reading>& readings) {
   }
   if (!all.loaded()) {
     out.words.emplace_back(
-        "without loads, backlash and wind-up cannot be told apart: only their sum is known (repeat the series with loads on the table "
+        "without loads, backlash and wind-up cannot be distinguished: only their sum is known (repeat the series with loads on the table "
         "that exceed its friction, in both directions)");
     return out;
   }
@@ -255,7 +255,7 @@ LostMotion identify(const std::vector<Reading>& readings) {
   if (compliance.value > 0.0 && compliance.half_width < kMostError * compliance.value) {
     out.stiffness = stiffness_of(compliance);
     out.words.emplace_back(
-        "backlash and wind-up cannot be told apart: no load exceeds the friction of the table clearly; the stiffness and the sum are "
+        "backlash and wind-up cannot be distinguished: no load exceeds the friction of the table clearly; the stiffness and the sum are "
         "known (give larger loads)");
   } else {
     out.words.emplace_back(

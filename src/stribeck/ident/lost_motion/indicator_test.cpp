@@ -55,7 +55,7 @@ TEST(Indicator, WithoutLoadsTheSumIsKnown) {
   EXPECT_LT(found.total->half_width, 1e-6);
   EXPECT_FALSE(found.backlash || found.stiffness);
   ASSERT_EQ(found.words.size(), 1U);
-  EXPECT_THAT(found.words[0], HasSubstr("without loads, backlash and wind-up cannot be told apart"));
+  EXPECT_THAT(found.words[0], HasSubstr("without loads, backlash and wind-up cannot be distinguished"));
 }
 
 TEST(Indicator, LoadsAboveFrictionTellBoth) {

@@ -217,11 +217,11 @@ LostMotion identify(const std::vector<Positions>& runs) {
   }
   if (!force) {
     out.words.emplace_back(
-        "without a force, backlash and wind-up cannot be told apart: only their sum is known (record the force, torque or current "
+        "without a force, backlash and wind-up cannot be distinguished: only their sum is known (record the force, torque or current "
         "too)");
   } else if (out.reversals < kFewestReversals || !(sliding.friction > 0.0)) {
     out.words.push_back(fmt::format(
-        "backlash and wind-up cannot be told apart: {} usable reversals, expected at least {}, slow ones with strokes of some "
+        "backlash and wind-up cannot be distinguished: {} usable reversals, expected at least {}, slow ones with strokes of some "
         "hundred micrometres on both sides (excite --method sine)",
         out.reversals, kFewestReversals));
   } else {

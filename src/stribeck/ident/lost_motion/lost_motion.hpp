@@ -7,7 +7,7 @@
 ///   h' = (±1 − h)/ℓ by distance                   share of the motor's friction F_1 that has turned after a reversal
 ///
 /// The fit takes the rows around each reversal, where the table stands and δ runs from one side to the other. While the
-/// table slides, δ is b/2 + (its friction)/k: backlash and wind-up cannot be told apart there, only their sum is known, the lost
+/// table slides, δ is b/2 + (its friction)/k: backlash and wind-up cannot be distinguished there, only their sum is known, the lost
 /// motion. Without a force nothing else is known.
 ///
 ///   x_m, x_s motor and scale [m], v, a their rates, f force of the drive [N], m_1, l, F_1, c mass, load and friction of the

@@ -310,7 +310,7 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
         "without the mass the force at the slip holds the small part that accelerates the axis");
   }
   r.cannot_tell.push_back(
-      "friction at speed, mass, and a load, which cannot be told from break-away forces that differ");
+      "friction at speed, mass, and a load, which cannot be distinguished from break-away forces that differ");
   return out;
 }
 

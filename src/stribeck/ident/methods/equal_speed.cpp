@@ -127,7 +127,7 @@ Result identify_gravity(const std::vector<log::Record>& records, const map::Stea
     r.cannot_tell.push_back("interval of the load: only one speed was run in both directions");
   r.cannot_tell.push_back("mass: constant speeds do not determine it");
   r.cannot_tell.push_back(
-      "load and a Coulomb friction that differs between the directions cannot be told apart");
+      "load and a Coulomb friction that differs between the directions cannot be distinguished");
   for (const SpeedPair& p : load.pairs) {
     const double half = 1.96 * p.error;
     r.curve.push_back({p.speed, p.friction, p.friction - half, p.friction + half});

@@ -229,7 +229,7 @@ void write_law(const ViscousCorrection& c, Result& r) {
     r.load = 0.5 * (c.alpha0_positive + c.alpha0_negative);
     r.parameters.push_back({"load", r.load, "N", "N", kNaN, kNaN, true});
     r.cannot_tell.push_back(
-        "load and a Coulomb friction that differs between the directions cannot be told apart: half the sum of both was taken as the load");
+        "load and a Coulomb friction that differs between the directions cannot be distinguished: half the sum of both was taken as the load");
   } else {
     friction::Gaussian<double> map;
     map.velocity_range = r.velocity_range;

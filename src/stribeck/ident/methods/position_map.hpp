@@ -12,7 +12,7 @@
 /// standard error of the best is taken.
 ///
 /// At standstill only the force that holds each position is searched for periods: for a rotary axis, whole fractions of a turn.
-/// A difference of Coulomb friction between the directions cannot be told from the load; half the sum of both
+/// A difference of Coulomb friction between the directions cannot be distinguished from the load; half the sum of both
 /// directions is taken for the load.
 ///
 /// Intervals: long-run covariance (uncertainty.hpp), periods and v0 included.

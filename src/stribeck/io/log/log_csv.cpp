@@ -171,7 +171,7 @@ class CsvReader {
       if (units[c].empty()) continue;
       if (!column.unit_text.empty() && !column.unit_assumed && column.unit_text != units[c]) {
         fail(line, "column " + in_quotes(column.header) + ": the row of units says " + in_quotes(units[c]) +
-                       ", the name " + in_quotes(column.unit_text) + " (mend the one that is wrong)");
+                       ", the name " + in_quotes(column.unit_text) + " (correct the one that is wrong)");
       }
       if (column.unit_assumed && column.unit_text != units[c]) column.name = column.header;
       column.unit_text = units[c];
@@ -425,7 +425,7 @@ class CsvReader {
       if (!line.empty()) ++dropped_blank_lines_;
       return skip;
     }
-    // Leading separators are cells; only the blanks around the line are not.
+    // A leading separator stands for an empty cell and stays; only blanks around the line are removed.
     std::string_view raw = line;
     if (separator_ == '\t') {
       raw = {start, static_cast<std::size_t>(line_end - start)};

@@ -49,9 +49,9 @@ std::string header_of(const std::string& name);
 /// "" and a note when there is none.
 std::string plain_unit(std::string_view text, std::string_view column, Notes& notes);
 
-/// Whether a mark at the beginning tells UTF-16.
+/// Whether the text starts with a byte order mark of UTF-16.
 bool is_utf16(std::string_view bytes);
-/// UTF-16 with its mark as UTF-8 without one. Refuses what breaks within a letter.
+/// Converts UTF-16 (with byte order mark) to UTF-8 without a mark. Refuses text that ends inside a character.
 std::string from_utf16(std::string_view bytes, const std::string& source);
 
 /// Refuses content that is no text: empty, archives, NUL bytes.

@@ -2,7 +2,7 @@
 /// What a comparison recommends, for the first screen of its page.
 ///
 /// The controller with the smallest largest error, as the geometric mean over speeds. The default is recommended in its place where
-/// the two cannot be told apart: where at every speed their difference is within twice its standard error over the trials.
+/// the two cannot be distinguished: where at every speed their difference is within twice its standard error over the trials.
 ///
 /// Inside report only. Real time: no. Errors: none.
 

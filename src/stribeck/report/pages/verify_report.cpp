@@ -226,8 +226,9 @@ Page verify_report_page(const VerifyReportInput& given) {
     page.remark(
         "%: RMS of the error as a share of the RMS of the measured signal. Bold: the smallest. Force: under the measured "
         "motion; protocol: as the EMPS benchmark pairs the rows; as filed: the force aligned with its motion; phases: those "
-        "of periodic terms taken from the log. Stroke: open loop, started anew at each reversal. Free run: every error of the "
-        "force is kept for ever; ± is what the error of the force explains in 95 % of cases. Loop: closed loop.");
+        "of periodic terms taken from the log. Stroke: open loop, started anew at each reversal. Free run: the model runs "
+        "from the first row without a restart, so errors of the force add up; ±: 95 % range of the drift that the error of the "
+        "force explains. Loop: closed loop.");
     if (i >= kShownParts) continue;
     if (const std::vector<Plot> plots = force_plots(part); !plots.empty()) {
       page.section("Force under the measured motion");

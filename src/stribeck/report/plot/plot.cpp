@@ -116,7 +116,7 @@ void thin(std::vector<double>& x, std::vector<double>& y, int columns) {
 }
 
 std::string controller_color(std::string_view id, std::size_t position) {
-  // Eight colours that can be told apart with colour blindness, and as many others for controllers (i) and following.
+  // Eight colours that can be distinguished with colour blindness, and as many others for controllers (i) and following.
   static constexpr std::array<std::string_view, 16> kPalette{
       "#7a7a7a", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#0072b2", "#cc79a7", "#000000",
       "#8c3fc9", "#8a6d00", "#004d38", "#a50f4f", "#7f2704", "#4a4a8a", "#e0669a", "#a6a600"};

@@ -159,7 +159,7 @@ TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
   EXPECT_TRUE(c.after.empty());
   EXPECT_EQ(c.tuned.observer_pole, c.start.observer_pole);
   s.limits.input_variation = 1.0;
-  // A held mass with any delay has less.
+  // No loop around a mass, with a hold and any delay, has this phase margin.
   s.limits.phase_margin = kPi / 2.0;
   const TunedController steep = tune(test::biaxial_table(), test::printed(), s).controllers[0];
   ASSERT_TRUE(steep.miss.has_value());

@@ -156,7 +156,7 @@ constexpr const char* kNoTerm =
 Exported write_moteus(const ExportRequest& o) {
   refuse_linuxcnc_options(o);
   refuse_pulse_options(o);
-  if (!o.resolution.empty()) refuse_option("--resolution", "applies to --to pid and all alone");
+  if (!o.resolution.empty()) refuse_option("--resolution", "applies only to --to pid and --to all");
   if (!o.speed.empty())
     refuse_option("--speed", "does not apply to --to moteus, whose table is over the position");
   io::check_writable(o.output);

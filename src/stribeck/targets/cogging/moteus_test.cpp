@@ -106,7 +106,7 @@ TEST(Moteus, RefusesWithAWayOut) {
   x.request.speed = "10 mm/s";
   EXPECT_THAT(x.refusal("moteus"), HasSubstr("--speed: does not apply"));
   x.request.zero = "1 mm";
-  EXPECT_THAT(x.refusal("csv"), HasSubstr("--zero: applies to --to moteus and all alone"));
+  EXPECT_THAT(x.refusal("csv"), HasSubstr("--zero: applies only to --to moteus and --to all"));
   CoggingExport without(kSteadyAxis);
   EXPECT_THAT(without.refusal("moteus"), HasSubstr("friction.eccentric: no additive term"));
   without.request.files.push_back(without.request.files.front());

@@ -36,7 +36,7 @@ std::string deflated(const std::string& bytes) {
   return out;
 }
 
-/// What the file's own head and the directory at the end have in common, from the version on.
+/// Fields that the local header and the central directory share, from the version on.
 std::string common_head(const ZipFile& file, std::size_t compressed) {
   std::string out;
   put(out, kVersionNeeded, 2);

@@ -77,7 +77,7 @@ TEST(Pid, TheDeadbandIsALittleMoreThanHalfAStepOfTheEncoder) {
   EXPECT_THAT(x.text("pid"), HasSubstr("# setp pid.x.deadband"));
   x.request.resolution = "2 um";
   EXPECT_EQ(set_value(x.text("pid"), "pid.x.deadband"), 0.0011);
-  EXPECT_THAT(x.refusal("csv"), HasSubstr("--resolution: applies to --to pid and all alone"));
+  EXPECT_THAT(x.refusal("csv"), HasSubstr("--resolution: applies only to --to pid and --to all"));
   EXPECT_THAT(x.refusal("linuxcnc"), HasSubstr("--resolution: does not apply to --to linuxcnc"));
   EXPECT_THAT(x.refusal("tnc"), HasSubstr("--resolution: does not apply to --to tnc"));
 }

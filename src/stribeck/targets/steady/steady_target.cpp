@@ -315,8 +315,8 @@ WrittenBeside write_beside(const SteadyTarget& target, const std::string& output
 Exported write_steady(const SteadyTarget& target, const ExportRequest& o) {
   refuse_linuxcnc_options(o);
   if (!target.encoder && !o.resolution.empty())
-    refuse_option("--resolution", "applies to --to pid and all alone");
-  if (!o.zero.empty()) refuse_option("--zero", "applies to --to moteus and all alone");
+    refuse_option("--resolution", "applies only to --to pid and --to all");
+  if (!o.zero.empty()) refuse_option("--zero", "applies only to --to moteus and --to all");
   if (target.build_up == nullptr || o.controller.empty()) refuse_pulse_options(o);
   io::check_writable(o.output);
   if (target.beside && std::filesystem::path(o.output).filename() == target.beside->name)

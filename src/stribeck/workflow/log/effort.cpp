@@ -30,7 +30,7 @@ LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   return by_name;
 }
 
-/// All columns that could be the force, and messages on columns that could not be told apart.
+/// All columns that could be the force, and messages on columns that could not be distinguished.
 struct Candidates {
   std::vector<Effort> efforts;
   std::optional<io::InputError> ambiguous;

@@ -125,7 +125,9 @@ struct StudyFile {
             .or_default()
             .when([](const S& s) { return s.parameters == StudyParameters::kIdentified; },
                   "goes with parameters = \"identified\""),
-        field("axis_files", &S::axis_files, "axis files in their place, each \"AXIS=FILE\"").or_default(),
+        field("axis_files", &S::axis_files,
+              "axis files that replace the identified parameters, each \"AXIS=FILE\"")
+            .or_default(),
         field("motion", &S::motion, "path and speeds").or_default(),
         field(
             "factors", &S::factors,

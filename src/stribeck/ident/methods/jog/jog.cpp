@@ -76,7 +76,7 @@ void write_symmetric(const Fitted& d, Result& r) {
     const double half = d.spread.half_width(g);
     r.parameters.push_back({"load", r.load, "N", "N", r.load - half, r.load + half, half < std::abs(r.load)});
     r.cannot_tell.push_back(
-        "load and a Coulomb friction that differs between the directions cannot be told apart at "
+        "load and a Coulomb friction that differs between the directions cannot be distinguished at "
         "constant speed");
   } else {
     r.cannot_tell.push_back("load, and friction of the other direction: only one direction was run");
@@ -92,7 +92,7 @@ void write_by_direction(const Fitted& d, Result& r) {
     r.parameters.push_back({"load", d.taken, "N", "N", d.load.interval.low, d.load.interval.high,
                             d.load.interval.low > 0.0 || d.load.interval.high < 0.0});
     r.cannot_tell.push_back(
-        "load and a Coulomb friction that differs between the directions cannot be told apart: half "
+        "load and a Coulomb friction that differs between the directions cannot be distinguished: half "
         "the sum of both was taken as the load");
   } else {
     r.cannot_tell.push_back(

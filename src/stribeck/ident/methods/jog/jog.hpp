@@ -12,7 +12,7 @@
 ///
 /// Linear parameters are eliminated; the others are found by Levenberg–Marquardt from many starts (the simplex of the papers can
 /// be selected). Intervals use the larger of two errors: that of the means under correlated noise, and the residual of the curve.
-/// By direction, a load cannot be told from friction; half the sum of both directions is taken for the load when it is the same
+/// By direction, a load cannot be distinguished from friction; half the sum of both directions is taken for the load when it is the same
 /// at all speeds, or too large for friction.
 ///
 /// The mass comes from records without constant speeds, e.g. a sine (equal_speed.hpp).
