@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/stats/order.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/text.hpp>
@@ -80,9 +81,7 @@ std::optional<Range> close_range(const std::vector<Series>& series, double room)
   }
   if (!sizes.empty()) {
     // A few outliers must not flatten the rest.
-    const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
-    std::nth_element(sizes.begin(), at, sizes.end());
-    most = std::max(most, *at);
+    most = std::max(most, ident::stats::quantile(std::move(sizes), 0.98));
   }
   if (!(most > 0.0)) return std::nullopt;
   return Range{-room * most, room * most};
@@ -312,10 +311,7 @@ std::vector<Plot> residual_plots(const ident::Result& result) {
   }
   if (sizes.empty()) return {};
   // A few outliers must not flatten the rest.
-  const auto most =
-      sizes.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), most, sizes.end());
-  const double border = 1.25 * *most;
+  const double border = 1.25 * ident::stats::quantile(std::move(sizes), 0.995);
   std::vector<Plot> plots;
   for (const View& view : views) {
     Plot p;

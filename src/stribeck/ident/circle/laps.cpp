@@ -7,6 +7,8 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/laps.hpp>
 #include <stribeck/ident/circle/minimum_zone.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <utility>
 
 namespace stribeck::ident::circle {
 namespace {
@@ -100,9 +102,7 @@ Stretch at_speed(const std::vector<double>& turned, std::span<const double> time
   const auto when = [&](std::size_t row) { return time.empty() ? static_cast<double>(row) : time[row]; };
   std::vector<double> took;
   for (std::size_t k = 1; k < rows.size(); ++k) took.push_back(when(rows[k]) - when(rows[k - 1]));
-  std::vector<double> sorted = took;
-  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = stats::median(took);
   // A border of a sector lies between two rows.
   const double per_sector =
       static_cast<double>(rows.back() - rows.front()) / static_cast<double>(took.size());
@@ -131,8 +131,7 @@ double longest_step(std::span<const double> time) {
   if (time.size() < 2) return HUGE_VAL;
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  std::nth_element(steps.begin(), steps.begin() + steps.size() / 2, steps.end());
-  return 10.0 * steps[steps.size() / 2];
+  return 10.0 * stats::median(std::move(steps));
 }
 
 /// Rows on the circle, each with the angle that goes on from lap to lap.

@@ -23,7 +23,7 @@ constexpr double kCrooked =
     0.15;  // share of the distance by which the position may differ from a straight line
 constexpr double kMuchMore = 1.1;  // how much more a longer scale must find
 
-double median(std::vector<double> v) { return v.empty() ? 0.0 : stats::median(std::move(v)); }
+double median_or_zero(std::vector<double> v) { return v.empty() ? 0.0 : stats::median(std::move(v)); }
 
 struct Piece {
   std::size_t first, last;  // first and last block
@@ -128,7 +128,7 @@ std::vector<ConstantSpeed> pieces_at(const log::Record& rec, std::size_t number,
   const double noise =
       !rec.r.empty() || static_cast<double>(differences.size()) < 0.3 * static_cast<double>(u.size())
           ? 0.0
-          : median(std::move(differences)) / (0.6745 * std::sqrt(2.0));
+          : median_or_zero(std::move(differences)) / (0.6745 * std::sqrt(2.0));
 
   std::vector<ConstantSpeed> found;
   std::size_t moving_from = 0;  // first row of motion since the last run found

@@ -3,6 +3,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay_loop.hpp>
+#include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::replay {
 namespace {
@@ -37,10 +38,7 @@ ControllerCheck check_controller(const ReplayController& controller, const log::
   if (!(ff > 0.0)) return out;
   out.relative = std::sqrt(dd / ff);
   const double force = root_mean(ff, n);
-  std::vector<double> sorted = size;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = *middle;
+  const double median = stats::median(size);
   if (!(median < kAgrees * force) || !(out.relative > kWorthSaying)) return out;
   const double least = std::max(kAdded * median, kAgrees * force);
   out.added.assign(n, 0.0);

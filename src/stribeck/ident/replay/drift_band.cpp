@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <random>
 #include <stribeck/ident/replay/drift_band.hpp>
+#include <stribeck/ident/stats/order.hpp>
+#include <utility>
 
 namespace stribeck::ident::replay {
 namespace {
@@ -12,6 +14,7 @@ constexpr std::size_t kPoints = 400;
 constexpr double kBlocks = 4.0;        // in the record, on average: as long as errors that last for a stroke
 constexpr double kStandstill = 0.005;  // of the top speed: here the level of friction damps
 constexpr double kInterval = 0.95;
+constexpr auto kAtInterval = static_cast<std::size_t>(kInterval * static_cast<double>(kDraws + 1)) - 1;
 
 /// Slope of friction over the mass at the decimated rows [1/s].
 std::vector<double> damping(const friction::AxisModel& model, const log::Record& record,
@@ -74,14 +77,11 @@ DriftBand drift_band(const friction::AxisModel& model, const log::Record& record
   }
   std::size_t inside = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    auto& all = sizes[p];
-    const auto at =
-        all.begin() + static_cast<std::ptrdiff_t>(kInterval * static_cast<double>(kDraws + 1)) - 1;
-    std::nth_element(all.begin(), at, all.end());
+    const double half = stats::nth_smallest(std::move(sizes[p]), kAtInterval);
     const std::size_t k = force.row[points[p]];
     band.row.push_back(k);
-    band.half.push_back(*at);
-    inside += std::abs(open.free.x[k] - record.x[k]) <= *at ? 1 : 0;
+    band.half.push_back(half);
+    inside += std::abs(open.free.x[k] - record.x[k]) <= half ? 1 : 0;
   }
   band.end = band.half.back();
   band.inside = static_cast<double>(inside) / static_cast<double>(points.size());

@@ -58,7 +58,7 @@ RobustnessResult robustness(const Machine& nominal, const std::vector<AxisKnowle
   return result;
 }
 
-double quantile(std::vector<double> values, double p) {
+double interpolated_quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());
   const double h = p * static_cast<double>(values.size() - 1);
@@ -70,7 +70,8 @@ double quantile(std::vector<double> values, double p) {
 }
 
 Quantiles quantiles(std::vector<double> values) {
-  return {quantile(values, 0.5), quantile(values, 0.9), quantile(values, 0.99), quantile(values, 1.0)};
+  return {interpolated_quantile(values, 0.5), interpolated_quantile(values, 0.9),
+          interpolated_quantile(values, 0.99), interpolated_quantile(values, 1.0)};
 }
 
 std::vector<double> figures(const RobustRow& row, double Metrics::*figure) {

@@ -55,8 +55,8 @@ struct Quantiles {
   double worst = 0.0;
 };
 
-/// p in [0, 1]; NaN for no values.
-double quantile(std::vector<double> values, double p);
+/// The value below which a share p (0 … 1) of the values lies, linear between two values; NaN for no values.
+double interpolated_quantile(std::vector<double> values, double p);
 Quantiles quantiles(std::vector<double> values);
 
 /// A figure of every machine, infinite where the loop was lost.

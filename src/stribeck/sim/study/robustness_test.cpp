@@ -161,14 +161,14 @@ TEST(Robustness, RefusesASpecThatMeansNothing) {
 
 TEST(Quantile, InterpolatesAsNumPyDoes) {
   const std::vector<double> values{3.0, 1.0, 4.0, 1.5, 9.0};
-  EXPECT_EQ(quantile(values, 0.5), 3.0);
-  EXPECT_EQ(quantile(values, 0.0), 1.0);
-  EXPECT_EQ(quantile(values, 1.0), 9.0);
+  EXPECT_EQ(interpolated_quantile(values, 0.5), 3.0);
+  EXPECT_EQ(interpolated_quantile(values, 0.0), 1.0);
+  EXPECT_EQ(interpolated_quantile(values, 1.0), 9.0);
   // numpy.quantile([3, 1, 4, 1.5, 9], [0.9, 0.3, 0.99])
-  EXPECT_NEAR(quantile(values, 0.9), 7.0, 1e-12);
-  EXPECT_NEAR(quantile(values, 0.3), 1.8, 1e-12);
-  EXPECT_NEAR(quantile(values, 0.99), 8.8, 1e-12);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+  EXPECT_NEAR(interpolated_quantile(values, 0.9), 7.0, 1e-12);
+  EXPECT_NEAR(interpolated_quantile(values, 0.3), 1.8, 1e-12);
+  EXPECT_NEAR(interpolated_quantile(values, 0.99), 8.8, 1e-12);
+  EXPECT_TRUE(std::isnan(interpolated_quantile({}, 0.5)));
 }
 
 TEST(Quantile, CountsALostLoopAsInfinite) {
@@ -184,7 +184,7 @@ TEST(Quantile, CountsALostLoopAsInfinite) {
   EXPECT_EQ(ratios(row, reference, &Metrics::rms), (std::vector<double>{0.25, kInfinite, kInfinite, 0.0}));
   const Quantiles q = quantiles(figures(row, &Metrics::rms));
   EXPECT_EQ(q.median, kInfinite);
-  EXPECT_NEAR(quantile(figures(row, &Metrics::rms), 0.3), 1.0 + 0.9 * 3.0, 1e-12);
+  EXPECT_NEAR(interpolated_quantile(figures(row, &Metrics::rms), 0.3), 1.0 + 0.9 * 3.0, 1e-12);
 }
 
 }  // namespace

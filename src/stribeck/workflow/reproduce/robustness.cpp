@@ -141,7 +141,7 @@ report::ReproducedSection robustness_section(const sim::RobustnessResult& result
     const sim::Quantiles q = sim::quantiles(sim::figures(row, kMax));
     const sim::Quantiles of_reference = sim::quantiles(sim::figures(reference, kMax));
     const sim::Quantiles ratio = sim::quantiles(sim::ratios(row, reference, kMax));
-    const double input = sim::quantile(sim::figures(row, &sim::Metrics::input_variation), 0.5);
+    const double input = sim::interpolated_quantile(sim::figures(row, &sim::Metrics::input_variation), 0.5);
     s.table.rows.push_back({{"(" + row.controller.id + ") " + row.controller.label, "", "", false,
                              report::controller_color(row.controller.id, r % count)},
                             {pace},
