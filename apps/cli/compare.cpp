@@ -45,7 +45,8 @@ void write_evidence(const std::string& directory, const sim::Machine& machine, c
   for (std::size_t i = 0; i < parameters.axes.size(); ++i) {
     const std::string& name = machine.axes[i].first;
     const CommissionedAxis& l = parameters.axes[i];
-    for (const auto& [file, log] : l.logs) io::write_csv(directory + "/" + file, as_log(log));
+    for (const CommissionedLog& log : l.logs)
+      io::write_csv(directory + "/" + log.file, as_log(log.recording));
     for (const CommissionedModel& m : l.models) {
       const std::string origin = "Identified by stribeck " STRIBECK_VERSION " on the machine \"" +
                                  machine.name + "\", axis " + name + ", from " +

@@ -188,9 +188,9 @@ class Run {
   ident::log::Record add(ExcitationMethod method, int periods = 0,
                          const std::optional<ident::excitation::RoughDrive>& known = {}) {
     const ident::excitation::Excitation e = design(machine_, axis_, method, periods, known);
-    out_.logs.emplace_back(fmt::format("{}-{}.csv", machine_.axes[axis_].first, enum_name(e.method)),
-                           play(machine_, axis_, e.r, e.force, seed_));
-    return as_record(out_.logs.back().second, out_.logs.back().first);
+    out_.logs.push_back({fmt::format("{}-{}.csv", machine_.axes[axis_].first, enum_name(e.method)), e.method,
+                         play(machine_, axis_, e.r, e.force, seed_)});
+    return as_record(out_.logs.back().recording, out_.logs.back().file);
   }
   friction::AxisModel keep(const char* kind, const Records& records, const ident::Result& result) {
     CommissionedModel m{kind, {}, result};
@@ -276,13 +276,15 @@ CommissionedAxis Run::by_pulses() {
 void Run::find_lost_motion(CommissionedAxis& out) {
   const plant::AxisParams& truth = machine_.axes[axis_].second.plant;
   if (!truth.second_encoder || truth.encoder.side == plant::EncoderSide::kTable) return;
-  const auto sine = [](const auto& log) { return log.first.ends_with("-sine.csv"); };
+  const auto sine = [](const CommissionedLog& log) {
+    return log.method == ExcitationMethod::kSine || log.method == ExcitationMethod::kPositionSine;
+  };
   if (std::none_of(out.logs.begin(), out.logs.end(), sine)) {
     out_ = std::move(out);
     add(ExcitationMethod::kSine, kSinePeriods);
     out = std::move(out_);
   }
-  const sim::Recording& log = std::find_if(out.logs.begin(), out.logs.end(), sine)->second;
+  const sim::Recording& log = std::find_if(out.logs.begin(), out.logs.end(), sine)->recording;
   out.lost_motion = ident::lost_motion::identify({{log.period, log.x, log.scale, log.f}});
   out.knowledge.lost_motion =
       lost_motion_of(*out.lost_motion, out.knowledge.model(sim::FrictionUse::kNone, {}).mass);

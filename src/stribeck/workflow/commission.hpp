@@ -21,9 +21,16 @@ struct CommissionedModel {
   ident::Result result;
 };
 
+/// One excitation of an axis and what was recorded.
+struct CommissionedLog {
+  std::string file;
+  ident::excitation::ExcitationMethod method = ident::excitation::ExcitationMethod::kPulses;
+  sim::Recording recording;
+};
+
 /// Records of one axis and the models identified from them.
 struct CommissionedAxis {
-  std::vector<std::pair<std::string, sim::Recording>> logs;  ///< by file name
+  std::vector<CommissionedLog> logs;
   std::vector<CommissionedModel> models;
   sim::AxisKnowledge knowledge;
   std::optional<ident::lost_motion::LostMotion>

@@ -125,7 +125,9 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     // Axes that cannot take pulses have logs of their own (commission.hpp).
     std::vector<std::string> closed;
     for (const std::size_t i : axes) {
-      const auto pulses = [](const auto& log) { return log.first.ends_with("-pulses.csv"); };
+      const auto pulses = [](const CommissionedLog& log) {
+        return log.method == ident::excitation::ExcitationMethod::kPulses;
+      };
       if (std::none_of(p.axes[i].logs.begin(), p.axes[i].logs.end(), pulses))
         closed.push_back(machine.axes[i].first);
     }

@@ -12,6 +12,7 @@
 #include <stribeck/report/study/study_report.hpp>
 #include <stribeck/report/text.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stribeck::report {
@@ -31,7 +32,7 @@ inline bool is_known(const StudiedFigure& f) { return f.spread.count() > f.sprea
 /// The points of a grid are no draws: their quantiles have no confidence.
 inline sim::Confident quantile_of(const StudyResult& r, const StudiedFigure& f, double p) {
   sim::Confident q = f.spread.quantile(p);
-  if (r.sampling == "grid") q.low = q.high = kNaN;
+  if (r.sampling == sim::Sampling::kGrid) q.low = q.high = kNaN;
   return q;
 }
 
@@ -51,12 +52,23 @@ inline std::string per_cent_interval(const sim::Confident& c) {
   return per_cent(c.low) + " … " + per_cent(c.high);
 }
 
+inline std::string_view sampling_in_words(sim::Sampling sampling) {
+  switch (sampling) {
+    case sim::Sampling::kGrid:
+      return "grid";
+    case sim::Sampling::kLatinHypercube:
+      return "Latin hypercube";
+    case sim::Sampling::kSobol:
+      return "Sobol' sequence";
+    case sim::Sampling::kRandom:
+      break;
+  }
+  return "random draws";
+}
+
 /// "2000 machines (Latin hypercube of 2000 samples, seed 1)".
 inline std::string study_in_words(const StudyResult& r) {
-  const std::string how = r.sampling == "grid"              ? "grid"
-                          : r.sampling == "latin-hypercube" ? "Latin hypercube"
-                          : r.sampling == "sobol"           ? "Sobol' sequence"
-                                                            : "random draws";
+  const std::string_view how = sampling_in_words(r.sampling);
   const char* const plural = r.runs == 1 ? "" : "s";
   const std::string what =
       r.factors.empty() ? fmt::format("run{} of", plural) : fmt::format("machine{} that differ from", plural);

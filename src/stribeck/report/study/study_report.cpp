@@ -102,7 +102,7 @@ nlohmann::ordered_json to_json(const StudyResult& r) {
   Json out;
   out["schema"] = "stribeck.study/1";
   out["machine"] = r.machine;
-  out["sampling"] = r.sampling;
+  out["sampling"] = enum_name(r.sampling);
   out["samples"] = r.samples;
   out["runs"] = r.runs;
   out["seed"] = r.seed;

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/report/page/output.hpp>
 #include <stribeck/sim/metrics.hpp>
+#include <stribeck/sim/uncertainty/design.hpp>
 #include <stribeck/sim/uncertainty/sensitivity.hpp>
 #include <stribeck/sim/uncertainty/spread.hpp>
 #include <string>
@@ -50,7 +51,7 @@ struct StudiedRow {
 
 struct StudyResult {
   std::string machine;
-  std::string sampling;
+  sim::Sampling sampling = sim::Sampling::kRandom;
   std::uint64_t samples = 0;
   std::uint64_t runs = 0;  ///< machines that were run, each with every controller on every motion
   std::uint64_t seed = 0;

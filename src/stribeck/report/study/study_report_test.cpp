@@ -15,7 +15,7 @@ using testing::Not;
 StudyResult result(int lost = 0) {
   StudyResult r;
   r.machine = "table <1>";
-  r.sampling = "random";
+  r.sampling = sim::Sampling::kRandom;
   r.samples = 200;
   r.runs = 200;
   r.seed = 4;
@@ -78,7 +78,7 @@ TEST(StudyReport, JsonHasNoUnitsLeftOut) {
 
 TEST(StudyReport, AGridHasNoConfidence) {
   StudyResult r = result();
-  r.sampling = "grid";
+  r.sampling = sim::Sampling::kGrid;
   EXPECT_THAT(text_table(r), HasSubstr("– … –"));
   EXPECT_TRUE(to_json(r)["rows"][0]["figures"][0]["quantiles"][1]["ci95"][0].is_null());
 }

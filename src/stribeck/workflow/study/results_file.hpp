@@ -15,6 +15,11 @@
 
 namespace stribeck::workflow {
 
+/// What the column `state` of a line says.
+inline constexpr std::string_view kRunDone = "ok";
+inline constexpr std::string_view kRunLost = "lost";
+inline constexpr std::string_view kRunRefused = "refused";
+
 struct ResultsLayout {
   std::string head;         ///< first line, without its end
   std::uint64_t lines = 1;  ///< of each run

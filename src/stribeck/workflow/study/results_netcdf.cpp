@@ -90,7 +90,7 @@ class Table {
       for (std::size_t i = 0; i < k; ++i) blocks_[i].push_back(number_of(cells[2 + i]));
     }
     const std::string_view state = cells[2 + k + 2];
-    states_.push_back(static_cast<signed char>(state == "ok" ? 0 : state == "lost" ? 1 : 2));
+    states_.push_back(static_cast<signed char>(state == kRunDone ? 0 : state == kRunLost ? 1 : 2));
     for (std::size_t i = k; i < of_.size(); ++i) blocks_[i].push_back(number_of(cells[5 + i]));
     in_case_ = (in_case_ + 1) % cases_;
     if (in_case_ == 0 && samples_.size() == kBlock) flush();

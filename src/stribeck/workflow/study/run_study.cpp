@@ -16,10 +16,6 @@
 namespace stribeck::workflow {
 namespace {
 
-constexpr std::string_view kDone = "ok";
-constexpr std::string_view kLostWord = "lost";
-constexpr std::string_view kRefusedWord = "refused";
-
 /// Text of a cell of its own: neither commas nor quotes.
 std::string as_cell(std::string text) {
   std::replace_if(
@@ -103,9 +99,9 @@ class Runner {
     for (std::size_t row = 0; row < rows(); ++row) {
       text += fmt::format("{},{},{},{}", begin, s_.spec.controllers[row % s_.spec.controllers.size()].id,
                           as_cell(motion_of(s_, row)),
-                          all.empty()     ? kRefusedWord
-                          : all[row].lost ? kLostWord
-                                          : kDone);
+                          all.empty()     ? kRunRefused
+                          : all[row].lost ? kRunLost
+                                          : kRunDone);
       text += all.empty() ? "," : ',' + io::number_text(100.0 * all[row].limited);
       for (const StudyColumn& c : s_.columns) {
         const double x = all.empty() ? kNaN : c.of(all[row].metrics);
@@ -180,9 +176,9 @@ class Summary {
     const std::size_t row = number % rows_;
     const std::uint64_t within = number / rows_ % s_.runs_per_sample();
     const std::string_view state = cells[begin + 2];
-    const bool lost = state == kLostWord;
+    const bool lost = state == kRunLost;
     lost_[row] += lost ? 1 : 0;
-    refused_[row] += state == kRefusedWord ? 1 : 0;
+    refused_[row] += state == kRunRefused ? 1 : 0;
     for (std::size_t c = 0; c < s_.columns.size(); ++c) {
       const std::size_t at = row * s_.columns.size() + c;
       double x = kNaN;
@@ -205,7 +201,7 @@ class Summary {
   report::StudyResult result(const std::vector<sim::RobustRun>& nominal, const Parameters& parameters) const {
     report::StudyResult r;
     r.machine = s_.machine.name;
-    r.sampling = enum_name(s_.file.sampling);
+    r.sampling = s_.file.sampling;
     r.samples = s_.samples;
     r.runs = s_.runs;
     r.seed = s_.file.seed;
