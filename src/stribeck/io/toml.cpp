@@ -161,11 +161,11 @@ Node parse_toml(std::string_view text, const std::string& file) {
     root.line = 1;
     return root;
   } catch (const toml::parse_error& e) {
-    throw InputError(
+    throw NotToml(
         Problem{file, e.source().begin.line, "", "not valid TOML: " + std::string(e.description())});
   } catch (const BrokenToml&) {
-    throw InputError(Problem{file, broken_line(text), "",
-                             "not valid TOML, expected key = value or [table] (see toml.io)"});
+    throw NotToml(Problem{file, broken_line(text), "",
+                          "not valid TOML, expected key = value or [table] (see toml.io)"});
   }
 }
 

@@ -45,7 +45,13 @@ struct Node {
   [[nodiscard]] const Node* find(std::string_view name) const;
 };
 
-/// Parses TOML; `file` is for messages.
+/// One problem: the text is no TOML at all, so the file may be one of another kind.
+class NotToml : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Parses TOML; `file` is for messages. Throws NotToml.
 Node parse_toml(std::string_view text, const std::string& file);
 
 /// Reads a group from a table. On a problem the member keeps its initial value and `problems` grows.

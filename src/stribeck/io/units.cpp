@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
 #include <utility>
@@ -19,6 +20,8 @@
 namespace stribeck::io {
 
 namespace {
+
+constexpr double kTurn = 2.0 * kPi;  // [rad]
 
 [[noreturn]] void fail(std::string message) { throw InputError(Problem{"", 0, "", std::move(message)}); }
 
@@ -79,7 +82,7 @@ class Units {
           "UDUNITS2_XML_PATH to its udunits2.xml)");
     }
     radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
-    const Unit revolution(ut_scale(6.283185307179586, radian_.get()));
+    const Unit revolution(ut_scale(kTurn, radian_.get()));
     for (const auto& [symbol, definition] :
          {std::pair{"deg", "arc_degree"}, {"Nm", "N m"}, {"pct", "0.01"}}) {
       const Unit unit(ut_parse(system_, definition, UT_UTF8));
@@ -253,7 +256,6 @@ std::string example(std::string_view number, const Quantity& q) {
 /// A pole or an angular frequency in another unit that people write for it: "10 Hz" is 2π·10 rad/s, and a pole of "20 rad/s"
 /// one of 20 1/s. The other way round Hz stays refused: a gain in 1/s is no number of periods.
 std::optional<double> rate_of(double value, std::string_view unit, std::string_view expected) {
-  constexpr double kTurn = 6.283185307179586;
   const bool hertz = expected == "rad/s" && unit.find("Hz") != std::string_view::npos;
   const bool radians = expected == "1/s" && unit.find("rad") != std::string_view::npos;
   if (!hertz && !radians) return std::nullopt;

@@ -12,6 +12,7 @@
 #include <stribeck/ident/methods/position_map.hpp>
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/identify.hpp>
@@ -117,7 +118,7 @@ std::optional<double> given_shift(const IdentifyOptions& o, const Records& recor
                       io::in_quotes(o.force_shift), 1e3 * T, 1e3 * r.sample_time));
     }
   }
-  constexpr double kMost = 99.0;  // rows
+  constexpr double kMost = ident::replay::kMostGivenShift;
   if (!(std::abs(*shift) <= kMost * T)) {
     refuse_option("--force-shift",
                   fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",

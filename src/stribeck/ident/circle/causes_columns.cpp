@@ -3,11 +3,6 @@
 #include <stribeck/ident/circle/causes_parts.hpp>
 
 namespace stribeck::ident::circle {
-namespace {
-
-double sign(double v) { return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0); }
-
-}  // namespace
 
 Columns columns_of(const CauseRows& rows, const std::vector<Pitch>& pitches) {
   Columns c;

@@ -18,7 +18,6 @@ namespace {
 
 /// Beyond this, squares and sums would overflow.
 void refuse_absurd(const RawLog& log) {
-  constexpr double kAbsurd = 1e30;
   const auto look = [&](const std::vector<double>& y, const char* name) {
     for (std::size_t k = 0; k < y.size(); ++k) {
       if (!(std::abs(y[k]) >= kAbsurd)) continue;  // NaN is reported with its column

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/refused.hpp>
 
@@ -63,8 +64,8 @@ struct Factor {
 constexpr std::array<Factor, 9> kFactors{{{1000.0, "mm for m, or ms for s"},
                                           {60.0, "per minute for per second"},
                                           {25.4, "mm for inch"},
-                                          {6.283185307179586, "rad for turns"},
-                                          {57.29577951308232, "degrees for rad"},
+                                          {2.0 * kPi, "rad for turns"},
+                                          {180.0 / kPi, "degrees for rad"},
                                           {60000.0, "mm/min for m/s"},
                                           {16.666666666666668, "m/min for mm/s"},
                                           {9.549296585513721, "turns per minute for rad/s"},

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/log/record_limits.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -54,8 +55,6 @@ class Notes {
   std::vector<Finding> found_;
   bool turns_ = false;
 };
-
-inline constexpr std::size_t kFewestRows = 100;  ///< fewest rows of a piece, as in problems() of a record
 
 inline bool turning(const std::string& position_unit) { return position_unit == "rad"; }
 

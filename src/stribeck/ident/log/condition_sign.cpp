@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/rough_fit.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/order.hpp>
@@ -20,8 +21,6 @@ struct Unfolded {
   Fit fit;
   Signs signs;
 };
-
-double sign_of(double v) { return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0; }
 
 /// The side of zero on which the whole force lies, +1 or −1; absent where it lies on both sides or never changes.
 std::optional<double> side_of_zero(const std::vector<Table>& tables) {
@@ -53,7 +52,7 @@ Signs signs_of_motion(const std::vector<Block>& blocks, double side, double rati
   for (const Block& b : blocks) {
     std::vector<double> one(b.motion.rows());
     for (std::size_t k = 0; k < one.size(); ++k) {
-      const double guess = sign_of(b.motion.v[k]) + ratio * b.motion.a[k] / usual;
+      const double guess = sign(b.motion.v[k]) + ratio * b.motion.a[k] / usual;
       one[k] = side * guess < 0.0 ? -1.0 : 1.0;
     }
     out.push_back(std::move(one));

@@ -12,7 +12,6 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-constexpr double kJitter = 0.01;
 constexpr double kGap = 1.5;
 constexpr std::size_t kMostSteps = 50000;
 

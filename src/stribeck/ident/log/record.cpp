@@ -2,14 +2,10 @@
 
 #include <cmath>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/log/record_limits.hpp>
 
 namespace stribeck::ident::log {
 namespace {
-
-/// Smallest number of rows for a second difference, a smoothing window and one stretch of sliding.
-constexpr std::size_t kFewestRows = 100;
-constexpr double kJitter = 0.01;
-constexpr double kAbsurd = 1e30;  // its squares and their sums do not overflow
 
 void check_column(const Record& record, const char* name, const std::vector<double>& column,
                   std::vector<std::string>& found) {

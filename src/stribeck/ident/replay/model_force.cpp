@@ -24,7 +24,6 @@ constexpr std::size_t kFewestRows = 40;
 constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1e-3 rows in the last one
 constexpr int kFarPasses = 12;
 constexpr double kFarStep = 10.0;     // rows
-constexpr double kMostShift = 100.0;  // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
 constexpr double kWholePart = 0.01;
 constexpr double kWorthPhase = 0.1 * kPi;

@@ -29,6 +29,11 @@
 
 namespace stribeck::ident::replay {
 
+/// Largest shift between force and motion [rows].
+inline constexpr double kMostShift = 100.0;
+/// Largest one that a user may give [rows]: the hold of the force adds half a row.
+inline constexpr double kMostGivenShift = kMostShift - 1.0;
+
 struct ForceOptions {
   double cut_off = 100.0;       ///< of the Butterworth filter [Hz]
   double row_time = 10e-3;      ///< between decimated rows, at least [s]

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/pages/compare_plots.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -12,7 +13,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kDegrees = 180.0 / kPi;
 /// Colour of text inside a drawing: the colours of some controllers are too light to read.
 constexpr const char* kInk = "#202124";
 

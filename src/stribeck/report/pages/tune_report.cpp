@@ -6,6 +6,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/table.hpp>
@@ -17,8 +18,6 @@ namespace {
 
 using io::Json;
 using io::number_or_null;
-
-constexpr double kDegrees = 180.0 / kPi;
 
 double decibels(double factor) { return 20.0 * std::log10(factor); }
 

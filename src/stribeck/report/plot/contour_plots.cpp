@@ -13,7 +13,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr double kDegrees = 180.0 / kPi;
 constexpr double kRoom = 1.08;        ///< height of a scale relative to the largest error
 constexpr double kSameScale = 0.25;   ///< as a share of the largest error of a group
 constexpr std::size_t kTogether = 3;  ///< controllers in a drawing

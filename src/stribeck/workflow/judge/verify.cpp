@@ -15,11 +15,11 @@
 namespace stribeck::workflow {
 namespace {
 
+using ident::replay::kMostGivenShift;
 using report::VerifyReportInput;
 
 constexpr double kReproduced =
-    0.02;                            // of the force: a controller that differs by more is not that of the log
-constexpr double kMostShift = 99.0;  // rows; half a row is added
+    0.02;  // of the force: a controller that differs by more is not that of the log
 
 struct Model {
   std::string file;
@@ -32,14 +32,14 @@ template <class T>
 T read_one(const std::string& path, const std::string& hint) {
   try {
     return io::read_toml<T>(path);
+  } catch (const io::NotToml& e) {
+    io::Problem why = e.problems().front();
+    why.message += fmt::format(" ({})", hint);
+    throw io::InputError(std::move(why));
   } catch (const io::InputError& e) {
     io::Problem first = e.problems().front();
     const std::size_t more = e.problems().size() - 1;
-    if (more > 0) {
-      first.message += fmt::format("; {} more problem{} ({})", more, more == 1 ? "" : "s", hint);
-    } else if (first.message.find("TOML") != std::string::npos) {
-      first.message += fmt::format(" ({})", hint);
-    }
+    if (more > 0) first.message += fmt::format("; {} more problem{} ({})", more, more == 1 ? "" : "s", hint);
     throw io::InputError(std::move(first));
   }
 }
@@ -94,11 +94,11 @@ void compare_axes(const std::vector<Model>& models, const io::Log& log, const st
 std::optional<double> given_shift(const VerifyOptions& o, const ident::log::Record& record) {
   if (o.force_shift.empty()) return std::nullopt;
   const double shift = option_si("--force-shift", o.force_shift, quantity("s", "ms"));
-  if (std::abs(shift) > kMostShift * record.sample_time) {
-    refuse_option(
-        "--force-shift",
-        fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
-                    io::in_quotes(o.force_shift), 1e3 * kMostShift * record.sample_time, kMostShift));
+  if (std::abs(shift) > kMostGivenShift * record.sample_time) {
+    refuse_option("--force-shift",
+                  fmt::format("got {}, expected at most {:.4g} ms, {:g} rows of this log, either way",
+                              io::in_quotes(o.force_shift), 1e3 * kMostGivenShift * record.sample_time,
+                              kMostGivenShift));
   }
   return shift;
 }
@@ -190,8 +190,8 @@ class Verification {
     ident::replay::ReplayOptions open;
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     if (shift || one.force.shifted)
-      open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostShift * record.sample_time,
-                               kMostShift * record.sample_time) -
+      open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
+                               kMostGivenShift * record.sample_time) -
                    0.5 * record.sample_time;
     one.open = ident::replay::replay_open_loop(m.model, record, open);
     one.drift = ident::replay::drift_band(m.model, record, one.force, one.open);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
@@ -74,7 +74,7 @@ void unwrap(std::vector<double>& y, const Wraps& wraps) {
 
 void unwrap_positions(std::vector<RawLog>& runs, Notes& notes) {
   if (!notes.wanted("wrapped")) return;
-  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double kTurn = 2.0 * kPi;
   for (RawLog& log : runs) {
     Wraps x = find_wraps(log.x.y);
     if (x.rows.empty()) continue;
