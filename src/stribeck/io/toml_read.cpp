@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -301,12 +304,7 @@ void read_value(const Node& node, Target out, const Quantity& q, const std::stri
 namespace detail {
 
 std::string joined(const std::string_view* words, std::size_t count, std::string_view between) {
-  std::string out;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) out += between;
-    out += words[i];
-  }
-  return out;
+  return fmt::format("{}", fmt::join(words, words + count, between));
 }
 
 std::string dotted(const std::string& path, std::string_view key) {

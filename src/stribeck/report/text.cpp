@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <stribeck/ident/digits.hpp>
@@ -64,12 +65,7 @@ std::string short_number(double value) { return std::isfinite(value) ? fmt::form
 std::string significant(double value, int digits) { return ident::digits(value, digits); }
 
 std::string joined(const std::vector<std::string>& words, std::string_view between) {
-  std::string all;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) all += between;
-    all += words[i];
-  }
-  return all;
+  return fmt::format("{}", fmt::join(words, between));
 }
 
 std::string printed_unit(std::string_view unit) {

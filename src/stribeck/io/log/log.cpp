@@ -8,6 +8,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/keys.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -202,18 +203,18 @@ Log read_log(const std::string& path, const ReadOptions& options) {
   return parse_log(bytes.view(), path, all);
 }
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
 int time_column(const Log& log) {
-  const auto lower = [](std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-  };
   for (const bool by_name : {true, false}) {
     for (std::size_t i = 0; i < log.columns.size(); ++i) {
       const Column& c = log.columns[i];
       if (!c.texts.empty()) continue;
-      const std::string name = lower(c.name);
-      const bool named = name == "t" || name == "time" || name == "zeit" || name == "timestamp" ||
-                         name == "zeitstempel" || name == "temps" || name == "tempo";
+      const bool named =
+          std::find(kTimeNames.begin(), kTimeNames.end(), lower_case(c.name)) != kTimeNames.end();
       constexpr std::array kUnits{"s", "ms", "us", "µs", "ns", "min", "h", "sec"};
       const bool unit = std::find(kUnits.begin(), kUnits.end(), c.unit_text) != kUnits.end();
       if (by_name ? named : unit) return static_cast<int>(i);

@@ -6,6 +6,7 @@
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
 #include <stribeck/workflow/health/health.hpp>
@@ -42,10 +43,7 @@ std::string date_of_logs(const std::vector<std::string>& logs, const LogOptions&
   for (const std::string& path : logs) {
     std::string here;
     for (const auto& [key, value] : read_log(path, options).metadata) {
-      std::string lower = key;
-      std::transform(lower.begin(), lower.end(), lower.begin(),
-                     [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      if (lower == "date" && health::day_of(value.substr(0, 10))) here = value.substr(0, 10);
+      if (io::lower_case(key) == "date" && health::day_of(value.substr(0, 10))) here = value.substr(0, 10);
     }
     if (here.empty())
       refuse_option("--date",

@@ -221,11 +221,6 @@ std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts) {
 
 }  // namespace
 
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 std::vector<std::string> words_of_name(const std::string& name) {
   std::vector<std::string> words{""};
   for (const char c : lower_case(name)) {

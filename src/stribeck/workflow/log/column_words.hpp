@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <span>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <string>
 #include <string_view>
@@ -23,7 +24,7 @@ struct NameMeaning {
   std::string axis;      ///< lower case; "" where the name has none
 };
 
-std::string lower_case(std::string text);
+using io::lower_case;
 
 /// The words of a name in lower case, apart where other signs than letters and digits stand; letters beyond ASCII are kept.
 std::vector<std::string> words_of_name(const std::string& name);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 
 namespace stribeck::workflow {
@@ -7,9 +8,7 @@ namespace {
 
 const std::vector<KnownColumn>& known_quantities() {
   static const std::vector<KnownColumn> all{
-      {LogQuantity::kTime,
-       quantity("s", "s"),
-       {{"t", "time", "zeit", "timestamp", "zeitstempel", "temps", "tempo"}}},
+      {LogQuantity::kTime, quantity("s", "s"), {NameFamily(io::kTimeNames.begin(), io::kTimeNames.end())}},
       {LogQuantity::kReference,
        quantity("m", "mm"),
        {{"r"},

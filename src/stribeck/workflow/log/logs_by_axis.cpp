@@ -5,16 +5,12 @@
 #include <utility>
 
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 
 namespace stribeck::workflow {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 std::vector<std::string> axes_of(const sim::Machine& machine) {
   std::vector<std::string> names;
@@ -25,7 +21,7 @@ std::vector<std::string> axes_of(const sim::Machine& machine) {
 /// Words of letters and digits, lower case.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words(1);
-  for (const char c : lower(text)) {
+  for (const char c : io::lower_case(text)) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
       words.back() += c;
     } else if (!words.back().empty()) {
@@ -44,9 +40,11 @@ std::vector<std::string> axes_in_columns(const io::Log& log, const std::vector<s
       const std::vector<std::string> words = words_of(c.name);
       if (words.size() < 2) return false;
       const auto is_axis = [&](const std::string& word) {
-        return std::any_of(axes.begin(), axes.end(), [&](const std::string& a) { return lower(a) == word; });
+        return std::any_of(axes.begin(), axes.end(),
+                           [&](const std::string& a) { return io::lower_case(a) == word; });
       };
-      return words.back() == lower(axis) || (words.front() == lower(axis) && !is_axis(words.back()));
+      return words.back() == io::lower_case(axis) ||
+             (words.front() == io::lower_case(axis) && !is_axis(words.back()));
     });
     if (there) found.push_back(axis);
   }
@@ -68,7 +66,7 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
                                  const std::vector<std::string>& axes) {
   for (const auto& [key, value] : log.metadata) {
     for (const std::string& axis : axes) {
-      if (key == "axis" && lower(value) == lower(axis)) return {axis};
+      if (key == "axis" && io::lower_case(value) == io::lower_case(axis)) return {axis};
     }
   }
   if (axes.size() == 1) return axes;
@@ -83,7 +81,7 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
   const std::vector<std::string> words = words_of(std::filesystem::path(path).stem().string());
   std::vector<std::string> by_name;
   for (const std::string& axis : axes) {
-    if (std::find(words.begin(), words.end(), lower(axis)) != words.end()) by_name.push_back(axis);
+    if (std::find(words.begin(), words.end(), io::lower_case(axis)) != words.end()) by_name.push_back(axis);
   }
   return by_name.size() == 1 ? by_name : std::vector<std::string>();
 }
