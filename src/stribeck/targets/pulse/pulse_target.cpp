@@ -84,11 +84,16 @@ nlohmann::ordered_json json_of(const CircleError& e) {
   return {{"quadrant_um", 1e6 * e.quadrant}, {"max_um", 1e6 * e.largest}};
 }
 
+/// A peak as a share of that without compensation; where there was none, any peak is all of it.
+double share_of(double peak, double without) {
+  return without > 0.0 ? peak / without : peak > 0.0 ? 1.0 : 0.0;
+}
+
 std::string line_of(const char* what, const CircleError& e, const CircleError& without) {
   return fmt::format("  {} {} {}   {:.0f} %\n", report::left_aligned(what, 26),
                      report::right_aligned(report::micrometres(e.quadrant), 9),
                      report::right_aligned(report::micrometres(e.largest), 9),
-                     100.0 * e.quadrant / without.quadrant);
+                     100.0 * share_of(e.quadrant, without.quadrant));
 }
 
 /// The gains of an axis as a control has them. Kp acts on the speed of the axis, in force.
@@ -218,8 +223,8 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
     const PulseRow& r = found.rows[k];
     const double written = amplitude(r.acceleration);
     squares += (written - r.amplitude) * (written - r.amplitude);
-    worst = std::max(worst, tried[k].quadrant / r.without.quadrant);
-    worst_best = std::max(worst_best, r.best.quadrant / r.without.quadrant);
+    worst = std::max(worst, share_of(tried[k].quadrant, r.without.quadrant));
+    worst_best = std::max(worst_best, share_of(r.best.quadrant, r.without.quadrant));
     grid.push_back({{"radius_mm", 1e3 * r.radius},
                     {"feed_mm_per_s", 1e3 * r.feed},
                     {"acceleration_mm_per_s2", 1e3 * r.acceleration},
@@ -232,8 +237,9 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
   const double residual = std::sqrt(squares / static_cast<double>(tried.size())) / kMmPerMinute;
   w.words += fmt::format(
       "; from the best amplitudes on {} circles {} mm/min RMS; peak at the quadrants there at most {:.0f} % "
-      "of that without, with the best amplitude of each {:.0f} %; not in it: terms periodic in position, different amplitudes for the two directions",
-      tried.size(), report::significant(residual, 3), 100.0 * worst, 100.0 * worst_best);
+      "of that without{}, with the best amplitude of each {:.0f} %; not in it: terms periodic in position, different amplitudes for the two directions",
+      tried.size(), report::significant(residual, 3), 100.0 * worst,
+      worst > 1.0 ? " (larger than without: it does not serve all of these feeds)" : "", 100.0 * worst_best);
   w.json["residual_mm_per_min"] = residual;
   w.json["grid"] = grid;
 }

@@ -11,6 +11,7 @@ namespace stribeck::targets {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
+constexpr double kQuadrant = 90.0;  // degrees
 
 double parameter(const std::string& text, int number, const std::string& axis) {
   return kMillimetre * number_after(fmt::format("MP{}.{} : ", number, axis), text, "machine parameters");
@@ -40,6 +41,8 @@ WrittenPulse write_spikes(const PulseTask& t, std::size_t axis) {
                         report::significant(c.speed(t.period) / kMmPerMinute, 3),
                         report::significant(1e3 * c.time(t.period), 3),
                         report::significant(1e6 * c.height, 3), report::significant(width, 3));
+  if (width > kQuadrant)
+    w.words += " (longer than a quadrant: give --speed and --size of a slower or larger circle)";
   w.json = {{"mp711_mm", c.height / kMillimetre},
             {"mp712_mm", c.increment / kMillimetre},
             {"time_s", c.time(t.period)},
