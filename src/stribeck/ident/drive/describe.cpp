@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
 constexpr double kVagueShift = 0.3;  ///< [rows] half width of a shift that is worth a word
-constexpr double kApart = 0.1;       ///< of friction: difference of the directions that is worth a word
+constexpr double kApart = 0.05;      ///< of friction: difference of the directions that is worth a word
 constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
@@ -74,6 +74,7 @@ class Description {
   void write_map();
   void write_symmetric();
   void write_load();
+  void note_load();
   std::size_t write_branch(std::size_t s, friction::GaussianBranch<double>& branch);
   void write_periodic();
   void write_curve(int s);
@@ -218,6 +219,12 @@ void Description::write_symmetric() {
   }
   add("alpha2", fit.viscous, "N s/m", "N s/mm", map_error(2), seen(2));
   result_.friction.steady = steady;
+  if (std::abs(fit.load) > kApart * fit.coulomb) note_load();
+}
+
+void Description::note_load() {
+  notes_.cannot_tell.emplace_back(
+      "how much of the load is really friction that differs between the directions: the given load is half the sum of both");
 }
 
 void Description::write_load() {
@@ -227,8 +234,7 @@ void Description::write_load() {
     h(at(0)) = 0.5;
     h(at(fit.span(1).first)) = -0.5;
     add("load", fit.load, "N", "N", found_.intervals.error_of(h), true);
-    notes_.cannot_tell.emplace_back(
-        "how much of the load is really friction that differs between the directions: the given load is half the sum of both");
+    note_load();
     return;
   }
   const double v = 0.5 * std::min(fit.top[0], fit.top[1]);

@@ -56,9 +56,9 @@ void write_spring(const ident::residual::Spring& s, ident::Result& r) {
                           s.stiffness + s.half_width, true});
   const bool metres = r.position_unit == "m";
   r.warnings.push_back(fmt::format(
-      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; an axis file has no place for it, and a compensation does not know it",
+      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {:.4g} {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it",
       s.stiffness * (metres ? 1e-3 : 1.0), r.force_unit, metres ? "mm" : "rad",
-      s.half_width * (metres ? 1e-3 : 1.0)));
+      s.half_width * (metres ? 1e-3 : 1.0), s.middle * (metres ? 1e3 : 1.0), metres ? "mm" : "rad"));
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
