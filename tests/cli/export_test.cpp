@@ -172,6 +172,38 @@ negative = { eta0 = "-500 N", eta1 = "100 N s/mm" }
   EXPECT_NEAR(points[1].second, -500.0, 1.0);
 }
 
+// A conventional model has no range of its own; identify writes it beside the model.
+TEST(Export, TakesTheSpeedOfTheIdentification) {
+  const Folder f;
+  const std::string axis = R"([friction]
+steady = { kind = "conventional", alpha0 = "18 N", alpha2 = "4.5 N s/mm" }
+dynamics = { kind = "lugre", sigma0 = "20000 N/mm" }
+)";
+  const std::string mass = "mass = \"1 N s2/mm\"\n";
+  const std::string x = f.write("x.toml", mass + "velocity_range = [\"-9 mm/s\", \"8 mm/s\"]\n" + axis);
+  const Said table = command(to_linuxcnc({x, "--lincurve", "-o", f / "l.hal"}));
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("from -8 to 8 mm/s"));
+  const Said csv = command({"export", x, "--to", "csv", "-o", f / "x.csv"});
+  EXPECT_EQ(csv.code, 0) << csv.err;
+  EXPECT_THAT(csv.out, HasSubstr("up to 8.000 mm/s"));
+  const Said pulse = command({"export", x, x, "--to", "tnc", "-o", f / "x.txt"});
+  EXPECT_EQ(pulse.code, 0) << pulse.err;
+  EXPECT_THAT(pulse.out, HasSubstr("at 8.000 mm/s"));
+  // The range changes nothing that does not depend on a speed.
+  const std::string old = f.write("old.toml", mass + axis);
+  for (const auto& [from, to] : {std::pair{x, "new.hal"}, {old, "old.hal"}})
+    ASSERT_EQ(command(to_linuxcnc({from, "-o", f / to})).code, 0);
+  EXPECT_EQ(replaced(replaced(text_of(f / "new.hal"), "x.toml", ""), "new.hal", ""),
+            replaced(replaced(text_of(f / "old.hal"), "old.toml", ""), "old.hal", ""));
+  const std::string asked = "--speed: missing: " + old + " does not say how fast the axis goes";
+  expect_refused(f, to_linuxcnc({old, "--lincurve", "-o", f / "n.hal"}), asked);
+  const std::string reversed =
+      f.write("r.toml", mass + "velocity_range = [\"8 mm/s\", \"-9 mm/s\"]\n" + axis);
+  expect_refused(f, to_linuxcnc({reversed, "-o", f / "n.hal"}),
+                 "velocity_range: expected a lowest velocity below zero and a highest above zero");
+}
+
 // A straight line on each side takes two points each, and the component is told so.
 TEST(Export, LincurveWithFewPoints) {
   const Folder f;

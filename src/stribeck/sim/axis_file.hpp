@@ -1,8 +1,11 @@
 #pragma once
-/// The content of an axis file: the identified model of an axis and, where the control sees the motor and the table does not follow
-/// at once, the lost motion between both.
+/// The content of an axis file: the identified model of an axis, the velocities on which it was identified and, where the control
+/// sees the motor and the table does not follow at once, the lost motion between both.
 /// Real time: no.
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <stribeck/control/compensation/lost_motion_params.hpp>
 #include <stribeck/friction/axis_model.hpp>
 
@@ -10,14 +13,34 @@ namespace stribeck::sim {
 
 struct AxisFile {
   friction::AxisModel model;
-  std::optional<control::LostMotionParams> lost_motion;
+  std::optional<control::LostMotionParams> lost_motion{};
+  std::optional<std::array<double, 2>>
+      velocity_range{};  ///< [m/s] where the map of friction does not hold it
 
   static constexpr auto fields() {
     return std::tuple{
         embedded(&AxisFile::model),
         field("lost_motion", &AxisFile::lost_motion,
               "backlash and wind-up between motor and table, for a loop over the motor; left out: none")
-            .or_default()};
+            .or_default(),
+        field("velocity_range", &AxisFile::velocity_range, quantity("m/s", "mm/s"),
+              "velocities the model was identified on: lowest (< 0), highest (> 0); left out: unknown")
+            .or_default()
+            .when([](const AxisFile& f) { return !f.model.friction.identified_range(); },
+                  "goes with a steady map that has no range of its own, i.e. conventional")};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (velocity_range && !((*velocity_range)[0] < 0.0 && (*velocity_range)[1] > 0.0))
+      report("velocity_range", "expected a lowest velocity below zero and a highest above zero");
+  }
+
+  /// The largest speed at which the model was identified in both directions [m/s]; absent: the file does not say it.
+  [[nodiscard]] std::optional<double> identified_speed() const noexcept {
+    const auto of_map = model.friction.identified_range();
+    const auto& range = of_map ? of_map : velocity_range;
+    if (!range) return std::nullopt;
+    return std::min(-(*range)[0], (*range)[1]);
   }
 };
 

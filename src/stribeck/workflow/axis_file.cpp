@@ -62,7 +62,11 @@ std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion
 }
 
 sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
-  sim::AxisFile file{axis_file_model(found, axis), {}};
+  sim::AxisFile file{axis_file_model(found, axis)};
+  // A map by direction has its range itself.
+  const std::array<double, 2>& range = found.result.velocity_range;
+  if (!file.model.friction.identified_range() && range[0] < 0.0 && range[1] > 0.0)
+    file.velocity_range = range;
   if (found.lost_motion) file.lost_motion = lost_motion_of(*found.lost_motion, file.model.mass);
   return file;
 }

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
+#include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/identify_text.hpp>
 #include <string>
@@ -120,6 +123,27 @@ TEST(Identify, ConstantSpeedsWithoutAccelerationGiveTheFriction) {
   ASSERT_NE(found.result.find("alpha0"), nullptr);
   EXPECT_NEAR(found.result.find("alpha0")->value, kCoulomb, 0.2);
   EXPECT_THAT(found.result.warnings, ::testing::Contains(HasSubstr("too little acceleration for the mass")));
+}
+
+// A conventional map has no range of its own: the file says the velocities beside it, and nothing where one is in the map.
+TEST(Identify, TheAxisFileSaysTheVelocitiesOfAnyModel) {
+  const Folder folder;
+  const workflow::AxisRecords axis = workflow::read_axis({folder.write("log.csv", sines())}, {});
+  workflow::IdentifyOptions how;
+  how.model = workflow::ModelChoice::kConventional;
+  const workflow::Identification found = workflow::identify(axis, how);
+  const auto file = io::read_toml<sim::AxisFile>(folder.write("x.toml", axis_file_text(found, axis, "1")));
+  ASSERT_FALSE(file.model.friction.identified_range());
+  ASSERT_TRUE(file.velocity_range);
+  const std::array<double, 2>& range = found.result.velocity_range;
+  EXPECT_EQ(*file.velocity_range, range);
+  ASSERT_TRUE(file.identified_speed());
+  EXPECT_EQ(*file.identified_speed(), std::min(-range[0], range[1]));
+  how.model = workflow::ModelChoice::kGaussian;
+  const sim::AxisFile by_direction = axis_file(workflow::identify(axis, how), axis);
+  EXPECT_TRUE(by_direction.model.friction.identified_range());
+  EXPECT_FALSE(by_direction.velocity_range);
+  EXPECT_TRUE(by_direction.identified_speed());
 }
 
 TEST(Identify, NotesNameTheirLog) {

@@ -59,13 +59,13 @@ std::vector<std::string> letters_for(const ExportRequest& o) {
 }
 
 /// Largest speed of the table [m/s].
-double table_speed(const ExportRequest& o, const std::string& file, const friction::AxisModel& model) {
+double table_speed(const ExportRequest& o, const std::string& file, const sim::AxisFile& axis) {
   if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
-  const auto range = model.friction.identified_range();
-  if (!range)
+  const std::optional<double> identified = axis.identified_speed();
+  if (!identified)
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", file));
-  return std::min(-(*range)[0], (*range)[1]);
+  return *identified;
 }
 
 }  // namespace
@@ -98,8 +98,9 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
   std::string body;
   json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const auto model = io::read_toml<sim::AxisFile>(o.files[i]).model;
-    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], model), 1e-3);
+    const auto file = io::read_toml<sim::AxisFile>(o.files[i]);
+    const friction::AxisModel& model = file.model;
+    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], file), 1e-3);
     const std::string worth = lincurve_words(table, model, "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
     body += '\n' + io::comment_lines(fmt::format("{} from {}: {}", names[i], o.files[i], worth));

@@ -40,16 +40,16 @@ std::vector<std::string> axis_names(AxisNamer namer, const ExportRequest& o) {
   return names;
 }
 
-friction::AxisModel axis_model(const std::string& file) {
+sim::AxisFile axis_file(const std::string& file) {
   if (io::load_toml(file).find("axes") != nullptr)
     throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  friction::AxisModel model = io::read_toml<sim::AxisFile>(file).model;
-  if (!friction::has_pre_sliding(model.friction.dynamics)) {
+  sim::AxisFile axis = io::read_toml<sim::AxisFile>(file);
+  if (!friction::has_pre_sliding(axis.model.friction.dynamics)) {
     throw io::InputError(
         {file, 0, "friction.dynamics",
          "is missing: the pulse depends on pre-sliding; identify from a log with reversals that shows it"});
   }
-  return model;
+  return axis;
 }
 
 sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
@@ -68,13 +68,10 @@ sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
   return loop;
 }
 
-double feed_of(const ExportRequest& o, const std::vector<friction::AxisModel>& axes) {
+double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes) {
   if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
   double feed = std::numeric_limits<double>::infinity();
-  for (const friction::AxisModel& axis : axes) {
-    const auto range = axis.friction.identified_range();
-    if (range) feed = std::min({feed, -(*range)[0], (*range)[1]});
-  }
+  for (const sim::AxisFile& axis : axes) feed = std::min(feed, axis.identified_speed().value_or(feed));
   if (!std::isfinite(feed))
     refuse_option("--speed", "missing: the files do not say how fast the axes go, e.g. \"100 mm/s\"");
   return feed;
@@ -133,7 +130,11 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
   if (!o.zero.empty()) refuse("--zero");
   PulseTask t;
   t.names = axis_names(axis_name, o);
-  for (const std::string& file : o.files) t.axes.push_back(axis_model(file));
+  std::vector<sim::AxisFile> files;
+  for (const std::string& file : o.files) {
+    files.push_back(axis_file(file));
+    t.axes.push_back(files.back().model);
+  }
   if (!o.machine.empty()) {
     if (!o.period.empty()) refuse_option("--period", "is that of the machine; leave it out with --machine");
     t.machine = workflow::read_virtual_machine(o.machine);
@@ -145,7 +146,7 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
                          quantity("s", "ms").positive().at_least(1e-5).at_most(0.1));
   }
   t.loop = cascade_of(o, t.period);
-  t.feed = feed_of(o, t.axes);
+  t.feed = feed_of(o, files);
   t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
   return t;
 }

@@ -82,7 +82,9 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.file = o.files[i];
   if (io::load_toml(a.file).find("axes") != nullptr)
     throw io::InputError({a.file, 0, "axes", "is a machine file, expected an axis file written by identify"});
-  a.model = io::read_toml<sim::AxisFile>(a.file).model;
+  const auto file = io::read_toml<sim::AxisFile>(a.file);
+  a.model = file.model;
+  a.fastest = file.identified_speed().value_or(0.0);
   std::tie(a.gain, a.unit) = gain_of(o);
   a.lead = o.lead.empty() ? kUnknown : option_si("--lead", o.lead, quantity("m", "mm").positive());
   a.resolution = o.resolution.empty()
@@ -94,12 +96,9 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
 /// With the speeds of the request, or of the identification.
 Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& name) {
   Axis a = axis_of(o, i, name);
-  const auto range = a.model.friction.identified_range();
   if (!o.speed.empty()) {
     a.fastest = option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
-  } else if (range) {
-    a.fastest = std::min(-(*range)[0], (*range)[1]);
-  } else {
+  } else if (!(a.fastest > 0.0)) {
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", a.file));
   }

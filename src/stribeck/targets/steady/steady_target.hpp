@@ -31,7 +31,7 @@ struct Axis {
   std::string file;
   friction::AxisModel model;
   double slowest = 0.0;     ///< smallest speed that counts [m/s]
-  double fastest = 0.0;     ///< [m/s]
+  double fastest = 0.0;     ///< [m/s]; 0: nobody said it
   double gain = 1.0;        ///< force of one unit of the control [N]; NaN: nobody said it
   std::string unit;         ///< name of that unit: "%", "A"
   double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: nobody said it
