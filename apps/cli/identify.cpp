@@ -18,6 +18,7 @@
 #include <stribeck/workflow/identify_text.hpp>
 #include <stribeck/workflow/inspect.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -100,7 +101,7 @@ void write_axis_file(const std::string& path, const Identification& found, const
 /// Every axis of a machine from whatever logs there are of it.
 int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
                      const LogOptions& log_options) {
-  const sim::Machine machine = load_machine(o.logs.front());
+  const MachineDescription machine = read_description(o.logs.front());
   const std::vector<std::string> logs(o.logs.begin() + 1, o.logs.end());
   if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
   const report::Made made = made_from(o.logs);

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <string>
 #include <tests/cli/command.hpp>
 
@@ -114,6 +116,94 @@ TEST(Commission, DoesNotReplaceAFileThatIsNotItsOwn) {
   EXPECT_EQ(said.code, 2);
   EXPECT_THAT(said.err, HasSubstr("x.toml: was not written by this command"));
   EXPECT_EQ(text_of(stages.folder / "axes/x.toml"), "mine\n");
+}
+
+/// The machine file of a real axis x, without the truth of a virtual one.
+std::string real_machine(const std::string& drive) {
+  return R"(name = "gantry"
+sample_time = "2 ms"
+[axes.x.limits]
+travel_min = "-100 mm"
+travel_max = "100 mm"
+speed = "500 mm/s"
+acceleration = "2000 mm/s2"
+force = "3000 N"
+[axes.x.commissioning]
+mass = "100 kg"
+friction = "20 N"
+)" + drive;
+}
+const std::string kRealDrive = R"([axes.x.drive]
+rated_torque = "1.5 N m"
+lead = "10 mm"
+gear = 2
+)";
+
+/// The log as a drive shows it: position in um, speed of the motor in rpm, torque in percent of 1.5 N m.
+std::string drive_log(double omega, double coulomb, std::uint32_t seed) {
+  std::istringstream rows(log_text(omega, coulomb, seed));
+  std::string text = "t [s],r [um],x [um],v [rpm],torque [%]\n";
+  std::string row;
+  std::getline(rows, row);
+  double before = 0.0;
+  constexpr double kTurn = 5.0;                                   // [mm] of travel per turn of the motor
+  constexpr double kRated = 1.5 * 2.0 * 3.14159265358979 / 5e-3;  // [N] at 100 %
+  while (std::getline(rows, row)) {
+    double t = 0.0, r = 0.0, x = 0.0, f = 0.0;
+    EXPECT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &t, &r, &x, &f), 4);
+    text += fmt::format("{:.3f},{:.3f},{:.3f},{:.4f},{:.5f}\n", t, 1e3 * r, 1e3 * x,
+                        60.0 * (x - before) / 0.002 / kTurn, 100.0 * f / kRated);
+    before = x;
+  }
+  return text;
+}
+
+TEST(Commission, TakesTheDriveOfTheMachineFileForLogsOfTheDrive) {
+  const Stages stages;
+  const std::string machine = stages.folder.write("real.toml", real_machine(kRealDrive));
+  stages.log("x-sine.csv", drive_log(3.0, 20.0, 1));
+  stages.log("x-verify.csv", drive_log(2.0, 20.0, 2));
+  const std::vector<std::string> words{"commission", machine,
+                                       "--logs",     stages.folder / "logs",
+                                       "-o",         stages.folder / "axes",
+                                       "--json",     stages.folder / "c.json"};
+  const Said said = command(words);
+  ASSERT_EQ(said.code, 0) << said.err << said.out;
+  const auto json = nlohmann::json::parse(text_of(stages.folder / "c.json"));
+  EXPECT_NEAR(json["axes"][0]["mass_kg"].get<double>(), 100.0, 2.0);
+  // The command that is printed works as it is.
+  const std::string axis = stages.folder / "axes/x.toml";
+  EXPECT_THAT(said.out, HasSubstr("stribeck export " + axis + " --to linuxcnc --lincurve -o x.hal"));
+  const Said table =
+      command({"export", axis, "--to", "linuxcnc", "--lincurve", "-o", stages.folder / "x.hal"});
+  EXPECT_EQ(table.code, 0) << table.err;
+}
+
+TEST(Commission, SaysWhatALogOfADriveLacks) {
+  const Stages stages;
+  const std::string machine = stages.folder.write("real.toml", real_machine(""));
+  std::string log = drive_log(3.0, 20.0, 1);
+  log.replace(0, log.find('\n'), "t [s],r [um],x [um],speed,torque [%]");
+  stages.log("x-sine.csv", log);
+  const Said said = command(
+      {"commission", machine, "--logs", stages.folder / "logs", "-o", stages.folder / "axes", "--axis", "x"});
+  EXPECT_EQ(said.code, 1) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("Axis x: not determined"), HasSubstr("the force of the logs is in %"),
+                              HasSubstr("[axes.x.drive]"), HasSubstr("--gain"), Not(HasSubstr("mass 0"))));
+}
+
+// No verb that reads logs needs the truth of a virtual machine.
+TEST(Commission, IdentifyTakesTheSameMachineFile) {
+  const Stages stages;
+  const std::string machine = stages.folder.write("real.toml", real_machine(kRealDrive));
+  stages.log("x-sine.csv", drive_log(3.0, 20.0, 1));
+  const Said said = command({"identify", machine, stages.folder / "logs/x-sine.csv", "--axis", "x", "-o",
+                             stages.folder / "models", "--json", stages.folder / "i.json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_TRUE(std::filesystem::exists(stages.folder / "models/x.toml"));
+  const auto json = nlohmann::json::parse(text_of(stages.folder / "i.json"));
+  EXPECT_NEAR(json[0]["mass_kg"].get<double>(), 100.0, 2.0);
+  EXPECT_THAT(said.out, HasSubstr("from the drive of the machine file"));
 }
 
 TEST(Commission, RefusesWhatIsThere) {

@@ -20,17 +20,6 @@ namespace {
 
 namespace health = ident::health;
 
-/// The machine as logs_by_axis needs it: with the gain of a real drive, where its file has one.
-sim::Machine with_gains(const MachineDescription& description) {
-  sim::Machine machine = as_machine(description);
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    const AxisDescription& a = description.axes[i].second;
-    if (!a.plant && a.force_per_volt() > 0.0)
-      machine.axes[i].second.plant.drive = plant::CurrentDrive{a.force_per_volt(), {}};
-  }
-  return machine;
-}
-
 std::string checked_date(const std::string& place, const std::string& date) {
   if (!health::day_of(date))
     refuse_option(place, fmt::format("got {}, expected a day as 2026-11-23", io::in_quotes(date)));
@@ -92,7 +81,7 @@ class Session {
       : options_(options),
         archive_(archive),
         description_(read_description(options.machine)),
-        machine_(with_gains(description_)),
+        machine_(as_machine(description_)),
         files_(archive.read(description_.name)) {}
 
   void measure() {
@@ -102,8 +91,12 @@ class Session {
     const std::string date =
         options_.date.empty() ? date_of_logs(dated, options_.log) : checked_date("--date", options_.date);
     std::vector<ArchivedTest> tests;
-    for (const LogsOfAxis& one : logs_by_axis(machine_, options_.logs, options_.log))
-      measure_axis(one, date, tests);
+    for (const LogsOfAxis& one : logs_by_axis(description_, options_.logs, options_.log)) {
+      // Numbers of one archive stay in one unit: as before, logs in volts alone are scaled.
+      LogsOfAxis logs = one;
+      logs.options.drive = {.per_volt = one.options.drive.per_volt};
+      measure_axis(logs, date, tests);
+    }
     if (!options_.circles.empty()) measure_circle(date, tests);
     for (const ArchivedTest& test : tests) {
       archive_.add(test, files_);

@@ -184,6 +184,33 @@ void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
                   io::in_quotes(header_of(*e.from.column)), e.unit, gain_unit));
 }
 
+/// The force per unit of this column that the machine file says; empty: it does not.
+std::string gain_of(const DriveScale& drive, const Effort& e) {
+  if (e.from.unit.empty()) return {};
+  switch (e.what) {
+    case LogQuantity::kVoltage:
+      return drive.per_volt;
+    case LogQuantity::kPercent:
+      return drive.at_100_percent;
+    case LogQuantity::kCurrent:
+      return drive.per_ampere;
+    default:
+      return {};
+  }
+}
+
+/// Whether the drive of the machine file gives the scale; it is then applied.
+bool apply_drive(Effort& e, const DriveScale& drive, const MotionColumns& motion,
+                 std::vector<std::string>& notes) {
+  const std::string gain = gain_of(drive, e);
+  if (gain.empty() || !apply_gain(e, gain, motion)) return false;
+  if (e.what != LogQuantity::kVoltage)
+    notes.push_back(fmt::format(
+        "the force is that of column {} with {}{}, from the drive of the machine file",
+        io::in_quotes(header_of(*e.from.column)), gain, e.what == LogQuantity::kPercent ? " at 100 %" : ""));
+  return true;
+}
+
 void set_conversion(Effort& e, const io::Log& log) {
   const Quantity q = known_column(e.what).quantity;
   const std::string& unit = e.from.unit;
@@ -198,8 +225,9 @@ void set_conversion(Effort& e, const io::Log& log) {
 
 }  // namespace
 
-Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const std::string& gain,
+Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const LogOptions& options,
                    std::vector<std::string>& notes) {
+  const std::string& gain = options.gain;
   Candidates found = find_candidates(columns, !gain.empty(), notes);
   Effort effort = gain.empty() ? found.efforts.front() : with_gain(std::move(found), gain, motion);
   if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
@@ -210,7 +238,8 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
               ? "the force is a torque in N m about an angle in rad"
               : "the force is given as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
     }
-  } else if (gain.empty() && effort.what != LogQuantity::kForce) {
+  } else if (gain.empty() && effort.what != LogQuantity::kForce &&
+             !apply_drive(effort, options.drive, motion, notes)) {
     keep_own_unit(effort, notes);
   }
   set_conversion(effort, columns.log());

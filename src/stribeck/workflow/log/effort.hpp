@@ -1,6 +1,6 @@
 #pragma once
 /// The column of a log that gives the force (force, torque, current, voltage or percent) and its conversion to newtons.
-/// Without a gain the values stay in the log's own unit ("A", "%", "V", "N m") and a note says so.
+/// Without --gain the drive of the machine file tells it; without that the values stay in the log's own unit ("A", "%", "V", "N m") and a note says so.
 ///
 /// Real time: no.
 /// Errors: InputError naming file, column or option.
@@ -23,7 +23,7 @@ struct Effort {
 };
 
 /// The mapped column; else the one with the gain's unit; else the first of force, current, torque, percent, voltage.
-Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const std::string& gain,
+Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const LogOptions& options,
                    std::vector<std::string>& notes);
 
 }  // namespace stribeck::workflow

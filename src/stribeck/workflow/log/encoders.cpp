@@ -43,8 +43,8 @@ std::optional<ident::lost_motion::Positions> both_encoders(const io::Log& log, c
   if (!options.where.empty() || !options.runs.empty())
     return unused("it needs all rows of a log (leave out --where and --runs)");
   std::vector<std::string> ignored;
-  const MotionColumns motion = find_motion(columns, options.lead, ignored);
-  const Effort effort = find_effort(columns, motion, options.gain, ignored);
+  const MotionColumns motion = find_motion(columns, options, ignored);
+  const Effort effort = find_effort(columns, motion, options, ignored);
   ident::lost_motion::Positions p;
   p.motor = metres_of(*motor, motion.per_radian);
   p.scale = metres_of(*scale, motion.per_radian);

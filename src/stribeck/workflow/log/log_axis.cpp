@@ -93,9 +93,13 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   LoggedAxis out;
   const AxisColumns columns(log, options);
   out.notes = columns.rescaled();
-  const MotionColumns motion = find_motion(columns, options.lead, out.notes);
-  const Effort effort = find_effort(columns, motion, options.gain, out.notes);
-  if (motion.per_radian != 0.0 && !motion.turns() && !effort.by_lead)
+  const MotionColumns motion = find_motion(columns, options, out.notes);
+  const Effort effort = find_effort(columns, motion, options, out.notes);
+  const bool lead_used = motion.turns() || effort.by_lead;
+  if (options.lead.empty() && motion.per_radian != 0.0 && lead_used)
+    out.notes.push_back(fmt::format(
+        "one turn of the motor is {} of travel, from the drive of the machine file", options.drive.lead));
+  if (!options.lead.empty() && !lead_used)
     refuse_option(
         "--lead",
         "no column of this log is an angle and the force is not a torque: the option has no effect, leave it out");

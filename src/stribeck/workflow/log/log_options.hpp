@@ -12,6 +12,15 @@
 
 namespace stribeck::workflow {
 
+/// What the machine file says of the drive of an axis: taken for a log whose unit needs it where --gain or --lead is not given. Empty:
+/// not known.
+struct DriveScale {
+  std::string per_volt{};
+  std::string at_100_percent{};
+  std::string per_ampere{};
+  std::string lead{};  ///< travel per turn of the motor
+};
+
 struct LogOptions {
   std::string axis{};                ///< name of the axis in the log; empty: the log has one axis
   std::vector<std::string> maps{};   ///< quantity=column [unit]
@@ -21,6 +30,7 @@ struct LogOptions {
   std::vector<std::string> runs{};   ///< columns in which a change begins a new run
   std::string sample_time{};         ///< for logs without a time column
   std::vector<std::string> keep{};   ///< kinds of findings that are left alone
+  DriveScale drive{};                ///< no option of the command
 };
 
 /// The options merged with those of a map file (TOML with any of these keys), which they override; empty: no file.

@@ -12,7 +12,7 @@
 namespace stribeck::workflow {
 namespace {
 
-std::vector<std::string> axes_of(const sim::Machine& machine) {
+std::vector<std::string> axes_of(const MachineDescription& machine) {
   std::vector<std::string> names;
   for (const auto& [name, axis] : machine.axes) names.push_back(name);
   return names;
@@ -51,14 +51,26 @@ std::vector<std::string> axes_in_columns(const io::Log& log, const std::vector<s
   return found;
 }
 
-/// Unit of the force of this axis; empty: the log has no such axis.
-std::string unit_of(const io::Log& log, LogOptions options, const std::string& axis) {
+DriveScale scale_of(const AxisDescription& axis) {
+  DriveScale scale;
+  const auto text = [](std::optional<double> value, const char* unit) {
+    return value && *value > 0.0 ? fmt::format("{} {}", *value, unit) : std::string();
+  };
+  scale.per_volt = text(axis.force_per_volt(), "N/V");
+  if (!axis.drive) return scale;
+  scale.at_100_percent = text(axis.drive->rated(), "N");
+  scale.per_ampere = text(axis.drive->per_ampere(), "N/A");
+  if (const auto r = axis.drive->radius()) scale.lead = text(2.0 * kPi * *r, "m");
+  return scale;
+}
+
+/// Whether the log has an axis of this name.
+bool has_axis(const io::Log& log, LogOptions options, const std::string& axis) {
   options.axis = axis;
   try {
-    const LoggedAxis found = logged_axis(log, options);
-    return found.runs.empty() ? std::string() : found.runs.front().force_unit;
+    return !logged_axis(log, options).runs.empty();
   } catch (const io::InputError&) {
-    return {};
+    return false;
   }
 }
 
@@ -73,10 +85,10 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
   if (const auto labelled = axes_in_columns(log, axes); !labelled.empty()) return labelled;
   std::vector<std::string> named;
   for (const std::string& axis : axes) {
-    if (!unit_of(log, options, axis).empty()) named.push_back(axis);
+    if (has_axis(log, options, axis)) named.push_back(axis);
   }
   // Columns that an axis of any name could take carry none.
-  const bool plain = !unit_of(log, options, "any other").empty();
+  const bool plain = has_axis(log, options, "any other");
   if (!named.empty() && !plain) return named;
   const std::vector<std::string> words = words_of(std::filesystem::path(path).stem().string());
   std::vector<std::string> by_name;
@@ -88,13 +100,14 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
 
 }  // namespace
 
-std::vector<LogsOfAxis> logs_by_axis(const sim::Machine& machine, const std::vector<std::string>& logs,
+std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const std::vector<std::string>& logs,
                                      const LogOptions& options) {
   const std::vector<std::string> axes = axes_of(machine);
   std::vector<LogsOfAxis> all;
-  for (const std::string& axis : axes) {
-    all.push_back({axis, options, {}});
-    all.back().options.axis = axis;
+  for (const auto& [name, axis] : machine.axes) {
+    all.push_back({name, options, {}});
+    all.back().options.axis = name;
+    all.back().options.drive = scale_of(axis);
   }
   for (const std::string& path : logs) {
     const io::Log log = read_log(path, options);
@@ -109,10 +122,6 @@ std::vector<LogsOfAxis> logs_by_axis(const sim::Machine& machine, const std::vec
     for (LogsOfAxis& one : all) {
       if (std::find(found.begin(), found.end(), one.axis) == found.end()) continue;
       one.logs.push_back(path);
-      const auto at = std::find(axes.begin(), axes.end(), one.axis) - axes.begin();
-      if (one.options.gain.empty() && unit_of(log, options, one.axis) == "V")
-        one.options.gain =
-            fmt::format("{} N/V", machine.axes[static_cast<std::size_t>(at)].second.plant.force_gain());
     }
   }
   std::erase_if(all, [&](const LogsOfAxis& one) {

@@ -6,14 +6,14 @@
 ///   3. the name of the file: a word in it that is an axis (x-sine-log.csv)
 ///   4. a machine of one axis has no other
 ///
-/// A log that none of these assigns is refused: it is not guessed. Where the log holds volts and no gain is given, that of
-/// the machine's drive is taken.
+/// A log that none of these assigns is refused: it is not guessed. Each axis comes with what the machine file says of its drive, for
+/// logs in volts, amperes, percent of the rated torque or turns of the motor (DriveScale).
 ///
 /// Real time: no.
 /// Errors: InputError naming the log.
 
-#include <stribeck/sim/machine.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
+#include <stribeck/workflow/machine/description.hpp>
 #include <string>
 #include <vector>
 
@@ -21,12 +21,12 @@ namespace stribeck::workflow {
 
 struct LogsOfAxis {
   std::string axis;
-  LogOptions options;             ///< with the axis, and the gain of its drive where the logs need it
+  LogOptions options;             ///< with the axis and its drive
   std::vector<std::string> logs;  ///< in the order given
 };
 
 /// In the order of the machine's axes, those with logs only; --axis leaves one.
-std::vector<LogsOfAxis> logs_by_axis(const sim::Machine& machine, const std::vector<std::string>& logs,
+std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const std::vector<std::string>& logs,
                                      const LogOptions& options);
 
 }  // namespace stribeck::workflow

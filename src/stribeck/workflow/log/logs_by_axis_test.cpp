@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <string>
 #include <vector>
@@ -14,8 +16,8 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-sim::Machine two_axes() {
-  sim::Machine m;
+workflow::MachineDescription two_axes() {
+  workflow::MachineDescription m;
   m.name = "table";
   m.axes.resize(2);
   m.axes[0].first = "x";
@@ -62,9 +64,46 @@ TEST(LogsByAxis, RefusesALogThatCouldBeOfAnyAxis) {
                 AllOf(HasSubstr("log.csv"), HasSubstr("# axis: x"), HasSubstr("--axis")));
   }
   // A machine of one axis has no other.
-  sim::Machine single = two_axes();
+  workflow::MachineDescription single = two_axes();
   single.axes.resize(1);
   EXPECT_THAT(workflow::logs_by_axis(single, {log}, {}).front().logs, ElementsAre(log));
+}
+
+// Screw of 10 mm behind a gear of 2, 1.5 N m at 100 %: one turn of the motor is 5 mm, 100 % are 1.5·2π/5e-3 N.
+TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
+  const Folder folder;
+  workflow::MachineDescription m = two_axes();
+  m.axes[0].second.drive.emplace();
+  workflow::DriveData& drive = *m.axes[0].second.drive;
+  drive.rated_torque = 1.5;
+  drive.rated_current = 3.0;
+  drive.lead = 0.01;
+  drive.gear = 2.0;
+  const double rated = 1.5 * 2.0 * kPi / 5e-3;
+  const auto axis_of = [&](const std::string& name, const std::string& header) {
+    const std::string log = folder.write(name, rows(header, 4));
+    const auto all = workflow::logs_by_axis(m, {log}, {});
+    EXPECT_EQ(all.size(), 1u);
+    const workflow::LogOptions& options = all.front().options;
+    return workflow::logged_axis(workflow::read_log(log, options), options);
+  };
+  const workflow::LoggedAxis percent = axis_of("x-1.csv", "t [s],x [um],v [rpm],torque [%]");
+  const auto& run = percent.runs.front();
+  EXPECT_EQ(run.force_unit, "N");
+  EXPECT_EQ(run.position_unit, "m");
+  EXPECT_NEAR(run.f.y[10], 3.0 / 100.0 * rated, 1e-9);  // 3 %
+  EXPECT_NEAR(run.v.y[10], 2.0 / 60.0 * 5e-3, 1e-12);   // 2 rpm
+  EXPECT_THAT(percent.notes, ElementsAre(AllOf(HasSubstr("at 100 %, from the drive of the machine file")),
+                                         HasSubstr("one turn of the motor is 0.005 m")));
+  const workflow::LoggedAxis ampere = axis_of("x-2.csv", "t [s],x [rev],v [rpm],current [A]");
+  EXPECT_EQ(ampere.runs.front().position_unit, "m");
+  EXPECT_NEAR(ampere.runs.front().x.y[10], 1.0 * 5e-3, 1e-12);
+  EXPECT_NEAR(ampere.runs.front().f.y[10], rated, 1e-9);  // 3 A
+  EXPECT_NEAR(axis_of("x-3.csv", "t [s],x [mm],v [mm/s],torque [Nm]").runs.front().f.y[10], 2.0 * rated,
+              1e-9);  // 3 N m
+  // A log in newtons and millimetres needs nothing of it, the other axis has no drive.
+  EXPECT_THAT(axis_of("x-4.csv", "t [s],x [mm],v [mm/s],f [N]").notes, ElementsAre());
+  EXPECT_EQ(axis_of("y-1.csv", "t [s],x [mm],v [mm/s],torque [%]").runs.front().force_unit, "%");
 }
 
 }  // namespace

@@ -93,11 +93,11 @@ bool MotionColumns::turns() const {
   return std::any_of(columns.begin(), columns.end(), [](const MotionColumn& m) { return m.angle; });
 }
 
-MotionColumns find_motion(const AxisColumns& columns, const std::string& lead,
+MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
                           std::vector<std::string>& notes) {
   const io::Log& log = columns.log();
   MotionColumns motion;
-  motion.per_radian = travel_per_radian(lead);
+  motion.per_radian = travel_per_radian(options.lead.empty() ? options.drive.lead : options.lead);
   const std::vector<MotionColumn> all = motion_of(columns);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);

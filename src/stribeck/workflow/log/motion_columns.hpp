@@ -32,8 +32,9 @@ struct MotionColumns {
   [[nodiscard]] bool turns() const;
 };
 
-/// Leaves out columns without a unit that are not needed, with a note.
-MotionColumns find_motion(const AxisColumns& columns, const std::string& lead,
+/// Leaves out columns without a unit that are not needed, with a note. Angles become travel with --lead, or with the drive of the
+/// machine file.
+MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
                           std::vector<std::string>& notes);
 
 }  // namespace stribeck::workflow

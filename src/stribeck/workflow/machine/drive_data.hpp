@@ -134,6 +134,14 @@ struct DriveData {
   [[nodiscard]] std::optional<double> rated() const noexcept {
     return at_axis(rated_torque, rated_force, rated_current);
   }
+  /// Force on the axis for one ampere in each motor [N/A].
+  [[nodiscard]] std::optional<double> per_ampere() const noexcept {
+    if (rated() && rated_current) return *rated() / *rated_current;
+    const auto r = radius();
+    if (torque_constant && r) return motors * *torque_constant / *r;
+    if (force_constant) return motors * *force_constant;
+    return std::nullopt;
+  }
   /// Largest force on the axis [N]; of peak value and set limit the smaller.
   [[nodiscard]] std::optional<double> peak() const noexcept {
     std::optional<double> most = at_axis(peak_torque, peak_force, peak_current);

@@ -95,6 +95,7 @@ class AxisStages {
       break;
     }
     axis_.open.clear();
+    if (!scale_missing_.empty()) return without_scale();
     if (!chosen) return not_verified();
     describe(chosen->found.result);
     verify_and_promote(*chosen);
@@ -106,11 +107,40 @@ class AxisStages {
     if (logs.empty()) return std::nullopt;
     try {
       auto [records, found] = identify_logs(logs, logs_.options, {});
+      if (found.result.force_unit != "N" || found.result.position_unit != "m") {
+        scale_missing_ = missing_scale(found.result);
+        return std::nullopt;
+      }
       return Candidate{std::move(records), std::move(found)};
     } catch (const ident::Refused& e) {
       axis_.open.push_back(e.what());
       return std::nullopt;
     }
+  }
+
+  /// What a log in units of its own lacks. Its numbers are no newtons and millimetres and are not shown as such.
+  [[nodiscard]] std::string missing_scale(const ident::Result& r) const {
+    std::string what;
+    if (r.position_unit != "m") what = "the position is an angle";
+    if (r.force_unit != "N")
+      what += fmt::format("{}the force of the logs is in {}, whose scale is not known",
+                          what.empty() ? "" : " and ", r.force_unit);
+    return fmt::format(
+        "{} (write rated_torque and lead, or what else the data sheet says, into [axes.{}.drive] of {}, or give "
+        "{} for this axis alone: --axis {})",
+        what, axis_.axis, options_.machine,
+        r.position_unit == "m" ? "--gain"
+        : r.force_unit == "N"  ? "--lead"
+                               : "--gain and --lead",
+        axis_.axis);
+  }
+
+  Axis without_scale() {
+    axis_.stage = CommissionStage::kNotDetermined;
+    axis_.logs = logs_.logs;
+    axis_.open = {scale_missing_};
+    axis_.next = {fmt::format("stribeck machine {}", options_.machine)};
+    return axis_;
   }
 
   /// Logs to hold out, the most suitable one first.
@@ -135,6 +165,7 @@ class AxisStages {
   /// No log can be held out: the model of all of them, if they determine one.
   Axis not_verified() {
     const std::optional<Candidate> all = identified(logs_.logs);
+    if (!scale_missing_.empty()) return without_scale();
     if (!all || !mass_known(all->found.result)) return not_determined(all);
     axis_.logs = logs_.logs;
     describe(all->found.result);
@@ -217,22 +248,12 @@ class AxisStages {
   const StageOptions& options_;
   LogsOfAxis logs_;
   std::string own_;
+  std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
   Axis axis_;
 };
 
-/// The machine as logs_by_axis needs it: with the gain of a real drive, where its file has one.
-sim::Machine machine_of(const MachineDescription& description) {
-  sim::Machine machine = as_machine(description);
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    const AxisDescription& a = description.axes[i].second;
-    if (!a.plant && a.force_per_volt() > 0.0)
-      machine.axes[i].second.plant.drive = plant::CurrentDrive{a.force_per_volt(), {}};
-  }
-  return machine;
-}
-
 /// The logs of each axis, those without any too; what is no log is left out with the reason.
-std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const sim::Machine& machine,
+std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescription& machine,
                                     std::vector<std::string>& skipped) {
   std::vector<LogsOfAxis> all;
   for (const auto& [name, axis] : machine.axes) {
@@ -248,7 +269,7 @@ std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const sim::Machine& m
         for (LogsOfAxis& axis : all) {
           if (axis.axis != one.axis) continue;
           axis.logs.push_back(file);
-          if (axis.options.gain.empty()) axis.options.gain = one.options.gain;
+          axis.options = one.options;
         }
       }
     } catch (const io::InputError& e) {
@@ -311,7 +332,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
   const MachineDescription description = read_description(o.machine);
   report::CommissionReportInput input;
   input.machine = description.name;
-  const std::vector<LogsOfAxis> all = sorted_logs(o, machine_of(description), input.skipped);
+  const std::vector<LogsOfAxis> all = sorted_logs(o, description, input.skipped);
   if (all.empty())
     throw io::InputError(
         {{},
