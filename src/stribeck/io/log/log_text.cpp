@@ -124,6 +124,24 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 41> kSpellin
     {"Mikrometer", "um"},
 }};
 
+/// Increments of an encoder, as headers call them.
+bool is_count_word(std::string_view unit) {
+  return unit == "counts" || unit == "count" ||
+         std::any_of(kSpellings.begin(), kSpellings.end(),
+                     [&](const auto& s) { return s.first == unit && s.second == "count"; });
+}
+
+/// "0.00029296875 mm": a unit of the size that the number says, e.g. of one count.
+bool is_scaled_unit(std::string_view text) {
+  const auto blank = text.find(' ');
+  if (blank == std::string_view::npos) return false;
+  const auto unit = trimmed(text.substr(blank + 1));
+  const auto factor = cell_number(text.substr(0, blank), '.');
+  return factor && *factor > 0.0 && std::isfinite(*factor) && !unit.empty() &&
+         (std::isalpha(static_cast<unsigned char>(unit[0])) != 0 || unit[0] == '%') && is_unit(unit) &&
+         is_unit(text);
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view s) {
@@ -238,12 +256,14 @@ Column column_of(std::string header, Notes& notes) {
     const auto before = std::string(trimmed(std::string_view(header).substr(0, at)));
     const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
     // "x (1)" is a second copy of x, not a unit.
-    const bool unit = !inside.empty() &&
+    const bool counts = open == '[' && is_count_word(inside);
+    const bool scaled = open == '[' && is_scaled_unit(inside);
+    const bool unit = !inside.empty() && !counts && !scaled &&
                       !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
                       is_unit(inside);
-    if (dimensionless || unit) {
+    if (dimensionless || unit || counts || scaled) {
       c.name = before.empty() ? header : before;
-      c.unit_text = dimensionless ? "1" : inside;
+      c.unit_text = dimensionless ? "1" : counts ? "count" : inside;
     } else if (open == '[' && !inside.empty()) {
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
     }
@@ -342,7 +362,15 @@ std::string header_of(const std::string& name) {
   if (text.empty() || text.back() == ']' || text.back() == ')' || blank == std::string_view::npos)
     return std::string(text);
   const auto unit = text.substr(blank + 1);
-  if ((unit[0] >= '0' && unit[0] <= '9') || !is_unit(unit)) return std::string(text);
+  if (unit[0] >= '0' && unit[0] <= '9') return std::string(text);
+  if (!is_unit(unit) && !is_count_word(unit)) return std::string(text);
+  // "x 0.001 mm": a factor has a decimal point or an exponent, for "axis 2 mm" is the column "axis 2".
+  if (const auto before = trimmed(text.substr(0, blank)); before.rfind(' ') != std::string_view::npos) {
+    const auto at = before.rfind(' ');
+    const auto scaled = text.substr(at + 1);
+    if (before.substr(at + 1).find_first_of(".eE") != std::string_view::npos && is_scaled_unit(scaled))
+      return std::string(trimmed(before.substr(0, at))) + " [" + std::string(scaled) + "]";
+  }
   return std::string(trimmed(text.substr(0, blank))) + " [" + std::string(unit) + "]";
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <iterator>
 
@@ -23,9 +24,18 @@ LogQuantity quantity_called(std::string_view name) {
   refuse_option("--map", fmt::format("unknown quantity {}, expected one of {}", io::in_quotes(name), names));
 }
 
-/// A unit given for a column may replace the file's own, but not change the quantity.
+/// "1/s", "Hz", "1/min": per time, but not of what.
+bool is_bare_rate(const std::string& unit) { return conversion_between(unit, "Hz").has_value(); }
+
+/// Whether --map says of what a bare rate is one: turns, radians or degrees.
+bool tells_rate(const std::string& unit, const std::string& own) {
+  return is_bare_rate(own) && conversion_between(unit, "rad/s").has_value();
+}
+
+/// A unit given for a column may replace the file's own, but not change the quantity. Counts and bare rates have none.
 void check_same_dimension(const io::Column& column, const std::string& unit) {
-  if (unit.empty() || column.unit_assumed || column.unit_text == "1") return;
+  const std::string& own = column.unit_text;
+  if (unit.empty() || column.unit_assumed || own == "1" || is_count(own) || tells_rate(unit, own)) return;
   if (!io::is_unit(column.unit_text) || !io::is_unit(unit)) return;
   try {
     static_cast<void>(io::conversion(unit, column.unit_text));
@@ -248,6 +258,9 @@ std::vector<std::string> AxisColumns::rescaled() const {
   for (const auto& [what, named] : maps_) {
     const std::string& own = named.column->unit_text;
     if (own.empty() || named.column->unit_assumed) continue;
+    if (tells_rate(named.unit, own) && !(is_per_minute(own) && named.unit == kTurnsPerMinute))
+      out.push_back(fmt::format("column {} has the unit {} in the file; --map gives {} instead",
+                                io::in_quotes(header_of(*named.column)), own, named.unit));
     const auto factor = conversion_between(named.unit, own);
     if (!factor || factor->factor == 1.0) continue;
     out.push_back(
@@ -317,6 +330,13 @@ std::vector<double> positions(const io::Log& log, const NamedColumn& named) {
   const Quantity q = known_column(LogQuantity::kPosition).quantity;
   check_unit(log, *named.column, named.unit, q);
   return converted(*named.column, io::conversion(named.unit, q.unit), 1.0);
+}
+
+bool is_count(const std::string& unit) { return unit == "count" || unit == "counts"; }
+
+bool is_per_minute(const std::string& unit) {
+  const auto hertz = conversion_between(unit, "Hz");
+  return hertz && std::abs(60.0 * hertz->factor - 1.0) < 1e-9;
 }
 
 void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q) {

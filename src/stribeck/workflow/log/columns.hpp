@@ -92,6 +92,12 @@ NamedColumn position_column(const io::Log& log, const std::string& axis);
 /// All values of a position [m]; refused where the column is no position.
 std::vector<double> positions(const io::Log& log, const NamedColumn& named);
 
+/// Increments of an encoder, whose size the log does not say.
+bool is_count(const std::string& unit);
+/// "1/min", "min-1": controls write so for turns per minute.
+bool is_per_minute(const std::string& unit);
+inline constexpr std::string_view kTurnsPerMinute = "rpm";
+
 /// Refuses a column whose unit contradicts its quantity.
 [[noreturn]] void refuse_column(const io::Log& log, const NamedColumn& named, const std::string& message);
 

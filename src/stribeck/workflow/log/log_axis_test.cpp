@@ -156,6 +156,38 @@ TEST(LogAxis, TurningAxes) {
               HasSubstr("--lead"));
 }
 
+// Controls write turns per minute as 1/min; 1/s says too little, and --map may tell what it is.
+TEST(LogAxis, TurnsPerMinuteInOtherWords) {
+  const auto with_unit = [](const std::string& unit) {
+    return csv("t [s],x [mm],Drehzahl [" + unit + "],f [N]", {"t", "x_mm", "rpm", "f"});
+  };
+  const std::vector<double> v = axis_of(with_unit("rpm"), {.lead = "5 mm"}).v.y;
+  for (const char* unit : {"1/min", "min-1", "min^-1", "U/min"})
+    EXPECT_EQ(axis_of(with_unit(unit), {.lead = "5 mm"}).v.y, v) << unit;
+  for (const char* unit : {"1/s", "Hz"})
+    EXPECT_THAT(refusal(with_unit(unit), {.lead = "5 mm"}),
+                AllOf(HasSubstr("may be turns or radians"), HasSubstr("--map v=\"Drehzahl rpm\"")));
+  const workflow::LoggedAxis told =
+      workflow::logged_axis(log_of(with_unit("1/s")), {.maps = {"v=Drehzahl rpm"}, .lead = "5 mm"});
+  EXPECT_EQ(told.runs[0].v.y, v);
+  EXPECT_THAT(told.notes, Contains(HasSubstr("has the unit 1/s in the file; --map gives rpm instead")));
+}
+
+// A log in counts of the encoder needs the length of one, in --map or in the side file.
+TEST(LogAxis, IncrementsOfTheEncoder) {
+  const std::string text = csv("t [s],r [Inkr],x [Inkr],f [N]", {"t", "x_mm", "x_mm", "f"});
+  EXPECT_THAT(refusal(text), AllOf(HasSubstr("is in increments"), HasSubstr("--map x=\"x 0.001 mm\""),
+                                   HasSubstr("0.001 mm is one count")));
+  const workflow::LoggedAxis mapped = workflow::logged_axis(log_of(text), {.maps = {"x=x 0.5 mm"}});
+  EXPECT_NEAR(mapped.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);
+  EXPECT_THAT(mapped.notes, Contains(HasSubstr("is in counts and is not used")));
+  EXPECT_NEAR(axis_of(text, {.maps = {"x=x [Inkr] 0.5 mm"}}).x.y[kRow], 0.5 * x_at(), 1e-8);
+  const io::Log named = io::parse_log(text, "log.csv", {.names = {"t s", "r 0.5 mm", "x 0.5 mm", "f N"}});
+  const workflow::LoggedAxis side = workflow::logged_axis(named, {});
+  EXPECT_NEAR(side.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);
+  EXPECT_NEAR(side.runs[0].r.y[kRow], 0.5 * x_at(), 1e-8);
+}
+
 TEST(LogAxis, RowsAndRuns) {
   const std::string text = csv("t [s],part,x [mm],f [N]", {"t", "part", "x_mm", "f"});
   const ident::log::RawLog one = axis_of(text, {.where = {"part=1"}});

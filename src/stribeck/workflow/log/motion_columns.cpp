@@ -44,9 +44,33 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
   return all;
 }
 
+/// Units that say too little, with the way out.
+void refuse_vague_unit(const io::Log& log, const MotionColumn& m, bool velocity) {
+  const std::string& unit = m.from.unit;
+  const std::string name(enum_name(m.what));
+  const std::string& column = m.from.column->name;
+  if (is_count(unit))
+    refuse_column(log, m.from,
+                  velocity
+                      ? fmt::format("is in counts; say what they are, with the size of one, e.g. --map "
+                                    "{}=\"{} 0.001 mm/s\"",
+                                    name, column)
+                      : fmt::format("is in increments; say how long one is: --map {}=\"{} 0.001 mm\", where "
+                                    "0.001 mm is one count",
+                                    name, column));
+  if (velocity && conversion_between(unit, "Hz"))
+    refuse_column(
+        log, m.from,
+        fmt::format("has the unit {}, which may be turns or radians; say which: --map {}=\"{} rpm\", "
+                    "\"{} rev/s\" or \"{} rad/s\"",
+                    unit, name, column, column, column));
+}
+
 /// Sets conversion and angle by the unit.
 void convert(const io::Log& log, MotionColumn& m) {
   const bool velocity = is_velocity(m.what);
+  if (velocity && is_per_minute(m.from.unit)) m.from.unit = kTurnsPerMinute;
+  refuse_vague_unit(log, m, velocity);
   const std::string& unit = m.from.unit;
   const auto linear = conversion_between(unit, velocity ? "m/s" : "m");
   const auto turning = conversion_between(unit, velocity ? "rad/s" : "rad");
@@ -101,10 +125,11 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
   const std::vector<MotionColumn> all = motion_of(columns);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
-    if (m.from.unit.empty() && !base && !columns.mapped(m.what)) {
-      notes.push_back(
-          fmt::format("column {} has no unit and is not used (give it with --map {}=\"COLUMN UNIT\")",
-                      io::in_quotes(header_of(*m.from.column)), enum_name(m.what)));
+    const bool counts = is_count(m.from.unit);
+    if ((m.from.unit.empty() || counts) && !base && !columns.mapped(m.what)) {
+      notes.push_back(fmt::format(
+          "column {} {} (give it with --map {}=\"COLUMN UNIT\")", io::in_quotes(header_of(*m.from.column)),
+          counts ? "is in counts and is not used" : "has no unit and is not used", enum_name(m.what)));
       continue;
     }
     convert(log, m);
