@@ -56,6 +56,50 @@ constexpr std::string_view heading_of(std::string_view group) {
                             : "known roughly before identification";
 }
 
+/// Keys of the file in the groups that init writes: those that it asks for, and behind them the others of the group.
+const std::vector<Asked>& known_keys() {
+  static const std::vector<Asked> kAll = [] {
+    std::vector<Asked> all;
+    for (const std::string_view group : {"limits", "drive", "commissioning"}) {
+      std::vector<Asked> some;
+      for (const Asked& a : asked_keys()) {
+        if (a.group == group) some.push_back(a);
+      }
+      const Type& type = type_of_group(group);
+      for (std::size_t i = 0; i < type.field_count; ++i) {
+        const std::string_view key = type.fields[i].name;
+        const bool asked =
+            std::any_of(some.begin(), some.end(), [&](const Asked& a) { return a.key == key; });
+        if (!asked) some.push_back({group, key, {}, false});
+      }
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }();
+  return kAll;
+}
+
+/// What a key that no group has could have been.
+[[noreturn]] void refuse_key(const MachineDraft& draft, const std::string& option, const std::string& key,
+                             const std::vector<std::string>& all) {
+  const std::string_view near = io::nearest(key, {all.begin(), all.end()});
+  for (const std::string& axis : draft.axes) {
+    for (const std::string_view group : {"limits", "drive", "commissioning"}) {
+      if (!key.starts_with(fmt::format("{}.{}.", axis, group))) continue;
+      std::string keys;
+      for (const Asked& a : known_keys()) {
+        if (a.group == group) keys += fmt::format("{}{}", keys.empty() ? "" : ", ", a.key);
+      }
+      const std::string meant = near.empty() ? "" : fmt::format(" (meant {}?)", near);
+      refuse_option(
+          option, fmt::format("got {}, expected a key of {}: {}{}", io::in_quotes(key), group, keys, meant));
+    }
+  }
+  refuse_option(option,
+                fmt::format("got {}, expected AXIS.GROUP.KEY=VALUE with one of the axes of --axes, e.g. {}",
+                            io::in_quotes(key), near.empty() ? std::string_view(all.front()) : near));
+}
+
 }  // namespace
 
 const std::vector<Asked>& asked_keys() {
@@ -99,17 +143,12 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
                  const std::string& value) {
   std::vector<std::string> all;
   for (const std::string& axis : draft.axes) {
-    for (const Asked& a : asked_keys()) all.push_back(full_key(axis, a));
+    for (const Asked& a : known_keys()) all.push_back(full_key(axis, a));
   }
   const auto hit = std::find(all.begin(), all.end(), key);
-  if (hit == all.end()) {
-    const std::string_view near = io::nearest(key, {all.begin(), all.end()});
-    refuse_option(option,
-                  fmt::format("got {}, expected AXIS.GROUP.KEY=VALUE with one of the axes of --axes, e.g. {}",
-                              io::in_quotes(key), near.empty() ? std::string_view(all.front()) : near));
-  }
-  const auto at = static_cast<std::size_t>(hit - all.begin()) % asked_keys().size();
-  const Asked& asked = asked_keys()[at];
+  if (hit == all.end()) refuse_key(draft, option, key, all);
+  const auto at = static_cast<std::size_t>(hit - all.begin()) % known_keys().size();
+  const Asked& asked = known_keys()[at];
   const std::string line = fmt::format("{} = {}\n", asked.key, as_toml(info_of(asked), value));
   const std::string problem = asked.group == "limits"  ? problem_of<sim::AxisLimits>(line, asked.key)
                               : asked.group == "drive" ? problem_of<DriveData>(line, asked.key)
@@ -125,13 +164,14 @@ std::string draft_text(const MachineDraft& d) {
       d.name, d.sample_time);
   for (const std::string& axis : d.axes) {
     std::string_view group;
-    for (const Asked& a : asked_keys()) {
+    for (const Asked& a : known_keys()) {
+      const std::string* value = d.find(full_key(axis, a));
+      if (a.example.empty() && value == nullptr) continue;
       if (a.group != group) {
         group = a.group;
         out += fmt::format("\n[axes.{}.{}]  # {}\n", axis, group, heading_of(group));
       }
       const FieldInfo& info = info_of(a);
-      const std::string* value = d.find(full_key(axis, a));
       const std::string text = as_toml(info, value != nullptr ? *value : std::string(a.example));
       const char* lead = value != nullptr ? "" : a.needed ? "# FILL IN: " : "# ";
       out += fmt::format("{}{} = {}  # {}\n", lead, a.key, text, info.doc);

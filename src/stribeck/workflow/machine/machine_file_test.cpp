@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -10,7 +12,9 @@
 namespace stribeck::workflow {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 const std::string kExamples = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/";
@@ -170,6 +174,42 @@ TEST(MachineFile, AValueThatNoFileCouldHoldIsRefused) {
   EXPECT_THAT(refused("x.limits.speed", "1 kg"), HasSubstr("expected a unit like mm/s"));
   EXPECT_THAT(refused("x.commissioning.mass", "-4 kg"), HasSubstr("above 0"));
   EXPECT_EQ(refused("x.commissioning.mass", "[\"4 kg\", \"5 kg\"]"), "accepted");
+}
+
+// Every key of the groups that init writes, not only those that it asks for.
+TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
+  MachineDraft draft{"m", "2 ms", {"z"}, {}};
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, std::string>>{{"z.limits.travel_min", "-100 mm"},
+                                                        {"z.limits.travel_max", "100 mm"},
+                                                        {"z.limits.speed", "10 m/min"},
+                                                        {"z.limits.acceleration", "2 m/s2"},
+                                                        {"z.limits.jerk", "50 m/s3"},
+                                                        {"z.drive.torque_constant", "0.5 N m/A"},
+                                                        {"z.drive.rated_current", "2 A"},
+                                                        {"z.drive.peak_torque", "3 N m"},
+                                                        {"z.drive.pulley_diameter", "40 mm"},
+                                                        {"z.drive.encoder_counts", "65536"},
+                                                        {"z.drive.rotor_inertia", "1e-4 kg m2"},
+                                                        {"z.commissioning.mass", "45 kg"},
+                                                        {"z.commissioning.friction", "40 N"},
+                                                        {"z.commissioning.omega", "30 rad/s"}}) {
+    check_value(draft, "--set", key, value);
+    draft.values.emplace_back(key, value);
+  }
+  const auto read = io::read_toml_text<MachineDescription>(draft_text(draft), "m.toml");
+  const AxisDescription& z = read.axes.front().second;
+  EXPECT_EQ(*z.drive->encoder_counts, 65536);
+  EXPECT_NEAR(*z.drive->rated(), 1.0 / 0.02, 1e-9);
+  EXPECT_NEAR(*z.limits.jerk, 50.0, 1e-12);
+  EXPECT_NEAR(*z.commissioning.omega, 30.0, 1e-12);
+  // What is left out stands as a comment only where init asks for it.
+  EXPECT_THAT(draft_text({"m", "2 ms", {"z"}, {}}), Not(HasSubstr("encoder_counts = ")));
+  EXPECT_THAT([&] { check_value(draft, "--set", "z.drive.torque", "1 N m"); },
+              ThrowsMessage<io::InputError>(
+                  AllOf(HasSubstr("expected a key of drive: rated_torque, "), HasSubstr("encoder_counts"))));
+  EXPECT_THAT([&] { check_value(draft, "--set", "w.drive.gear", "1"); },
+              ThrowsMessage<io::InputError>(HasSubstr("with one of the axes of --axes")));
 }
 
 }  // namespace
