@@ -126,6 +126,18 @@ TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
   EXPECT_THAT(offset.warnings, ::testing::ElementsAre(HasSubstr("the offset of the force rose by")));
 }
 
+// Friction that falls by a quarter at every speed: 2/7 of its mean over the record, far less than of that near zero.
+TEST(Describe, ADriftIsAShareOfTheFrictionAtItsSpeeds) {
+  Notes notes;
+  const Steps steps([](double t, double v) { return -0.25 * t * ((v > 0.0 ? 40.0 : -40.0) + 900.0 * v); });
+  warn_of_drift(steps.found(), "N", notes);
+  ASSERT_EQ(notes.warnings.size(), 1u);
+  const std::string& words = notes.warnings.front();
+  const auto at = words.find('(');
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_NEAR(std::stod(words.substr(at + 1)), 100.0 * 2.0 / 7.0, 3.0) << words;
+}
+
 TEST(Describe, NoBristleWithoutAMassOrMetres) {
   Steps steps;
   Notes notes;

@@ -201,14 +201,19 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
   const VectorXd x = inverse * (X.transpose() * y);
   const stats::Uncertainty uncertainty(X, y - X * x, inverse, record, at);
   const map::StaticFit& map = found.choice.map.fit;
-  const double level = 0.5 * (map.force(0, rows.grid[0].low) + map.force(1, rows.grid[1].low));
+  const auto friction = [&](double speed) { return 0.5 * (map.force(0, speed) + map.force(1, speed)); };
+  const double slow = 0.5 * (map.force(0, rows.grid[0].low) + map.force(1, rows.grid[1].low));
+  // The drift is that of all rows: it is a share of the friction at their speeds, not of that near zero.
+  double level = 0.0;
+  for (const std::size_t i : used)
+    level += friction(std::abs(velocity_of(found.log, rows, i))) / static_cast<double>(used.size());
   const char* what[2] = {"the offset of the force", "friction"};
   for (Index j = 0; j < 2; ++j) {
     const double half = uncertainty.half_width(VectorXd::Unit(2, j));
     // Slow noise sometimes looks like a drift: the limit is twice the interval.
-    if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(level)) continue;
+    if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(slow)) continue;
     notes.warn(text(
-        "%s %s by %.3g %s (%.2g %% of the friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
+        "%s %s by %.3g %s (%.2g %% of the mean friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
         what[j], x(j) > 0 ? "rose" : "fell", std::abs(x(j)), force_unit.c_str(),
         100.0 * std::abs(x(j) / level), rec.source.c_str()));
   }
