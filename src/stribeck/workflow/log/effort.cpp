@@ -205,9 +205,10 @@ bool apply_drive(Effort& e, const DriveScale& drive, const MotionColumns& motion
   const std::string gain = gain_of(drive, e);
   if (gain.empty() || !apply_gain(e, gain, motion)) return false;
   if (e.what != LogQuantity::kVoltage)
-    notes.push_back(fmt::format(
-        "the force is that of column {} with {}{}, from the drive of the machine file",
-        io::in_quotes(header_of(*e.from.column)), gain, e.what == LogQuantity::kPercent ? " at 100 %" : ""));
+    notes.push_back(
+        fmt::format("the force is that of column {} with {}{}, from the drive of the machine file",
+                    io::in_quotes(header_of(*e.from.column)), six_digits(gain),
+                    e.what == LogQuantity::kPercent ? " at 100 %" : ""));
   return true;
 }
 

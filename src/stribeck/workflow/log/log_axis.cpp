@@ -97,8 +97,9 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   const Effort effort = find_effort(columns, motion, options, out.notes);
   const bool lead_used = motion.turns() || effort.by_lead;
   if (options.lead.empty() && motion.per_radian != 0.0 && lead_used)
-    out.notes.push_back(fmt::format(
-        "one turn of the motor is {} of travel, from the drive of the machine file", options.drive.lead));
+    out.notes.push_back(
+        fmt::format("one turn of the motor is {} of travel, from the drive of the machine file",
+                    six_digits(options.drive.lead)));
   if (!options.lead.empty() && !lead_used)
     refuse_option(
         "--lead",

@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+
 #include <stribeck/core/fields.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
@@ -57,6 +61,15 @@ LogOptions with_map_file(LogOptions o, const std::string& map_file) {
   both(o.keep, file.keep);
   if (o.runs.empty()) o.runs = file.runs;
   return o;
+}
+
+std::string six_digits(const std::string& quantity) {
+  const auto blank = quantity.find(' ');
+  double value = 0.0;
+  const auto read =
+      std::from_chars(quantity.data(), quantity.data() + std::min(blank, quantity.size()), value);
+  if (read.ec != std::errc() || blank == std::string::npos) return quantity;
+  return fmt::format("{:.6g}{}", value, quantity.substr(blank));
 }
 
 io::Log read_log(const std::string& path, const LogOptions& options) {

@@ -21,6 +21,9 @@ struct DriveScale {
   std::string lead{};  ///< travel per turn of the motor
 };
 
+/// A number with its unit, in six digits, for notes.
+std::string six_digits(const std::string& quantity);
+
 struct LogOptions {
   std::string axis{};                ///< name of the axis in the log; empty: the log has one axis
   std::vector<std::string> maps{};   ///< quantity=column [unit]

@@ -60,7 +60,7 @@ DriveScale scale_of(const AxisDescription& axis) {
   if (!axis.drive) return scale;
   scale.at_100_percent = text(axis.drive->rated(), "N");
   scale.per_ampere = text(axis.drive->per_ampere(), "N/A");
-  if (const auto r = axis.drive->radius()) scale.lead = text(2.0 * kPi * *r, "m");
+  if (const auto r = axis.drive->radius()) scale.lead = text(2e3 * kPi * *r, "mm");
   return scale;
 }
 

@@ -93,8 +93,9 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
   EXPECT_EQ(run.position_unit, "m");
   EXPECT_NEAR(run.f.y[10], 3.0 / 100.0 * rated, 1e-9);  // 3 %
   EXPECT_NEAR(run.v.y[10], 2.0 / 60.0 * 5e-3, 1e-12);   // 2 rpm
-  EXPECT_THAT(percent.notes, ElementsAre(AllOf(HasSubstr("at 100 %, from the drive of the machine file")),
-                                         HasSubstr("one turn of the motor is 0.005 m")));
+  EXPECT_THAT(percent.notes,
+              ElementsAre(HasSubstr("with 1884.96 N at 100 %, from the drive of the machine file"),
+                          HasSubstr("one turn of the motor is 5 mm of travel")));
   const workflow::LoggedAxis ampere = axis_of("x-2.csv", "t [s],x [rev],v [rpm],current [A]");
   EXPECT_EQ(ampere.runs.front().position_unit, "m");
   EXPECT_NEAR(ampere.runs.front().x.y[10], 1.0 * 5e-3, 1e-12);
