@@ -100,9 +100,18 @@ struct LoopGains {
   double tn = 0.0;  ///< [s]
 };
 
+/// The task with the gains of one axis for all: a pulse is sought on a circle of two such axes.
+PulseTask with_gains_of(PulseTask t, std::size_t axis) {
+  auto& law = std::get<control::CascadeParams>(t.loop.law);
+  for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time})
+    *list = {control::spread<control::kMostAxes>(*list, 0.0)[axis]};
+  return t;
+}
+
+/// Of a task with the gains of this axis.
 LoopGains loop_gains(const PulseTask& t, std::size_t axis) {
   const auto& law = std::get<control::CascadeParams>(t.loop.law);
-  return {law.position_gain[axis], law.velocity_gain[axis] * t.axes[axis].mass, law.integral_time[axis]};
+  return {law.position_gain[0], law.velocity_gain[0] * t.axes[axis].mass, law.integral_time[0]};
 }
 
 std::string gain_words(const LoopGains& g, std::string_view name) {
@@ -261,8 +270,9 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
               {"axes", nlohmann::ordered_json::array()}};
   std::vector<WrittenPulse> written;
   for (std::size_t i = 0; i < t.axes.size(); ++i) {
-    written.push_back(target.write(t, i));
-    const LoopGains gains = loop_gains(t, i);
+    const PulseTask of_axis = with_gains_of(t, i);
+    written.push_back(target.write(of_axis, i));
+    const LoopGains gains = loop_gains(of_axis, i);
     const std::string loop = gain_words(gains, target.kv);
     text += remark(fmt::format("{} from {}", t.names[i], o.files[i])) +
             remark(fmt::format("{} {}", t.names[i], loop)) + written.back().text;

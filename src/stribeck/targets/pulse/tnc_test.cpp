@@ -49,5 +49,24 @@ TEST(Tnc, WritesWhatTakesMostOfTheQuadrantErrorAway) {
   EXPECT_EQ(text_of(x.request.output), first);
 }
 
+// One value of a gain holds for all axes; of several each axis has its own.
+TEST(Tnc, EveryAxisHasItsGains) {
+  PulseExport x("tnc", kBristles);
+  x.request.files.push_back(x.request.files.front());
+  const auto one = x.write().json["axes"];
+  EXPECT_EQ(one[0]["position_gain_per_s"], 20.0);
+  EXPECT_EQ(one[1]["position_gain_per_s"], 20.0);
+  EXPECT_EQ(one[1]["integral_time_ms"], 100.0);
+  EXPECT_EQ(one[0]["mp711_mm"], one[1]["mp711_mm"]);
+  x.request.controller = x.folder.write(
+      "two.toml",
+      "id = \"two\"\nlabel = \"gains by axis\"\nfriction = \"conventional\"\n[law]\nkind = \"cascade\"\nposition_gain = [\"20 1/s\", \"10 1/s\"]\n"
+      "velocity_gain = [\"80 1/s\", \"40 1/s\"]\n");
+  const auto two = x.write().json["axes"];
+  EXPECT_EQ(two[0]["mp711_mm"], one[0]["mp711_mm"]);
+  EXPECT_EQ(two[1]["position_gain_per_s"], 10.0);
+  EXPECT_NE(two[1]["mp711_mm"], one[1]["mp711_mm"]);
+}
+
 }  // namespace
 }  // namespace stribeck::test
