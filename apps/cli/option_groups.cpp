@@ -35,8 +35,9 @@ void add_log_options(CLI::App& verb, LogArguments& arguments) {
           "--gain", o.gain,
           "Force per volt, ampere, newton metre or percent, e.g. \"1048 N/V\"; left out: the log's own unit")
       ->type_name("GAIN");
-  verb.add_option("--lead", o.lead,
-                  "Travel per turn of the motor, e.g. \"5 mm\": angles become positions, torque force")
+  verb.add_option(
+          "--lead", o.lead,
+          "Travel per turn of the motor, e.g. \"5 mm\", of a rotary axis \"360 deg\": angles become positions, torque force")
       ->type_name("LEAD");
   verb.add_option("--where", o.where, "Only rows with this value, repeatable")->type_name("COLUMN=VALUE");
   verb.add_option("--runs", o.runs, "A change in this column begins a new run, repeatable")

@@ -22,7 +22,13 @@ ShownUnits::ShownUnits(std::string force_unit, std::string position_unit)
 std::string ShownUnits::named(std::string_view unit) const {
   if (physical()) return std::string(unit);
   std::string out;
-  for (std::size_t i = 0; i < unit.size();) {
+  // The force unit of the log may stand there already; the m of "N m" is no position.
+  const bool there =
+      force != "N" && unit.starts_with(force) &&
+      (unit.size() == force.size() || std::isalpha(static_cast<unsigned char>(unit[force.size()])) == 0);
+  std::size_t i = there ? force.size() : 0;
+  out += unit.substr(0, i);
+  while (i < unit.size()) {
     std::size_t j = i;
     while (j < unit.size() && std::isalpha(static_cast<unsigned char>(unit[j])) != 0) ++j;
     const std::string_view word = unit.substr(i, j - i);

@@ -19,11 +19,15 @@ friction::AxisModel as_model(const ident::Result& result) {
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
   const ident::Result& result = found.result;
   if (result.force_unit != "N" || result.position_unit != "m") {
-    refuse_option("--output",
-                  fmt::format("an axis file holds newtons and metres, but this log was identified in {} and "
-                              "{}; give --gain{}",
-                              result.force_unit, result.position_unit,
-                              result.position_unit == "m" ? "" : " and --lead"));
+    refuse_option(
+        "--output",
+        fmt::format(
+            "an axis file holds newtons and metres, but this log was identified in {} and "
+            "{}; give --gain{}",
+            result.force_unit, result.position_unit,
+            result.position_unit == "m"
+                ? ""
+                : " and --lead (for a rotary axis an angle, --lead \"360 deg\" where the motor turns the table directly)"));
   }
   if (found.holding_only && !result.friction.eccentric.empty()) {
     refuse_option("--output",

@@ -24,6 +24,12 @@ TEST(ShownUnits, ReplaceForceAndPosition) {
   EXPECT_EQ(ampere.mass, "A s2/mm");
   EXPECT_FALSE(ampere.physical());
   EXPECT_TRUE(ampere.linear());
+  const ShownUnits torque("N m", "rad");
+  EXPECT_EQ(torque.named("N m"), "N m");
+  EXPECT_EQ(torque.named("N"), "N m");
+  EXPECT_EQ(torque.named("N m s2/m"), "N m s2/rad");
+  EXPECT_EQ(torque.named("N m s/m"), "N m s/rad");
+  EXPECT_EQ(torque.named("N/m"), "N m/rad");
   const ShownUnits turning("%", "rad");
   EXPECT_EQ(turning.named("N s/m"), "% s/rad");
   EXPECT_EQ(turning.named("N/(m s)"), "%/(rad s)");

@@ -156,6 +156,22 @@ TEST(LogAxis, TurningAxes) {
               HasSubstr("--lead"));
 }
 
+// A table that turns 4 degrees in a turn of its motor: arcs at a radius of 1 m, the torque at the table.
+TEST(LogAxis, RotaryAxes) {
+  const std::string text = csv("t [s],pos [deg],torque [Nm]", {"t", "turns_deg", "torque"});
+  const ident::log::RawLog motor = axis_of(text);
+  const workflow::LoggedAxis direct = workflow::logged_axis(log_of(text), {.lead = "360 deg"});
+  EXPECT_EQ(direct.runs[0].position_unit, "m");
+  EXPECT_EQ(direct.runs[0].force_unit, "N");
+  EXPECT_NEAR(direct.runs[0].x.y[kRow], motor.x.y[kRow], 1e-12);
+  EXPECT_NEAR(direct.runs[0].f.y[kRow], motor.f.y[kRow], 1e-12);
+  EXPECT_THAT(direct.notes, Contains(HasSubstr("N stands for N m, kg for kg m2 and mm for mrad")));
+  const ident::log::RawLog geared = axis_of(text, {.lead = "4 deg"});
+  EXPECT_NEAR(geared.x.y[kRow], motor.x.y[kRow] / 90.0, 1e-12);
+  EXPECT_NEAR(geared.f.y[kRow], motor.f.y[kRow] * 90.0, 1e-9);
+  EXPECT_THAT(refusal(text, {.lead = "0 deg"}), HasSubstr("expected the travel per turn"));
+}
+
 // Controls write turns per minute as 1/min; 1/s says too little, and --map may tell what it is.
 TEST(LogAxis, TurnsPerMinuteInOtherWords) {
   const auto with_unit = [](const std::string& unit) {

@@ -28,7 +28,7 @@ struct LogOptions {
   std::string axis{};                ///< name of the axis in the log; empty: the log has one axis
   std::vector<std::string> maps{};   ///< quantity=column [unit]
   std::string gain{};                ///< force per volt, ampere, newton metre or percent; empty: none
-  std::string lead{};                ///< travel per turn; empty: none
+  std::string lead{};                ///< travel per turn, of a rotary axis an angle; empty: none
   std::vector<std::string> where{};  ///< COLUMN=VALUE selects the rows that count
   std::vector<std::string> runs{};   ///< columns in which a change begins a new run
   std::string sample_time{};         ///< for logs without a time column

@@ -15,11 +15,22 @@ bool is_velocity(LogQuantity what) {
   return what == LogQuantity::kVelocity || what == LogQuantity::kReferenceVelocity;
 }
 
-double travel_per_radian(const std::string& lead) {
-  if (lead.empty()) return 0.0;
-  const double travel = option_si("--lead", lead, quantity("m", "mm"));
+/// What a table turns in one turn of its motor [rad]; absent: the lead is no angle.
+std::optional<double> angle_of(const std::string& lead) {
+  try {
+    return io::to_si(lead, quantity("rad", "deg"));
+  } catch (const io::InputError&) {
+    return std::nullopt;
+  }
+}
+
+void take_lead(const std::string& lead, MotionColumns& motion) {
+  if (lead.empty()) return;
+  const std::optional<double> angle = angle_of(lead);
+  motion.rotary = angle.has_value();
+  const double travel = angle ? *angle : option_si("--lead", lead, quantity("m", "mm"));
   if (travel == 0.0) refuse_option("--lead", "got 0, expected the travel per turn");
-  return travel / (2.0 * std::numbers::pi);
+  motion.per_radian = travel / (2.0 * std::numbers::pi);
 }
 
 /// The columns that exist, in the order in which they are shown.
@@ -121,7 +132,7 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
                           std::vector<std::string>& notes) {
   const io::Log& log = columns.log();
   MotionColumns motion;
-  motion.per_radian = travel_per_radian(options.lead.empty() ? options.drive.lead : options.lead);
+  take_lead(options.lead.empty() ? options.drive.lead : options.lead, motion);
   const std::vector<MotionColumn> all = motion_of(columns);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);

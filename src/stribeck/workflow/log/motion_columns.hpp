@@ -25,6 +25,7 @@ struct MotionColumns {
   std::vector<MotionColumn> columns;
   bool angle = false;       ///< the axis is described by angles
   double per_radian = 0.0;  ///< travel of one radian [m/rad]; 0: no --lead
+  bool rotary = false;      ///< the lead is an angle: travel is the arc at a radius of 1 m
 
   /// The position column, else the velocity column.
   [[nodiscard]] const MotionColumn& base() const;
