@@ -89,7 +89,7 @@ class Description {
   const DriveFitOptions& options_;
   Notes& notes_;
   std::size_t terms_;
-  bool at_rest_seen_ = false;  ///< by one direction at least
+  std::array<bool, map::kSides> at_rest_seen_{};  ///< by the rows of each direction
   bool said_slowest_ = false;
   Result result_;
 };
@@ -132,7 +132,7 @@ void Description::write_summary(int s) {
   add("coulomb" + tail, d * summary.coulomb.value, "N", "N", error_of(summary.coulomb, s), true);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s);
   const bool seen_at_rest = slow_enough(s, rises ? summary.stribeck_speed : std::nullopt);
-  at_rest_seen_ = at_rest_seen_ || seen_at_rest;
+  at_rest_seen_[side] = seen_at_rest;
   add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
       seen_at_rest);
   if (rises && summary.stribeck_speed) {
@@ -206,10 +206,11 @@ void Description::write_symmetric() {
   if (fit.family == map::StaticFit::Family::kSymmetricStribeck) {
     steady.stribeck =
         friction::Stribeck<double>{fit.coulomb + fit.rise, fit.v0, static_cast<double>(fit.exponent)};
+    const bool told = at_rest_seen_[0] || at_rest_seen_[1];
     VectorXd h = found_.intervals.zero();
     h(at(1)) = h(at(3)) = 1.0;
-    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), at_rest_seen_ && seen(3));
-    add("v0", fit.v0, "m/s", "mm/s", map_error(4), at_rest_seen_ && seen(4));
+    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), told && seen(3));
+    add("v0", fit.v0, "m/s", "mm/s", map_error(4), told && seen(4));
     if (fit.exponent == map::Exponent::kOne) {
       Parameter delta;
       delta.name = "delta";
@@ -261,8 +262,9 @@ std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<do
   i += 2;
   if (b.exponential) {
     const map::FitTerm& g = b.terms.front();
-    add("exponential_a" + tail, d * g.a, "N", "N", map_error(i), seen(i));
-    add("exponential_c" + tail, g.c * top, "m/s", "mm/s", map_error(i + 1) * top, seen(i + 1));
+    const bool told = at_rest_seen_[s];
+    add("exponential_a" + tail, d * g.a, "N", "N", map_error(i), told && seen(i));
+    add("exponential_c" + tail, g.c * top, "m/s", "mm/s", map_error(i + 1) * top, told && seen(i + 1));
     for (const map::FitTerm& part : map::as_gaussians(g))
       branch.gaussians.push_back({d * part.a, 0.0, part.c * top});
     return branch.gaussians.size();
@@ -270,11 +272,12 @@ std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<do
   for (std::size_t k = 0; k < b.terms.size(); ++k) {
     const map::FitTerm& g = b.terms[k];
     const std::string name = "gaussian_" + std::to_string(k + 1) + "_";
+    const bool told = !b.centred || at_rest_seen_[s];
     branch.gaussians.push_back({d * g.a, d * g.b * top, g.c * top});
-    add(name + "a" + tail, d * g.a, "N", "N", map_error(i), seen(i));
+    add(name + "a" + tail, d * g.a, "N", "N", map_error(i), told && seen(i));
     ++i;
     if (!b.centred) add(name + "b" + tail, d * g.b * top, "m/s", "mm/s", map_error(i) * top, seen(i)), ++i;
-    add(name + "c" + tail, g.c * top, "m/s", "mm/s", map_error(i) * top, seen(i));
+    add(name + "c" + tail, g.c * top, "m/s", "mm/s", map_error(i) * top, told && seen(i));
     ++i;
   }
   return b.terms.size();

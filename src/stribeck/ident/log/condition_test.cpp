@@ -237,6 +237,18 @@ TEST(Condition, AClockThatJumpsIsNotBridged) {
   EXPECT_EQ(c.records.size(), 2U);
 }
 
+// Without a position nothing tells lost rows from a pause of the clock.
+TEST(Condition, GapsOfALogOfVelocityAreCut) {
+  RawLog log = logged();
+  log.v.t = log.x.t;
+  log.x = {};
+  for (std::vector<double>* c : {&log.v.t, &log.v.y, &log.f.y})
+    c->erase(c->begin() + 4000, c->begin() + 4003);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(texts(c), HasSubstr("cut there"));
+  EXPECT_EQ(c.records.size(), 2U);
+}
+
 TEST(Condition, TimeBackIsANewRecordOrRefused) {
   RawLog log = logged();
   const RawLog again = logged({}, 2);

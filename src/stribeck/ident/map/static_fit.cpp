@@ -119,8 +119,14 @@ std::string StaticFit::name() const {
     if (branch[0].exponential) return text + one + " for v > 0";
     return branch[1].exponential ? text + one + " for v < 0" : text;
   }
-  return text + ", " + std::to_string(branch[0].terms.size()) + " and " +
-         std::to_string(branch[1].terms.size()) + " Gaussians";
+  if (!branch[0].centred && !branch[1].centred)
+    return text + ", " + std::to_string(branch[0].terms.size()) + " and " +
+           std::to_string(branch[1].terms.size()) + " Gaussians";
+  const auto name_of = [&](const BranchFit& b) {
+    if (b.centred) return "a Stribeck part" + (b.exponential ? one : "");
+    return std::to_string(b.terms.size()) + (b.terms.size() == 1 ? " Gaussian" : " Gaussians");
+  };
+  return text + ", " + name_of(branch[0]) + " and " + name_of(branch[1]);
 }
 
 }  // namespace stribeck::ident::map

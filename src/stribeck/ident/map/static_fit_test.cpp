@@ -87,6 +87,10 @@ TEST(StaticFit, EachDirectionHasItsOwnExponent) {
   ASSERT_TRUE(c.fit.branch[1].centred);
   EXPECT_FALSE(c.fit.branch[0].exponential);
   EXPECT_TRUE(c.fit.branch[1].exponential);
+  StaticFit one = c.fit;
+  EXPECT_EQ(one.name(), "by direction, Coulomb, viscous and Stribeck of exponent 1 for v < 0");
+  one.branch[0] = {40.0, 50.0, {{18.0, 0.5, 0.12}}, false, 0.0};
+  EXPECT_EQ(one.name(), "by direction, 1 Gaussian and a Stribeck part of exponent 1");
   for (double v = 2e-3; v < 0.1; v += 5e-3) {
     EXPECT_NEAR(c.fit.force(0, v), force(0, v), 0.4) << v;
     EXPECT_NEAR(c.fit.force(1, v), force(1, v), 0.4) << v;

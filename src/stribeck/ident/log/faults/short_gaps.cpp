@@ -29,7 +29,6 @@ bool regular_around(const Table& m, std::size_t next, double T) {
 
 /// Whether the position goes on as if rows were missing. Where only the clock jumped, it takes one step in place of several.
 bool motion_goes_on(const std::vector<double>& y, const ShortGap& gap, double resolution) {
-  if (y.empty()) return true;
   const std::size_t k = gap.next;
   const double before = y[k - 1] - y[k - 2], after = y[k + 1] - y[k];
   const auto steps = static_cast<double>(gap.steps);
@@ -40,7 +39,7 @@ bool motion_goes_on(const std::vector<double>& y, const ShortGap& gap, double re
 }
 
 std::vector<ShortGap> short_gaps(const Table& m, double T) {
-  const double resolution = m.x.empty() ? 0.0 : quantum(m.x);
+  const double resolution = quantum(m.x);
   std::vector<ShortGap> out;
   std::size_t uneven = 0, on_grid = 0;
   for (std::size_t k = 1; k < m.rows(); ++k) {
@@ -94,7 +93,8 @@ double on_cubic(const std::array<double, 4>& y, double hole, double at) {
 }
 
 void bridge_short_gaps(Table& m, Sampling& sampling, Notes& notes) {
-  if (m.rows() < kFewestRows || !notes.wanted("gap")) return;
+  // Without a position nothing tells lost rows from a pause of the clock.
+  if (m.x.empty() || m.rows() < kFewestRows || !notes.wanted("gap")) return;
   const double T = median_step(m.t);
   if (!(T > 0.0)) return;
   const std::vector<ShortGap> gaps = short_gaps(m, T);
