@@ -100,14 +100,6 @@ struct LoopGains {
   double tn = 0.0;  ///< [s]
 };
 
-/// The task with the gains of one axis for all: a pulse is sought on a circle of two such axes.
-PulseTask with_gains_of(PulseTask t, std::size_t axis) {
-  auto& law = std::get<control::CascadeParams>(t.loop.law);
-  for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time})
-    *list = {control::spread<control::kMostAxes>(*list, 0.0)[axis]};
-  return t;
-}
-
 /// Of a task with the gains of this axis.
 LoopGains loop_gains(const PulseTask& t, std::size_t axis) {
   const auto& law = std::get<control::CascadeParams>(t.loop.law);
@@ -252,6 +244,13 @@ void judge_on_grid(const PulseTask& t, std::size_t axis, const PulseSearch& foun
       worst > 1.0 ? " (larger than without: it does not serve all of these feeds)" : "", 100.0 * worst_best);
   w.json["residual_mm_per_min"] = residual;
   w.json["grid"] = grid;
+}
+
+PulseTask with_gains_of(PulseTask t, std::size_t axis) {
+  auto& law = std::get<control::CascadeParams>(t.loop.law);
+  for (control::PerAxis* list : {&law.position_gain, &law.velocity_gain, &law.integral_time})
+    *list = {control::spread<control::kMostAxes>(*list, 0.0)[axis]};
+  return t;
 }
 
 Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {

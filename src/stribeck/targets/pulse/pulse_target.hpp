@@ -32,6 +32,8 @@ using AxisNamer = std::string (*)(std::size_t axis);
 
 /// From the options of an export; the namer is asked unless the user gives names.
 PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportRequest& request);
+/// The task with the gains of one axis for all: its pulse is sought on a circle of two such axes.
+PulseTask with_gains_of(PulseTask task, std::size_t axis);
 
 /// The user's circle, its errors without compensation and with the whole model, and where it is driven.
 struct UserCircle {

@@ -245,7 +245,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
                       {"rms_error_N", e.rms},
                       {"rms_friction_N", e.friction},
                       {"left_out", missing}});
-    if (task) add_build_up(target, *task, i, axis, w);
+    if (task) add_build_up(target, with_gains_of(*task, i), i, axis, w);
     axes.push_back(axis);
   }
   const std::string head = target.head == nullptr ? std::string() : target.head(axes);
