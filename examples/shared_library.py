@@ -1,12 +1,14 @@
 """The servo loop of capi.c through the shared library, with nothing but ctypes: any language that loads a library can do the same.
 
-python3 shared_library.py [libstribeck.so.0.1]
+python3 shared_library.py libstribeck.so.0.1
 """
 import ctypes as c
 import math
 import sys
 
-stribeck = c.CDLL(sys.argv[1] if len(sys.argv) > 1 else "libstribeck.so.0.1")
+if len(sys.argv) != 2:
+    sys.exit(__doc__)
+stribeck = c.CDLL(sys.argv[1])
 stribeck.stribeck_version.restype = stribeck.stribeck_controller_problem.restype = c.c_char_p
 stribeck.stribeck_controller_size.restype = stribeck.stribeck_alignment.restype = c.c_size_t
 stribeck.stribeck_controller_init.restype = c.c_void_p

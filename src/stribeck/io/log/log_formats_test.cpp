@@ -498,6 +498,7 @@ TEST(LogFormats, UnitsAsMachinesSpellThem) {
   EXPECT_EQ(detail::header_of("x 0.00029296875 mm"), "x [0.00029296875 mm]");
   EXPECT_EQ(detail::header_of("x actual 1e-3 mm/s"), "x actual [1e-3 mm/s]");
   EXPECT_EQ(detail::header_of("x Inkr"), "x [Inkr]");
+  EXPECT_EQ(detail::header_of("torque 0.1 %"), "torque [0.1 %]");
   EXPECT_EQ(detail::header_of("axis 2 mm"), "axis 2 [mm]");
   EXPECT_EQ(detail::header_of("x 0.5"), "x 0.5");
   EXPECT_EQ(detail::header_of("axis 1"), "axis 1");

@@ -133,10 +133,9 @@ bool is_count_word(std::string_view unit) {
 
 /// "0.00029296875 mm": a unit of the size that the number says, e.g. of one count.
 bool is_scaled_unit(std::string_view text) {
-  const auto blank = text.find(' ');
-  if (blank == std::string_view::npos) return false;
-  const auto unit = trimmed(text.substr(blank + 1));
-  const auto factor = cell_number(text.substr(0, blank), '.');
+  const auto end = std::min(text.find_first_of(" %"), text.size());
+  const auto unit = trimmed(text.substr(end));
+  const auto factor = cell_number(text.substr(0, end), '.');
   return factor && *factor > 0.0 && std::isfinite(*factor) && !unit.empty() &&
          (std::isalpha(static_cast<unsigned char>(unit[0])) != 0 || unit[0] == '%') && is_unit(unit) &&
          is_unit(text);

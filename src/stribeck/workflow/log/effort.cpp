@@ -19,11 +19,17 @@ constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuan
 /// Units of a share of the rated torque; CiA 402 has per mille.
 constexpr std::array<std::string_view, 5> kShares{"%", "pct", "percent", "\u2030", "permille"};
 
+/// Without the factor of "0.1 %".
+std::string_view without_factor(std::string_view unit) {
+  const auto word = unit.find_first_not_of("0123456789.+- ");
+  return unit.substr(word == std::string_view::npos ? 0 : word);
+}
+
 /// Kind of effort by its unit, whatever its name: a torque in percent is a percentage.
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent
-                          ? std::find(kShares.begin(), kShares.end(), unit) != kShares.end()
+                          ? std::find(kShares.begin(), kShares.end(), without_factor(unit)) != kShares.end()
                           : conversion_between(unit, known_column(what).quantity.unit).has_value();
     if (fits) return what;
   }
@@ -36,7 +42,9 @@ struct Candidates {
   std::optional<io::InputError> ambiguous;
 };
 
-Candidates find_candidates(const AxisColumns& columns, bool with_gain, std::vector<std::string>& notes) {
+/// The first column of kForces; all of them where a gain or a drive decides.
+Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
+                           std::vector<std::string>& notes) {
   Candidates found;
   for (const bool by_map : {true, false}) {
     for (const LogQuantity what : kForces) {
@@ -54,7 +62,7 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, std::vect
       e.what = by_map || named->unit.empty() ? what : kind_by_unit(named->unit, what);
       e.from = std::move(*named);
       found.efforts.push_back(std::move(e));
-      if (!with_gain) break;
+      if (!all) break;
     }
     if (!found.efforts.empty()) break;
   }
@@ -184,10 +192,13 @@ void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
                   io::in_quotes(header_of(*e.from.column)), e.unit, gain_unit));
 }
 
-/// The force per unit of this column that the machine file says; empty: it does not.
-std::string gain_of(const DriveScale& drive, const Effort& e) {
+/// The force per unit of this column that the machine file says; empty: it does not. --lead goes before the drive's for a torque.
+std::string gain_of(const LogOptions& options, const Effort& e) {
+  const DriveScale& drive = options.drive;
   if (e.from.unit.empty()) return {};
   switch (e.what) {
+    case LogQuantity::kTorque:
+      return options.lead.empty() ? drive.per_newton_metre : std::string();
     case LogQuantity::kVoltage:
       return drive.per_volt;
     case LogQuantity::kPercent:
@@ -200,9 +211,9 @@ std::string gain_of(const DriveScale& drive, const Effort& e) {
 }
 
 /// Whether the drive of the machine file gives the scale; it is then applied.
-bool apply_drive(Effort& e, const DriveScale& drive, const MotionColumns& motion,
+bool apply_drive(Effort& e, const LogOptions& options, const MotionColumns& motion,
                  std::vector<std::string>& notes) {
-  const std::string gain = gain_of(drive, e);
+  const std::string gain = gain_of(options, e);
   if (gain.empty() || !apply_gain(e, gain, motion)) return false;
   if (e.what != LogQuantity::kVoltage)
     notes.push_back(
@@ -212,9 +223,34 @@ bool apply_drive(Effort& e, const DriveScale& drive, const MotionColumns& motion
   return true;
 }
 
+/// Without a gain: the first column whose scale is known, else the first one.
+Effort first_scaled(const Candidates& found, const LogOptions& options, const MotionColumns& motion) {
+  const auto scaled = [&](const Effort& e) {
+    if (e.what == LogQuantity::kForce) return true;
+    const bool by_lead = e.what == LogQuantity::kTorque && !e.from.unit.empty() && motion.per_radian != 0.0;
+    return by_lead || !gain_of(options, e).empty();
+  };
+  const auto at = std::find_if(found.efforts.begin(), found.efforts.end(), scaled);
+  return at == found.efforts.end() ? found.efforts.front() : *at;
+}
+
+/// Whether the machine file says anything of the drive.
+bool knows_drive(const DriveScale& drive) {
+  return !drive.per_volt.empty() || !drive.at_100_percent.empty() || !drive.per_ampere.empty() ||
+         !drive.lead.empty();
+}
+
 void set_conversion(Effort& e, const io::Log& log) {
   const Quantity q = known_column(e.what).quantity;
   const std::string& unit = e.from.unit;
+  if (is_count(unit)) {
+    const std::string& name = e.from.column->name;
+    refuse_column(
+        log, e.from,
+        fmt::format("is in counts; say what they are, with the size of one, e.g. --map percent=\"{0} 0.1 %\" "
+                    "or --map force=\"{0} 0.25 N\"",
+                    name));
+  }
   if (e.unit == "units" || (e.unit == "%" && unit.empty())) return;
   if (const auto c = conversion_between(unit, q.unit)) {
     e.conversion = *c;
@@ -229,8 +265,16 @@ void set_conversion(Effort& e, const io::Log& log) {
 Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const LogOptions& options,
                    std::vector<std::string>& notes) {
   const std::string& gain = options.gain;
-  Candidates found = find_candidates(columns, !gain.empty(), notes);
-  Effort effort = gain.empty() ? found.efforts.front() : with_gain(std::move(found), gain, motion);
+  Candidates found =
+      find_candidates(columns, !gain.empty(), !gain.empty() || knows_drive(options.drive), notes);
+  Effort effort =
+      gain.empty() ? first_scaled(found, options, motion) : with_gain(std::move(found), gain, motion);
+  const bool by_drive = gain.empty() && effort.what != LogQuantity::kForce && !is_count(effort.from.unit) &&
+                        apply_drive(effort, options, motion, notes);
+  if (by_drive) {
+    set_conversion(effort, columns.log());
+    return effort;
+  }
   if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
     scale(effort, 1.0, true, motion.per_radian);
     if (effort.unit != "N") {
@@ -239,8 +283,7 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
               ? "the force is a torque in N m about an angle in rad"
               : "the force is given as a torque and is identified in N m; with --lead \"5 mm\" it becomes N");
     }
-  } else if (gain.empty() && effort.what != LogQuantity::kForce &&
-             !apply_drive(effort, options.drive, motion, notes)) {
+  } else if (gain.empty() && effort.what != LogQuantity::kForce) {
     keep_own_unit(effort, notes);
   }
   set_conversion(effort, columns.log());

@@ -100,6 +100,11 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     out.notes.push_back(
         fmt::format("one turn of the motor is {} of travel, from the drive of the machine file",
                     six_digits(options.drive.lead)));
+  if (!options.lead.empty() && !options.drive.lead.empty() && options.gain.empty() && !effort.by_lead &&
+      effort.unit == "N" && effort.what != LogQuantity::kForce)
+    out.notes.push_back(fmt::format(
+        "--lead converts the positions; the force keeps the drive of the machine file, whose turn is {} of travel",
+        six_digits(options.drive.lead)));
   if (motion.rotary && lead_used)
     out.notes.emplace_back(
         "a rotary axis: angles are taken as arcs at a radius of 1 m, so that N stands for N m, kg for kg m2 and mm for mrad");

@@ -170,6 +170,8 @@ TEST(LogAxis, RotaryAxes) {
   EXPECT_NEAR(geared.x.y[kRow], motor.x.y[kRow] / 90.0, 1e-12);
   EXPECT_NEAR(geared.f.y[kRow], motor.f.y[kRow] * 90.0, 1e-9);
   EXPECT_THAT(refusal(text, {.lead = "0 deg"}), HasSubstr("expected the travel per turn"));
+  EXPECT_THAT(refusal(text, {.lead = "5 %"}), HasSubstr("--lead"));
+  EXPECT_THAT(refusal(text, {.lead = "5"}), HasSubstr("--lead"));
 }
 
 // Controls write turns per minute as 1/min; 1/s says too little, and --map may tell what it is.
@@ -198,6 +200,8 @@ TEST(LogAxis, IncrementsOfTheEncoder) {
   EXPECT_NEAR(mapped.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);
   EXPECT_THAT(mapped.notes, Contains(HasSubstr("is in counts and is not used")));
   EXPECT_NEAR(axis_of(text, {.maps = {"x=x [Inkr] 0.5 mm"}}).x.y[kRow], 0.5 * x_at(), 1e-8);
+  EXPECT_THAT(refusal(csv("t [s],x [mm],torque [counts]", {"t", "x_mm", "f"})),
+              AllOf(HasSubstr("is in counts"), HasSubstr("--map percent=\"torque 0.1 %\"")));
   const io::Log named = io::parse_log(text, "log.csv", {.names = {"t s", "r 0.5 mm", "x 0.5 mm", "f N"}});
   const workflow::LoggedAxis side = workflow::logged_axis(named, {});
   EXPECT_NEAR(side.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);

@@ -18,7 +18,8 @@ struct DriveScale {
   std::string per_volt{};
   std::string at_100_percent{};
   std::string per_ampere{};
-  std::string lead{};  ///< travel per turn of the motor
+  std::string per_newton_metre{};  ///< of one motor's torque
+  std::string lead{};              ///< travel per turn of the motor
 };
 
 /// A number with its unit, in six digits, for notes.

@@ -60,7 +60,10 @@ DriveScale scale_of(const AxisDescription& axis) {
   if (!axis.drive) return scale;
   scale.at_100_percent = text(axis.drive->rated(), "N");
   scale.per_ampere = text(axis.drive->per_ampere(), "N/A");
-  if (const auto r = axis.drive->radius()) scale.lead = text(2e3 * kPi * *r, "mm");
+  if (const auto r = axis.drive->radius()) {
+    scale.lead = text(2e3 * kPi * *r, "mm");
+    scale.per_newton_metre = text(axis.drive->motors / *r, "1/m");
+  }
   return scale;
 }
 

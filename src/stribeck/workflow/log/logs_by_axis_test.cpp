@@ -105,6 +105,22 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
   // A log in newtons and millimetres needs nothing of it, the other axis has no drive.
   EXPECT_THAT(axis_of("x-4.csv", "t [s],x [mm],v [mm/s],f [N]").notes, ElementsAre());
   EXPECT_EQ(axis_of("y-1.csv", "t [s],x [mm],v [mm/s],torque [%]").runs.front().force_unit, "%");
+  // CiA 402 has tenths of a percent.
+  EXPECT_NEAR(axis_of("x-5.csv", "t [s],x [mm],v [mm/s],torque [0.1 %]").runs.front().f.y[10],
+              3.0 / 1000.0 * rated, 1e-9);
+  EXPECT_NEAR(axis_of("x-6.csv", "t [s],x [mm],v [mm/s],torque [0.1%]").runs.front().f.y[10],
+              3.0 / 1000.0 * rated, 1e-9);
+  // The torque of one of two motors: all columns give one force.
+  drive.motors = 2;
+  EXPECT_NEAR(axis_of("x-7.csv", "t [s],x [mm],v [mm/s],torque [Nm]").runs.front().f.y[10], 4.0 * rated,
+              1e-9);
+  EXPECT_NEAR(axis_of("x-8.csv", "t [s],x [mm],v [mm/s],torque [%]").runs.front().f.y[10],
+              3.0 / 100.0 * 2.0 * rated, 1e-9);
+  // The drive gives no scale for the current, but one for the torque beside it.
+  drive.rated_current.reset();
+  const workflow::LoggedAxis two = axis_of("x-9.csv", "t [s],x [mm],current [A],torque [%]");
+  EXPECT_EQ(two.runs.front().force_unit, "N");
+  EXPECT_NEAR(two.runs.front().f.y[10], 3.0 / 100.0 * 2.0 * rated, 1e-9);
 }
 
 }  // namespace

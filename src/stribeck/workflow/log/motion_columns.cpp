@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <optional>
+#include <string_view>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>
@@ -17,6 +19,11 @@ bool is_velocity(LogQuantity what) {
 
 /// What a table turns in one turn of its motor [rad]; absent: the lead is no angle.
 std::optional<double> angle_of(const std::string& lead) {
+  // An angle is a pure number to the library of units, and so is "5 %".
+  constexpr std::array<std::string_view, 6> kAngles{"deg", "rad", "rev", "turn", "gon", "\u00b0"};
+  const bool named = std::any_of(kAngles.begin(), kAngles.end(),
+                                 [&](std::string_view a) { return lead.find(a) != std::string::npos; });
+  if (!named) return std::nullopt;
   try {
     return io::to_si(lead, quantity("rad", "deg"));
   } catch (const io::InputError&) {

@@ -125,13 +125,17 @@ class AxisStages {
     if (r.force_unit != "N")
       what += fmt::format("{}the force of the logs is in {}, whose scale is not known",
                           what.empty() ? "" : " and ", r.force_unit);
+    const char* keys = r.force_unit == "A"   ? "torque_constant and lead"
+                       : r.force_unit == "V" ? "voltage_at_rated, rated_torque and lead"
+                       : r.force_unit == "N" ? "lead"
+                                             : "rated_torque and lead";
     return fmt::format(
-        "{} (write rated_torque and lead, or what else the data sheet says, into [axes.{}.drive] of {}, or give "
+        "{} (write {}, or what else the data sheet says, into [axes.{}.drive] of {}, or give "
         "{} for this axis alone: --axis {})",
-        what, axis_.axis, options_.machine,
+        what, keys, axis_.axis, options_.machine,
         r.position_unit == "m" ? "--gain"
-        : r.force_unit == "N"  ? "--lead"
-                               : "--gain and --lead",
+        : r.force_unit == "N"  ? "--lead (of a rotary axis an angle, \"360 deg\" without a gear)"
+                               : "--gain and --lead (of a rotary axis an angle, \"360 deg\" without a gear)",
         axis_.axis);
   }
 
