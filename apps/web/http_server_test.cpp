@@ -13,7 +13,7 @@
 #include <apps/web/http_server.hpp>
 #include <stribeck/io/error.hpp>
 
-namespace stribeck::web {
+namespace stribeck::web::http_server_test {
 namespace {
 
 using testing::HasSubstr;
@@ -162,4 +162,4 @@ TEST(HttpServer, AddressesAndPorts) {
 }
 
 }  // namespace
-}  // namespace stribeck::web
+}  // namespace stribeck::web::http_server_test

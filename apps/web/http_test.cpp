@@ -5,7 +5,7 @@
 #include <apps/web/json_request.hpp>
 #include <apps/web/what_if.hpp>
 
-namespace stribeck::web {
+namespace stribeck::web::http_test {
 namespace {
 
 using testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST(JsonRequest, Refusals) {
 }
 
 }  // namespace
-}  // namespace stribeck::web
+}  // namespace stribeck::web::http_test

@@ -11,7 +11,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 
-namespace stribeck::web {
+namespace stribeck::web::what_if_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -225,4 +225,4 @@ TEST(Newest, DoesNotWaitForeverAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace stribeck::web
+}  // namespace stribeck::web::what_if_test

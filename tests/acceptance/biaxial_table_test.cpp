@@ -9,7 +9,7 @@
 
 #include "../cli/command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::biaxial_table_test {
 namespace {
 
 using Rows = std::map<std::pair<double, std::string>, nlohmann::json>;
@@ -128,4 +128,4 @@ TEST(BiaxialTable, IdentificationRecoversTheTruthFromItsLogs) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::biaxial_table_test

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::ident::circle {
+namespace stribeck::ident::circle::circle_causes_test {
 namespace {
 
 std::vector<CircleMotion> measured(const VirtualMachine& m, const std::vector<double>& feeds,
@@ -203,4 +203,4 @@ TEST(CircleCauses, EachAlone) { expect(campaign(120, 1, 5000), 0.99, 0.98); }
 TEST(CircleCauses, InPairs) { expect(campaign(120, 2, 9000), 0.97, 0.95); }
 
 }  // namespace
-}  // namespace stribeck::ident::circle
+}  // namespace stribeck::ident::circle::circle_causes_test

@@ -19,7 +19,7 @@
 #include <variant>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::coverage_test {
 namespace {
 
 constexpr std::uint64_t kLogs = 200;
@@ -214,4 +214,4 @@ TEST(Coverage, IntervalsHoldTheTruth) { expect_shares(covered(true), 0.995); }
 TEST(Coverage, IntervalsHoldTheTruthForAnyShift) { expect_shares(covered(false), 1.0); }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::coverage_test

@@ -9,7 +9,7 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/commission.hpp>
 
-namespace stribeck {
+namespace stribeck::lost_motion_move_test {
 namespace {
 
 /// What the test changes of machines/lost-motion.toml, on both axes; the y axis has three quarters of the friction and backlash.
@@ -123,4 +123,4 @@ TEST(LostMotionMove, CircleOnAHeavyTableThatWindsUp) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::lost_motion_move_test

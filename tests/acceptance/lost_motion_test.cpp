@@ -9,7 +9,7 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <vector>
 
-namespace stribeck {
+namespace stribeck::lost_motion_test {
 namespace {
 
 using ident::lost_motion::LostMotion;
@@ -204,4 +204,4 @@ TEST(LostMotion, WhatTheDataDoNotCarryIsAbsent) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::lost_motion_test

@@ -4,7 +4,7 @@
 
 #include "../cli/command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::quadrant_pulse_test {
 namespace {
 
 class QuadrantPulse : public testing::TestWithParam<const char*> {};
@@ -46,4 +46,4 @@ TEST_P(QuadrantPulse, BringsThePeakBelowAThirdOrSo) {
 INSTANTIATE_TEST_SUITE_P(Machines, QuadrantPulse, testing::Values("biaxial-table", "triaxial-tool"));
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::quadrant_pulse_test

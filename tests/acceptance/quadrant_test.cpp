@@ -11,7 +11,7 @@
 
 #include "../cli/command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::quadrant_test {
 namespace {
 
 using Rows = std::map<std::pair<double, std::string>, nlohmann::json>;
@@ -154,4 +154,4 @@ TEST(Robustness, TheDefaultStaysFarBelowTheThesisOnMachinesThatAreNotTheOneIdent
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::quadrant_test

@@ -8,7 +8,7 @@
 
 #include "../cli/command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::triaxial_tool_test {
 namespace {
 
 using path::FrameKind;
@@ -201,4 +201,4 @@ TEST_F(Reproduced, OneAxisAndTwo) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::triaxial_tool_test

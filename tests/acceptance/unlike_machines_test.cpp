@@ -10,7 +10,7 @@
 #include <tests/cli/command.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::unlike_machines_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -111,4 +111,4 @@ INSTANTIATE_TEST_SUITE_P(Files, UnlikeMachine, testing::Values("unlike-table", "
                          });
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::unlike_machines_test

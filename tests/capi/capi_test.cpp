@@ -25,7 +25,7 @@
 
 extern "C" double stribeck_test_force_from_c(double position, double measured);
 
-namespace stribeck {
+namespace stribeck::capi_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -949,4 +949,4 @@ TEST(CPlant, IsTheCppPlant) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::capi_test

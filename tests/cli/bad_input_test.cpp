@@ -10,7 +10,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::bad_input_test {
 namespace {
 
 /// The line must name the place and hold every part given.
@@ -494,4 +494,4 @@ TEST(BadOption, SaysGotExpectedAndWhereHelpIs) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::bad_input_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::ball_bar_test {
 namespace {
 
 using ::testing::AllOf;
@@ -79,4 +79,4 @@ TEST(EvaluateBallBar, BadFilesAreRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::ball_bar_test

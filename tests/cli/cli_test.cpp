@@ -4,7 +4,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::cli_test {
 namespace {
 
 TEST(Command, TellsItsVersionAndHelpsWithAnExample) {
@@ -119,4 +119,4 @@ TEST(Compare, WritesOneRowForEachSpeedAndController) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::cli_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::commission_test {
 namespace {
 
 using ::testing::AllOf;
@@ -221,4 +221,4 @@ TEST(Commission, RefusesWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::commission_test

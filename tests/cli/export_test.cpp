@@ -8,7 +8,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::export_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -754,4 +754,4 @@ TEST(Evaluate, FindsPositionsByTheirNames) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::export_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::foreign_names_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -244,4 +244,4 @@ TEST(ForeignNames, OfAMachineStayInTheCommentOfAProgram) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::foreign_names_test

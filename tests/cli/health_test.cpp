@@ -8,7 +8,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::health_test {
 namespace {
 
 using ::testing::AllOf;
@@ -159,4 +159,4 @@ TEST(Health, RefusesAnArchiveThatIsNoArchive) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::health_test

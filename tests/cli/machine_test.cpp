@@ -5,7 +5,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::machine_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -116,4 +116,4 @@ TEST(OwnMachine, OnlyKnowsTheControllersThereAre) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::machine_test

@@ -8,7 +8,7 @@
 #include <stribeck/io/sha256.hpp>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::outputs_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -82,4 +82,4 @@ TEST(Outputs, LimitsOfACircleDecideTheExitCode) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::outputs_test

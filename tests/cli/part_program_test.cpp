@@ -7,7 +7,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::part_program_test {
 namespace {
 
 const std::string kHead = "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.020000)\nSET_FEED_RATE(300.0000)\n";
@@ -222,4 +222,4 @@ TEST_F(PartProgram, ExampleThroughLinuxCnc) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::part_program_test

@@ -8,7 +8,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::point_path_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST(PointPathCommand, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::point_path_test

@@ -6,7 +6,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::reproduce_robustness_test {
 namespace {
 
 TEST(ReproduceRobustness, ComparesControllerFilesWithTheReference) {
@@ -42,4 +42,4 @@ TEST(ReproduceRobustness, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::reproduce_robustness_test

@@ -6,7 +6,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::reproduce_test {
 namespace {
 
 const std::string kSource = STRIBECK_SOURCE_DIR;
@@ -203,4 +203,4 @@ TEST(Compare, RunsTheExperimentsOfThreeAxes) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::reproduce_test

@@ -7,7 +7,7 @@
 
 #include "command.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::study_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST_F(StudyVerb, ResultsDoNotReplaceAnInput) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::study_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::tune_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST(Tune, RefusesBadOptionsInOneLine) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::tune_test

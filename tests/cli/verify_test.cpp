@@ -7,7 +7,7 @@
 #include <string>
 #include <tests/cli/command.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::verify_test {
 namespace {
 
 using ::testing::AllOf;
@@ -133,4 +133,4 @@ TEST(Verify, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::verify_test

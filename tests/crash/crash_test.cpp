@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace stribeck::test {
+namespace stribeck::test::crash_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -378,4 +378,4 @@ TEST(Messages, ThatNobodyCanReadDoNotChangeTheExitCode) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::crash_test

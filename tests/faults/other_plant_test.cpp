@@ -8,7 +8,7 @@
 
 #include "other_machine.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::other_plant_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -80,4 +80,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, Machine,
                          });
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::other_plant_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::soak_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -185,4 +185,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, Soak,
                                          Soaked{"predictive", "dynamic", "disturbance", false, 0.02}));
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::soak_test

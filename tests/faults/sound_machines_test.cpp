@@ -5,7 +5,7 @@
 
 #include "drill.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::sound_machines_test {
 namespace {
 
 TEST(SoundMachines, NoExperimentTrips) {
@@ -43,4 +43,4 @@ TEST(SoundMachines, NoneDrawnAroundTheOnesIdentifiedTrips) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::sound_machines_test

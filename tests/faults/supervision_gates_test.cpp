@@ -9,7 +9,7 @@
 
 #include "drill.hpp"
 
-namespace stribeck::test {
+namespace stribeck::test::supervision_gates_test {
 namespace {
 
 using control::Fault;
@@ -158,4 +158,4 @@ TEST(SupervisionGates, ATenthOfTheSamplesMayBeDropped) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::supervision_gates_test

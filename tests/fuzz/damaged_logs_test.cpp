@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace stribeck::io {
+namespace stribeck::io::damaged_logs_test {
 namespace {
 
 ReadOptions options_of(const test::SampleLog& sample) {
@@ -317,4 +317,4 @@ TEST_F(DamagedLogs, NoLogs) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::damaged_logs_test

@@ -12,7 +12,7 @@
 
 #include "dahl.hpp"
 
-namespace stribeck {
+namespace stribeck::new_law_test {
 namespace {
 
 constexpr double kSigma = 3e8;
@@ -133,4 +133,4 @@ TEST(NewLaw, VariationStiffensIt) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::new_law_test

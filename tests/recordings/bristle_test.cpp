@@ -7,7 +7,7 @@
 #include <tests/recordings/recording.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::bristle_test {
 namespace {
 
 friction::AxisModel axis_model(double mass, double load, double coulomb, double viscous) {
@@ -106,4 +106,4 @@ TEST(BristleRecordings, MillIsSaidToBeTooCoarse) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::bristle_test

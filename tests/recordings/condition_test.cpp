@@ -10,7 +10,7 @@
 #include <tests/recordings/recording.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::condition_test {
 namespace {
 
 using ::testing::AllOf;
@@ -203,4 +203,4 @@ TEST(Conditioning, DrivesOfOtherFormats) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::condition_test

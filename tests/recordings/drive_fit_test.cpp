@@ -20,7 +20,7 @@
 #include <variant>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::drive_fit_test {
 namespace {
 
 using ::testing::AllOf;
@@ -295,4 +295,4 @@ TEST(DriveFit, VerbSaysThatUmichIsTooCoarseForPreSliding) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::drive_fit_test

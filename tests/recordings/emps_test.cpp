@@ -4,7 +4,7 @@
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::emps_test {
 namespace {
 
 TEST(Identify, PrintsTheEmpsBenchmarkToItsLastDigit) {
@@ -30,4 +30,4 @@ TEST(Identify, PrintsTheEmpsBenchmarkToItsLastDigit) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::emps_test

@@ -12,7 +12,7 @@
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <tests/recordings/recording.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::jog_test {
 namespace {
 
 using Table = std::vector<std::vector<std::string>>;
@@ -152,4 +152,4 @@ TEST(BreakAway, AgreesWithTheAuthorsOfTheArm) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::jog_test

@@ -9,7 +9,7 @@
 #include <tests/recordings/recording.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::log_formats_test {
 namespace {
 
 using io::Log;
@@ -211,4 +211,4 @@ TEST(LogFormats, Csv) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::log_formats_test

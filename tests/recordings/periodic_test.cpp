@@ -13,7 +13,7 @@
 
 #include <tests/recordings/recording.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::periodic_test {
 namespace {
 
 using friction::EccentricForm;
@@ -203,4 +203,4 @@ TEST(Periodic, FindsTheCoggingOfTheHeldMotor) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::periodic_test

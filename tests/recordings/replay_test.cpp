@@ -10,7 +10,7 @@
 #include <tests/cli/command.hpp>
 #include <tests/recordings/recording.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::replay_test {
 namespace {
 
 // Controller of the recording: kp 160.18 1/s, kv 243.45 V·s/m at 35.15065188248547 N/V, ±10 V.
@@ -122,4 +122,4 @@ TEST(Replay, VerbSaysTheSame) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::replay_test

@@ -32,7 +32,7 @@ void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 // NOLINTEND
 
-namespace stribeck {
+namespace stribeck::no_allocation_test {
 namespace {
 
 /// Allocations while f runs.
@@ -228,4 +228,4 @@ TEST(RealTime, FrictionModelsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::no_allocation_test

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::threads_test {
 namespace {
 
 TEST(Threads, JobsWriteToPlacesOfTheirOwn) {
@@ -83,4 +83,4 @@ TEST(Threads, ControllersShareNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::threads_test

@@ -7,7 +7,7 @@
 #include <stribeck/control/pd.hpp>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::drive_interface_test {
 namespace {
 
 using friction::DriveLoop;
@@ -210,4 +210,4 @@ TEST(DriveInterface, TheObserverSeesTheForceThatTheDriveReports) {
 TEST(DriveInterface, WithoutAReportTheObserverRests) { EXPECT_EQ(estimate_after(velocity_loop()), 0.0); }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::drive_interface_test

@@ -3,7 +3,7 @@
 #include <stribeck/control/pd.hpp>
 #include <stribeck/control/test_mass.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::pd_test {
 namespace {
 
 using test::kMass;
@@ -115,4 +115,4 @@ TEST(Pd, CountsFrictionAskedOutsideItsRange) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::pd_test

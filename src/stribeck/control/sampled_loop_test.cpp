@@ -2,7 +2,7 @@
 
 #include <stribeck/control/sampled_loop.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::sampled_loop_test {
 namespace {
 
 TEST(RootsInsideUnitCircle, KnowsPolynomialsOfKnownRoots) {
@@ -37,4 +37,4 @@ TEST(SampledLoop, TakesNoGainOfTheWrongSign) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::sampled_loop_test

@@ -5,7 +5,7 @@
 #include <stribeck/core/fields.hpp>
 #include <tuple>
 
-namespace stribeck {
+namespace stribeck::fields_test {
 namespace {
 
 struct Screw {
@@ -30,4 +30,4 @@ TEST(Fields, AreListedOnceWithTheirRanges) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::fields_test

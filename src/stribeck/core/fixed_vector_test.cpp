@@ -2,7 +2,7 @@
 
 #include <stribeck/core/fixed_vector.hpp>
 
-namespace stribeck {
+namespace stribeck::fixed_vector_test {
 namespace {
 
 TEST(FixedVector, RefusesMoreThanItHolds) {
@@ -14,4 +14,4 @@ TEST(FixedVector, RefusesMoreThanItHolds) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::fixed_vector_test

@@ -4,7 +4,7 @@
 #include <stribeck/core/taylor.hpp>
 #include <string>
 
-namespace stribeck {
+namespace stribeck::scalar_test {
 namespace {
 
 static_assert(Real<double>);
@@ -20,4 +20,4 @@ TEST(Scalar, SignIsZeroAtZeroOfEitherSign) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::scalar_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/core/status.hpp>
 
-namespace stribeck {
+namespace stribeck::status_test {
 namespace {
 
 TEST(Status, CountsAndRemembersTheFirst) {
@@ -19,4 +19,4 @@ TEST(Status, CountsAndRemembersTheFirst) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::status_test

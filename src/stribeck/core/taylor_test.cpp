@@ -4,7 +4,7 @@
 #include <stribeck/core/taylor.hpp>
 #include <utility>
 
-namespace stribeck {
+namespace stribeck::taylor_test {
 namespace {
 
 TEST(Taylor, GivesTheKnownDerivativesOfElementaryFunctions) {
@@ -60,4 +60,4 @@ TEST(Taylor, ObeysPythagorasAndTheProductRuleToEveryOrder) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::taylor_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/core/vec.hpp>
 
-namespace stribeck {
+namespace stribeck::vec_test {
 namespace {
 
 TEST(Vec, MatrixTimesVectorAndItsTranspose) {
@@ -12,4 +12,4 @@ TEST(Vec, MatrixTimesVectorAndItsTranspose) {
 }
 
 }  // namespace
-}  // namespace stribeck
+}  // namespace stribeck::vec_test

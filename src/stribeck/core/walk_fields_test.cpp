@@ -6,19 +6,20 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::walk_fields_test {
 
 enum class Colour { kRed, kBlue };
 
-}  // namespace stribeck::test
+}  // namespace stribeck::walk_fields_test
 
 template <>
-struct stribeck::EnumNames<stribeck::test::Colour> {
-  static constexpr std::array names{std::pair{stribeck::test::Colour::kRed, std::string_view{"red"}},
-                                    std::pair{stribeck::test::Colour::kBlue, std::string_view{"blue"}}};
+struct stribeck::EnumNames<stribeck::walk_fields_test::Colour> {
+  static constexpr std::array names{
+      std::pair{stribeck::walk_fields_test::Colour::kRed, std::string_view{"red"}},
+      std::pair{stribeck::walk_fields_test::Colour::kBlue, std::string_view{"blue"}}};
 };
 
-namespace stribeck::test {
+namespace stribeck::walk_fields_test {
 namespace {
 
 struct Observer {
@@ -199,4 +200,4 @@ TEST(WalkFields, FindsNamesOfEnumerationsBothWays) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::walk_fields_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/friction/conventional.hpp>
 
-namespace stribeck::friction {
+namespace stribeck::friction::conventional_test {
 namespace {
 
 Conventional<double> table_4_2_x(double delta) {
@@ -39,4 +39,4 @@ TEST(Conventional, MirrorsUnderSignOfVelocityForOddShape) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::conventional_test

@@ -6,7 +6,7 @@
 
 /// A mass under a force below break-away: where does it go?
 
-namespace stribeck::friction {
+namespace stribeck::friction::drift_test {
 namespace {
 
 constexpr double kMass = 57650.0;
@@ -65,4 +65,4 @@ TEST(Drift, LuGreCreepsUnderAnOscillatingForceAndGmsDoesNot) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::drift_test

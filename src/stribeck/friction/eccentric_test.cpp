@@ -4,7 +4,7 @@
 #include <stribeck/friction/eccentric.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
-namespace stribeck::friction {
+namespace stribeck::friction::eccentric_test {
 namespace {
 
 TEST(Eccentric, PrintedFormKeepsItsSignWithDirectionAndTheOtherFollowsIt) {
@@ -35,4 +35,4 @@ TEST(Eccentric, RepeatsWithItsPeriodAndVanishesWithItsAmplitude) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::eccentric_test

@@ -5,12 +5,11 @@
 #include <stribeck/friction/model.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
-namespace stribeck::friction {
-
 // Every member compiles for the other scalars: a forgotten select() would not.
-template struct Gaussian<Taylor<2>>;
-template struct Gaussian<ceres::Jet<double, 11>>;
+template struct stribeck::friction::Gaussian<stribeck::Taylor<2>>;
+template struct stribeck::friction::Gaussian<ceres::Jet<double, 11>>;
 
+namespace stribeck::friction::gaussian_test {
 namespace {
 
 // Values from NumPy: e0 + e1*v + sum(a*exp(-((v-b)/c)**2)) with the digits of Table 2.3.
@@ -95,4 +94,4 @@ TEST(Gaussian, ComplainsAboutALevelThatDoesNotOppose) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::gaussian_test

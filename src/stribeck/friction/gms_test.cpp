@@ -4,10 +4,9 @@
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
-namespace stribeck::friction {
+template struct stribeck::friction::Gms<ceres::Jet<double, 3>>;
 
-template struct Gms<ceres::Jet<double, 3>>;
-
+namespace stribeck::friction::gms_test {
 namespace {
 
 Gms<double> four_elements(double damping = 0.0) {
@@ -138,4 +137,4 @@ TEST(Gms, ComplainsAboutSharesThatDoNotAddUp) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::gms_test

@@ -5,11 +5,10 @@
 #include <stribeck/friction/lugre.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
-namespace stribeck::friction {
+template struct stribeck::friction::LuGre<ceres::Jet<double, 3>>;
+template struct stribeck::friction::LuGre<stribeck::Taylor<2>>;
 
-template struct LuGre<ceres::Jet<double, 3>>;
-template struct LuGre<Taylor<2>>;
-
+namespace stribeck::friction::lugre_test {
 namespace {
 
 // V2: 3e5 N/mm, 600 N s/mm fading at 0.05 mm/s.
@@ -125,4 +124,4 @@ TEST(LuGre, HoldGainIsSmoothAcrossItsSeries) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::lugre_test

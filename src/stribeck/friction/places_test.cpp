@@ -4,7 +4,7 @@
 #include <stribeck/friction/model.hpp>
 #include <string>
 
-namespace stribeck::friction {
+namespace stribeck::friction::places_test {
 namespace {
 
 Places two() {
@@ -59,4 +59,4 @@ TEST(Places, MustAscend) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::places_test

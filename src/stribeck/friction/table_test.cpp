@@ -4,7 +4,7 @@
 #include <stribeck/friction/table.hpp>
 #include <stribeck/friction/test_maps.hpp>
 
-namespace stribeck::friction {
+namespace stribeck::friction::table_test {
 namespace {
 
 template <class M>
@@ -42,4 +42,4 @@ TEST(Table, HoldsTheBorderAndStaysFiniteAtRest) {
 }
 
 }  // namespace
-}  // namespace stribeck::friction
+}  // namespace stribeck::friction::table_test

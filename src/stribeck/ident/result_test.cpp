@@ -5,7 +5,7 @@
 
 #include <stribeck/ident/result.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::result_test {
 namespace {
 
 TEST(Result, EveryMethodAndModelHasItsWord) {
@@ -40,4 +40,4 @@ TEST(Result, AParameterIsFoundByItsWholeName) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::result_test

@@ -14,7 +14,7 @@
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/log/record.hpp>
 
-namespace stribeck::ident::testing {
+namespace stribeck::ident::test {
 
 using friction::Gaussian;
 
@@ -183,4 +183,4 @@ inline std::vector<double> sine_reference(double T, double amplitude, double w, 
   return r;
 }
 
-}  // namespace stribeck::ident::testing
+}  // namespace stribeck::ident::test

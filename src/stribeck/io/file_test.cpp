@@ -10,7 +10,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 
-namespace stribeck::io {
+namespace stribeck::io::file_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -132,4 +132,4 @@ TEST_F(Files, WhatAKilledProgramLeftIsCleared) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::file_test

@@ -7,7 +7,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/printable.hpp>
 
-namespace stribeck::io {
+namespace stribeck::io::json_test {
 namespace {
 
 TEST(Json, KeepsOrderAndWritesNull) {
@@ -92,4 +92,4 @@ TEST(Error, StaysReadableWhateverIsRepeatedInIt) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::json_test

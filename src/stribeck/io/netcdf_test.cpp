@@ -8,11 +8,11 @@
 #include <stribeck/io/netcdf.hpp>
 #include <stribeck/io/test_folder.hpp>
 
-namespace stribeck::io {
+namespace stribeck::io::netcdf_test {
 namespace {
 
-using test::Folder;
-using test::text_of;
+using stribeck::test::Folder;
+using stribeck::test::text_of;
 using testing::HasSubstr;
 
 bool has_library() { return ::dlopen("libnetcdf.so.19", RTLD_NOW) != nullptr; }
@@ -86,4 +86,4 @@ TEST(Netcdf, NothingIsLeftOfAnUnfinishedFile) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::netcdf_test

@@ -3,7 +3,7 @@
 #include <stribeck/io/sha256.hpp>
 #include <string>
 
-namespace stribeck::io {
+namespace stribeck::io::sha256_test {
 namespace {
 
 // Printed values: NIST, examples of FIPS 180-4.
@@ -20,4 +20,4 @@ TEST(Sha256, PrintedExamples) {
 TEST(Sha256, Base64) { EXPECT_EQ(base64(sha256("abc")), "ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0="); }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::sha256_test

@@ -5,7 +5,7 @@
 #include <stribeck/io/toml.hpp>
 
 /// Settings that count beside others only, and structs that a word may stand for.
-namespace stribeck::io::test {
+namespace stribeck::io::test::toml_effect_test {
 namespace {
 
 struct Memory {
@@ -116,4 +116,4 @@ What it learns; off \| on, or the keys below (may be left out).
 }
 
 }  // namespace
-}  // namespace stribeck::io::test
+}  // namespace stribeck::io::test::toml_effect_test

@@ -6,7 +6,7 @@
 #include <stribeck/io/keys.hpp>
 #include <stribeck/io/toml.hpp>
 
-namespace stribeck::io::test {
+namespace stribeck::io::toml_test {
 
 enum class Side { kDrive, kTable };
 
@@ -99,15 +99,16 @@ struct Machine {
   bool operator==(const Machine&) const = default;
 };
 
-}  // namespace stribeck::io::test
+}  // namespace stribeck::io::toml_test
 
 template <>
-struct stribeck::EnumNames<stribeck::io::test::Side> {
-  static constexpr std::array names{std::pair{stribeck::io::test::Side::kDrive, std::string_view{"drive"}},
-                                    std::pair{stribeck::io::test::Side::kTable, std::string_view{"table"}}};
+struct stribeck::EnumNames<stribeck::io::toml_test::Side> {
+  static constexpr std::array names{
+      std::pair{stribeck::io::toml_test::Side::kDrive, std::string_view{"drive"}},
+      std::pair{stribeck::io::toml_test::Side::kTable, std::string_view{"table"}}};
 };
 
-namespace stribeck::io::test {
+namespace stribeck::io::toml_test {
 namespace {
 
 constexpr std::string_view kGood = R"(# a machine
@@ -373,4 +374,4 @@ TEST(Toml, DescribesEveryKey) {
 }
 
 }  // namespace
-}  // namespace stribeck::io::test
+}  // namespace stribeck::io::toml_test

@@ -10,7 +10,7 @@
 #include <stribeck/io/units.hpp>
 #include <thread>
 
-namespace stribeck::io {
+namespace stribeck::io::units_test {
 namespace {
 
 using testing::HasSubstr;
@@ -197,4 +197,4 @@ TEST(Units, ThreadsMayParseAtOnce) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::units_test

@@ -7,7 +7,7 @@
 #include <stribeck/path/five_axis.hpp>
 #include <stribeck/path/reference.hpp>
 
-namespace stribeck::path {
+namespace stribeck::path::five_axis_test {
 namespace {
 
 using V3 = Vec<double, 3>;
@@ -241,4 +241,4 @@ TEST(Reference, TravelsTheFrustumWithAnOrthonormalFrame) {
 }
 
 }  // namespace
-}  // namespace stribeck::path
+}  // namespace stribeck::path::five_axis_test

@@ -10,7 +10,7 @@
 #include <stribeck/path/reference.hpp>
 #include <vector>
 
-namespace stribeck::path {
+namespace stribeck::path::frame_test {
 namespace {
 
 using V3 = Vec<double, 3>;
@@ -529,4 +529,4 @@ TEST(ContourError, InSpaceIsTheDistanceAndHasNoSign) {
 }
 
 }  // namespace
-}  // namespace stribeck::path
+}  // namespace stribeck::path::frame_test

@@ -6,7 +6,7 @@
 #include <stribeck/path/motion_frame.hpp>
 #include <vector>
 
-namespace stribeck::path {
+namespace stribeck::path::motion_frame_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -175,4 +175,4 @@ TEST(MotionFrame, AFasterMotionAlongTheSameWayHasTheSameFrame) {
 }
 
 }  // namespace
-}  // namespace stribeck::path
+}  // namespace stribeck::path::motion_frame_test

@@ -3,7 +3,7 @@
 #include <stribeck/path/contour_error.hpp>
 #include <stribeck/path/reference.hpp>
 
-namespace stribeck::path {
+namespace stribeck::path::path_test {
 namespace {
 
 constexpr double kPeriod = 5e-3;
@@ -155,4 +155,4 @@ TEST(Curve, LapOfACircleIsItsCircumference) {
 }
 
 }  // namespace
-}  // namespace stribeck::path
+}  // namespace stribeck::path::path_test

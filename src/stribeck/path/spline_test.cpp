@@ -11,7 +11,7 @@
 #include <stribeck/path/spline_fit.hpp>
 #include <vector>
 
-namespace stribeck::path {
+namespace stribeck::path::spline_test {
 namespace {
 
 using Vec3 = Vec<double, 3>;
@@ -544,4 +544,4 @@ TEST(Spline, SaysWhatIsWrongAndWhere) {
 }
 
 }  // namespace
-}  // namespace stribeck::path
+}  // namespace stribeck::path::spline_test

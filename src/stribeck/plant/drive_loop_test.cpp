@@ -4,7 +4,7 @@
 #include <stribeck/plant/axis.hpp>
 #include <stribeck/plant/drive_loop.hpp>
 
-namespace stribeck::plant {
+namespace stribeck::plant::drive_loop_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -119,4 +119,4 @@ TEST(AxisWithLoop, TwoDrivesTogetherAreTwoDrivesAlone) {
 }
 
 }  // namespace
-}  // namespace stribeck::plant
+}  // namespace stribeck::plant::drive_loop_test

@@ -5,7 +5,7 @@
 #include <stribeck/plant/axis.hpp>
 #include <stribeck/plant/mechanics.hpp>
 
-namespace stribeck::plant {
+namespace stribeck::plant::plant_test {
 namespace {
 
 constexpr double kPeriod = 5e-3;
@@ -565,4 +565,4 @@ TEST(AxisParams, ComplainAboutWhatCannotBeSimulated) {
 }
 
 }  // namespace
-}  // namespace stribeck::plant
+}  // namespace stribeck::plant::plant_test

@@ -7,11 +7,11 @@
 #include <stribeck/report/page/page_files.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::html_test {
 namespace {
 
+using test::kHostile;
 using ::testing::HasSubstr;
-using testing::kHostile;
 using ::testing::Not;
 
 TEST(Html, Escapes) {
@@ -35,7 +35,7 @@ TEST(Html, EveryWayInIsEscaped) {
   plot.title = kHostile;
   page.figure(plot, kHostile);
   page.numbers({{kHostile, kHostile, kHostile}});
-  const std::string html = testing::without_script(page.html());
+  const std::string html = test::without_script(page.html());
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("&amp;&amp;")));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;alert(1)&lt;/script&gt;"));
@@ -70,7 +70,7 @@ TEST(Html, StandsAlone) {
   page.figures({Plot{.title = "first"}, Plot{.title = "second"}}, 2, "two");
   page.paragraph("after");
   const std::string whole = page.html();
-  const std::string html = testing::without_script(whole);
+  const std::string html = test::without_script(whole);
   EXPECT_LT(html.size(), whole.size());
   for (const char* foreign : {"http:", "https:", "<script", "<link", "src=", "@import", "url("}) {
     EXPECT_THAT(html, Not(HasSubstr(foreign)));
@@ -145,4 +145,4 @@ TEST(Html, CurvesAndSwatchesCanBeSeenInTheDark) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::html_test

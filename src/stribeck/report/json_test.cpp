@@ -5,17 +5,17 @@
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::json_test {
 namespace {
 
 // Written by hand from the description of the format; the text is compared, so that the order of the keys
 // counts.
 // Longer than 80 lines: the whole document as it must be written.
 TEST(CompareJson, IsAsDescribed) {
-  sim::CompareResult result = testing::two_controllers();
+  sim::CompareResult result = test::two_controllers();
   result.rows[1].speed = 0.0;
-  result.rows[1].mean = testing::nothing();
-  result.rows[1].spread = testing::nothing();
+  result.rows[1].mean = test::nothing();
+  result.rows[1].spread = test::nothing();
   result.rows[0].mean.mean_abs_ui = 57650.123;
   const std::string expected = R"({
   "schema": "stribeck.compare/1",
@@ -120,8 +120,8 @@ TEST(CompareJson, IsAsDescribed) {
 }
 
 TEST(CompareJson, WhatIsNotKnownIsNull) {
-  sim::CompareResult result = testing::two_controllers();
-  result.machine = testing::kHostile;
+  sim::CompareResult result = test::two_controllers();
+  result.machine = test::kHostile;
   result.rows[0].substeps = 0;
   result.rows[0].refused = "too stiff";
   const auto json = to_json(result);
@@ -133,7 +133,7 @@ TEST(CompareJson, WhatIsNotKnownIsNull) {
 
 // Longer than 80 lines: the whole document as it must be written.
 TEST(IdentifyJson, IsAsDescribed) {
-  ident::Result result = testing::fit();
+  ident::Result result = test::fit();
   result.curve.resize(1);
   result.models.resize(1);
   const std::string expected = R"({
@@ -242,7 +242,7 @@ TEST(IdentifyJson, IsAsDescribed) {
 }
 
 TEST(IdentifyJson, CarriesTheWholeModel) {
-  const auto json = to_json(testing::whole_fit(), "x");
+  const auto json = to_json(test::whole_fit(), "x");
   const auto& friction = json["friction"];
   EXPECT_EQ(friction["eccentric"].dump(),
             R"([{"amplitude":{"value":1.5,"unit":"N"},"period":{"value":2.5,"unit":"mm"},)"
@@ -260,7 +260,7 @@ TEST(IdentifyJson, CarriesTheWholeModel) {
 
 // A number never stands under a key with a unit that is not its own.
 TEST(IdentifyJson, KeysDoNotLieAboutUnits) {
-  auto json = to_json(testing::own_units(false), "x");
+  auto json = to_json(test::own_units(false), "x");
   EXPECT_EQ(json["force_unit"], "A");
   EXPECT_EQ(json["position_unit"], "m");
   EXPECT_TRUE(json["mass_kg"].is_null());
@@ -277,7 +277,7 @@ TEST(IdentifyJson, KeysDoNotLieAboutUnits) {
   EXPECT_TRUE(json["models"][0]["held_out_rms_N"].is_null());
   EXPECT_EQ(json["models"][0]["held_out_rms"], 20.5);
 
-  json = to_json(testing::own_units(true), "x");
+  json = to_json(test::own_units(true), "x");
   EXPECT_TRUE(json["velocity_range_mm_per_s"].is_null());
   EXPECT_EQ(json["velocity_range"][1], 9.5e-3);
   EXPECT_EQ(json["parameters"][0]["unit"], "A s2/rad");
@@ -288,4 +288,4 @@ TEST(IdentifyJson, KeysDoNotLieAboutUnits) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::json_test

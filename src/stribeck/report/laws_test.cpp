@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-namespace stribeck::report {
+namespace stribeck::report::laws_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST(Laws, UnitsAreWrittenAsPeopleDo) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::laws_test

@@ -14,7 +14,7 @@
 #include <stribeck/report/parameters.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -22,12 +22,12 @@ using ::testing::Not;
 
 CompareReportInput input() {
   CompareReportInput in;
-  in.result = testing::two_controllers();
+  in.result = test::two_controllers();
   in.experiment = "bi-table";
   in.printed = kBiaxialTables;
   in.command = "stribeck compare table.toml --seed 7";
   in.axes.resize(2);
-  in.axes[0].models = {{"gaussian", testing::fit()}};
+  in.axes[0].models = {{"gaussian", test::fit()}};
   return in;
 }
 
@@ -86,7 +86,7 @@ TEST(CompareReport, SmallErrorsGetAScaleOfTheirOwn) {
 TEST(CompareReport, SaysWhatDefinesAController) {
   CompareReportInput in = input();
   in.result.spec.controllers[1].law = control::PredictiveParams{};
-  const std::string page = testing::without_script(compare_report(in));
+  const std::string page = test::without_script(compare_report(in));
   EXPECT_THAT(page, HasSubstr("<td>conventional</td><td>steady</td>"));
   EXPECT_THAT(page, HasSubstr("model predictive contouring: omega 40 rad/s, horizon 80 ms"));
   EXPECT_THAT(page, Not(HasSubstr("()")));
@@ -94,7 +94,7 @@ TEST(CompareReport, SaysWhatDefinesAController) {
 
 TEST(CompareReport, SharedWarningsAreSaidOnce) {
   CompareReportInput in = input();
-  in.axes[1].models = {{"gaussian", testing::fit()}};
+  in.axes[1].models = {{"gaussian", test::fit()}};
   const std::string page = compare_report(in);
   EXPECT_THAT(page,
               HasSubstr("<li>speeds above 9 mm/s were seen once (axis x, gaussian model; axis y, gaussian "
@@ -167,11 +167,11 @@ TEST(CompareReport, WarnsOfWhatHappened) {
 TEST(CompareReport, StandsAloneWhateverItIsCalled) {
   CompareReportInput in = input();
   in.result.machine = in.result.axes[0] = in.command = in.origin = in.parameters = in.experiment =
-      testing::kHostile;
-  in.result.rows[0].controller.label = in.result.rows[1].controller.id = testing::kHostile;
-  in.axes[0].models[0].second.warnings = {testing::kHostile};
-  in.axes[0].models[0].second.parameters[0].name = testing::kHostile;
-  const std::string page = testing::without_script(compare_report(in));
+      test::kHostile;
+  in.result.rows[0].controller.label = in.result.rows[1].controller.id = test::kHostile;
+  in.axes[0].models[0].second.warnings = {test::kHostile};
+  in.axes[0].models[0].second.parameters[0].name = test::kHostile;
+  const std::string page = test::without_script(compare_report(in));
   for (const char* foreign : {"http:", "https:", "<script", "<link", " src=", "url("})
     EXPECT_THAT(page, Not(HasSubstr(foreign)));
   std::set<std::string> ids;
@@ -186,10 +186,10 @@ TEST(CompareReport, StandsAloneWhateverItIsCalled) {
 TEST(CompareReport, SurvivesAnEmptyResult) {
   CompareReportInput in;
   EXPECT_THAT(compare_report(in), HasSubstr("</html>"));
-  in.result = testing::two_controllers();
+  in.result = test::two_controllers();
   for (auto& row : in.result.rows) {
     row.trace.clear();
-    row.mean = row.spread = testing::nothing();
+    row.mean = row.spread = test::nothing();
   }
   EXPECT_THAT(compare_report(in), HasSubstr("no controller gave a finite result"));
 }
@@ -204,8 +204,8 @@ TEST(CompareReport, IsWrittenAsOneFile) {
 }
 
 TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
-  const std::string page = testing::without_script(
-      identify_report({"x", {testing::fit()}, testing::kHostile, "stribeck identify", "0.1.0"}));
+  const std::string page = test::without_script(
+      identify_report({"x", {test::fit()}, test::kHostile, "stribeck identify", "0.1.0"}));
   EXPECT_THAT(page, HasSubstr("Mass 57.650 N s²/mm (95 %: 57.600 … 57.700)"));
   EXPECT_THAT(page, HasSubstr("1 of 3 parameters are not determined by the data"));
   EXPECT_THAT(page, HasSubstr("not determined by the data: do not use it alone"));
@@ -217,7 +217,7 @@ TEST(IdentifyReport, SaysWhatTheDataCannotTell) {
 
 TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
   const std::string page =
-      identify_report({"x", {testing::whole_fit()}, "log.csv", "stribeck identify", "0.1.0"});
+      identify_report({"x", {test::whole_fit()}, "log.csv", "stribeck identify", "0.1.0"});
   // Map 2, residual 3, spectrum 1.
   EXPECT_EQ(count(page, "<svg "), 6u);
   EXPECT_THAT(page, HasSubstr("A force of 1.50 N repeats every 2.500 mm and reverses with the direction"));
@@ -230,7 +230,7 @@ TEST(IdentifyReport, ShowsWhatIsLeftFromEverySide) {
 
 TEST(IdentifyReport, KeepsTheUnitsOfTheLog) {
   const std::string page =
-      testing::without_script(identify_report({"x", {testing::own_units(true)}, "log.csv", "", ""}));
+      test::without_script(identify_report({"x", {test::own_units(true)}, "log.csv", "", ""}));
   EXPECT_THAT(page, HasSubstr("Mass 57650 A s²/rad"));
   EXPECT_THAT(page, HasSubstr("velocity [rad/s]"));
   EXPECT_THAT(page, HasSubstr("residual [A]"));
@@ -249,9 +249,9 @@ TEST(IdentifyReport, SurvivesAnEmptyResult) {
 
 TEST(CompareReport, DrawsWithoutTheRowsThatCouldNotBeSimulated) {
   CompareReportInput input;
-  input.result = testing::two_controllers();
+  input.result = test::two_controllers();
   sim::CompareRow& row = input.result.rows[0];
-  row.mean = row.spread = testing::nothing();
+  row.mean = row.spread = test::nothing();
   row.trace.clear();
   row.substeps = 0;
   row.refused = "too stiff";
@@ -265,12 +265,12 @@ TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(57.6612, 57.18, 58.14), "57.66");
   EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");
   EXPECT_EQ(shown_number(0.14349, 0.1431, 0.1439), "0.14349");
-  EXPECT_EQ(shown_number(12.3456, testing::kNaN, testing::kNaN), "12.35");
+  EXPECT_EQ(shown_number(12.3456, test::kNaN, test::kNaN), "12.35");
 }
 
 // The thesis prints no quadrant ratio: it stands in the tables of what goes beyond it, and only where there is one.
 TEST(Reproduction, QuadrantRatioBeyondTheThesis) {
-  sim::CompareResult result = testing::two_controllers();
+  sim::CompareResult result = test::two_controllers();
   const auto columns = [&](const std::string& id) {
     sim::Experiment experiment;
     experiment.id = id;
@@ -293,4 +293,4 @@ TEST(Reproduction, QuadrantRatioBeyondTheThesis) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::report_test

@@ -7,7 +7,7 @@
 #include <stribeck/report/test_result.hpp>
 #include <stribeck/report/text.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::table_test {
 namespace {
 
 std::vector<std::string> lines(const std::string& text) {
@@ -25,7 +25,7 @@ std::size_t widest(const std::string& text) {
 
 TEST(TextTable, ComparesWithPrint) {
   EXPECT_EQ(
-      text_table(testing::two_controllers(), kBiaxialTables),
+      text_table(test::two_controllers(), kBiaxialTables),
       "9.5 mm/s, contour error, mean of 4 trials ± standard deviation between them; printed: thesis, Table "
       "3.2\n"
       "                                                                          thesis  thesis  thesis\n"
@@ -36,10 +36,10 @@ TEST(TextTable, ComparesWithPrint) {
 }
 
 TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
-  sim::CompareResult result = testing::two_controllers();
+  sim::CompareResult result = test::two_controllers();
   result.spec.trials = 1;
-  for (auto& row : result.rows) row.spread = testing::nothing();
-  result.rows[1].mean.quadrant_glitch = testing::kNaN;
+  for (auto& row : result.rows) row.spread = test::nothing();
+  result.rows[1].mean.quadrant_glitch = test::kNaN;
   EXPECT_EQ(text_table(result),
             "9.5 mm/s, contour error, mean of 1 trial\n"
             "   controller                    max  glitch   RMS  mean |ε|    SD  mean |Δu|\n"
@@ -49,8 +49,8 @@ TEST(TextTable, WithoutPrintShowsMoreOfTheResult) {
 }
 
 TEST(TextTable, SaysWhatCouldNotBeSimulated) {
-  sim::CompareResult result = testing::two_controllers();
-  result.rows[1].mean = result.rows[1].spread = testing::nothing();
+  sim::CompareResult result = test::two_controllers();
+  result.rows[1].mean = result.rows[1].spread = test::nothing();
   result.rows[1].refused = "too stiff";
   EXPECT_NE(text_table(result).find("b  conventional friction model           –"), std::string::npos)
       << text_table(result);
@@ -60,8 +60,8 @@ TEST(TextTable, SaysWhatCouldNotBeSimulated) {
 }
 
 TEST(TextTable, FitsTheTerminal) {
-  sim::CompareResult result = testing::two_controllers();
-  result.rows[0].controller.label = testing::kHostile + testing::kHostile;
+  sim::CompareResult result = test::two_controllers();
+  result.rows[0].controller.label = test::kHostile + test::kHostile;
   result.rows[1].mean.max_contour_error = 123456.789e-6;
   const std::string text = text_table(result, kBiaxialTables);
   const auto all = lines(text);
@@ -70,7 +70,7 @@ TEST(TextTable, FitsTheTerminal) {
   EXPECT_EQ(all.size(), 6u);
   // Columns of numbers end at the same place in every row.
   for (std::size_t i = 2; i < all.size(); ++i) EXPECT_EQ(text_width(all[i]), text_width(all[1]));
-  EXPECT_LE(widest(text_table(testing::fit(), "x")), kTableWidth);
+  EXPECT_LE(widest(text_table(test::fit(), "x")), kTableWidth);
   // The longest id there may be is not cut, a label is.
   result.rows[1].controller.id = "abcdefghijklmnop";
   const std::string full = text_table(result, kBiaxialTables);
@@ -81,7 +81,7 @@ TEST(TextTable, FitsTheTerminal) {
 }
 
 TEST(TextTable, ShowsAFit) {
-  EXPECT_EQ(text_table(testing::fit(), "x"),
+  EXPECT_EQ(text_table(test::fit(), "x"),
             "axis x: gaussian model by velocity-map, 1234 rows, 20.5 N RMS on held-out motion\n"
             "parameter               value  95 % from      to  unit\n"
             "mass                   57.650     57.600  57.700  N s2/mm\n"
@@ -96,7 +96,7 @@ TEST(TextTable, ShowsAFit) {
 }
 
 TEST(TextTable, SaysWhatTheLogCannotTellInItsUnits) {
-  ident::Result r = testing::own_units(false);
+  ident::Result r = test::own_units(false);
   r.models = {{"a", 0, 2, 0.0412, 0.0003, true}};
   const std::string text = text_table(r, "x");
   EXPECT_THAT(text, ::testing::HasSubstr("57.650     57.600  57.700  A s2/mm\n"));
@@ -111,4 +111,4 @@ TEST(TextTable, SaysWhatTheLogCannotTellInItsUnits) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::table_test

@@ -8,7 +8,7 @@
 #include <stribeck/sim/experiments.hpp>
 #include <string>
 
-namespace stribeck::report::testing {
+namespace stribeck::report::test {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -145,4 +145,4 @@ inline ident::Result own_units(bool angle) {
   return r;
 }
 
-}  // namespace stribeck::report::testing
+}  // namespace stribeck::report::test

@@ -3,7 +3,7 @@
 #include <limits>
 #include <stribeck/report/text.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::text_test {
 namespace {
 
 TEST(Text, BecomesCleanUtf8) {
@@ -53,4 +53,4 @@ TEST(Text, ListsWords) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::text_test

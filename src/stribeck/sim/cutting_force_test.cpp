@@ -5,7 +5,7 @@
 #include <stribeck/sim/cutting_estimate.hpp>
 #include <stribeck/sim/test_mill.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::cutting_force_test {
 namespace {
 
 CuttingForce ripples() {
@@ -205,4 +205,4 @@ TEST(CuttingEstimate, StaysEmptyWhereNothingCuts) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::cutting_force_test

@@ -5,7 +5,7 @@
 #include <stribeck/sim/recording.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::drive_modes_test {
 namespace {
 
 enum class Way { kForce, kVelocity, kPosition };
@@ -122,4 +122,4 @@ TEST(DriveModes, AnAxisFileForAnotherCommandIsRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::drive_modes_test

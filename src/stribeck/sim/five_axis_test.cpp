@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stribeck/sim/test_mill.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::five_axis_test {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(FiveAxis, WithoutToolAxisThereIsNoOrientation) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::five_axis_test

@@ -8,7 +8,7 @@
 #include <stribeck/sim/test_machine.hpp>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::sim::learning_test {
 namespace {
 
 constexpr std::size_t kPasses = 6;
@@ -83,4 +83,4 @@ TEST(LearningOnTheBiaxialTable, LeavesLessThanRepetitiveControl) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::learning_test

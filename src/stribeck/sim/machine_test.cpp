@@ -4,7 +4,7 @@
 #include <stribeck/sim/study/variation.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::machine_test {
 namespace {
 
 control::Setup<2> setup_of(const Machine& machine) {
@@ -64,4 +64,4 @@ TEST(Machine, NoPlateSaysMoreThanTheDriveCan) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::machine_test

@@ -5,7 +5,7 @@
 #include <stribeck/sim/recording.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::sim_test {
 namespace {
 
 using testing::HasSubstr;
@@ -291,4 +291,4 @@ TEST(ParallelFor, RunsEveryJobOnceAndPassesTheFirstErrorOn) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::sim_test

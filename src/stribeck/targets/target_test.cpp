@@ -7,7 +7,7 @@
 #include <stribeck/targets/target.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::target_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -68,4 +68,4 @@ TEST(Target, OptionsWithoutEffectAreRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::target_test

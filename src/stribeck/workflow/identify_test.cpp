@@ -14,7 +14,7 @@
 #include <stribeck/workflow/identify_text.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::identify_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -184,4 +184,4 @@ TEST(Identify, OptionsThatAMethodIgnoresAreRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::identify_test

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stribeck/control/compensation/test_followed.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::compensation_test {
 namespace {
 
 using namespace test;
@@ -130,4 +130,4 @@ TEST(DynamicCompensation, AnOscillationTakesTheKalmanObserverFirstAndItsEstimate
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::compensation_test

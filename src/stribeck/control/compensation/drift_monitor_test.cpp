@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-namespace stribeck::control {
+namespace stribeck::control::drift_monitor_test {
 namespace {
 
 constexpr double kPeriod = 5e-3;
@@ -63,4 +63,4 @@ TEST(DriftMonitor, NamesTheLimitsOfTheModelBeforeMaintenance) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::drift_monitor_test

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::friction_feedforward_test {
 namespace {
 
 constexpr double kPeriod = 5e-3;
@@ -180,4 +180,4 @@ TEST(FrictionFeedforward, BeginsDeflectedInMotion) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::friction_feedforward_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <stribeck/control/compensation/test_followed.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::friction_rls_test {
 namespace {
 
 using namespace test;
@@ -168,4 +168,4 @@ TEST(FrictionRls, AStartFromABentBristleTeachesNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::friction_rls_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::lost_motion_move_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -225,4 +225,4 @@ TEST(LostMotionMove, NothingIsLostAndNothingMoves) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::lost_motion_move_test

@@ -4,7 +4,7 @@
 #include <stribeck/control/compensation/oscillation_guard.hpp>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::oscillation_guard_test {
 namespace {
 
 /// Steps a guard with amplitude·sin(2π·frequency·t) for so many seconds; how often it found something.
@@ -45,4 +45,4 @@ TEST(OscillationGuard, HalvesTrustAndKeepsItDown) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::oscillation_guard_test

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::reversal_feedforward_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -605,4 +605,4 @@ TEST(Reversal, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::reversal_feedforward_test

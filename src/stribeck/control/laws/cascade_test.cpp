@@ -5,7 +5,7 @@
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::cascade_test {
 namespace {
 
 /// Runs a mass along 10 sin 2t mm and returns the errors.
@@ -130,4 +130,4 @@ TEST(Cascade, KeepsWhatEveryLawKeeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::cascade_test

@@ -5,7 +5,7 @@
 #include <stribeck/control/pd.hpp>
 #include <stribeck/control/test_axes.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::contouring_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -135,4 +135,4 @@ TEST(Gains, AListStandsForTheRestWithItsLastValue) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::contouring_test

@@ -8,7 +8,7 @@
 #include <stribeck/control/laws/test_laws.hpp>
 #include <stribeck/path/curve.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::cross_coupled_test {
 namespace {
 
 path::PathPoint<2> along(double angle) {
@@ -206,4 +206,4 @@ TEST(CrossCoupled, KeepsWhatEveryLawKeeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::cross_coupled_test

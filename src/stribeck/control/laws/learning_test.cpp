@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::learning_test {
 namespace {
 
 using Laps = test::Laps<LearningParams>;
@@ -455,4 +455,4 @@ TEST(LapMemory, FollowsAParameterThatBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::learning_test

@@ -4,7 +4,7 @@
 #include <stribeck/control/laws/pid.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::pid_test {
 namespace {
 
 TEST(Pid, AnswersADisturbanceAsItsTriplePoleSays) {
@@ -114,4 +114,4 @@ TEST(Pid, KeepsWhatEveryLawKeeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::pid_test

@@ -11,7 +11,7 @@
 #include <stribeck/control/laws/test_laws.hpp>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::predictive_test {
 namespace {
 
 // ---- regulator
@@ -583,4 +583,4 @@ TEST(Predictive, AnEmptyOrBrokenListIsAnsweredWithTheLastForces) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::predictive_test

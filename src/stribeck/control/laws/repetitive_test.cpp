@@ -8,7 +8,7 @@
 #include <stribeck/control/laws/test_laps.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::repetitive_test {
 namespace {
 
 using Laps = test::Laps<RepetitiveParams>;
@@ -217,4 +217,4 @@ TEST(Repetitive, FirstLapAnswersADisturbanceAsPdDoes) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::repetitive_test

@@ -13,7 +13,7 @@
 #include <stribeck/control/laws/sliding_mode.hpp>
 #include <stribeck/control/laws/test_laws.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::sliding_mode_test {
 namespace {
 
 using V3 = Vec<double, 3>;
@@ -745,4 +745,4 @@ TEST(SlidingMode, LimitsItsForcesAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::sliding_mode_test

@@ -6,7 +6,7 @@
 #include <stribeck/control/laws/test_laws.hpp>
 #include <stribeck/control/laws/zpetc.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::zpetc_test {
 namespace {
 
 /// Transfer from r to x at w [rad/s]: the mass follows sin wt until only that is left, then over whole periods of it.
@@ -118,4 +118,4 @@ TEST(Zpetc, KeepsWhatEveryLawKeeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::zpetc_test

@@ -9,7 +9,7 @@
 #include <stribeck/control/observers/adaptive_friction.hpp>
 #include <stribeck/control/test_axes.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::adaptive_friction_test {
 namespace {
 
 constexpr double kGain = 20.0;
@@ -174,4 +174,4 @@ TEST(AdaptiveFriction, TakesAMassErrorForFriction) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::adaptive_friction_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stribeck/control/observers/cutting_force_observer.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::cutting_force_observer_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -193,4 +193,4 @@ TEST(CuttingForceObserver, SaysWhatItCannotSee) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::cutting_force_observer_test

@@ -4,7 +4,7 @@
 #include <stribeck/control/observers/disturbance_observer.hpp>
 #include <stribeck/control/test_mass.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::disturbance_observer_test {
 namespace {
 
 using test::kMass;
@@ -46,4 +46,4 @@ TEST(DisturbanceObserver, MirrorsUnderSign) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::disturbance_observer_test

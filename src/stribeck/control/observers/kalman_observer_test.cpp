@@ -4,7 +4,7 @@
 #include <stribeck/control/observers/kalman_observer.hpp>
 #include <stribeck/control/test_mass.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::kalman_observer_test {
 namespace {
 
 using test::kMass;
@@ -57,4 +57,4 @@ TEST(KalmanObserver, AnswerIsItsOwnLag) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::kalman_observer_test

@@ -4,7 +4,7 @@
 #include <random>
 #include <stribeck/control/observers/residual_noise.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::residual_noise_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -81,4 +81,4 @@ TEST(ResidualNoise, IsTheSameInOtherUnits) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::residual_noise_test

@@ -6,7 +6,7 @@
 #include <stribeck/control/supervision/encoder_check.hpp>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::encoder_check_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -285,4 +285,4 @@ TEST(EncoderCheck, BeginsWithAMissingSample) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::encoder_check_test

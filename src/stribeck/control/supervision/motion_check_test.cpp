@@ -4,7 +4,7 @@
 #include <stribeck/control/supervision/motion_check.hpp>
 #include <stribeck/control/supervision/safe_stop.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::motion_check_test {
 namespace {
 
 constexpr double kMass = 1000.0;
@@ -215,4 +215,4 @@ TEST(SafeStop, NoTimeIsNoBrake) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::motion_check_test

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stribeck/control/supervision/sign_proof.hpp>
 
-namespace stribeck::control {
+namespace stribeck::control::sign_proof_test {
 namespace {
 
 constexpr double kMass = 1000.0;
@@ -97,4 +97,4 @@ TEST(SignProof, AForceThatFrictionHoldsProvesNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::sign_proof_test

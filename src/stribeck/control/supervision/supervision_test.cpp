@@ -9,7 +9,7 @@
 #include <stribeck/control/supervision/supervisor.hpp>
 #include <vector>
 
-namespace stribeck::control {
+namespace stribeck::control::supervision_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -378,4 +378,4 @@ TEST(Supervisor, EveryFaultHasANameAndAWayOut) {
 }
 
 }  // namespace
-}  // namespace stribeck::control
+}  // namespace stribeck::control::supervision_test

@@ -7,17 +7,17 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::bristle {
+namespace stribeck::ident::bristle::bristle_fit_test {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-using testing::Drive;
+using test::Drive;
 
 Drive table_drive(char axis = 'x') {
   Drive d;
-  d.friction = testing::table_2_3(axis);
+  d.friction = test::table_2_3(axis);
   d.mass = axis == 'x' ? 57.65e3 : 58.93e3;
   return d;
 }
@@ -51,10 +51,10 @@ friction::AxisModel known(const Drive& d) {
 }
 
 log::Record table_sine(const Drive& d, double periods, std::uint64_t seed) {
-  return run_closed(d, 55e3, testing::sine_reference(d.sample_time, 0.02, 0.475, periods), seed);
+  return run_closed(d, 55e3, test::sine_reference(d.sample_time, 0.02, 0.475, periods), seed);
 }
 log::Record tool_sine(const Drive& d, double periods, std::uint64_t seed) {
-  return run_closed(d, 1000.0, testing::sine_reference(d.sample_time, 0.005, 1.0, periods), seed);
+  return run_closed(d, 1000.0, test::sine_reference(d.sample_time, 0.005, 1.0, periods), seed);
 }
 
 /// Trapezoids in pairs, heights base times the scales of the thesis.
@@ -214,7 +214,7 @@ TEST(BristleFit, SumOfElementsWithinFivePercent) {
   s.stiffness = {3.84e6, 1.92e6, 0.96e6, 0.48e6};
   s.share = {0.25, 0.25, 0.25, 0.25};
   s.attraction = 2600.0;
-  const auto r = testing::sine_reference(d.sample_time, 0.005, 1.0, 8);
+  const auto r = test::sine_reference(d.sample_time, 0.005, 1.0, 8);
   const auto fit = fit_bristle({run_springs(d, s, r, 5)}, known(d));
   ASSERT_TRUE(fit.determinable) << fit.reason;
   ASSERT_TRUE(std::holds_alternative<friction::Gms<double>>(fit.best));
@@ -338,4 +338,4 @@ TEST(BristleFit, SameLogSameBytes) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::bristle
+}  // namespace stribeck::ident::bristle::bristle_fit_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/ident/bristle/bristle_parts.hpp>
 
-namespace stribeck::ident::bristle {
+namespace stribeck::ident::bristle::bristle_part_test {
 namespace {
 
 /// Pieces of ten rows and twenty steps; the velocity of a step is the number of its piece. The first start is unknown.
@@ -74,4 +74,4 @@ TEST(BristlePart, ThePairsWithTheFewestRowsAreTaken) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::bristle
+}  // namespace stribeck::ident::bristle::bristle_part_test

@@ -8,7 +8,7 @@
 #include <stribeck/ident/bristle/bristle_path.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 
-namespace stribeck::ident::bristle {
+namespace stribeck::ident::bristle::bristle_path_test {
 namespace {
 
 constexpr double kPeriod = 0.001;
@@ -163,4 +163,4 @@ TEST(BristlePath, WhiteningSolvesTheYuleWalkerEquations) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::bristle
+}  // namespace stribeck::ident::bristle::bristle_path_test

@@ -6,7 +6,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/bristle/place_stiffness.hpp>
 
-namespace stribeck::ident::bristle {
+namespace stribeck::ident::bristle::place_stiffness_test {
 namespace {
 
 constexpr double kMass = 400.0, kLevel = 60.0, kSigma0 = 3e7, kPeriod = 1e-3;
@@ -74,4 +74,4 @@ TEST(PlaceStiffness, NothingIsSaidWhereItIsTheSameEverywhere) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::bristle
+}  // namespace stribeck::ident::bristle::place_stiffness_test

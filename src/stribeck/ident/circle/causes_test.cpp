@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::circle {
+namespace stribeck::ident::circle::causes_test {
 namespace {
 
 using testing::Contains;
@@ -136,4 +136,4 @@ TEST(Causes, EachHasANextStep) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::circle
+}  // namespace stribeck::ident::circle::causes_test

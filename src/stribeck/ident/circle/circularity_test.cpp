@@ -7,7 +7,7 @@
 #include <stribeck/ident/circle/circularity.hpp>
 #include <vector>
 
-namespace stribeck::ident::circle {
+namespace stribeck::ident::circle::circularity_test {
 namespace {
 
 using testing::HasSubstr;
@@ -149,4 +149,4 @@ TEST(CircularTest, OneDirectionAndMirror) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::circle
+}  // namespace stribeck::ident::circle::circularity_test

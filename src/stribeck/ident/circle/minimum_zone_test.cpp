@@ -8,7 +8,7 @@
 #include <stribeck/ident/circle/radial_error.hpp>
 #include <vector>
 
-namespace stribeck::ident::circle {
+namespace stribeck::ident::circle::minimum_zone_test {
 namespace {
 
 struct Points {
@@ -129,4 +129,4 @@ TEST(MinimumZone, TwoPathsAndNone) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::circle
+}  // namespace stribeck::ident::circle::minimum_zone_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::circle {
+namespace stribeck::ident::circle::radial_error_test {
 namespace {
 
 using testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST(LeastSquaresCircle, LimitsAndInvariance) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::circle
+}  // namespace stribeck::ident::circle::radial_error_test

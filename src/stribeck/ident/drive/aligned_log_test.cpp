@@ -7,7 +7,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::aligned_log_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -15,10 +15,9 @@ using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 
 log::Record moved() {
-  ident::testing::Drive drive;
-  drive.friction = ident::testing::table_2_3('x');
-  return ident::testing::run_closed(drive, drive.mass,
-                                    ident::testing::sine_reference(0.005, 0.02, 0.475, 2.0), 3);
+  ident::test::Drive drive;
+  drive.friction = ident::test::table_2_3('x');
+  return ident::test::run_closed(drive, drive.mass, ident::test::sine_reference(0.005, 0.02, 0.475, 2.0), 3);
 }
 
 // A position that follows its reference by half a second: the delays carry it all the same.
@@ -78,4 +77,4 @@ TEST(AlignedLog, RefusesNoRecordAndTwoUnits) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::aligned_log_test

@@ -7,7 +7,7 @@
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::describe_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -19,7 +19,7 @@ struct Steps {
     std::mt19937_64 engine(5);
     std::normal_distribution<double> normal;
     double row = 0.0;
-    log = testing::synthetic_log([&](double, double v, double a) {
+    log = test::synthetic_log([&](double, double v, double a) {
       row += 1.0;
       return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + normal(engine) +
              (change ? change(row / 40000.0, v) : 0.0);
@@ -32,7 +32,7 @@ struct Steps {
   }
   [[nodiscard]] Found found() const { return {log.log, rows, terms, fit, choice, found_intervals}; }
 
-  testing::SyntheticLog log;
+  test::SyntheticLog log;
   Rows rows;
   Terms terms;
   LinearFit fit;
@@ -151,4 +151,4 @@ TEST(Describe, NoBristleWithoutAMassOrMetres) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::describe_test

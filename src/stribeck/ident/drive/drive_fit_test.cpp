@@ -9,14 +9,14 @@
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::drive_fit_test {
 namespace {
 
 using ::testing::HasSubstr;
 
 /// Coulomb, viscous and Stribeck friction on a light axis, as on the triaxial machine.
-testing::Drive light() {
-  testing::Drive drive;
+test::Drive light() {
+  test::Drive drive;
   drive.mass = 1000.0;
   drive.sample_time = 0.002;
   drive.encoder = 1e-7;
@@ -33,9 +33,9 @@ testing::Drive light() {
   return drive;
 }
 
-log::Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
-  return testing::run_closed(drive, drive.mass,
-                             testing::sine_reference(drive.sample_time, 0.01, 1.0, periods), seed);
+log::Record sine(const test::Drive& drive, std::uint64_t seed, double periods) {
+  return test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.01, 1.0, periods),
+                          seed);
 }
 
 DriveFitOptions quick() {
@@ -46,7 +46,7 @@ DriveFitOptions quick() {
 
 // The simplest model that explains the log is the one that made it: symmetric, with a Stribeck part, no load.
 TEST(DriveFit, FindsTheModelThatMadeTheLog) {
-  const testing::Drive drive = light();
+  const test::Drive drive = light();
   const Result r = identify_drive({sine(drive, 3, 4.0)}, quick());
   EXPECT_EQ(r.model, "conventional");
   EXPECT_NEAR(r.mass, drive.mass, 0.01 * drive.mass);
@@ -60,7 +60,7 @@ TEST(DriveFit, FindsTheModelThatMadeTheLog) {
 
 // A weight adds to the force in both directions alike; nothing else may move.
 TEST(DriveFit, TellsALoadFromFriction) {
-  const testing::Drive drive = light();
+  const test::Drive drive = light();
   const log::Record level = sine(drive, 3, 4.0);
   log::Record heavy = level;
   for (double& f : heavy.f) f += 60.0;
@@ -73,7 +73,7 @@ TEST(DriveFit, TellsALoadFromFriction) {
 
 // Mass and friction of a fit that does not know the screw take a part of it; the period is searched again without that.
 TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
-  testing::Drive drive = light();
+  test::Drive drive = light();
   drive.mass = 1100.0;
   drive.sample_time = 0.001;
   drive.wave = 5.0;
@@ -82,9 +82,9 @@ TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
   const excitation::Excitation pulses =
       excitation::design_pulses(limits, {1100.0, 22.0, 4500.0}, drive.sample_time);
   const log::Record pushed =
-      testing::run(drive, pulses.t.back(), 5, [&](std::size_t k, double, double) { return pulses.force[k]; });
+      test::run(drive, pulses.t.back(), 5, [&](std::size_t k, double, double) { return pulses.force[k]; });
   const log::Record swung =
-      testing::run_closed(drive, drive.mass, testing::sine_reference(drive.sample_time, 0.03, 0.8, 3.0), 6);
+      test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.03, 0.8, 3.0), 6);
   const Result r = identify_drive({pushed, swung}, quick());
   ASSERT_EQ(r.friction.eccentric.size(), 1u);
   EXPECT_NEAR(r.friction.eccentric.begin()->period, 5e-3, 5e-6);
@@ -95,7 +95,7 @@ TEST(DriveFit, TheScrewIsFoundBesideMassAndFriction) {
 // On a slow sine the acceleration hardly tells a delay, the screw does; together with a term that reverses it must not be
 // taken for one that is not there.
 TEST(DriveFit, TheScrewTellsTheShift) {
-  testing::Drive drive = light();
+  test::Drive drive = light();
   drive.wave = 4.0;
   drive.wave_length = 2e-3;
   log::Record log = sine(drive, 7, 6.0);
@@ -111,7 +111,7 @@ TEST(DriveFit, TheScrewTellsTheShift) {
 
 // A loop that works against the screw, seen every 4 ms, looks like a force that comes 20 ms too early.
 TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
-  testing::Drive drive = light();
+  test::Drive drive = light();
   drive.mass = 202.0;
   drive.sample_time = 0.004;
   for (auto* branch : {&drive.friction.positive, &drive.friction.negative}) {
@@ -125,8 +125,8 @@ TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
   drive.sigma1 = 2.8e4;
   drive.noise_rms = 0.96;
   drive.force_per_volt = 87.0;
-  const log::Record log = testing::run_closed(
-      drive, drive.mass, testing::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
+  const log::Record log =
+      test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.1416, 0.3375, 3.0), 3);
   const Result r = identify_drive({log}, quick());
   EXPECT_NEAR(r.mass, drive.mass, 0.02 * drive.mass);
   EXPECT_NEAR(r.find("alpha0")->value, 59.0, 0.6);
@@ -138,7 +138,7 @@ TEST(DriveFit, DoesNotTakeTheScrewForAShift) {
 
 // The term is laid over the force at the true position: amplitude, period and phase come back, unprompted.
 TEST(DriveFit, FindsATermPeriodicInPosition) {
-  const testing::Drive drive = light();
+  const test::Drive drive = light();
   log::Record rec = sine(drive, 5, 4.0);
   for (std::size_t k = 0; k < rec.f.size(); ++k) {
     rec.f[k] +=
@@ -155,14 +155,14 @@ TEST(DriveFit, FindsATermPeriodicInPosition) {
 
 // A log that stores the force three rows late is put right, and the rest comes out as before.
 TEST(DriveFit, FindsTheShiftBetweenForceAndMotion) {
-  testing::Drive drive = light();
+  test::Drive drive = light();
   drive.noise_rms = 0.1;
   std::vector<double> r;
   for (double t = 0.0; t < 20.0; t += drive.sample_time) {
     const double ramp = std::min(1.0, t);
     r.push_back(ramp * (0.008 * std::sin(t) + 0.0004 * std::sin(9.0 * t)));
   }
-  log::Record rec = testing::run_closed(drive, drive.mass, r, 9);
+  log::Record rec = test::run_closed(drive, drive.mass, r, 9);
   const Result right = identify_drive({rec}, quick());
   std::vector<double> late(rec.f);
   for (std::size_t k = 3; k < late.size(); ++k) late[k] = rec.f[k - 3];
@@ -192,7 +192,7 @@ TEST(DriveFit, KeepsTheUnitOfTheLog) {
 }
 
 TEST(DriveFit, SaysWhatWarmingUpDoes) {
-  const testing::Drive drive = light();
+  const test::Drive drive = light();
   log::Record rec = sine(drive, 3, 6.0);
   for (std::size_t k = 0; k < rec.f.size(); ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(rec.f.size());
@@ -215,4 +215,4 @@ TEST(DriveFit, SaysWhatWarmingUpDoes) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::drive_fit_test

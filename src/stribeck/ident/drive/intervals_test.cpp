@@ -7,11 +7,11 @@
 #include <stribeck/ident/drive/intervals.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::intervals_test {
 namespace {
 
 struct Fitted {
-  testing::SyntheticLog log;
+  test::SyntheticLog log;
   Rows rows;
   LinearFit fit;
   MapChoice choice;
@@ -23,7 +23,7 @@ Fitted fitted(unsigned seed, double noise, double scale = 1.0) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
   Fitted out;
-  out.log = testing::synthetic_log([&](double, double v, double a) {
+  out.log = test::synthetic_log([&](double, double v, double a) {
     return scale * (250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + noise * normal(engine));
   });
   out.rows = gather(out.log.log, extent_of(out.log.log), {1e-3, 0.04, 0.0}, 160);
@@ -96,7 +96,7 @@ Fitted with_a_line(const std::function<double(double)>& more) {
   std::mt19937_64 engine(5);
   std::normal_distribution<double> normal;
   Fitted out;
-  out.log = testing::synthetic_log([&](double, double v, double a) {
+  out.log = test::synthetic_log([&](double, double v, double a) {
     return 250.0 * a + (v > 0.0 ? 1.0 : -1.0) * (40.0 + more(std::abs(v))) + 900.0 * v + 0.2 * normal(engine);
   });
   out.rows = gather(out.log.log, extent_of(out.log.log), {1e-3, 0.04, 0.0}, 160);
@@ -127,7 +127,7 @@ TEST(Intervals, TheMisfitIsWhatAMapOfFewParametersLeaves) {
 // Friction that has not settled follows the acceleration at low speed: every period the same, so that noise does not tell.
 TEST(Intervals, AllowForFrictionThatHasNotSettled) {
   Fitted f;
-  f.log = testing::synthetic_log([&](double, double v, double a) {
+  f.log = test::synthetic_log([&](double, double v, double a) {
     const double slow = std::exp(-std::pow(v / 0.015, 2.0));
     return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v + 20.0 * slow * a;
   });
@@ -154,4 +154,4 @@ TEST(Intervals, AJointFitTakesItsOwnLinearTerms) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::intervals_test

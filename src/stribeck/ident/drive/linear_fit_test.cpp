@@ -7,7 +7,7 @@
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::linear_fit_test {
 namespace {
 
 constexpr double kMass = 250.0, kLevel = 40.0, kViscous = 900.0, kLoad = 12.0;
@@ -15,13 +15,11 @@ constexpr double kMass = 250.0, kLevel = 40.0, kViscous = 900.0, kLoad = 12.0;
 double coulomb(double, double v, double a) { return kMass * a + (v > 0.0 ? kLevel : -kLevel) + kLoad; }
 double viscous(double x, double v, double a) { return coulomb(x, v, a) + kViscous * v; }
 
-Rows rows_of(const testing::SyntheticLog& s) {
-  return gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
-}
+Rows rows_of(const test::SyntheticLog& s) { return gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160); }
 
 // Friction that is constant within every bin leaves nothing beside the mass: exact in the first pass.
 TEST(LinearFit, FindsTheMassBesideFreeFriction) {
-  const testing::SyntheticLog s = testing::synthetic_log(coulomb);
+  const test::SyntheticLog s = test::synthetic_log(coulomb);
   const LinearFit fit = solve(s.log, rows_of(s), {});
   EXPECT_NEAR(fit.mass, kMass, 1e-9 * kMass);
   EXPECT_NEAR(fit.plain_mass, kMass, 1e-9 * kMass);
@@ -33,7 +31,7 @@ TEST(LinearFit, FindsTheMassBesideFreeFriction) {
 
 // The curve of the pass before takes the slope within a bin out.
 TEST(LinearFit, TheSecondPassTakesTheSlopeWithinABinOut) {
-  const testing::SyntheticLog s = testing::synthetic_log(viscous);
+  const test::SyntheticLog s = test::synthetic_log(viscous);
   const Rows rows = rows_of(s);
   const LinearFit first = solve(s.log, rows, {});
   const LinearFit second = solve(s.log, rows, {}, &first);
@@ -43,13 +41,13 @@ TEST(LinearFit, TheSecondPassTakesTheSlopeWithinABinOut) {
 }
 
 TEST(LinearFit, ALoadAboveTheFrictionIsTakenOut) {
-  const testing::SyntheticLog s =
-      testing::synthetic_log([](double x, double v, double a) { return coulomb(x, v, a) + 100.0; });
+  const test::SyntheticLog s =
+      test::synthetic_log([](double x, double v, double a) { return coulomb(x, v, a) + 100.0; });
   EXPECT_NEAR(solve(s.log, rows_of(s), {}).load, 100.0 + kLoad, 1e-8);
 }
 
 TEST(LinearFit, AKnownMassIsTakenOff) {
-  const testing::SyntheticLog s = testing::synthetic_log(coulomb);
+  const test::SyntheticLog s = test::synthetic_log(coulomb);
   const Rows rows = rows_of(s);
   Terms terms;
   terms.known_mass = kMass;
@@ -64,7 +62,7 @@ TEST(LinearFit, AKnownMassIsTakenOff) {
 
 // Every sum has a name; the names point to what was added up.
 TEST(LinearFit, SumsAreThoseOfTheRows) {
-  const testing::SyntheticLog s = testing::synthetic_log(viscous);
+  const test::SyntheticLog s = test::synthetic_log(viscous);
   const Rows rows = rows_of(s);
   const LinearFit fit = solve(s.log, rows, {});
   const std::size_t side = 1, bin = 20, block = 3;
@@ -90,7 +88,7 @@ TEST(LinearFit, SumsAreThoseOfTheRows) {
 
 TEST(LinearFit, APeriodicTermIsALinearOne) {
   constexpr double kPeriod = 0.013;
-  testing::SyntheticLog s = testing::synthetic_log(coulomb);
+  test::SyntheticLog s = test::synthetic_log(coulomb);
   map::PeriodicTerm term;
   term.term.period = kPeriod;
   Terms terms;
@@ -106,7 +104,7 @@ TEST(LinearFit, APeriodicTermIsALinearOne) {
 
 // An instrument that has nothing to do with the acceleration is given up.
 TEST(LinearFit, AnInstrumentOfNoUseIsGivenUp) {
-  testing::SyntheticLog s = testing::synthetic_log(coulomb);
+  test::SyntheticLog s = test::synthetic_log(coulomb);
   log::Motion& m = s.log.motions[0];
   for (std::size_t k = 0; k < m.rows(); ++k) m.instrument[k] = std::sin(2.1 * static_cast<double>(k));
   const Rows rows = rows_of(s);
@@ -119,4 +117,4 @@ TEST(LinearFit, AnInstrumentOfNoUseIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::linear_fit_test

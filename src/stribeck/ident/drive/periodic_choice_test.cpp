@@ -7,15 +7,15 @@
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::periodic_choice_test {
 namespace {
 
 constexpr double kPeriod = 0.017;
 
-testing::SyntheticLog with_screw(double amplitude) {
+test::SyntheticLog with_screw(double amplitude) {
   std::mt19937_64 engine(2);
   std::normal_distribution<double> normal;
-  return testing::synthetic_log([&](double x, double v, double a) {
+  return test::synthetic_log([&](double x, double v, double a) {
     return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + amplitude * std::sin(2.0 * kPi * x / kPeriod - 0.4) +
            normal(engine);
   });
@@ -25,7 +25,7 @@ struct Chosen {
   Rows rows;
   PeriodicChoice choice;
 };
-Chosen choose(const testing::SyntheticLog& s) {
+Chosen choose(const test::SyntheticLog& s) {
   Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
   const LinearFit first = solve(s.log, rows, {});
   const LinearFit fit = solve(s.log, rows, {}, &first);
@@ -36,7 +36,7 @@ Chosen choose(const testing::SyntheticLog& s) {
 }
 
 TEST(PeriodicChoice, ATermOfTheForceIsKept) {
-  const testing::SyntheticLog s = with_screw(6.0);
+  const test::SyntheticLog s = with_screw(6.0);
   const Chosen c = choose(s);
   ASSERT_EQ(c.choice.terms.periodic.size(), 1u);
   EXPECT_NEAR(c.choice.terms.periodic[0].period, kPeriod, 1e-5);
@@ -49,7 +49,7 @@ TEST(PeriodicChoice, ATermOfTheForceIsKept) {
 }
 
 TEST(PeriodicChoice, WithoutATermNothingChanges) {
-  const testing::SyntheticLog s = with_screw(0.0);
+  const test::SyntheticLog s = with_screw(0.0);
   const Chosen c = choose(s);
   EXPECT_TRUE(c.choice.terms.periodic.empty());
   EXPECT_EQ(c.choice.fit.value.size(), 1);
@@ -63,7 +63,7 @@ TEST(PeriodicChoice, ATermIsFoundOnAPlainSine) {
     SCOPED_TRACE(period);
     std::mt19937_64 engine(2);
     std::normal_distribution<double> normal;
-    const testing::SyntheticLog s = testing::synthetic_log(
+    const test::SyntheticLog s = test::synthetic_log(
         [&](double x, double v, double a) {
           const double rise = 15.0 * std::exp(-std::pow(v / 0.012, 2.0));
           return 250.0 * a + (v > 0.0 ? 40.0 + rise : -40.0 - rise) + 300.0 * v +
@@ -93,7 +93,7 @@ TEST(PeriodicChoice, ATermIsFoundBesideABumpOfFriction) {
     return 40.0 + 300.0 * speed + 12.0 * std::exp(-std::pow((speed - 0.05) / 0.02, 2.0)) +
            8.0 * std::exp(-std::pow(speed / 0.003, 2.0));
   };
-  const testing::SyntheticLog s = testing::synthetic_log(
+  const test::SyntheticLog s = test::synthetic_log(
       [&](double x, double v, double a) {
         const double d = v > 0.0 ? 1.0 : -1.0;
         return 250.0 * a + d * (friction(std::abs(v)) + 6.0 * std::sin(2.0 * kPi * x / kLead + 1.5)) +
@@ -114,7 +114,7 @@ TEST(PeriodicChoice, ATermIsFoundBesideABumpOfFriction) {
 TEST(PeriodicChoice, ABumpOfFrictionOnAPlainSineIsNoTerm) {
   std::mt19937_64 engine(2);
   std::normal_distribution<double> normal;
-  const testing::SyntheticLog s = testing::synthetic_log(
+  const test::SyntheticLog s = test::synthetic_log(
       [&](double, double v, double a) {
         const double bump = 10.0 * std::exp(-std::pow((std::abs(v) - 0.05) / 0.02, 2.0));
         return 250.0 * a + (v > 0.0 ? 40.0 + bump : -40.0 - bump) + 300.0 * v + normal(engine);
@@ -125,7 +125,7 @@ TEST(PeriodicChoice, ABumpOfFrictionOnAPlainSineIsNoTerm) {
 
 // Against a sum over a hundredth of a row: steps of a third of a period.
 TEST(PeriodicChoice, ColumnsAreTheMeanOverTheTriangle) {
-  const testing::SyntheticLog s = with_screw(0.0);
+  const test::SyntheticLog s = with_screw(0.0);
   const std::vector<double>& x = s.log.records[0].x;
   double fastest = 0.0;
   std::size_t k = 1;
@@ -148,7 +148,7 @@ TEST(PeriodicChoice, ColumnsAreTheMeanOverTheTriangle) {
 
 // The search sees the force less everything else, so the term is in it with its own amplitude.
 TEST(PeriodicChoice, TheSearchSeesTheTermAlone) {
-  const testing::SyntheticLog s = with_screw(6.0);
+  const test::SyntheticLog s = with_screw(6.0);
   const Chosen c = choose(s);
   const map::PeriodicRows rows = rows_for_periodic(s.log, c.rows, c.choice.terms, c.choice.fit);
   ASSERT_EQ(rows.e.size(), c.rows.size());
@@ -162,4 +162,4 @@ TEST(PeriodicChoice, TheSearchSeesTheTermAlone) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::periodic_choice_test

@@ -6,14 +6,14 @@
 #include <stribeck/ident/drive/rows.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::relaxation_test {
 namespace {
 
 constexpr double kLevel = 40.0, kMass = 250.0, kStiffness = 8e4;  // g/σ0 = 0.5 mm
 
 /// Dahl friction in closed form: from −g at the reversal, F = g·(1 − 2·exp(−σ0·s/g)) against the motion.
-testing::SyntheticLog dahl_log() {
-  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return kMass * a; });
+test::SyntheticLog dahl_log() {
+  test::SyntheticLog s = test::synthetic_log([](double, double, double a) { return kMass * a; });
   log::Motion& m = s.log.motions[0];
   for (std::size_t k = 0; k < m.rows(); ++k) {
     const double settled = m.stretch[k] == 0 ? 0.0 : 2.0 * std::exp(-kStiffness * m.distance[k] / kLevel);
@@ -33,14 +33,14 @@ Level level() {
 }
 
 TEST(Relaxation, FindsTheStiffnessOfDahlFriction) {
-  const testing::SyntheticLog s = dahl_log();
+  const test::SyntheticLog s = dahl_log();
   const Relaxation r = find_relaxation(s.log.motions, level(), kMass, 0.0, 5e-3);
   EXPECT_NEAR(r.sigma0, kStiffness, 0.05 * kStiffness);
   EXPECT_NEAR(r.length, kLevel / r.sigma0, 1e-12);
 }
 
 TEST(Relaxation, WithoutAReversalThereIsNone) {
-  testing::SyntheticLog s = dahl_log();
+  test::SyntheticLog s = dahl_log();
   s.log.motions[0].reversals.clear();
   const Relaxation r = find_relaxation(s.log.motions, level(), kMass, 0.0, 5e-3);
   EXPECT_EQ(r.length, 0.0);
@@ -49,7 +49,7 @@ TEST(Relaxation, WithoutAReversalThereIsNone) {
 
 // What friction lags behind its level is what the closed form says, once the first reversal has passed.
 TEST(Relaxation, TheLagIsThatOfTheClosedForm) {
-  const testing::SyntheticLog s = dahl_log();
+  const test::SyntheticLog s = dahl_log();
   const log::Motion& m = s.log.motions[0];
   Rows rows = gather(s.log, extent_of(s.log), {1e-4, 0.04, 0.0}, 160);
   find_lag(s.log.motions, level(), {kStiffness, kLevel / kStiffness}, rows);
@@ -68,4 +68,4 @@ TEST(Relaxation, TheLagIsThatOfTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::relaxation_test

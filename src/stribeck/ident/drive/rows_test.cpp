@@ -9,18 +9,18 @@
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 #include <stribeck/ident/refused.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::rows_test {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-testing::SyntheticLog any_log() {
-  return testing::synthetic_log([](double, double, double a) { return a; });
+test::SyntheticLog any_log() {
+  return test::synthetic_log([](double, double, double a) { return a; });
 }
 
 TEST(Rows, ExtentHoldsTheTopSpeedOfEachDirection) {
-  const testing::SyntheticLog s = any_log();
+  const test::SyntheticLog s = any_log();
   const Extent e = extent_of(s.log);
   EXPECT_NEAR(e.top_speed[0], 0.1 + 0.003 * 7.3, 1e-4);  // both cosines at t = 0
   EXPECT_GT(e.top_speed[1], 0.1);
@@ -28,7 +28,7 @@ TEST(Rows, ExtentHoldsTheTopSpeedOfEachDirection) {
 }
 
 TEST(Rows, EveryUsedRowFitsTheWindow) {
-  testing::SyntheticLog s = any_log();
+  test::SyntheticLog s = any_log();
   auto& skip = (*s.records)[0].skip;
   skip.assign(s.log.motions[0].rows(), 0);
   for (std::size_t k = 5000; k < 6000; ++k) skip[k] = 1;
@@ -49,7 +49,7 @@ TEST(Rows, EveryUsedRowFitsTheWindow) {
 }
 
 /// Strokes to and fro at one speed for 4 s each, four of them.
-void add_slow_jogs(testing::SyntheticLog& s, double speed) {
+void add_slow_jogs(test::SyntheticLog& s, double speed) {
   constexpr double kStep = 1e-3, kTime = 16.0, kStroke = 4.0;
   log::Record rec;
   log::Motion m;
@@ -77,7 +77,7 @@ void add_slow_jogs(testing::SyntheticLog& s, double speed) {
 
 // Rows of the fast motion are skipped: what is left is slow, and its bins have equal width.
 TEST(Rows, SlowJogsAloneBelowATopSpeedThatIsNotUsed) {
-  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  test::SyntheticLog s = test::synthetic_log([](double, double, double a) { return a; }, 0.0);
   (*s.records)[0].skip.assign(s.log.motions[0].rows(), 1);
   add_slow_jogs(s, 1e-3);
   add_slow_jogs(s, 1.5e-3);
@@ -94,7 +94,7 @@ TEST(Rows, SlowJogsAloneBelowATopSpeedThatIsNotUsed) {
 
 // Few fast rows beside very many slow ones do not get a bin each, which would take their acceleration from the mass.
 TEST(Rows, FastRowsHaveBinsForTheirOwnNumber) {
-  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  test::SyntheticLog s = test::synthetic_log([](double, double, double a) { return a; }, 0.0);
   auto& skip = (*s.records)[0].skip;
   skip.assign(s.log.motions[0].rows(), 1);
   std::fill(skip.begin(), skip.begin() + 5000, std::uint8_t{0});
@@ -107,7 +107,7 @@ TEST(Rows, FastRowsHaveBinsForTheirOwnNumber) {
 
 // A hundredth of the top speed of the other record: left out by their speed, used because they are steady.
 TEST(Rows, SlowJogsBesideAFastMotionAreUsed) {
-  testing::SyntheticLog s = testing::synthetic_log([](double, double, double a) { return a; }, 0.0);
+  test::SyntheticLog s = test::synthetic_log([](double, double, double a) { return a; }, 0.0);
   const Window window{1e-4, 0.04, 1e-5};
   const Rows fast = gather(s.log, extent_of(s.log), window, 160);
   constexpr double kSlow = 1e-3;
@@ -147,7 +147,7 @@ TEST(Rows, BinsHoldTheSpeedsBetweenTheirBorders) {
 }
 
 TEST(Rows, OneDirectionIsRefused) {
-  testing::SyntheticLog s = any_log();
+  test::SyntheticLog s = any_log();
   auto& skip = (*s.records)[0].skip;
   for (const double v : s.log.motions[0].v) skip.push_back(v < 0.0 ? 1 : 0);
   EXPECT_THAT(
@@ -159,7 +159,7 @@ TEST(Rows, OneDirectionIsRefused) {
 
 // Whole stretches, in turn: no stretch lies in two blocks, and every block has rows of both directions.
 TEST(Rows, BlocksAreWholeStretches) {
-  const testing::SyntheticLog s = any_log();
+  const test::SyntheticLog s = any_log();
   const Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
   EXPECT_EQ(rows.blocks, 7u);  // more than seven stretches of each direction
   std::vector<int> block_of(64, -1);
@@ -187,8 +187,7 @@ TEST(Rows, FewStretchesAreCutIntoPieces) {
 }
 
 TEST(Rows, ASampleIsAlignedAsTheWholeLogIs) {
-  testing::SyntheticLog s =
-      testing::synthetic_log([](double x, double v, double) { return 3e3 * x + 70.0 * v; });
+  test::SyntheticLog s = test::synthetic_log([](double x, double v, double) { return 3e3 * x + 70.0 * v; });
   Rows rows = gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
   EXPECT_EQ(sampled(rows).size(), rows.size());  // few enough
   EXPECT_FALSE(sampled(rows).sampled);
@@ -204,4 +203,4 @@ TEST(Rows, ASampleIsAlignedAsTheWholeLogIs) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::rows_test

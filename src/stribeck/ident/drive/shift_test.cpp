@@ -6,14 +6,14 @@
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::shift_test {
 namespace {
 
 double force(double, double v, double a) { return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 900.0 * v; }
 
 /// The measured force stands `late` rows later than its motion, with white noise.
-testing::SyntheticLog late_log(double late) {
-  testing::SyntheticLog s = testing::synthetic_log(force);
+test::SyntheticLog late_log(double late) {
+  test::SyntheticLog s = test::synthetic_log(force);
   const std::vector<double> right = s.log.force[0];
   std::mt19937_64 engine(4);
   std::normal_distribution<double> noise(0.0, 0.02);
@@ -29,18 +29,16 @@ testing::SyntheticLog late_log(double late) {
   return s;
 }
 
-Rows rows_of(const testing::SyntheticLog& s) {
-  return gather(s.log, extent_of(s.log), {4e-3, 0.1, 0.0}, 160);
-}
+Rows rows_of(const test::SyntheticLog& s) { return gather(s.log, extent_of(s.log), {4e-3, 0.1, 0.0}, 160); }
 
-LinearFit second_pass(const testing::SyntheticLog& s, const Rows& rows, const Terms& terms) {
+LinearFit second_pass(const test::SyntheticLog& s, const Rows& rows, const Terms& terms) {
   const LinearFit first = solve(s.log, rows, terms);
   return solve(s.log, rows, terms, &first);
 }
 
 TEST(Shift, IsFoundWhereTheResidualIsLeast) {
   for (const double late : {-3.0, 0.0, 4.0, 6.5}) {
-    const testing::SyntheticLog s = late_log(late);
+    const test::SyntheticLog s = late_log(late);
     const std::optional<double> found = find_shift(s.log, rows_of(s), std::nullopt);
     ASSERT_TRUE(found) << late;
     EXPECT_NEAR(*found, late, 0.3) << late;
@@ -51,13 +49,13 @@ TEST(Shift, IsFoundWhereTheResidualIsLeast) {
 }
 
 TEST(Shift, BeyondTheSearchThereIsNone) {
-  const testing::SyntheticLog s = late_log(60.0);
+  const test::SyntheticLog s = late_log(60.0);
   EXPECT_FALSE(find_shift(s.log, rows_of(s), 250.0));
 }
 
 // From one row beside it, Gauss–Newton comes to the shift, and the mass with it.
 TEST(Shift, IsRefined) {
-  testing::SyntheticLog s = late_log(4.0);
+  test::SyntheticLog s = late_log(4.0);
   Rows rows = rows_of(s);
   align(s.log, 3.2, rows);
   Terms terms;
@@ -70,7 +68,7 @@ TEST(Shift, IsRefined) {
 }
 
 TEST(Shift, IsKeptWhenTheResidualIsSmallerForIt) {
-  testing::SyntheticLog s = late_log(4.0);
+  test::SyntheticLog s = late_log(4.0);
   Rows rows = rows_of(s);
   align(s.log, 4.0, rows);
   Terms terms;
@@ -84,7 +82,7 @@ TEST(Shift, IsKeptWhenTheResidualIsSmallerForIt) {
 
 // A force under its hold belongs to −½: nothing is estimated there.
 TEST(Shift, IsDroppedWhereTheForceActsUnderItsHold) {
-  testing::SyntheticLog s = late_log(kHeldForce);
+  test::SyntheticLog s = late_log(kHeldForce);
   Rows rows = rows_of(s);
   align(s.log, kHeldForce, rows);
   Terms terms;
@@ -98,7 +96,7 @@ TEST(Shift, IsDroppedWhereTheForceActsUnderItsHold) {
 
 // m·a + F of the predicted motion, differenced over two rows.
 TEST(Shift, TheReferenceAsksForItsOwnChange) {
-  testing::SyntheticLog s = late_log(0.0);
+  test::SyntheticLog s = late_log(0.0);
   Rows rows = rows_of(s);
   const LinearFit fit = second_pass(s, rows, {});
   s.log.predicted[0] = s.log.motions[0].v;
@@ -118,4 +116,4 @@ TEST(Shift, TheReferenceAsksForItsOwnChange) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::shift_test

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stribeck/ident/drive/steady_rows.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::steady_rows_test {
 namespace {
 
 constexpr double kStep = 1e-3;
@@ -73,4 +73,4 @@ TEST(SteadyRows, NoTravelNoSteadyRows) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::steady_rows_test

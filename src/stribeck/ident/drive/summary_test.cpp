@@ -4,7 +4,7 @@
 
 #include <stribeck/ident/drive/summary.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::summary_test {
 namespace {
 
 /// Coulomb 40 N, viscous 500 N·s/m up to 0.1 m/s; a Stribeck part of 12 N that fades over 3 mm/s.
@@ -73,4 +73,4 @@ TEST(Summary, SpeedsBeginWhereTheDataBeginAndLieCloserTowardsRest) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::summary_test

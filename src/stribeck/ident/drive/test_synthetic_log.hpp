@@ -8,11 +8,11 @@
 #include <stribeck/ident/drive/aligned_log.hpp>
 #include <vector>
 
-namespace stribeck::ident::drive::testing {
+namespace stribeck::ident::test {
 
 struct SyntheticLog {
   std::unique_ptr<std::vector<log::Record>> records = std::make_unique<std::vector<log::Record>>();
-  AlignedLog log;
+  drive::AlignedLog log;
 };
 
 /// x = 0.1·sin t + second·sin 7.3t m over 40 s, 1000 rows a second; force(x, v, a) in N.
@@ -53,4 +53,4 @@ inline SyntheticLog synthetic_log(const std::function<double(double, double, dou
   return out;
 }
 
-}  // namespace stribeck::ident::drive::testing
+}  // namespace stribeck::ident::test

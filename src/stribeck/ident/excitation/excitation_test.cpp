@@ -13,7 +13,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::excitation {
+namespace stribeck::ident::excitation::excitation_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -325,4 +325,4 @@ TEST(Excitation, GcodeRepeatsTheTable) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::excitation
+}  // namespace stribeck::ident::excitation::excitation_test

@@ -9,7 +9,7 @@
 
 #include <stribeck/ident/excitation/worst_case.hpp>
 
-namespace stribeck::ident::excitation {
+namespace stribeck::ident::excitation::worst_case_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(WorstCase, ForceOfAClosedLoopIsMassTimesAccelerationAndFriction) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::excitation
+}  // namespace stribeck::ident::excitation::worst_case_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/ident/health/date.hpp>
 
-namespace stribeck::ident::health {
+namespace stribeck::ident::health::date_test {
 namespace {
 
 // date -d "2026-11-23 UTC" +%s divided by 86400.
@@ -24,4 +24,4 @@ TEST(HealthDate, TakesNothingElse) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::health
+}  // namespace stribeck::ident::health::date_test

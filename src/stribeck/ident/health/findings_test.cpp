@@ -4,7 +4,7 @@
 #include <random>
 #include <stribeck/ident/health/findings.hpp>
 
-namespace stribeck::ident::health {
+namespace stribeck::ident::health::findings_test {
 namespace {
 
 /// Factors and additions from a day on.
@@ -146,4 +146,4 @@ TEST(HealthFindings, ACircleThatBecomesLessRoundIsFound) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::health
+}  // namespace stribeck::ident::health::findings_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <stribeck/ident/health/measured.hpp>
 
-namespace stribeck::ident::health {
+namespace stribeck::ident::health::measured_test {
 namespace {
 
 struct Truth {
@@ -153,4 +153,4 @@ TEST(HealthMeasured, NamesWhatMakesAMotionAnotherOne) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::health
+}  // namespace stribeck::ident::health::measured_test

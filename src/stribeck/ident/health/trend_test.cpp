@@ -4,7 +4,7 @@
 #include <random>
 #include <stribeck/ident/health/trend.hpp>
 
-namespace stribeck::ident::health {
+namespace stribeck::ident::health::trend_test {
 namespace {
 
 /// Daily tests about 1 with a scatter of 1.5 %, and what else a test adds.
@@ -155,4 +155,4 @@ TEST(HealthTrend, FewerThanThreeReadingsHaveNoTrend) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::health
+}  // namespace stribeck::ident::health::trend_test

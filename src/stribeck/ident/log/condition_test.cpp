@@ -11,7 +11,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::condition_test {
 namespace {
 
 using ::testing::AllOf;
@@ -129,10 +129,10 @@ TEST(Condition, CleanLogHasNoFinding) {
 }
 
 TEST(Condition, CleanLogsOfTheVirtualDriveHaveNoFinding) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
   // Sine in closed loop.
-  const Record sine = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
+  const Record sine = test::run_closed(drive, 57e3, test::sine_reference(0.005, 0.02, 0.475, 2), 3);
   // Jogs with rests between, as they are commanded.
   std::vector<double> jog;
   double at = 0.0;
@@ -142,9 +142,9 @@ TEST(Condition, CleanLogsOfTheVirtualDriveHaveNoFinding) {
                     0.005 * speed * std::clamp(k / 20.0, 0.0, 1.0) * (k < 280 ? 1.0 : (300 - k) / 20.0));
     for (int k = 0; k < 100; ++k) jog.push_back(at);
   }
-  const Record jogs = testing::run_closed(drive, 57e3, jog, 4);
+  const Record jogs = test::run_closed(drive, 57e3, jog, 4);
   // Pulses in open loop, exact zeros between them.
-  const Record pulses = testing::run(drive, 20.0, 5, [](std::size_t k, double, double) {
+  const Record pulses = test::run(drive, 20.0, 5, [](std::size_t k, double, double) {
     const std::size_t phase = k % 800;
     const double sign = phase < 400 ? 1.0 : -1.0;
     const std::size_t p = phase % 400;
@@ -699,8 +699,8 @@ TEST(Condition, MagnitudeGetsItsSignBack) {
 
 TEST(Condition, MagnitudeOfJogs) {
   // Friction and inertia are equally strong here: neither sign alone is a good start.
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('y');
+  test::Drive drive;
+  drive.friction = test::table_2_3('y');
   std::vector<double> jog;
   double at = 0.0;
   for (const double speed : {2e-3, -2e-3, 8e-3, -8e-3}) {
@@ -708,7 +708,7 @@ TEST(Condition, MagnitudeOfJogs) {
       jog.push_back(at += 0.005 * speed * std::clamp(std::min(k, 240 - k) / 8.0, 0.0, 1.0));
     for (int k = 0; k < 60; ++k) jog.push_back(at);
   }
-  const RawLog clean = raw(testing::run_closed(drive, 57e3, jog, 6));
+  const RawLog clean = raw(test::run_closed(drive, 57e3, jog, 6));
   RawLog log = clean;
   for (double& f : log.f.y) f = std::abs(f);
   const Conditioned c = condition(log);
@@ -818,7 +818,7 @@ TEST(Condition, LimitOfTheForceIsMarked) {
 TEST(Condition, RunsShareOneSign) {
   // A run in one direction alone cannot tell its sign; together they can.
   std::vector<RawLog> runs;
-  for (const Record& r : testing::steady_runs([](double v) { return 40.0 + 40.0 * v; }, false)) {
+  for (const Record& r : test::steady_runs([](double v) { return 40.0 + 40.0 * v; }, false)) {
     runs.push_back(raw(r));
     for (double& f : runs.back().f.y) f = -f;
   }
@@ -886,4 +886,4 @@ TEST(Quantum, FoundWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::condition_test

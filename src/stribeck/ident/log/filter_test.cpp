@@ -7,7 +7,7 @@
 
 #include <stribeck/ident/log/filter.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::filter_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -96,4 +96,4 @@ TEST(Filter, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::filter_test

@@ -7,12 +7,12 @@
 #include <stribeck/ident/log/mixed_runs.hpp>
 #include <stribeck/ident/log/test_runs.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::mixed_runs_test {
 namespace {
 
+using test::steady_runs;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::steady_runs;
 
 TEST(MixedRuns, TwoDaysAreSaid) {
   const auto law = [](double v) { return 10.0 + 40.0 * v; };
@@ -62,4 +62,4 @@ TEST(MixedRuns, OtherSamplingIsAnotherDayToo) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::mixed_runs_test

@@ -9,7 +9,7 @@
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::motion_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -111,12 +111,12 @@ TEST(Motion, QuantisationAtRestIsNoReversal) {
 }
 
 TEST(Motion, FindsWhetherTheForceWasProgrammed) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
   const Record open =
-      testing::run(drive, 4.0, 1, [](std::size_t, double t, double) { return 3000.0 * std::sin(t); });
+      test::run(drive, 4.0, 1, [](std::size_t, double t, double) { return 3000.0 * std::sin(t); });
   EXPECT_EQ(reconstruct(open).loop, Loop::kOpen);
-  Record closed = testing::run_closed(drive, drive.mass, testing::sine_reference(0.005, 0.02, 0.475, 0.5), 1);
+  Record closed = test::run_closed(drive, drive.mass, test::sine_reference(0.005, 0.02, 0.475, 0.5), 1);
   EXPECT_EQ(reconstruct(closed).loop, Loop::kClosed);
   closed.r.clear();
   EXPECT_EQ(reconstruct(closed).loop, Loop::kAutomatic);
@@ -154,4 +154,4 @@ TEST(AlignForce, OfAPieceIsThatOfTheWhole) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::motion_test

@@ -8,7 +8,7 @@
 
 #include <stribeck/ident/log/record.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::record_test {
 namespace {
 
 using ::testing::AllOf;
@@ -72,4 +72,4 @@ TEST(Record, StampsMayJitterByOnePercent) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::record_test

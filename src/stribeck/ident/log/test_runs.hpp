@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::ident::testing {
+namespace stribeck::ident::test {
 
 /// Ten speeds, each forward and back, with friction F(v); with `two_lengths` the slow runs are eight times as long.
 inline std::vector<log::Record> steady_runs(const std::function<double(double)>& friction, bool two_lengths) {
@@ -33,4 +33,4 @@ inline std::vector<log::Record> steady_runs(const std::function<double(double)>&
   return out;
 }
 
-}  // namespace stribeck::ident::testing
+}  // namespace stribeck::ident::test

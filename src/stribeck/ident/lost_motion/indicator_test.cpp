@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace stribeck::ident::lost_motion {
+namespace stribeck::ident::lost_motion::indicator_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -141,4 +141,4 @@ TEST(Indicator, WhatTheSeriesCannotTellIsSaid) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::lost_motion
+}  // namespace stribeck::ident::lost_motion::indicator_test

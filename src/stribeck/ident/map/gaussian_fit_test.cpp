@@ -11,14 +11,14 @@
 #include <stribeck/ident/map/gaussian_fit.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::map {
+namespace stribeck::ident::map::gaussian_fit_test {
 namespace {
 
 constexpr double kTop = 9.5e-3;
 
 Bins bins_of_table(char axis, double direction) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3(axis);
+  test::Drive drive;
+  drive.friction = test::table_2_3(axis);
   Bins bins;
   for (int i = 5; i < 160; ++i) {
     const double u = (i + 0.5) / 160.0;
@@ -182,4 +182,4 @@ TEST(GaussianFit, StopsWhenTheBinsCarryNoMoreParameters) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::map
+}  // namespace stribeck::ident::map::gaussian_fit_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::map {
+namespace stribeck::ident::map::periodic_test {
 namespace {
 
 using friction::EccentricForm;
@@ -319,4 +319,4 @@ TEST(Periodic, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::map
+}  // namespace stribeck::ident::map::periodic_test

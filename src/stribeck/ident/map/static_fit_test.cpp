@@ -7,7 +7,7 @@
 
 #include <stribeck/ident/map/static_fit.hpp>
 
-namespace stribeck::ident::map {
+namespace stribeck::ident::map::static_fit_test {
 namespace {
 
 using Family = StaticFit::Family;
@@ -228,4 +228,4 @@ TEST(StaticFit, PicksTheSimplestWithinOneStandardError) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::map
+}  // namespace stribeck::ident::map::static_fit_test

@@ -9,7 +9,7 @@
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/refused.hpp>
 
-namespace stribeck::ident::map {
+namespace stribeck::ident::map::steady_runs_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -169,4 +169,4 @@ TEST(SteadyRuns, ABadRecordIsRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::map
+}  // namespace stribeck::ident::map::steady_runs_test

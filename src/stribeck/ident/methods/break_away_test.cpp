@@ -10,7 +10,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::break_away_test {
 namespace {
 
 using ::testing::AllOf;
@@ -67,7 +67,7 @@ TEST(BreakAway, MirroredAndScaledRampsGiveTheSame) {
 // Independent reference: the virtual drive, flat level of 1200 N and 1000 N, σ0 = 3e8 N/m: δ = 4.0 and 3.3 um. Its mass
 // lags behind the ramp; with the mass given that is taken off. Without noise: under it LuGre creeps before it slips.
 TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
-  testing::Drive drive;
+  test::Drive drive;
   drive.noise_rms = 0.0;
   drive.friction.velocity_range = {-1.0, 1.0};
   drive.friction.positive = {1200.0, 100e3, {}};
@@ -75,7 +75,7 @@ TEST(BreakAway, FindsTheLevelOfTheVirtualDrive) {
   const excitation::Excitation e =
       excitation::design_ramp({-0.075, 0.075, 0.010, 0.2, 10480.0}, {60e3, 1150.0, 80e3}, 0.005);
   const log::Record r =
-      testing::run(drive, e.t.back(), 5, [&](std::size_t k, double, double) { return e.force[k]; });
+      test::run(drive, e.t.back(), 5, [&](std::size_t k, double, double) { return e.force[k]; });
   BreakAwayOptions options;
   options.mass = drive.mass;
   const BreakAway b = identify_break_away({r}, options);
@@ -97,9 +97,9 @@ TEST(BreakAway, RefusesWhatNeverSlips) {
 
 // A controller that follows a sine pushes through break-away at every reversal, but not by a ramp from rest.
 TEST(BreakAway, RefusesAClosedLoop) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
-  log::Record r = testing::run_closed(drive, 57e3, testing::sine_reference(0.005, 0.02, 0.475, 2), 3);
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
+  log::Record r = test::run_closed(drive, 57e3, test::sine_reference(0.005, 0.02, 0.475, 2), 3);
   EXPECT_THAT([&] { identify_break_away({r}); },
               ThrowsMessage<Refused>(HasSubstr("while the reference moves")));
   r.r.clear();
@@ -117,4 +117,4 @@ TEST(BreakAway, SaysThatAnAxisCreeps) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::break_away_test

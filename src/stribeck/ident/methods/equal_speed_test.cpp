@@ -11,14 +11,14 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::equal_speed_test {
 namespace {
 
+using test::ideal;
+using test::kPeriod;
+using test::kTable;
+using test::printed;
 using ::testing::HasSubstr;
-using testing::ideal;
-using testing::kPeriod;
-using testing::kTable;
-using testing::printed;
 using ::testing::ThrowsMessage;
 
 map::SteadyRun steady(double speed, double force, double error = 0.1) {
@@ -69,12 +69,12 @@ TEST(Gravity, IsHalfTheSumOfBothDirections) {
 
 // Independent reference: triangles of speed on the virtual drive. 95 % intervals over 20 seeds.
 TEST(ConstantAcceleration, GivesTheMassWhateverTheFriction) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('y');
+  test::Drive drive;
+  drive.friction = test::table_2_3('y');
   const excitation::Excitation e = excitation::design_constant_acceleration(kTable, kPeriod);
   int covered = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Result r = identify_constant_acceleration({testing::run_closed(drive, 50e3, e.r, seed)});
+    const Result r = identify_constant_acceleration({test::run_closed(drive, 50e3, e.r, seed)});
     EXPECT_NEAR(r.mass / drive.mass, 1.0, 0.015);
     covered += r.mass_interval.low <= drive.mass && drive.mass <= r.mass_interval.high;
   }
@@ -147,4 +147,4 @@ TEST(MassAtEqualSpeed, MirrorAndUnitOfForce) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::equal_speed_test

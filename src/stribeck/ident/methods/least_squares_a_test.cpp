@@ -10,7 +10,7 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::least_squares_a_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,8 +18,8 @@ using ::testing::ThrowsMessage;
 
 constexpr double kPeriod = 0.005;
 
-testing::Drive straight(double noise) {
-  testing::Drive drive;
+test::Drive straight(double noise) {
+  test::Drive drive;
   drive.friction.velocity_range = {-1.0, 1.0};
   drive.friction.positive = {1255.38, 105.54e3, {}};
   drive.friction.negative = {-1105.0, 105.54e3, {}};
@@ -28,16 +28,16 @@ testing::Drive straight(double noise) {
   return drive;
 }
 
-log::Record pulses(const testing::Drive& drive, std::uint64_t seed) {
+log::Record pulses(const test::Drive& drive, std::uint64_t seed) {
   const auto e =
       excitation::design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, {60e3, 1250.0, 110e3}, kPeriod);
-  return testing::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
+  return test::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
 }
 
 // Limit: no noise. What is left: bristle at 0.5 mm/s (about 6 N of lag) and the trapezoidal mean of a
 // decaying exponential.
 TEST(LeastSquaresA, RecoversCoulombAndViscousFrictionOfPulses) {
-  const testing::Drive drive = straight(0.0);
+  const test::Drive drive = straight(0.0);
   const LeastSquaresA a = identify_least_squares_a({pulses(drive, 1)});
   EXPECT_NEAR(a.mass_exact / drive.mass, 1.0, 0.002);
   EXPECT_NEAR(a.alpha2 / 105.54e3, 1.0, 0.005);
@@ -54,7 +54,7 @@ TEST(LeastSquaresA, ForwardEulerReadsHalfAPoleTooMuchMass) {
 }
 
 TEST(LeastSquaresA, TheSimpleFitTakesCoulombFrictionForInertia) {
-  const testing::Drive drive = straight(20.0);
+  const test::Drive drive = straight(20.0);
   const LeastSquaresA a = identify_least_squares_a({pulses(drive, 3)});
   EXPECT_GT(a.simple_mass, 1.3 * drive.mass);
   EXPECT_GT(a.simple_alpha2, 2.0 * 105.54e3);
@@ -63,7 +63,7 @@ TEST(LeastSquaresA, TheSimpleFitTakesCoulombFrictionForInertia) {
 TEST(LeastSquaresA, IntervalsCoverTheTruthUnderColouredNoise) {
   int mass = 0;
   int viscous = 0;
-  const testing::Drive drive = straight(20.0);
+  const test::Drive drive = straight(20.0);
   constexpr int kRuns = 20;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
     const LeastSquaresA a = identify_least_squares_a({pulses(drive, seed)});
@@ -89,8 +89,8 @@ TEST(LeastSquaresA, MirroredMotionSwapsTheDirections) {
 }
 
 TEST(LeastSquaresA, RefusesWhenNothingMoves) {
-  const testing::Drive drive = straight(20.0);
-  const log::Record still = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
+  const test::Drive drive = straight(20.0);
+  const log::Record still = test::run(drive, 2.0, 1, [](std::size_t, double, double) { return 500.0; });
   EXPECT_THAT([&] { identify_least_squares_a({still}); },
               ThrowsMessage<Refused>(HasSubstr("motion beyond the dead band, expected at least")));
 }
@@ -98,14 +98,14 @@ TEST(LeastSquaresA, RefusesWhenNothingMoves) {
 // Independent reference: jogs of the virtual drive. Pulses alone misjudge the viscous coefficient of a drive with a
 // Stribeck rise; both observers read the same friction, and the slope of it is right.
 TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
-  testing::Drive drive = straight(20.0);
+  test::Drive drive = straight(20.0);
   drive.friction.positive = {1000.0, 105.54e3, {}};
   drive.friction.positive.gaussians.push_back({300.0, 0.0, 0.4e-3});
   drive.friction.negative = {-1000.0, 105.54e3, {}};
   drive.friction.negative.gaussians.push_back({-300.0, 0.0, 0.4e-3});
   excitation::JogDesign design;
   for (double& v : design.speeds = {0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0}) v *= 1e-3;
-  const log::Record jogs = testing::run_closed(
+  const log::Record jogs = test::run_closed(
       drive, 55e3, excitation::design_jog({-0.05, 0.05, 0.010, 0.2, 10480.0}, kPeriod, design).r, 7);
   for (const Solver solver : {Solver::kDerivatives, Solver::kSimplex}) {
     LeastSquaresAOptions options;
@@ -127,4 +127,4 @@ TEST(LeastSquaresA, JogsCorrectTheViscousCoefficient) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::least_squares_a_test

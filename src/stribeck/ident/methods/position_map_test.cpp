@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::position_map_test {
 namespace {
 
 using ::testing::Contains;
@@ -356,4 +356,4 @@ TEST(PositionMap, SaysThatATurnHasNoPartHere) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::position_map_test

@@ -9,7 +9,7 @@
 #include <stribeck/ident/log/record.hpp>
 #include <vector>
 
-namespace stribeck::ident::testing {
+namespace stribeck::ident::test {
 
 inline constexpr double kPeriod = 0.005;
 inline constexpr excitation::Limits kTable{-0.075, 0.075, 0.010, 0.2, 10480.0};
@@ -40,4 +40,4 @@ inline double printed(double v, double load) {  // Table 4.2, x
   return load + s * (20.0 + 15.0 * std::exp(-std::pow(v / 0.6e-3, 2.0))) + 5000.0 * v;
 }
 
-}  // namespace stribeck::ident::testing
+}  // namespace stribeck::ident::test

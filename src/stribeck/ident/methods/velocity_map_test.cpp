@@ -9,28 +9,28 @@
 #include <stribeck/ident/methods/velocity_map.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::velocity_map_test {
 namespace {
 
 using ::testing::HasSubstr;
 
 constexpr double kPeriod = 0.005;
 
-testing::Drive biaxial(char axis) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3(axis);
+test::Drive biaxial(char axis) {
+  test::Drive drive;
+  drive.friction = test::table_2_3(axis);
   drive.mass = axis == 'x' ? 57.65e3 : 58.93e3;
   return drive;
 }
 
-log::Record sine(const testing::Drive& drive, std::uint64_t seed, double periods) {
-  return testing::run_closed(drive, drive.mass, testing::sine_reference(kPeriod, 0.02, 0.475, periods), seed);
+log::Record sine(const test::Drive& drive, std::uint64_t seed, double periods) {
+  return test::run_closed(drive, drive.mass, test::sine_reference(kPeriod, 0.02, 0.475, periods), seed);
 }
 
-log::Record pulses(const testing::Drive& drive, std::uint64_t seed) {
+log::Record pulses(const test::Drive& drive, std::uint64_t seed) {
   const excitation::RoughDrive rough{60e3, 1.05 * drive.level(0.0, true), 120e3};
   const auto e = excitation::design_pulses({-0.05, 0.05, 0.010, 0.2, 10480.0}, rough, kPeriod);
-  return testing::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
+  return test::run(drive, e.t.back(), seed, [&](std::size_t k, double, double) { return e.force[k]; });
 }
 
 struct Score {
@@ -40,7 +40,7 @@ struct Score {
 };
 
 /// Against the truth at 0.5 … 9 mm/s, both directions.
-Score judge(const testing::Drive& drive, const Result& r) {
+Score judge(const test::Drive& drive, const Result& r) {
   Score s;
   for (const CurvePoint& c : r.curve) {
     if (std::abs(c.velocity) < 0.5e-3 || std::abs(c.velocity) > 9e-3) continue;
@@ -67,7 +67,7 @@ TEST(VelocityMap, FindsMassAndFrictionOfTheBiaxialTable) {
   int points = 0;
   for (const char axis : {'x', 'y'}) {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      const testing::Drive drive = biaxial(axis);
+      const test::Drive drive = biaxial(axis);
       const Result r = identify_velocity_map({sine(drive, 2 * seed, 8.0), pulses(drive, 2 * seed + 1)});
       const Score s = judge(drive, r);
       EXPECT_NEAR(r.mass / drive.mass, 1.0, 0.01) << axis << " seed " << seed;
@@ -86,14 +86,14 @@ TEST(VelocityMap, FindsMassAndFrictionOfTheBiaxialTable) {
 // A bristle half as stiff lags twice as much; without its removal the sine alone reads 0.27 % mass and 1.3 %
 // friction wrong there.
 TEST(VelocityMap, WithoutNoiseOnlySmallErrorsOfTheMethodAreLeft) {
-  testing::Drive drive = biaxial('x');
+  test::Drive drive = biaxial('x');
   drive.noise_rms = 0.0;
   drive.encoder = 0.0;
   drive.bits = 0.0;
   const Result stiff = identify_velocity_map({sine(drive, 1, 3.0), pulses(drive, 1)});
   EXPECT_NEAR(stiff.mass / drive.mass, 1.0, 0.002);
   EXPECT_LT(judge(drive, stiff).worst, 0.005);
-  drive.friction = testing::table_2_3('y');
+  drive.friction = test::table_2_3('y');
   drive.sigma0 = 1.5e8;
   const Result soft = identify_velocity_map({sine(drive, 1, 3.0)});
   EXPECT_NEAR(soft.mass / drive.mass, 1.0, 0.002);
@@ -102,7 +102,7 @@ TEST(VelocityMap, WithoutNoiseOnlySmallErrorsOfTheMethodAreLeft) {
 
 // A straight line is found as one: no term is invented.
 TEST(VelocityMap, CoulombAndViscousFrictionNeedsNoTerm) {
-  testing::Drive drive = biaxial('x');
+  test::Drive drive = biaxial('x');
   drive.friction.positive = {1255.38, 105.54e3, {}};
   drive.friction.negative = {-1255.38, 105.54e3, {}};
   const Result r = identify_velocity_map({sine(drive, 11, 4.0), pulses(drive, 12)});
@@ -120,7 +120,7 @@ log::Record mirrored(log::Record rec) {
 }
 
 TEST(VelocityMap, MirroredMotionMirrorsTheMap) {
-  const testing::Drive drive = biaxial('x');
+  const test::Drive drive = biaxial('x');
   const std::vector<log::Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
   const Result a = identify_velocity_map(records);
   const Result b = identify_velocity_map({mirrored(records[0]), mirrored(records[1])});
@@ -136,7 +136,7 @@ TEST(VelocityMap, MirroredMotionMirrorsTheMap) {
 }
 
 TEST(VelocityMap, ScalesWithForce) {
-  const testing::Drive drive = biaxial('y');
+  const test::Drive drive = biaxial('y');
   std::vector<log::Record> records{sine(drive, 5, 2.0), pulses(drive, 6)};
   const Result a = identify_velocity_map(records);
   for (log::Record& r : records) {
@@ -152,7 +152,7 @@ TEST(VelocityMap, ScalesWithForce) {
 // Errors in variables: on a 1 µm encoder at 5 ms raw second differences are noise; ordinary least squares
 // loses all mass.
 TEST(VelocityMap, ACoarseEncoderDoesNotBiasTheMass) {
-  testing::Drive drive = biaxial('x');
+  test::Drive drive = biaxial('x');
   drive.encoder = 1e-6;
   const Result r = identify_velocity_map({sine(drive, 21, 8.0), pulses(drive, 22)});
   EXPECT_NEAR(r.mass / drive.mass, 1.0, 0.015);
@@ -164,7 +164,7 @@ TEST(VelocityMap, ACoarseEncoderDoesNotBiasTheMass) {
 // have a standard error of 0.6 % and 0.2 %. The mass does not depend on the terms of the map: none are
 // fitted.
 TEST(VelocityMap, NoiseInTheAccelerationDoesNotBiasTheMass) {
-  testing::Drive drive = biaxial('x');
+  test::Drive drive = biaxial('x');
   drive.noise_rms = 120.0;
   VelocityMapOptions options;
   options.terms = 0;
@@ -179,7 +179,7 @@ TEST(VelocityMap, NoiseInTheAccelerationDoesNotBiasTheMass) {
 }
 
 TEST(VelocityMap, AGivenMassIsTaken) {
-  const testing::Drive drive = biaxial('x');
+  const test::Drive drive = biaxial('x');
   VelocityMapOptions options;
   options.mass = drive.mass;
   options.terms = 3;
@@ -190,11 +190,11 @@ TEST(VelocityMap, AGivenMassIsTaken) {
 }
 
 TEST(VelocityMap, RefusesMotionInOneDirectionOnly) {
-  const testing::Drive drive = biaxial('x');
-  const log::Record one = testing::run(drive, 2.0, 1, [](std::size_t, double, double) { return 2500.0; });
+  const test::Drive drive = biaxial('x');
+  const log::Record one = test::run(drive, 2.0, 1, [](std::size_t, double, double) { return 2500.0; });
   EXPECT_THAT([&] { identify_velocity_map({one}); },
               ::testing::ThrowsMessage<Refused>(HasSubstr("both directions")));
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::velocity_map_test

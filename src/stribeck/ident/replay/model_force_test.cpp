@@ -7,7 +7,7 @@
 #include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/ident/replay/replay.hpp>
 
-namespace stribeck::ident::replay {
+namespace stribeck::ident::replay::model_force_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -158,4 +158,4 @@ TEST(ControllerCheck, ReproducesTheCommandOrSaysByHowMuchNot) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::replay
+}  // namespace stribeck::ident::replay::model_force_test

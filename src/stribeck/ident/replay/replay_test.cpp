@@ -6,7 +6,7 @@
 #include <stribeck/ident/replay/replay.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::replay {
+namespace stribeck::ident::replay::replay_test {
 namespace {
 
 /// Coulomb and viscous friction with one force held for a sample, solved piece by piece:
@@ -116,7 +116,7 @@ friction::AxisModel gaussian_model() {
   friction::AxisModel m;
   m.mass = 57.65e3;
   m.load = 40.0;
-  m.friction.steady = testing::table_2_3('x');
+  m.friction.steady = test::table_2_3('x');
   m.friction.eccentric.push_back({30.0, 5e-3, 0.3, friction::EccentricForm::kAdditive});
   m.friction.eccentric.push_back({20.0, 2.5e-3, -1.0, friction::EccentricForm::kProportional});
   return m;
@@ -144,13 +144,12 @@ friction::AxisModel mirrored(friction::AxisModel m) {
 const ReplayController kPd{PdLaw{57.65e3 * 1600, 57.65e3 * 80, 0.0, 57.65e3}, {}};
 
 log::Record table_run(double noise = 0.0) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
   drive.noise_rms = noise;
   drive.encoder = 0.0;
   drive.bits = 0.0;
-  return testing::run_closed(drive, drive.mass, testing::sine_reference(drive.sample_time, 0.01, 0.6, 1.2),
-                             3);
+  return test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.01, 0.6, 1.2), 3);
 }
 
 TEST(Replay, MirrorsAndShiftsInTime) {
@@ -178,7 +177,7 @@ TEST(Replay, FollowsAnotherProgramsBristles) {
   const log::Record run = table_run();
   friction::AxisModel model;
   model.mass = 57.65e3;
-  model.friction.steady = testing::table_2_3('x');
+  model.friction.steady = test::table_2_3('x');
   model.friction.dynamics = friction::LuGre<double>{3e8, 6e5, 0.05e-3};
   const OpenLoop open = replay_open_loop(model, run);
   EXPECT_LT(open.free.velocity_relative, 1e-3);
@@ -216,7 +215,7 @@ TEST(Replay, StiffBristlesTendToExactStandstill) {
 
 /// P-PI cascade with averaged velocity, written for the drive of the tests.
 log::Record cascade_run(const CascadeLaw& c, double limit) {
-  testing::Drive drive;
+  test::Drive drive;
   drive.mass = 100.0;
   drive.friction.velocity_range = {-0.2, 0.2};
   drive.friction.positive = {20.0, 200.0, {}};
@@ -238,7 +237,7 @@ log::Record cascade_run(const CascadeLaw& c, double limit) {
   const auto at = [&](std::ptrdiff_t k) {
     return r[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, 2499))];
   };
-  log::Record record = testing::run(drive, 2.5, 1, [&](std::size_t row, double, double x) {
+  log::Record record = test::run(drive, 2.5, 1, [&](std::size_t row, double, double x) {
     const auto k = static_cast<std::ptrdiff_t>(row);
     past.insert(past.begin(), x);
     double mean_now = 0.0;
@@ -396,4 +395,4 @@ TEST(Replay, RefusesWhatItCannotAnswer) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::replay
+}  // namespace stribeck::ident::replay::replay_test

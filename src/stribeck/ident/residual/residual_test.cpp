@@ -7,7 +7,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 
-namespace stribeck::ident::residual {
+namespace stribeck::ident::residual::residual_test {
 namespace {
 
 using ::testing::AllOf;
@@ -196,4 +196,4 @@ TEST(Residual, ShortRecordsAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::residual
+}  // namespace stribeck::ident::residual::residual_test

@@ -4,7 +4,7 @@
 
 #include <stribeck/ident/stats/least_squares.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::least_squares_test {
 namespace {
 
 /// Rosenbrock's valley as squares: 10·(y − x²) and 1 − x.
@@ -49,4 +49,4 @@ TEST(LeastSquares, EndsWhenTheIterationsAreUsedUp) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::least_squares_test

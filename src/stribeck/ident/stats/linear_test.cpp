@@ -2,7 +2,7 @@
 
 #include <stribeck/ident/stats/linear.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::linear_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -57,4 +57,4 @@ TEST(Linear, OrthonormalColumnsSpanTheSameSpace) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::linear_test

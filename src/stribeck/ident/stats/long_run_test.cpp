@@ -9,7 +9,7 @@
 #include <random>
 #include <stribeck/ident/stats/long_run.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::long_run_test {
 namespace {
 
 /// First-order noise of variance 1.
@@ -80,4 +80,4 @@ TEST(LongRun, RecordsAreIndependent) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::long_run_test

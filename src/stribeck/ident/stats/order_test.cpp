@@ -5,7 +5,7 @@
 
 #include <stribeck/ident/stats/order.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::order_test {
 namespace {
 
 // By hand: 1 2 3 5 8 in ascending order.
@@ -53,4 +53,4 @@ TEST(Order, MagnitudesLoseTheirSign) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::order_test

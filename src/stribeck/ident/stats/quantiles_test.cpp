@@ -4,7 +4,7 @@
 
 #include <stribeck/ident/stats/quantiles.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::quantiles_test {
 namespace {
 
 // Closed forms: with one degree of freedom t is Cauchy's distribution, tan(0.475·π); with two
@@ -27,4 +27,4 @@ TEST(Quantiles, TailOfChiSquared) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::quantiles_test

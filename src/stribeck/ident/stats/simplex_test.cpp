@@ -8,7 +8,7 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/stats/simplex.hpp>
 
-namespace stribeck::ident::stats {
+namespace stribeck::ident::stats::simplex_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(Simplex, RefusesAStartThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::stats
+}  // namespace stribeck::ident::stats::simplex_test

@@ -8,7 +8,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/gcode/canonical.hpp>
 
-namespace stribeck::io {
+namespace stribeck::io::canonical_test {
 namespace {
 
 using ::testing::AllOf;
@@ -228,4 +228,4 @@ TEST(Canonical, SaysWhatIsWrongAndWhere) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::canonical_test

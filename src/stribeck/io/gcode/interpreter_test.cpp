@@ -13,7 +13,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/gcode/interpreter.hpp>
 
-namespace stribeck::io {
+namespace stribeck::io::interpreter_test {
 namespace {
 
 using testing::ThrowsMessage;
@@ -171,4 +171,4 @@ TEST_F(Interpreter, MissingTellsHowToGetIt) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::interpreter_test

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::io {
+namespace stribeck::io::log_formats_test {
 namespace {
 
 using testing::ThrowsMessage;
@@ -512,4 +512,4 @@ TEST(LogFormats, EqualNames) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::log_formats_test

@@ -6,7 +6,7 @@
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <string>
 
-namespace stribeck::io {
+namespace stribeck::io::log_spreadsheet_test {
 namespace {
 
 using detail::time_of_day;
@@ -92,4 +92,4 @@ TEST(Spreadsheet, PerMilleIsAUnit) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::log_spreadsheet_test

@@ -21,7 +21,7 @@
 #include <stribeck/io/log/log.hpp>
 #include <thread>
 
-namespace stribeck::io {
+namespace stribeck::io::log_test {
 namespace {
 
 using testing::ThrowsMessage;
@@ -488,4 +488,4 @@ TEST_F(LogFile, AFailedWriteLeavesTheOldFileAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace stribeck::io
+}  // namespace stribeck::io::log_test

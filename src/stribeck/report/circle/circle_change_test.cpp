@@ -6,7 +6,7 @@
 #include <stribeck/report/circle/circle_change.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::circle_change_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -112,7 +112,7 @@ TEST(CirclePage, FirstScreenHoldsAnswerNumbersAndThePicture) {
   input.title = "Circle";
   input.radius = 0.01;
   input.logs = {log_of("one", {4, 5})};
-  const std::string page = testing::without_script(circle_report(input));
+  const std::string page = test::without_script(circle_report(input));
   const auto lead = page.find("The circle of 10 mm deviates by G = 5.00 µm from round");
   const auto numbers = page.find("<dl class=\"numbers\">");
   const auto picture = page.find("<svg ");
@@ -127,4 +127,4 @@ TEST(CirclePage, FirstScreenHoldsAnswerNumbersAndThePicture) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::circle_change_test

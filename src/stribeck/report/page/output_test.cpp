@@ -9,7 +9,7 @@
 #include <stribeck/report/page/output.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::output_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -21,7 +21,7 @@ Plot plot_of_two() {
   p.title = "Error at 3 mm/s";
   p.x_label = "time [s]";
   p.y_label = "error [um]";
-  p.series = {{.label = "(f), with observer", .x = {0, 1}, .y = {0.5, testing::kNaN}},
+  p.series = {{.label = "(f), with observer", .x = {0, 1}, .y = {0.5, test::kNaN}},
               {.label = "band", .x = {0}, .y_low = {1}, .y_high = {2}, .style = Style::kBand}};
   return p;
 }
@@ -55,13 +55,13 @@ TEST(Output, TablesForOtherDocuments) {
 }
 
 TEST(Output, PartsOfAPageAsFiles) {
-  const test::Folder folder;
+  const stribeck::test::Folder folder;
   Page page("t");
   page.figure(plot_of_two(), "");
   page.figure(Plot{}, "");
   page.table(small_table());
   write_page(page, {folder / "page", folder / "plots"});
-  EXPECT_THAT(test::text_of(folder / "page/index.html"), StartsWith("<!DOCTYPE html>"));
+  EXPECT_THAT(stribeck::test::text_of(folder / "page/index.html"), StartsWith("<!DOCTYPE html>"));
   std::set<std::string> names;
   for (const auto& file : std::filesystem::directory_iterator(folder / "plots"))
     names.insert(file.path().filename().string());
@@ -77,19 +77,19 @@ TEST(Output, PartsOfAPageAsFiles) {
                                        "table-01-errors-more.md",
                                        "table-01-errors-more.tex"};
   EXPECT_EQ(names, expected);
-  const std::string svg = test::text_of(folder / "plots/figure-01-error-at-3-mm-s.svg");
+  const std::string svg = stribeck::test::text_of(folder / "plots/figure-01-error-at-3-mm-s.svg");
   EXPECT_THAT(svg, HasSubstr("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox"));
   EXPECT_THAT(svg, Not(HasSubstr("data-plot")));
   EXPECT_THAT(svg, HasSubstr("stroke='#444444'"));
-  const std::string png = test::text_of(folder / "plots/figure-02.png");
+  const std::string png = stribeck::test::text_of(folder / "plots/figure-02.png");
   EXPECT_EQ(png.substr(1, 3), "PNG");
-  const std::string pdf = test::text_of(folder / "plots/figure-01-error-at-3-mm-s.pdf");
+  const std::string pdf = stribeck::test::text_of(folder / "plots/figure-01-error-at-3-mm-s.pdf");
   EXPECT_THAT(pdf, StartsWith("%PDF-"));
   EXPECT_THAT(pdf, HasSubstr("/CreationDate (D:0000"));
 }
 
 TEST(Output, OnlyTheFoldersThatAreWanted) {
-  const test::Folder folder;
+  const stribeck::test::Folder folder;
   Page page("t");
   page.paragraph("text");
   write_page(page, {"", folder / "plots"});
@@ -114,4 +114,4 @@ TEST(Output, APageSaysWhatMadeIt) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::output_test

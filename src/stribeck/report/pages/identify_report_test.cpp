@@ -6,7 +6,7 @@
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::identify_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,7 +46,7 @@ TEST(IdentifyReport, SaysInPlainWordsWhatWasDetermined) {
 }
 
 TEST(IdentifyReport, FirstScreenHasNumbersAndPointsOfTheCurveAreFolded) {
-  IdentifyReportInput in{"x", {testing::fit()}, "log.csv", "", ""};
+  IdentifyReportInput in{"x", {test::fit()}, "log.csv", "", ""};
   for (int k = 0; k < 6; ++k) {
     in.results[0].parameters.push_back(in.results[0].parameters.front());
     in.results[0].parameters.back().name = "friction_at_" + std::to_string(k);
@@ -59,4 +59,4 @@ TEST(IdentifyReport, FirstScreenHasNumbersAndPointsOfTheCurveAreFolded) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::identify_report_test

@@ -5,14 +5,14 @@
 #include <stribeck/report/pages/recommendation.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::recommendation_test {
 namespace {
 
 using ::testing::HasSubstr;
 
 CompareReportInput two() {
   CompareReportInput in;
-  in.result = testing::two_controllers();
+  in.result = test::two_controllers();
   return in;
 }
 
@@ -62,4 +62,4 @@ TEST(Recommendation, NothingFiniteIsSaid) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::recommendation_test

@@ -8,7 +8,7 @@
 #include <stribeck/report/test_result.hpp>
 #include <string>
 
-namespace stribeck::report {
+namespace stribeck::report::verdict_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -16,14 +16,14 @@ using ::testing::Not;
 
 /// (a) and (f) of the thesis, (g) and the default (h) beyond it.
 sim::CompareResult beyond() {
-  sim::CompareResult result = testing::two_controllers();
+  sim::CompareResult result = test::two_controllers();
   sim::CompareRow row = result.rows[0];
   result.rows.resize(1);
   const auto add = [&](const char* id, const char* label, double max, double rms, double input,
                        double ratio) {
     row.controller.id = id;
     row.controller.label = label;
-    row.mean = testing::metrics(max, rms);
+    row.mean = test::metrics(max, rms);
     row.mean.input_variation = input;
     row.mean.quadrant_ratio = ratio;
     result.rows.push_back(row);
@@ -88,7 +88,7 @@ TEST(Verdict, TakesTheBestWhereNoneAdapts) {
 
 TEST(Verdict, SaysWhatLearningLeaves) {
   sim::CompareResult result = beyond();
-  result.rows[2].mean = testing::metrics(1e-6, 0.2e-6);
+  result.rows[2].mean = test::metrics(1e-6, 0.2e-6);
   result.rows[2].controller.law = control::LearningParams{};
   EXPECT_THAT(verdict(rows_of(result, 0), "3 mm/s", result),
               HasSubstr(" (g) dynamic leaves 1.00\u00A0µm and 0.20\u00A0µm RMS. (a)"));
@@ -106,7 +106,7 @@ TEST(Verdict, DoesNotHideThatSomethingGotWorse) {
 TEST(Verdict, WithoutTheThesisOrWithoutFiguresNamesNoRivals) {
   sim::CompareResult result = beyond();
   EXPECT_TRUE(rivals_of(rows_of(result, 0)));
-  result.rows[1].mean = testing::nothing();
+  result.rows[1].mean = test::nothing();
   EXPECT_FALSE(rivals_of(rows_of(result, 0)));
   result = beyond();
   result.rows.erase(result.rows.begin(), result.rows.begin() + 2);
@@ -115,9 +115,9 @@ TEST(Verdict, WithoutTheThesisOrWithoutFiguresNamesNoRivals) {
   EXPECT_THAT(verdict(rows_of(result, 0), "3 mm/s", result),
               HasSubstr("(g) dynamic leaves the smallest RMS"));
   result = beyond();
-  result.rows[2].mean = result.rows[3].mean = testing::nothing();
+  result.rows[2].mean = result.rows[3].mean = test::nothing();
   EXPECT_FALSE(rivals_of(rows_of(result, 0)));
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::verdict_test

@@ -7,7 +7,7 @@
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::verify_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -54,7 +54,7 @@ VerifyReportInput two_models(bool closed) {
     ident::replay::Replay r;
     for (int k = 0; k < 400; ++k) {
       const double v = 0.03 * std::cos(0.03 * k);
-      m.open.measured_velocity.push_back(k == 0 ? testing::kNaN : v);
+      m.open.measured_velocity.push_back(k == 0 ? test::kNaN : v);
       r.v.push_back(v + 1e-3 * i);
       r.x.push_back(part.record.x[static_cast<std::size_t>(k)] + 1e-6 * i);
     }
@@ -69,7 +69,7 @@ VerifyReportInput two_models(bool closed) {
     m.force.own_relative = i == 1 ? 0.02 : 0.4;
     m.force.own_rms = 1.0;
     m.force.row = {10, 20};
-    m.drift.end = i == 1 ? 5e-5 : testing::kNaN;
+    m.drift.end = i == 1 ? 5e-5 : test::kNaN;
     m.open.starts = {0, 52, 157, 262, 366};
     if (closed) {
       r.force_rms = 2.5 * i;
@@ -169,11 +169,11 @@ TEST(VerifyReport, JudgesEveryModelOnAllParts) {
 
 TEST(VerifyReport, StandsAloneWhateverItIsCalled) {
   VerifyReportInput in = two_models(true);
-  in.axis = in.source = in.command = in.parts[0].models[0].name = in.warnings[0] = testing::kHostile;
-  const std::string page = testing::without_script(verify_report(in));
+  in.axis = in.source = in.command = in.parts[0].models[0].name = in.warnings[0] = test::kHostile;
+  const std::string page = test::without_script(verify_report(in));
   for (const char* foreign : {"http:", "https:", "<script", "<link", " src=", "url("})
     EXPECT_THAT(page, Not(HasSubstr(foreign)));
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::verify_report_test

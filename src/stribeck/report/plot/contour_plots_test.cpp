@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::report {
+namespace stribeck::report::contour_plots_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 /// One row for each error [µm], called (a), (b) …, cosines on the circle of two_controllers().
 sim::CompareResult with_errors(const std::vector<double>& errors) {
-  sim::CompareResult result = testing::two_controllers();
+  sim::CompareResult result = test::two_controllers();
   const sim::CompareRow pattern = result.rows[1];  // 2 µm
   result.rows.clear();
   for (const double e : errors) {
@@ -119,4 +119,4 @@ TEST(ContourPlots, LeaveAGapWhereNothingWasScored) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::contour_plots_test

@@ -11,12 +11,12 @@
 #include <stribeck/report/plot/plot.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::plot_test {
 namespace {
 
+using test::kHostile;
+using test::kNaN;
 using ::testing::HasSubstr;
-using testing::kHostile;
-using testing::kNaN;
 using ::testing::Not;
 
 Plot line_plot() {
@@ -272,4 +272,4 @@ TEST(Plot, CurvesDifferInDashAndColour) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::plot_test

@@ -5,7 +5,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/report/study/study_report.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::study_report_test {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(StudyReport, PageHasBothPictures) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::study_report_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <stribeck/sim/part/part_path.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::part_path_test {
 namespace {
 
 using Vec3 = Vec<double, 3>;
@@ -525,4 +525,4 @@ TEST(PartPath, WithoutAWayThereIsNothingToPlan) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::part_path_test

@@ -2,7 +2,7 @@
 
 #include <stribeck/sim/test_machine.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::travel_test {
 namespace {
 
 TEST(Travel, LapsToSettleAreTravelledAndNotScored) {
@@ -45,4 +45,4 @@ TEST(Travel, TheThirdLapHasTheFiguresOfTheThirdLap) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::travel_test

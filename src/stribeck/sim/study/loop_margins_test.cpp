@@ -7,7 +7,7 @@
 #include <stribeck/sim/contour_run.hpp>
 #include <stribeck/sim/study/loop_margins.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::loop_margins_test {
 namespace {
 
 using testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST(LoopMargins, EveryLawHasThem) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::loop_margins_test

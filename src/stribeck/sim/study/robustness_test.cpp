@@ -7,7 +7,7 @@
 #include <stribeck/sim/test_machine.hpp>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::sim::robustness_test {
 namespace {
 
 using testing::HasSubstr;
@@ -188,4 +188,4 @@ TEST(Quantile, CountsALostLoopAsInfinite) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::robustness_test

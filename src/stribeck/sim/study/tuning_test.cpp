@@ -6,7 +6,7 @@
 #include <stribeck/sim/study/tuning.hpp>
 #include <stribeck/sim/test_machine.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::tuning_test {
 namespace {
 
 using testing::HasSubstr;
@@ -177,4 +177,4 @@ TEST(Tune, SaysWhichLimitNoGainsMeetAndByHowMuch) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::tuning_test

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::sim::variation_test {
 namespace {
 
 using testing::HasSubstr;
@@ -323,4 +323,4 @@ TEST(Vary, RefusesWhatIsNoRange) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::variation_test

@@ -6,7 +6,7 @@
 #include <stribeck/sim/uncertainty/design.hpp>
 #include <vector>
 
-namespace stribeck::sim {
+namespace stribeck::sim::design_test {
 namespace {
 
 std::uint64_t digits(double share) { return static_cast<std::uint64_t>(share * 0x1p52); }
@@ -96,4 +96,4 @@ TEST(Design, SeedsDiffer) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::design_test

@@ -5,7 +5,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/sim/uncertainty/distribution.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::distribution_test {
 namespace {
 
 struct Moments {
@@ -121,4 +121,4 @@ TEST(Distribution, ProblemsAreNamed) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::distribution_test

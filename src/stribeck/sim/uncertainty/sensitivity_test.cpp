@@ -6,7 +6,7 @@
 #include <stribeck/sim/uncertainty/design.hpp>
 #include <stribeck/sim/uncertainty/sensitivity.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::sensitivity_test {
 namespace {
 
 using Function = std::function<double(const std::vector<double>&)>;
@@ -102,4 +102,4 @@ TEST(SobolIndices, OfAConstantAreUnknown) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::sensitivity_test

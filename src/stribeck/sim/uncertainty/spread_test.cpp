@@ -6,7 +6,7 @@
 #include <stribeck/sim/uncertainty/design.hpp>
 #include <stribeck/sim/uncertainty/spread.hpp>
 
-namespace stribeck::sim {
+namespace stribeck::sim::spread_test {
 namespace {
 
 TEST(Spread, QuantilesAreWithinTheirError) {
@@ -106,4 +106,4 @@ TEST(Spread, OfNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck::sim
+}  // namespace stribeck::sim::spread_test

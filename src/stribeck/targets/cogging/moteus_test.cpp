@@ -7,7 +7,7 @@
 #include <stribeck/targets/steady/test_export.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::moteus_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -143,4 +143,4 @@ TEST(Moteus, IsAmongAllWhereThereIsATermForIt) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::moteus_test

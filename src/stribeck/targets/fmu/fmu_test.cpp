@@ -17,7 +17,7 @@
 #include <stribeck/targets/target.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::fmu_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -419,4 +419,4 @@ TEST(Fmu, AStateIsKeptAndComesBack) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::fmu_test

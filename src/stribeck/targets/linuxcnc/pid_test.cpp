@@ -7,7 +7,7 @@
 #include <stribeck/targets/steady/test_export.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::pid_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(Pid, LinuxCncsOwnComponentsGiveTheForce) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::pid_test

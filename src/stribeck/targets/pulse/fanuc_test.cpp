@@ -5,7 +5,7 @@
 #include <stribeck/targets/pulse/fanuc.hpp>
 #include <stribeck/targets/pulse/test_export.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::fanuc_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::fanuc_test

@@ -12,7 +12,7 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::sinumerik_test {
 namespace {
 
 using targets::Qec;
@@ -170,4 +170,4 @@ TEST(Sinumerik, RefusesWhatItCannotPredict) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::sinumerik_test

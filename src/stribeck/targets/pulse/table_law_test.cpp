@@ -4,7 +4,7 @@
 #include <stribeck/targets/pulse/table_law.hpp>
 #include <stribeck/targets/pulse/test_export.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::table_law_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -68,4 +68,4 @@ TEST(BuildUp, TheTableOfIsgTakesMostOfTheQuadrantErrorAway) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::table_law_test

@@ -5,7 +5,7 @@
 #include <stribeck/targets/pulse/test_export.hpp>
 #include <stribeck/targets/pulse/tnc.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::tnc_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -69,4 +69,4 @@ TEST(Tnc, EveryAxisHasItsGains) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::tnc_test

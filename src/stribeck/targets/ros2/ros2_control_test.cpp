@@ -9,7 +9,7 @@
 #include <stribeck/targets/steady/test_export.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::ros2_control_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -269,4 +269,4 @@ TEST(Ros2Control, NamesAreTexts) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::ros2_control_test

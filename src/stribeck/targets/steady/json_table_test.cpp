@@ -6,7 +6,7 @@
 #include <stribeck/targets/steady/test_export.hpp>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::json_table_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -63,4 +63,4 @@ TEST(JsonTable, HoldsThePeriodicTermsAndSaysThatPlacesAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::json_table_test

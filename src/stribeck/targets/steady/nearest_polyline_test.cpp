@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <stribeck/targets/steady/nearest_polyline.hpp>
 
-namespace stribeck::targets {
+namespace stribeck::targets::nearest_polyline_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -122,4 +122,4 @@ TEST(NearestPolyline, RefusesWhatIsNoCurve) {
 }
 
 }  // namespace
-}  // namespace stribeck::targets
+}  // namespace stribeck::targets::nearest_polyline_test

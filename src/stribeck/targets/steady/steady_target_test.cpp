@@ -15,7 +15,7 @@
 #include <stribeck/targets/steady/test_export.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::steady_target_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -326,4 +326,4 @@ TEST(Approximation, ALineIsFoundAgain) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::steady_target_test

@@ -13,7 +13,7 @@
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/circle_logs.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::ball_bar_test {
 namespace {
 
 namespace circle = ident::circle;
@@ -389,4 +389,4 @@ TEST_F(BallBar, NumbersAboveATableOfDecimalCommasHaveThemToo) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::ball_bar_test

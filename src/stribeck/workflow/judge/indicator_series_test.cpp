@@ -6,7 +6,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::indicator_series_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -82,4 +82,4 @@ TEST_F(IndicatorSeries, OtherTablesAreRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::indicator_series_test

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::column_words_test {
 namespace {
 
 using ::testing::Contains;
@@ -131,4 +131,4 @@ TEST(ColumnWords, MapWithoutItsColumnNamesTheSideFile) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::column_words_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::log_axis_test {
 namespace {
 
 using ::testing::AllOf;
@@ -277,4 +277,4 @@ TEST(Inspect, SaysWhatALogHolds) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::log_axis_test

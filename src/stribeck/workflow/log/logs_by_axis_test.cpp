@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::logs_by_axis_test {
 namespace {
 
 using ::testing::AllOf;
@@ -124,4 +124,4 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::logs_by_axis_test

@@ -9,7 +9,7 @@
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::machine_file_test {
 namespace {
 
 using ::testing::AllOf;
@@ -213,4 +213,4 @@ TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::machine_file_test

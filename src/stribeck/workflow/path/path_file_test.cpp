@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace stribeck::test {
+namespace stribeck::test::path_file_test {
 namespace {
 
 using ::testing::ThrowsMessage;
@@ -105,4 +105,4 @@ TEST(PathFile, TooManyPointsAreRefused) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::path_file_test

@@ -9,7 +9,7 @@
 #include <stribeck/workflow/path/point_path.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::point_path_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -143,4 +143,4 @@ TEST(PointPath, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::point_path_test

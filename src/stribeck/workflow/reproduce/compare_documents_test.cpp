@@ -3,7 +3,7 @@
 #include <stribeck/workflow/reproduce/compare_documents.hpp>
 #include <string>
 
-namespace stribeck::test {
+namespace stribeck::test::compare_documents_test {
 namespace {
 
 using workflow::first_difference;
@@ -41,4 +41,4 @@ TEST(CompareDocuments, NamesTheFirstLineThatIsMissing) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::compare_documents_test

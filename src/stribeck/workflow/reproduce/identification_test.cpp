@@ -13,7 +13,7 @@
 #include <stribeck/report/html.hpp>
 #include <stribeck/workflow/reproduce/identification.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::identification_test {
 namespace {
 
 using report::ReproducedFigure;
@@ -261,4 +261,4 @@ TEST(ReproduceIdentification, NothingAskedIsNothing) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::identification_test

@@ -7,7 +7,7 @@
 
 #include <stribeck/workflow/reproduce/robustness.hpp>
 
-namespace stribeck::test {
+namespace stribeck::test::robustness_test {
 namespace {
 
 sim::RobustRun run_of(double maximum, bool lost = false) {
@@ -83,4 +83,4 @@ TEST(RobustnessSection, NeedsWhatItsControllersNeed) {
 }
 
 }  // namespace
-}  // namespace stribeck::test
+}  // namespace stribeck::test::robustness_test

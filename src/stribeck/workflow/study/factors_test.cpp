@@ -6,7 +6,7 @@
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/study/factors.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::factors_test {
 namespace {
 
 using testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(StudyFactors, ImpossibleMachinesAreFound) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::factors_test

@@ -5,7 +5,7 @@
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/study/results_file.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::results_file_test {
 namespace {
 
 using test::Folder;
@@ -111,4 +111,4 @@ TEST(ResultsFile, RowsAreReadAsWritten) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::results_file_test

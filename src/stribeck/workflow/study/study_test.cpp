@@ -9,7 +9,7 @@
 #include <stribeck/sim/in_order.hpp>
 #include <stribeck/workflow/study/study.hpp>
 
-namespace stribeck::workflow {
+namespace stribeck::workflow::study_test {
 namespace {
 
 using test::Folder;
@@ -293,4 +293,4 @@ TEST(InOrder, HandsOverInOrderAndStopsAtTheFirstError) {
 }
 
 }  // namespace
-}  // namespace stribeck::workflow
+}  // namespace stribeck::workflow::study_test

@@ -8,26 +8,24 @@
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::map_choice_test {
 namespace {
 
 constexpr double kPeriod = 0.017;
 
 /// Coulomb and viscous friction, a load and a periodic term; noise [N].
-testing::SyntheticLog with_screw(double noise) {
+test::SyntheticLog with_screw(double noise) {
   std::mt19937_64 engine(2);
   std::normal_distribution<double> normal;
-  return testing::synthetic_log([&](double x, double v, double a) {
+  return test::synthetic_log([&](double x, double v, double a) {
     return 250.0 * a + (v > 0.0 ? 40.0 : -40.0) + 12.0 + 900.0 * v +
            6.0 * std::sin(2.0 * kPi * x / kPeriod + 0.4) + noise * normal(engine);
   });
 }
 
-Rows rows_of(const testing::SyntheticLog& s) {
-  return gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160);
-}
+Rows rows_of(const test::SyntheticLog& s) { return gather(s.log, extent_of(s.log), {1e-3, 0.04, 0.0}, 160); }
 
-Terms screw_of(const testing::SyntheticLog& s) {
+Terms screw_of(const test::SyntheticLog& s) {
   map::PeriodicTerm term;
   term.term.period = kPeriod;
   Terms terms;
@@ -35,7 +33,7 @@ Terms screw_of(const testing::SyntheticLog& s) {
   return terms;
 }
 
-LinearFit second_pass(const testing::SyntheticLog& s, const Rows& rows, const Terms& terms) {
+LinearFit second_pass(const test::SyntheticLog& s, const Rows& rows, const Terms& terms) {
   const LinearFit first = solve(s.log, rows, terms);
   return solve(s.log, rows, terms, &first);
 }
@@ -51,7 +49,7 @@ map::StaticFit symmetric(const Rows& rows) {
 }
 
 TEST(MapChoice, TheFamilyThatMadeTheForceIsChosen) {
-  const testing::SyntheticLog s = with_screw(1.0);
+  const test::SyntheticLog s = with_screw(1.0);
   const Rows rows = rows_of(s);
   const Terms terms = screw_of(s);
   const MapChoice choice = choose_map(s.log, rows, terms, second_pass(s, rows, terms), {});
@@ -64,7 +62,7 @@ TEST(MapChoice, TheFamilyThatMadeTheForceIsChosen) {
 
 // Noise-free, Gauss–Newton on the sums finds everything up to what a bin is wide.
 TEST(MapChoice, MapAndLinearTermsAreFittedTogether) {
-  const testing::SyntheticLog s = with_screw(0.0);
+  const test::SyntheticLog s = with_screw(0.0);
   const Rows rows = rows_of(s);
   const LinearFit fit = second_pass(s, rows, screw_of(s));
   const JointFit joint = fit_jointly(symmetric(rows), fit, fit.sums.blocks);
@@ -79,7 +77,7 @@ TEST(MapChoice, MapAndLinearTermsAreFittedTogether) {
 
 // Sums of products against a loop over the rows; the map at the mean speed of the bin, as the sums have it.
 TEST(MapChoice, LossOfABlockIsThatOfItsRows) {
-  const testing::SyntheticLog s = with_screw(1.0);
+  const test::SyntheticLog s = with_screw(1.0);
   const Rows rows = rows_of(s);
   const Terms terms = screw_of(s);
   const LinearFit fit = second_pass(s, rows, terms);
@@ -100,7 +98,7 @@ TEST(MapChoice, LossOfABlockIsThatOfItsRows) {
 
 // A block that is left out does not move the fit.
 TEST(MapChoice, ABlockLeftOutIsNotSeen) {
-  const testing::SyntheticLog s = with_screw(1.0);
+  const test::SyntheticLog s = with_screw(1.0);
   const Rows rows = rows_of(s);
   LinearFit fit = second_pass(s, rows, screw_of(s));
   const JointFit before = fit_jointly(symmetric(rows), fit, 1);
@@ -115,4 +113,4 @@ TEST(MapChoice, ABlockLeftOutIsNotSeen) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::map_choice_test

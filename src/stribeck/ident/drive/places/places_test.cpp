@@ -5,7 +5,7 @@
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
-namespace stribeck::ident::drive {
+namespace stribeck::ident::drive::places_test {
 namespace {
 
 constexpr double kMass = 20.0, kForce = 40.0, kPerSpeed = 60.0;
@@ -28,7 +28,7 @@ Level level() {
 }
 
 struct Looked {
-  testing::SyntheticLog log;
+  test::SyntheticLog log;
   Rows rows;
   std::vector<double> residual;
 };
@@ -37,7 +37,7 @@ struct Looked {
 Looked look(const std::function<double(double, double, double)>& force, double noise, double second = 0.003) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0.0, noise);
-  Looked out{testing::synthetic_log(
+  Looked out{test::synthetic_log(
                  [&](double x, double v, double a) { return force(x, v, a) + normal(random); }, second),
              {},
              {}};
@@ -103,4 +103,4 @@ TEST(Places, TwoSetsTogetherAddTheirShares) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::drive
+}  // namespace stribeck::ident::drive::places_test

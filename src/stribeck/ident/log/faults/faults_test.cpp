@@ -8,14 +8,14 @@
 #include <stribeck/ident/refused.hpp>
 #include <utility>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::faults_test {
 namespace {
 
+using test::kinds;
+using test::strokes;
+using test::texts;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::kinds;
-using testing::strokes;
-using testing::texts;
 
 std::string refusal(const RawLog& log) {
   try {
@@ -161,4 +161,4 @@ TEST(LogFaults, RippleOfAScrewIsNoLine) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::faults_test

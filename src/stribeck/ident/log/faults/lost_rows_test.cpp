@@ -8,14 +8,14 @@
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/log/faults/test_faults.hpp>
 
-namespace stribeck::ident::log {
+namespace stribeck::ident::log::lost_rows_test {
 namespace {
 
+using test::kinds;
+using test::strokes;
+using test::texts;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::kinds;
-using testing::strokes;
-using testing::texts;
 
 /// Rows far from both ends and from each other.
 std::vector<std::size_t> places(std::size_t count, std::uint64_t seed, std::size_t rows) {
@@ -153,4 +153,4 @@ TEST(LostRows, KeepLeavesThemAlone) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::log
+}  // namespace stribeck::ident::log::lost_rows_test

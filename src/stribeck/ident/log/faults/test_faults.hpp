@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-namespace stribeck::ident::log::testing {
+namespace stribeck::ident::test {
 
 /// Trapezoids of 100 mm at 40, 80 and 120 mm/s and 0.8 m/s², 1 ms, m = 100 kg, F = 20 N, c = 200 N s/m. The position
 /// follows its reference by 6 ms and has an encoder of 50 nm.
-inline RawLog strokes(std::uint64_t seed, bool reference) {
+inline log::RawLog strokes(std::uint64_t seed, bool reference) {
   constexpr double kStroke = 0.1, kRate = 0.8, kStep = 1e-3, kLag = 6e-3;
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
@@ -35,7 +35,7 @@ inline RawLog strokes(std::uint64_t seed, bool reference) {
     for (int k = 0; k < 150; ++k) add(0.0, 0.0);
   }
   const auto lag = static_cast<std::size_t>(std::round(kLag / kStep));
-  RawLog log;
+  log::RawLog log;
   log.source = "log.csv";
   for (std::size_t k = lag; k < r.size(); ++k) {
     const std::size_t i = k - lag;
@@ -48,16 +48,16 @@ inline RawLog strokes(std::uint64_t seed, bool reference) {
   return log;
 }
 
-inline std::vector<std::string> kinds(const Conditioned& c) {
+inline std::vector<std::string> kinds(const log::Conditioned& c) {
   std::vector<std::string> out;
-  for (const Finding& f : c.findings) out.push_back(f.kind);
+  for (const log::Finding& f : c.findings) out.push_back(f.kind);
   return out;
 }
 
-inline std::string texts(const Conditioned& c) {
+inline std::string texts(const log::Conditioned& c) {
   std::string out;
-  for (const Finding& f : c.findings) out += f.kind + ": " + f.text + "\n";
+  for (const log::Finding& f : c.findings) out += f.kind + ": " + f.text + "\n";
   return out;
 }
 
-}  // namespace stribeck::ident::log::testing
+}  // namespace stribeck::ident::test

@@ -6,7 +6,7 @@
 
 #include <stribeck/ident/methods/jog/jog_parts.hpp>
 
-namespace stribeck::ident::methods::jog {
+namespace stribeck::ident::methods::jog::jog_jump_test {
 namespace {
 
 /// Means at ten speeds in both directions, ascending in speed, each with an error of 0.1 N.
@@ -58,4 +58,4 @@ TEST(JogJump, NumbersEachSpeedOnce) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods::jog
+}  // namespace stribeck::ident::methods::jog::jog_jump_test

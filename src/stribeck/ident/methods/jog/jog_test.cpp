@@ -12,15 +12,15 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/test_drive.hpp>
 
-namespace stribeck::ident::methods {
+namespace stribeck::ident::methods::jog_test {
 namespace {
 
+using test::ideal;
+using test::kPeriod;
+using test::kTable;
+using test::printed;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::ideal;
-using testing::kPeriod;
-using testing::kTable;
-using testing::printed;
 using ::testing::ThrowsMessage;
 
 double parameter(const Result& r, const std::string& name) {
@@ -110,13 +110,11 @@ TEST(Jog, TakesOffATermPeriodicInPosition) {
 // Independent reference: the virtual drive with Table 2.3; its curves within 2 % from 0.5 to 9 mm/s, and the mass from
 // a sine among the logs.
 TEST(Jog, ReadsTable23OffTheVirtualDrive) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
   excitation::JogDesign design;
-  const log::Record r =
-      testing::run_closed(drive, 55e3, excitation::design_jog(kTable, kPeriod, design).r, 1);
-  const log::Record sine =
-      testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 4), 2);
+  const log::Record r = test::run_closed(drive, 55e3, excitation::design_jog(kTable, kPeriod, design).r, 1);
+  const log::Record sine = test::run_closed(drive, 55e3, test::sine_reference(kPeriod, 0.02, 0.475, 4), 2);
   const Jog jog = identify_jog({r, sine});
   for (double speed = 0.5e-3; speed <= 9e-3; speed += 0.25e-3) {
     for (const double v : {speed, -speed}) {
@@ -172,10 +170,9 @@ TEST(Jog, TakesRecordsOfVelocityAlone) {
 }
 
 TEST(Jog, RefusesALogWithoutConstantSpeeds) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('x');
-  const log::Record sine =
-      testing::run_closed(drive, 55e3, testing::sine_reference(kPeriod, 0.02, 0.475, 1), 2);
+  test::Drive drive;
+  drive.friction = test::table_2_3('x');
+  const log::Record sine = test::run_closed(drive, 55e3, test::sine_reference(kPeriod, 0.02, 0.475, 1), 2);
   EXPECT_THAT([&] { identify_jog({sine}); },
               ThrowsMessage<Refused>(HasSubstr("no stretch of constant speed")));
   EXPECT_THROW(identify_jog({}), Refused);
@@ -186,8 +183,8 @@ TEST(Jog, RefusesALogWithoutConstantSpeeds) {
 // Table 2.3 has a term of 0.475 mm/s width at −9.3 mm/s, y: steps of 0.5 mm/s see it at one speed. With noise of 120 N
 // most logs leave it open; a speed between them tells it.
 TEST(Jog, SaysWhereASpeedIsMissing) {
-  testing::Drive drive;
-  drive.friction = testing::table_2_3('y');
+  test::Drive drive;
+  drive.friction = test::table_2_3('y');
   const auto logs_that_ask = [&](const std::vector<double>& speeds) {
     int count = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -208,4 +205,4 @@ TEST(Jog, SaysWhereASpeedIsMissing) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident::methods
+}  // namespace stribeck::ident::methods::jog_test
