@@ -11,6 +11,7 @@
 #include <apps/cli/trace_page.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/report/run/run_figures.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
@@ -81,7 +82,7 @@ int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
                   m.max_contour_error * 1e6, m.rms * 1e6);
   report_log(o.common, made_from(inputs_of(o)), errors_first(run.log, one.axes),
              fmt::format("Controller ({}) on {}", controller.id, travel.name),
-             fmt::format("{}, {}: {}", controller.label, pace, figures));
+             fmt::format("{}, {}: {}", controller.label, pace, figures), report::run_figures(one));
   write_json(o.common.json, to_json(run), made_from(inputs_of(o)));
   say(o.common, part_words(run.spec));
   say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,

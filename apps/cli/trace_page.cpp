@@ -4,7 +4,7 @@
 #include <apps/cli/commands.hpp>
 #include <apps/cli/trace_page.hpp>
 #include <stribeck/io/log/log.hpp>
-#include <stribeck/report/pages/trace_report.hpp>
+#include <stribeck/report/run/trace_report.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -28,7 +28,7 @@ std::string quantity_of(const std::string& column) {
 }  // namespace
 
 void report_log(const Common& common, const report::Made& made, const io::Log& log, const std::string& title,
-                const std::string& summary) {
+                const std::string& summary, std::vector<report::TraceFigure> figures) {
   const report::PageFolders folders = folders_of(common);
   if (!folders.any()) return;
   report::TraceReportInput input{title, summary,    made.command, made.version, log.columns.front().values,
@@ -37,6 +37,7 @@ void report_log(const Common& common, const report::Made& made, const io::Log& l
     const io::Column& c = log.columns[i];
     input.columns.push_back({c.name, c.unit_text, c.values, quantity_of(c.name)});
   }
+  input.figures = std::move(figures);
   report::write_trace_report(folders, input);
 }
 

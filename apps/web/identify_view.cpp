@@ -118,15 +118,10 @@ nlohmann::ordered_json IdentifyView::identify(const IdentifyRequest& r) {
   json["command"] = command;
 
   auto result = std::make_shared<Result>();
-  result->page.axis = axis.axis;
-  result->page.results = {found.result};
-  result->page.results.insert(result->page.results.end(), found.beside.begin(), found.beside.end());
-  result->page.source = axis.sources;
+  result->page = workflow::page_of(found, axis);
   result->page.command = command;
   result->page.version = version_;
-  result->page.quality = found.quality;
   result->page.inputs = std::move(inputs);
-  result->page.lost_motion = found.lost_motion;
   const std::lock_guard lock(mutex_);
   kept_.emplace_back(std::to_string(next_++), std::move(result));
   if (kept_.size() > kMostKept) kept_.erase(kept_.begin());

@@ -66,6 +66,15 @@ std::string summary(const ident::Result& r, std::string_view axis) {
   return text;
 }
 
+void force_over_time(Page& page, const ForceOverTime& force, const ShownUnits& units) {
+  page.section("Force over time");
+  page.figure(
+      force_plot(force, "", units.force, "#0072b2"),
+      "Measured force of " + force.source +
+          " beside that of the model under the measured motion, both behind the same low-pass. Good: the lines lie "
+          "on each other, and what is left looks like noise. Where it does not, look at the velocity there in the figures below.");
+}
+
 /// The residual: against velocity, position and time, and its spectrum.
 void residuals(Page& page, const ident::Result& r, bool heading) {
   std::vector<Plot> plots = residual_plots(r);
@@ -207,6 +216,7 @@ Page identify_report_page(const IdentifyReportInput& input) {
             (r.friction.eccentric.empty() ? "" : " Periodic terms are subtracted."));
     if (first) page.section("Parameters");
     parameters(page, r);
+    if (first && input.force) force_over_time(page, *input.force, units_of(r));
     residuals(page, r, first);
     if (first && input.quality) quality(page, *input.quality, units_of(r));
     if (first && input.lost_motion) {

@@ -1,6 +1,6 @@
 #pragma once
 /// The page of an identification: the map with the fit and its 95 % band; parameters with their intervals and whether the data
-/// determine them; the residual against velocity, position and time, and its spectrum over position; the models that were
+/// determine them; the measured and the modelled force over time; the residual against velocity, position and time, and its spectrum over position; the models that were
 /// tried; what the log cannot tell; warnings. Where the log has no scale, all values are in its own units
 /// (shown_units.hpp).
 /// Real time: no.
@@ -11,6 +11,7 @@
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/result.hpp>
 #include <stribeck/report/page/output.hpp>
+#include <stribeck/report/plot/force_plot.hpp>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct IdentifyReportInput {
   std::optional<ident::residual::Quality> quality = {};            ///< what the chosen one leaves, over time
   std::vector<InputFile> inputs = {};                              ///< that the result came from
   std::optional<ident::lost_motion::LostMotion> lost_motion = {};  ///< of an axis with two encoders
+  std::optional<ForceOverTime> force = {};  ///< of the longest record, by the chosen one
 };
 
 /// Kind of result and method, e.g. "conventional model by jog"; a method without a model in plain words.

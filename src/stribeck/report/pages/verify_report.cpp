@@ -7,6 +7,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/verify_parts.hpp>
+#include <stribeck/report/plot/force_plot.hpp>
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -14,7 +15,6 @@
 namespace stribeck::report {
 namespace {
 
-constexpr std::string_view kMeasuredColor = "#9aa0a6";
 constexpr std::size_t kShownParts = 4;  ///< parts with drawings; a log may consist of hundreds
 constexpr std::size_t kShownReversals = 4;
 
@@ -62,20 +62,9 @@ std::vector<Plot> force_plots(const VerifiedPart& part) {
   for (std::size_t i = 0; i < part.models.size(); ++i) {
     const ident::replay::ForceError& e = part.models[i].force;
     if (e.modelled.empty()) continue;
-    Plot p = time_plot(part.models[i].name + ": force", "force [" + units.force + "]", 920, 270);
-    Series measured, modelled, left;
-    measured.label = "measured", measured.color = std::string(kMeasuredColor), measured.width = 3.0;
-    modelled.label = "modelled", modelled.color = model_color(0), modelled.width = 1.2;
-    left.label = "measured less modelled", left.color = "#e69f00", left.width = 1.0;
-    for (std::size_t k = 0; k < e.row.size(); ++k) {
-      const double t = part.record.t[e.row[k]];
-      for (Series* s : {&measured, &modelled, &left}) s->x.push_back(t);
-      measured.y.push_back(e.measured[k]);
-      modelled.y.push_back(e.modelled[k]);
-      left.y.push_back(e.measured[k] - e.modelled[k]);
-    }
-    p.series = {std::move(measured), std::move(modelled), std::move(left)};
-    plots.push_back(std::move(p));
+    ForceOverTime force{part.record.source, {}, e.measured, e.modelled};
+    for (const std::size_t row : e.row) force.t.push_back(part.record.t[row]);
+    plots.push_back(force_plot(force, part.models[i].name + ": force", units.force, model_color(0)));
   }
   return plots;
 }

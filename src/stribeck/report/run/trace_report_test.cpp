@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <stribeck/report/pages/trace_report.hpp>
+#include <stribeck/report/run/trace_report.hpp>
 #include <stribeck/report/test_result.hpp>
 
-namespace stribeck::report {
+namespace stribeck::report::trace_report_test {
 namespace {
 
 TEST(TraceReport, DrawsColumnsOfOneUnitTogetherAndEscapesWhatItIsGiven) {
@@ -18,7 +18,7 @@ TEST(TraceReport, DrawsColumnsOfOneUnitTogetherAndEscapesWhatItIsGiven) {
                    {"f", "N", {5, 6, 7}},
                    {"c", "um", {1, 2, 3}, "contour error"},
                    {"e", "um", {1, 2, 3}, "tracking error"}};
-  const std::string html = testing::without_script(trace_report(input));
+  const std::string html = test::without_script(trace_report(input));
   EXPECT_EQ(html.find("<b>of</b>"), std::string::npos);
   EXPECT_NE(html.find("a &amp; b"), std::string::npos);
   std::size_t drawings = 0;
@@ -30,4 +30,4 @@ TEST(TraceReport, DrawsColumnsOfOneUnitTogetherAndEscapesWhatItIsGiven) {
 }
 
 }  // namespace
-}  // namespace stribeck::report
+}  // namespace stribeck::report::trace_report_test

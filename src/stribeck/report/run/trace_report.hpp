@@ -4,6 +4,7 @@
 /// Errors: io::InputError of files and of gnuplot.
 
 #include <stribeck/report/page/output.hpp>
+#include <stribeck/report/plot/plot.hpp>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,14 @@ struct TraceColumn {
   std::string quantity = {};  ///< "position"; empty: unknown
 };
 
+/// Drawings under a heading of their own, above the columns.
+struct TraceFigure {
+  std::string heading;
+  std::vector<Plot> plots;
+  int columns = 1;
+  std::string caption;
+};
+
 struct TraceReportInput {
   std::string title;
   std::string summary;  ///< in words
@@ -24,6 +33,7 @@ struct TraceReportInput {
   std::vector<double> time;            ///< [s]
   std::vector<TraceColumn> columns;    ///< columns of one quantity and unit share a drawing
   std::vector<InputFile> inputs = {};  ///< that the result came from
+  std::vector<TraceFigure> figures = {};
 };
 
 std::string trace_report(const TraceReportInput& input);

@@ -1,7 +1,7 @@
 #include <array>
 #include <stribeck/report/html.hpp>
-#include <stribeck/report/pages/trace_report.hpp>
 #include <stribeck/report/plot/plot.hpp>
+#include <stribeck/report/run/trace_report.hpp>
 #include <stribeck/report/text.hpp>
 
 namespace stribeck::report {
@@ -17,6 +17,10 @@ namespace {
 Page trace_report_page(const TraceReportInput& input) {
   Page page(input.title, "stribeck " + input.version);
   page.lead(input.summary);
+  for (const TraceFigure& f : input.figures) {
+    page.section(f.heading);
+    page.figures(f.plots, f.columns, f.caption);
+  }
   page.section("Columns over time");
   std::vector<Plot> plots;
   for (const TraceColumn& c : input.columns) {
