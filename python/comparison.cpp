@@ -20,16 +20,14 @@ namespace {
 using workflow::Comparison;
 
 std::shared_ptr<Comparison> compare(const py::object& machine, const py::kwargs& given) {
-  constexpr std::int64_t kMostTrials = 100000, kMostThreads = 4096;
   Keywords keywords("compare", given);
   workflow::ComparisonOptions o;
   o.machine = path_of(machine);
   o.experiment = keywords.word("experiment", workflow::experiment_ids());
   o.drive = keywords.word("drive", workflow::drive_modes());
-  o.trials = static_cast<std::uint32_t>(keywords.whole("trials", 1, kMostTrials).value_or(o.trials));
-  o.seed = static_cast<std::uint64_t>(
-      keywords.whole("seed", 0, std::numeric_limits<std::int64_t>::max()).value_or(1));
-  o.threads = static_cast<unsigned>(keywords.whole("threads", 0, kMostThreads).value_or(0));
+  o.trials = trials_of(keywords, o.trials);
+  o.seed = seed_of(keywords);
+  o.threads = threads_of(keywords);
   o.speeds = keywords.quantities("speed", "m/s");
   o.controllers = keywords.paths("controller");
   o.only = keywords.texts("only");

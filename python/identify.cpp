@@ -203,10 +203,9 @@ void add_files(FoundClass& c) {
       [](const Found& f, const py::object& folder) {
         const std::string path = path_of(folder);
         unlocked([&] {
-          std::vector<ident::Result> shown{f.found.result};
-          shown.insert(shown.end(), f.found.beside.begin(), f.found.beside.end());
-          report::write_identify_report(
-              {path, ""}, {f.axis.axis, shown, f.axis.sources, "", STRIBECK_VERSION, f.found.quality, {}});
+          report::IdentifyReportInput page = workflow::page_of(f.found, f.axis);
+          page.version = STRIBECK_VERSION;
+          report::write_identify_report({path, ""}, page);
         });
       },
       py::arg("folder"),

@@ -100,4 +100,8 @@ PYBIND11_MODULE(stribeck, module) {
   stribeck::python::add_comparison(module);
   stribeck::python::add_judges(module);
   stribeck::python::add_study(module);
+  stribeck::python::add_tuning(module);
+  stribeck::python::add_commission(module);
+  stribeck::python::add_export(module);
+  stribeck::python::add_reproduction(module);
 }

@@ -1,4 +1,5 @@
 #include <pybind11/pybind11.h>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,21 @@
 #include <stribeck/workflow/path/path_options.hpp>
 
 namespace stribeck::python {
+
+std::uint64_t seed_of(Keywords& keywords) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::uint64_t>(keywords.whole("seed", 0, kMost).value_or(1));
+}
+
+std::uint32_t trials_of(Keywords& keywords, std::uint32_t otherwise) {
+  constexpr std::int64_t kMost = 100000;
+  return static_cast<std::uint32_t>(keywords.whole("trials", 1, kMost).value_or(otherwise));
+}
+
+unsigned threads_of(Keywords& keywords) {
+  constexpr std::int64_t kMost = 4096;
+  return static_cast<unsigned>(keywords.whole("threads", 0, kMost).value_or(0));
+}
 
 workflow::ParameterOptions parameter_options(Keywords& keywords) {
   workflow::ParameterOptions o;

@@ -28,6 +28,15 @@ void add_runs(py::module_& module);
 void add_comparison(py::module_& module);
 void add_judges(py::module_& module);
 void add_study(py::module_& module);
+void add_tuning(py::module_& module);
+void add_commission(py::module_& module);
+void add_export(py::module_& module);
+void add_reproduction(py::module_& module);
+
+/// Take seed, trials and threads of a computation with random noise.
+std::uint64_t seed_of(Keywords& keywords);
+std::uint32_t trials_of(Keywords& keywords, std::uint32_t otherwise);
+unsigned threads_of(Keywords& keywords);
 
 /// Takes the arguments on reading the columns of a log; on the origin of parameters; on a path.
 workflow::LogOptions log_options(Keywords& keywords);

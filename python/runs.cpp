@@ -18,7 +18,6 @@ namespace stribeck::python {
 namespace {
 
 constexpr std::int64_t kMostRepeats = 1000;
-constexpr std::int64_t kMostSeed = std::numeric_limits<std::int64_t>::max();
 
 std::optional<int> count(Keywords& keywords, const char* name) {
   const auto given = keywords.whole(name, 1, kMostRepeats);
@@ -72,7 +71,7 @@ Outcome along_reference(const std::string& machine, const std::string& axis, con
 Outcome simulate(const py::object& machine, const py::object& reference, const py::kwargs& given) {
   Keywords keywords("simulate", given);
   const std::string file = path_of(machine);
-  const auto seed = static_cast<std::uint64_t>(keywords.whole("seed", 0, kMostSeed).value_or(1));
+  const std::uint64_t seed = seed_of(keywords);
   if (!reference.is_none()) {
     const std::string axis = keywords.text("axis");
     keywords.done();

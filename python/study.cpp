@@ -12,10 +12,9 @@ namespace stribeck::python {
 namespace {
 
 Outcome study(const py::object& file, const py::object& folder, const py::kwargs& given) {
-  constexpr std::int64_t kMostThreads = 4096;
   Keywords keywords("study", given);
   workflow::StudyOptions o{path_of(folder), 0, STRIBECK_VERSION};
-  o.threads = static_cast<unsigned>(keywords.whole("threads", 0, kMostThreads).value_or(0));
+  o.threads = threads_of(keywords);
   const std::string netcdf = keywords.path("netcdf");
   keywords.done();
   const std::string path = path_of(file);

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
@@ -10,16 +7,11 @@
 #include <apps/cli/option_groups.hpp>
 #include <apps/cli/shared.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/toml.hpp>
 #include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
-#include <stribeck/workflow/option.hpp>
-#include <stribeck/workflow/parameters.hpp>
-#include <stribeck/workflow/path/part_program.hpp>
-#include <stribeck/workflow/path/path_options.hpp>
-#include <stribeck/workflow/tune_options.hpp>
+#include <stribeck/workflow/run/tuning.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -32,66 +24,30 @@ struct TuneCommand {
   std::string out;
 };
 
-bool is_file(const std::string& out) { return out.size() > 5 && out.ends_with(".toml"); }
-
-/// The output file of each tuned controller.
-std::string file_of(const TuneCommand& o, const std::string& id) {
-  return is_file(o.out) ? o.out : o.out + "/" + id + ".toml";
-}
-
 int tune(const TuneCommand& o) {
-  const sim::Machine machine = load_machine(o.machine);
-  const sim::TuneSpec spec = tune_spec(o.what, o.parameters, machine, o.machine);
-  std::vector<std::string> inputs = o.what.controllers;
-  inputs.push_back(o.machine);
-  if (is_file(o.what.path)) inputs.push_back(o.what.path.path);
-  for (const std::string& text : o.parameters.axis_files) inputs.push_back(axis_and_file(text).second);
-  std::vector<std::string> outputs{page_of(o.common), o.common.json};
-  if (!o.out.empty()) {
-    if (is_file(o.out) && spec.compare.controllers.size() > 1) {
-      refuse_option("-o",
-                    fmt::format("got a file for {} controllers, expected a folder (or a single --controller)",
-                                spec.compare.controllers.size()));
-    }
-    for (const sim::ControllerSpec& c : spec.compare.controllers) outputs.push_back(file_of(o, c.id));
-  }
-  const OutputFolder tuned_folder = o.out.empty() || is_file(o.out) ? OutputFolder() : OutputFolder(o.out);
+  Tuning tuning = plan_tuning(o.what, o.parameters, o.machine);
+  const std::vector<std::string> inputs = inputs_of(o.what, o.parameters, o.machine);
+  std::vector<std::string> outputs = tuned_files(tuning, o.out, "-o");
+  outputs.push_back(page_of(o.common));
+  outputs.push_back(o.common.json);
+  const bool is_file = is_controller_file(o.out);
+  const OutputFolder tuned_folder = o.out.empty() || is_file ? OutputFolder() : OutputFolder(o.out);
   check_distinct(inputs, outputs);
   const OutputFolder page_folder = check_outputs(o.common);
-  if (is_file(o.out)) io::check_writable(o.out);
-  check_travel(machine, o.machine, spec.compare);
-  sim::CompareSpec needed = spec.compare;
-  if (!spec.limits.input_variation) needed.controllers.push_back(*spec.reference);
-  const Parameters parameters = get_parameters(machine, o.machine, o.parameters, needed);
-  sim::TuneResult result;
+  if (is_file) io::check_writable(o.out);
   {
     Progress progress("tune", o.common.quiet);
-    result = sim::tune(machine, parameters.knowledge, spec,
-                       [&](std::size_t done, std::size_t all) { progress(done, all); });
+    run_tuning(tuning, [&](std::size_t done, std::size_t all) { progress(done, all); });
   }
   const report::Made made = made_from(inputs);
-  write_json(o.common.json, report::to_json(result, spec), made);
-  report::write_tune_report(folders_of(o.common),
-                            {result, spec, parameters.words, made.command, made.version, made.inputs});
-  bool all = true;
-  for (const sim::TunedController& c : result.controllers) {
-    all = all && c.found();
-    if (o.out.empty() || !c.found()) continue;
-    io::write_atomically(
-        file_of(o, c.start.id),
-        io::write_toml(renamed(c.tuned), "Tuned by stribeck " STRIBECK_VERSION " on the machine \"" +
-                                             machine.name + "\": docs/theory/tuning.md."));
-  }
-  say(o.common, part_words(spec.compare) + report::text_table(result, spec));
-  say(o.common, fmt::format("Compensators: {}.\n", parameters.words));
-  if (all) return 0;
-  std::vector<std::string> missed;
-  for (const sim::TunedController& c : result.controllers) {
-    if (!c.found())
-      missed.push_back(
-          fmt::format("controller ({}): {}{}", c.start.id, report::why_none(c, spec), way_out(c)));
-  }
-  throw sim::Refused(report::joined(missed, "; "));
+  write_json(o.common.json, report::to_json(tuning.result, tuning.spec), made);
+  report::write_tune_report(folders_of(o.common), {tuning.result, tuning.spec, tuning.parameters.words,
+                                                   made.command, made.version, made.inputs});
+  write_tuned(tuning, o.out, STRIBECK_VERSION);
+  say(o.common, text_of(tuning));
+  const std::string none = missed(tuning);
+  if (!none.empty()) throw sim::Refused(none);
+  return 0;
 }
 
 }  // namespace

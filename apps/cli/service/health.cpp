@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,7 +9,6 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/report/health/health_report.hpp>
 #include <stribeck/workflow/health/health.hpp>
-#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -30,20 +28,7 @@ int run_health(HealthCommand& o) {
   inputs.insert(inputs.end(), o.what.circles.begin(), o.what.circles.end());
   inputs.push_back(o.what.machine);
   check_distinct(inputs, {page_of(o.common), o.common.json});
-  const bool adds = !o.what.logs.empty() || !o.what.circles.empty();
-  if (!adds) {
-    for (const auto& [given, option] : {std::pair{!o.what.date.empty(), "--date"},
-                                        std::pair{o.what.temperature.has_value(), "--temperature"}}) {
-      if (given) refuse_option(option, "goes with logs (without any, the trend of the archive is drawn)");
-    }
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(o.archive, ignored))
-      refuse_option("--archive", o.archive + ": no such folder (give logs, which begin an archive)");
-  }
-  if (o.what.circles.empty() != o.what.size.empty())
-    refuse_option(
-        o.what.size.empty() ? "--size" : "--circle",
-        o.what.size.empty() ? "missing, expected the radius of the circle" : "missing, but --size is given");
+  check_health_options(o.what, o.archive);
   o.what.limits = {0.01 * o.limit, 0.01 * o.drift_limit};
   const OutputFolder page_folder = check_outputs(o.common);
   const OutputFolder archive_folder(o.archive);

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <stribeck/io/error.hpp>
@@ -95,6 +96,31 @@ std::string link_target(const std::string& path) {
     target = to.is_absolute() ? to : target.parent_path() / to;
   }
   return target.string();
+}
+
+void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  std::vector<fs::path> taken;
+  // The file that a name means; one that cannot be followed is reported where it is opened.
+  const auto meant = [&](const std::string& path) {
+    return fs::weakly_canonical(link_target(path), ignored);
+  };
+  for (const std::string& path : inputs) {
+    if (fs::exists(path, ignored)) taken.push_back(meant(path));
+  }
+  for (const std::string& path : outputs) {
+    if (path.empty() || (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))) continue;
+    const fs::path file = meant(path);
+    if (std::find(taken.begin(), taken.end(), file) != taken.end()) {
+      throw InputError(
+          {path,
+           0,
+           {},
+           "would be overwritten: it is an input or another output of this command (choose another name)"});
+    }
+    taken.push_back(file);
+  }
 }
 
 void check_writable(const std::string& path) {

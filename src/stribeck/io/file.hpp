@@ -61,6 +61,9 @@ class WriteTogether {
 /// The file that a write to this path makes or replaces: symbolic links are followed, also to a file that does not exist yet.
 std::string link_target(const std::string& path);
 
+/// Refuses outputs that are the same file as an input or as each other; empty names are none.
+void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
 /// Fails early where a result could not be written at the end: checks name, links and folder of a path that is not empty.
 void check_writable(const std::string& path);
 

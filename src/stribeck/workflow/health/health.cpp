@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <utility>
 
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -92,9 +94,9 @@ class Session {
         options_.date.empty() ? date_of_logs(dated, options_.log) : checked_date("--date", options_.date);
     std::vector<ArchivedTest> tests;
     for (const LogsOfAxis& one : logs_by_axis(description_, options_.logs, options_.log)) {
-      // Numbers of one archive stay in one unit: as before, logs in volts alone are scaled.
+      // Only logs in volts are scaled: an archive whose first test was in another unit stays in it.
       LogsOfAxis logs = one;
-      logs.options.drive = {.per_volt = one.options.drive.per_volt};
+      if (!one.options.drive.rotary) logs.options.drive = {.per_volt = one.options.drive.per_volt};
       measure_axis(logs, date, tests);
     }
     if (!options_.circles.empty()) measure_circle(date, tests);
@@ -271,6 +273,23 @@ std::string quoted(const std::string& word) {
 }
 
 }  // namespace
+
+void check_health_options(const HealthOptions& o, const std::string& archive) {
+  const bool adds = !o.logs.empty() || !o.circles.empty();
+  if (!adds) {
+    for (const auto& [given, option] :
+         {std::pair{!o.date.empty(), "--date"}, std::pair{o.temperature.has_value(), "--temperature"}}) {
+      if (given) refuse_option(option, "goes with logs (without any, the trend of the archive is drawn)");
+    }
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(archive, ignored))
+      refuse_option("--archive", archive + ": no such folder (give logs, which begin an archive)");
+  }
+  if (o.circles.empty() != o.size.empty())
+    refuse_option(o.size.empty() ? "--size" : "--circle", o.size.empty()
+                                                              ? "missing, expected the radius of the circle"
+                                                              : "missing, but --size is given");
+}
 
 report::HealthReportInput check_health(const HealthOptions& options, const ArchiveFolder& archive) {
   Session session(options, archive);

@@ -29,6 +29,9 @@ struct HealthOptions {
   ident::health::Limits limits;
 };
 
+/// Refuses options that do not go together, and an archive that is not there without logs to begin one.
+void check_health_options(const HealthOptions& options, const std::string& archive);
+
 /// The input of the page; the caller adds command and version.
 report::HealthReportInput check_health(const HealthOptions& options, const ArchiveFolder& archive);
 
