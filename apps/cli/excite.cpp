@@ -58,9 +58,12 @@ int excite(const ExciteCommand& o) {
   const AxisExcitation axis = excite_axis(o.what, o.machine, o.axis);
   const ident::excitation::Excitation& e = axis.excitation;
   for (const std::string& path : {is_gcode(o.output) ? o.output : std::string(), o.gcode}) {
-    if (!path.empty())
-      io::write_atomically(
-          path, with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(axis.machine)), axis.notes));
+    if (path.empty()) continue;
+    const auto unit =
+        axis.rotary ? ident::excitation::GcodeUnit::kDegree : ident::excitation::GcodeUnit::kMillimetre;
+    io::write_atomically(
+        path,
+        with_notes(ident::excitation::as_gcode(e, o.axis, io::one_line(axis.machine), unit), axis.notes));
   }
   if (!is_gcode(o.output)) io::write_csv(o.output, axis.log);
   const report::Made made = made_from({o.machine, o.what.known});

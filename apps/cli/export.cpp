@@ -10,7 +10,6 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/target.hpp>
-#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -34,15 +33,14 @@ std::string target_list() {
 }
 
 int run_export(const ExportCommand& o) {
-  std::vector<std::string> inputs = o.what.files;
-  for (const std::string& text : o.what.axis_files) inputs.push_back(axis_and_file(text).second);
-  if (!o.what.machine.empty()) inputs.push_back(o.what.machine);
-  if (!o.what.controller.empty()) inputs.push_back(o.what.controller);
+  const std::vector<std::string> inputs = inputs_of(o.what);
   check_distinct(inputs, {o.what.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   targets::ExportRequest request = o.what;
   request.command = typed_command();
-  const targets::Exported written = targets::find_target(o.to)->write(request);
+  const std::string rotary = targets::rotary_note(request);
+  targets::Exported written = targets::find_target(o.to)->write(request);
+  written.text += rotary;
   write_json(o.common.json, written.json, made_from(inputs));
   say(o.common, written.text);
   return 0;
@@ -86,7 +84,7 @@ void add_export(CLI::App& app, Action& action) {
       ->type_name("FILE|FOLDER");
   verb->add_option(
           "--name", o->what.names,
-          "Name of each axis in the target; left out: x, y, …; in HAL ax.x, ax.y, …, or pl.x, … of drives, ff.x, … of tables")
+          "Name of each axis in the target; left out: as the axis files say, else x, y, …; in HAL ax.x, ax.y, …, or pl.x, … of drives, ff.x, … of tables")
       ->type_name("NAME");
   verb->add_option("--omega", o->what.omega,
                    std::string("Double pole of the position loops; left out: ") + targets::linuxcnc::kOmega +

@@ -44,6 +44,8 @@ IdentifyOptions identify_options(const IdentifyCommand& o) {
   return options;
 }
 
+bool is_machine(const std::string& path) { return path.ends_with(".toml"); }
+
 /// --inspect identifies nothing, so only options on reading the log are allowed.
 void check_inspect(const IdentifyCommand& o) {
   const auto none = [](bool given, const char* option) {
@@ -73,11 +75,27 @@ void refuse_repeated(const std::vector<std::string>& logs) {
   }
 }
 
+/// Every log and how its columns are read: with a machine file once for each of its axes in the log.
+std::vector<std::pair<std::string, LogOptions>> logs_to_inspect(const IdentifyCommand& o,
+                                                                const LogOptions& log_options) {
+  std::vector<std::pair<std::string, LogOptions>> out;
+  if (!is_machine(o.logs.front())) {
+    for (const std::string& path : o.logs) out.emplace_back(path, log_options);
+    return out;
+  }
+  const std::vector<std::string> logs(o.logs.begin() + 1, o.logs.end());
+  for (const LogsOfAxis& one : logs_by_axis(read_description(o.logs.front()), logs, log_options)) {
+    for (const std::string& path : one.logs) out.emplace_back(path, one.options);
+  }
+  if (out.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
+  return out;
+}
+
 int inspect_logs(const IdentifyCommand& o, const LogOptions& log_options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   bool usable = true;
-  for (const std::string& path : o.logs) {
-    const Inspection found = inspect(read_log(path, log_options), log_options);
+  for (const auto& [path, options] : logs_to_inspect(o, log_options)) {
+    const Inspection found = inspect(read_log(path, options), options);
     say(o.common, found.text);
     json.push_back(found.json);
     usable = usable && found.usable;
@@ -86,12 +104,14 @@ int inspect_logs(const IdentifyCommand& o, const LogOptions& log_options) {
   return usable ? 0 : 1;
 }
 
-report::IdentifyReportInput page_input(const Identification& found, const AxisRecords& axis,
-                                       const report::Made& made) {
-  std::vector<ident::Result> shown{found.result};
-  shown.insert(shown.end(), found.beside.begin(), found.beside.end());
-  return {axis.axis,    shown,         axis.sources, made.command,
-          made.version, found.quality, made.inputs,  found.lost_motion};
+void write_page(const report::PageFolders& folders, const Identification& found, const AxisRecords& axis,
+                const report::Made& made) {
+  if (!folders.any()) return;
+  report::IdentifyReportInput page = page_of(found, axis);
+  page.command = made.command;
+  page.version = made.version;
+  page.inputs = made.inputs;
+  report::write_identify_report(folders, page);
 }
 
 void write_axis_file(const std::string& path, const Identification& found, const AxisRecords& axis) {
@@ -109,7 +129,10 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
   const std::vector<LogsOfAxis> all = logs_by_axis(machine, logs, log_options);
   if (all.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log_options.axis));
   for (const LogsOfAxis& one : all) {
-    const auto [axis, found] = identify_logs(one.logs, one.options, options);
+    auto [axis, found] = identify_logs(one.logs, one.options, options);
+    const ident::Interval& mass = found.result.mass_interval;
+    const std::string wrong = mass_contradiction(machine.axis(one.axis), mass.low, mass.high);
+    if (!wrong.empty() && found.result.force_unit == "N") found.result.warnings.push_back(wrong);
     if (!o.output.empty()) {
       io::make_directory(o.output);
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
@@ -118,8 +141,7 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     const auto below = [&](const std::string& folder) {
       return folder.empty() ? folder : folder + "/" + one.axis;
     };
-    report::write_identify_report({below(o.common.report), below(o.common.plots)},
-                                  page_input(found, axis, made));
+    write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
     say(o.common,
         fmt::format("{}from {}\n{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis)));
   }
@@ -135,7 +157,7 @@ int run_identify(const IdentifyCommand& o) {
   check_distinct(o.logs, {o.output, page_of(o.common), o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);
   const LogOptions log_options = o.log.resolved();
-  if (!o.inspect && o.logs.front().ends_with(".toml")) return identify_machine(o, options, log_options);
+  if (!o.inspect && is_machine(o.logs.front())) return identify_machine(o, options, log_options);
   io::check_writable(o.output);
   if (o.inspect) return inspect_logs(o, log_options);
   const AxisRecords axis = read_axis(o.logs, log_options);
@@ -143,7 +165,7 @@ int run_identify(const IdentifyCommand& o) {
   if (!o.output.empty()) write_axis_file(o.output, found, axis);
   const report::Made made = made_from(o.logs);
   write_json(o.common.json, to_json(found, axis.axis), made);
-  report::write_identify_report(folders_of(o.common), page_input(found, axis, made));
+  write_page(folders_of(o.common), found, axis, made);
   say(o.common, text_of(found, axis.axis));
   return 0;
 }

@@ -35,12 +35,14 @@ void take_values(InitCommand& o) {
 
 /// Asks for what was not given, until it can be read. An empty answer leaves it out.
 void ask(MachineDraft& draft) {
-  fmt::print("Values with their unit; nothing leaves a line to fill in later.\n");
+  fmt::print(
+      "Values with their unit; nothing leaves a line to fill in later. An axis that turns takes deg, N m and kg m2.\n");
   for (const std::string& axis : draft.axes) {
     for (const Asked& a : asked_keys()) {
       const std::string key = fmt::format("{}.{}.{}", axis, a.group, a.key);
       while (draft.find(key) == nullptr) {
-        fmt::print("{}: {}, e.g. {}: ", key, info_of(a).doc, a.example);
+        const bool rotary = !a.rotary_example.empty() && draft.rotary(axis);
+        fmt::print("{}: {}, e.g. {}: ", key, info_of(a).doc, rotary ? a.rotary_example : a.example);
         std::fflush(stdout);
         std::string answer;
         if (!std::getline(std::cin, answer) || answer.find_first_not_of(" \t") == std::string::npos) break;

@@ -107,31 +107,9 @@ void refuse_empty_options(CLI::App& verb) {
   }
 }
 
-void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  std::vector<fs::path> taken;
-  // The file that a name means; one that cannot be followed is reported where it is opened.
-  const auto meant = [&](const std::string& path) {
-    return fs::weakly_canonical(io::link_target(path), ignored);
-  };
-  for (const std::string& path : inputs) {
-    if (fs::exists(path, ignored)) taken.push_back(meant(path));
-  }
-  for (const std::string& path : outputs) {
-    if (path.empty() || path == kStandardOutput ||
-        (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)))
-      continue;
-    const fs::path file = meant(path);
-    if (std::find(taken.begin(), taken.end(), file) != taken.end()) {
-      throw io::InputError(
-          {path,
-           0,
-           {},
-           "would be overwritten: it is an input or another output of this command (choose another name)"});
-    }
-    taken.push_back(file);
-  }
+void check_distinct(const std::vector<std::string>& inputs, std::vector<std::string> outputs) {
+  std::erase(outputs, kStandardOutput);
+  io::check_distinct(inputs, outputs);
 }
 
 std::string page_of(const Common& common) {

@@ -68,7 +68,7 @@ sim::Machine load_machine(const std::string& path);
 void refuse_empty_options(CLI::App& verb);
 
 /// Refuses outputs that are the same file as an input or as each other.
-void check_distinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+void check_distinct(const std::vector<std::string>& inputs, std::vector<std::string> outputs);
 
 /// The file that --report writes; empty: none.
 std::string page_of(const Common& common);

@@ -85,7 +85,7 @@ TEST(Verify, GivesAVerdictAndAnExitCode) {
 
 TEST(Verify, NoticesAnotherAxisAndAnotherController) {
   const Folder folder;
-  const std::string axis = folder.write("x.toml", "# Axis x: identified from x.csv.\n" + kAxis);
+  const std::string axis = folder.write("x.toml", "axis = \"x\"\n" + kAxis);
   const std::string log = folder.write("log.csv", "# axis: y\n" + log_text(20.0));
   const std::string controller = folder.write("controller.toml", kController);
   const Said said = command({"verify", axis, log, "--controller", controller});

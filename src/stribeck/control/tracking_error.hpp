@@ -19,6 +19,12 @@ namespace stribeck::control {
 
 enum class ErrorRate { kDifferenceOfError, kLate, kObserved };
 
+/// Help text of the setting error_rate, the same for every law that has it.
+inline constexpr std::string_view kErrorRateHelp =
+    "rate of the tracking error: difference-of-error (of the last two samples), late (differenced encoder "
+    "position less the exact reference velocity; for comparison), or observed (velocity of the Kalman "
+    "observer, which it needs)";
+
 struct TrackingError {
   double e = 0.0;         ///< [m]
   double rate = 0.0;      ///< [m/s]

@@ -38,6 +38,7 @@ struct Node {
   double number = 0;  ///< value of kInteger and kNumber
   std::int64_t integer = 0;
   bool flag = false;
+  bool rotary = false;  ///< of an axis that turns: lengths are angles (units.hpp, rotary_quantity)
   std::size_t line = 0;
   std::vector<Node> children;  ///< of a table or list, in the order of the file
 

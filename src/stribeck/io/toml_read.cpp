@@ -39,8 +39,11 @@ std::string shown(const Node& node) {
   }
 }
 
-std::optional<double> read_number(const Node& node, const Quantity& q, const std::string& key,
+std::optional<double> read_number(const Node& node, const Quantity& declared, const std::string& key,
                                   Problems& problems) {
+  std::optional<Quantity> rotary;
+  if (node.rotary) rotary = rotary_quantity(declared, node.text);
+  const Quantity& q = rotary ? *rotary : declared;
   const bool is_number = node.kind == Node::Kind::kInteger || node.kind == Node::Kind::kNumber;
   try {
     if (node.kind == Node::Kind::kText) return to_si(node.text, q);

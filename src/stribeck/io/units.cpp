@@ -84,7 +84,7 @@ class Units {
     radian_ = Unit(ut_get_unit_by_name(system_, "radian"));
     const Unit revolution(ut_scale(kTurn, radian_.get()));
     for (const auto& [symbol, definition] :
-         {std::pair{"deg", "arc_degree"}, {"Nm", "N m"}, {"pct", "0.01"}}) {
+         {std::pair{"deg", "arc_degree"}, {"Grad", "arc_degree"}, {"Nm", "N m"}, {"pct", "0.01"}}) {
       const Unit unit(ut_parse(system_, definition, UT_UTF8));
       if (unit != nullptr) ut_map_symbol_to_unit(symbol, UT_ASCII, unit.get());
     }
@@ -345,6 +345,44 @@ double to_si(std::string_view text, const Quantity& expected) {
   if (!std::isfinite(si)) fail("got " + in_quotes(text) + ", expected a finite number");
   check_range(si, expected, text);
   return si;
+}
+
+bool is_convertible(std::string_view text, const Quantity& quantity) {
+  const std::string_view all = trimmed(text);
+  const std::string_view unit = trimmed(all.substr(parse_number(all).length));
+  return !unit.empty() && Units::instance().find(unit, quantity.unit).verdict == Units::Verdict::kGood;
+}
+
+std::optional<Quantity> rotary_quantity(const Quantity& linear, std::string_view text) {
+  struct Pair {
+    std::string_view linear;
+    std::string_view rotary;
+    std::string_view shown;
+  };
+  static constexpr std::array<Pair, 13> kPairs{{{"m", "rad", "deg"},
+                                                {"m/s", "rad/s", "deg/s"},
+                                                {"m/s2", "rad/s2", "deg/s2"},
+                                                {"m/s3", "rad/s3", "deg/s3"},
+                                                {"N", "N m", "N m"},
+                                                {"N/s", "N m/s", "N m/s"},
+                                                {"N/V", "N m/V", "N m/V"},
+                                                {"N/A", "N m/A", "N m/A"},
+                                                {"kg", "kg m2", "kg m2"},
+                                                {"N s/m", "N m s/rad", "N m s/rad"},
+                                                {"N s/m", "N m s", "N m s"},
+                                                {"N/m", "N m/rad", "N m/rad"},
+                                                {"N/m", "N m", "N m"}}};
+  std::optional<Quantity> found;
+  for (const Pair& pair : kPairs) {
+    if (pair.linear != linear.unit) continue;
+    const bool spelt = is_convertible(text, {pair.rotary, pair.shown});
+    if (found && !spelt) continue;
+    found = linear;
+    found->unit = pair.rotary;
+    found->shown = pair.shown;
+    if (spelt) return found;
+  }
+  return found;
 }
 
 std::string_view shown_unit(double si, const Quantity& q) noexcept {

@@ -11,6 +11,7 @@
 /// every double has a text that reads back to it bit for bit. Threads: safe. Real time: no.
 /// Errors: InputError without a place; the reader that knows the place adds it.
 
+#include <optional>
 #include <stribeck/core/fields.hpp>
 #include <string>
 #include <string_view>
@@ -34,9 +35,17 @@ double unit_factor(std::string_view unit_text, std::string_view si_unit);
 /// Whether the library knows the text as a unit; "" is none.
 bool is_unit(std::string_view unit_text);
 
+/// Whether the text is a number with a unit of this quantity.
+bool is_convertible(std::string_view text, const Quantity& quantity);
+
 /// Reads a number with its unit and checks the permitted range. A bare number is accepted for a pure number
 /// only.
 double to_si(std::string_view text, const Quantity& expected);
+
+/// The quantity of an axis that turns in place of one of an axis that moves, at a radius of 1 m: an angle for a length, a torque for
+/// a force, an inertia for a mass ("90 deg" is π/2 m, "2 kg m2" is 2 kg). Nothing where both axes have the same. `text` chooses among
+/// spellings: "N m s" and "N m s/rad".
+std::optional<Quantity> rotary_quantity(const Quantity& linear, std::string_view text);
 
 /// Checks the range of an SI value; the message shows it as `got`.
 void check_range(double si, const Quantity& expected, std::string_view got);

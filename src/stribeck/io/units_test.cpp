@@ -196,5 +196,26 @@ TEST(Units, ThreadsMayParseAtOnce) {
   for (const double s : sums) EXPECT_NEAR(s, 40.2, 1e-9);
 }
 
+// An angle is the arc at a radius of 1 m, a torque the force there, an inertia the mass there.
+TEST(Units, AnAxisThatTurnsIsCarriedAtARadiusOfOneMetre) {
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  const auto si = [](const std::string& text, const Quantity& linear) {
+    return to_si(text, rotary_quantity(linear, text).value_or(linear));
+  };
+  EXPECT_NEAR(si("180 deg", kLength), kHalfTurn, 1e-15);
+  EXPECT_NEAR(si("180 Grad", kLength), kHalfTurn, 1e-15);  // no gigaradians
+  EXPECT_NEAR(si("30 rpm", kSpeed), kHalfTurn, 1e-14);
+  EXPECT_NEAR(si("90 deg/s2", quantity("m/s2", "mm/s2")), kHalfTurn / 2.0, 1e-14);
+  EXPECT_EQ(si("3 N m", quantity("N", "N")), 3.0);
+  EXPECT_EQ(si("20000 kg mm2", quantity("kg", "N s2/mm")), 0.02);
+  EXPECT_EQ(si("4 N m s/rad", quantity("N s/m", "N s/mm")), 4.0);
+  EXPECT_EQ(si("4 N m s", quantity("N s/m", "N s/mm")), 4.0);
+  EXPECT_FALSE(rotary_quantity(quantity("N m", "N m"), "3 N m").has_value());
+  EXPECT_FALSE(rotary_quantity(quantity("s", "ms"), "3 ms").has_value());
+  EXPECT_THROW(si("180 mm", kLength), InputError);
+  EXPECT_THROW(si("3", kLength), InputError);
+  EXPECT_THROW(si("-3 N m", quantity("N", "N").positive()), InputError);
+}
+
 }  // namespace
 }  // namespace stribeck::io::units_test

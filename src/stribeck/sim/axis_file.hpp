@@ -8,10 +8,14 @@
 #include <optional>
 #include <stribeck/control/compensation/lost_motion_params.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <string>
 
 namespace stribeck::sim {
 
 struct AxisFile {
+  std::optional<std::string> axis;  ///< its name
+  /// Carried as a linear axis at a radius of 1 m: N stands for N m, kg for kg m2, mm for mrad; left out: no.
+  std::optional<bool> rotary;
   friction::AxisModel model;
   std::optional<control::LostMotionParams> lost_motion{};
   std::optional<std::array<double, 2>>
@@ -19,6 +23,12 @@ struct AxisFile {
 
   static constexpr auto fields() {
     return std::tuple{
+        field("axis", &AxisFile::axis, "name of the axis; left out: not known").or_default(),
+        field(
+            "rotary", &AxisFile::rotary,
+            "the axis turns and is carried as a linear one at a radius of 1 m: N stands for N m, kg for kg m2 "
+            "and mm for mrad")
+            .or_default(),
         embedded(&AxisFile::model),
         field("lost_motion", &AxisFile::lost_motion,
               "backlash and wind-up between motor and table, for a loop over the motor; left out: none")

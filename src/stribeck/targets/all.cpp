@@ -91,7 +91,13 @@ Exported write_all(const ExportRequest& o) {
   if (pulses) static_cast<void>(circle_task("all", o));
   std::vector<std::pair<const SteadyTarget*, SteadyText>> all;
   std::vector<std::string> open;
+  const bool rotary = any_rotary(o);
+  std::vector<std::string> linear;
   for (const SteadyTarget* t : steady_targets()) {
+    if (t->linear_only && rotary) {
+      linear.emplace_back(t->name);
+      continue;
+    }
     const std::string missing = missing_options(*t, o);
     if (missing.empty()) {
       all.emplace_back(t, steady_text(*t, o));
@@ -135,6 +141,9 @@ Exported write_all(const ExportRequest& o) {
   out.text += fmt::format("{} files in {}.\n", out.json["targets"].size(), o.output) + besides;
   if (!open.empty())
     out.text += fmt::format("Not written, because an option is missing: {}.\n", report::listed(open));
+  if (!linear.empty())
+    out.text += fmt::format("Not written, because they have no place for a rotary axis: {}.\n",
+                            report::listed(linear));
   if (!lacks.empty()) out.text += fmt::format("Not written: moteus, which needs {}.\n", lacks);
   together.commit();
   return out;

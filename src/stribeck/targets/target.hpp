@@ -38,6 +38,9 @@ struct ExportRequest {
   std::string command;                  ///< command of the export, for the comment at its head
 };
 
+/// The files that an export reads.
+std::vector<std::string> inputs_of(const ExportRequest& request);
+
 struct Exported {
   nlohmann::ordered_json json;  ///< for programs; contains the error of the export where there is one
   std::string text;             ///< the same as text for people
@@ -53,6 +56,11 @@ struct Target {
 
 /// All targets.
 std::span<const Target> all_targets();
+
+/// Whether one of the files is an axis file of a rotary axis.
+bool any_rotary(const ExportRequest& request);
+/// What the units of an export mean where an axis file is of a rotary axis; empty: none is.
+std::string rotary_note(const ExportRequest& request);
 
 /// The target of this name; null when there is none.
 const Target* find_target(std::string_view name);

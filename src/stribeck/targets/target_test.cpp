@@ -53,6 +53,35 @@ TEST(Target, TheTableTellsItsError) {
   EXPECT_THAT(text_of(request.output), HasSubstr("largest deviation from the steady curve"));
 }
 
+TEST(Target, AxesInHalAreCalledAsTheirFilesSay) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("a.toml", std::string("axis = \"z\"\n") + kAxis),
+                   folder.write("b.toml", std::string("axis = \"x\"\n") + kAxis)};
+  request.output = folder / "axes.hal";
+  static_cast<void>(targets::find_target("linuxcnc")->write(request));
+  EXPECT_THAT(text_of(request.output), HasSubstr("setp ax.z.mass 800\n"));
+  // Two of one name: counted.
+  request.files[1] = folder.write("c.toml", std::string("axis = \"z\"\n") + kAxis);
+  static_cast<void>(targets::find_target("linuxcnc")->write(request));
+  EXPECT_THAT(text_of(request.output), HasSubstr("setp ax.y.mass 800\n"));
+}
+
+// 100 mm/s of arc at a radius of 1 m are 5.73 deg/s.
+TEST(Target, ATableOfARotaryAxisIsInDegrees) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("c.toml", std::string("axis = \"c\"\nrotary = true\n") + kAxis)};
+  request.output = folder / "table.hal";
+  request.lincurve = true;
+  request.speed = "100 mm/s";
+  const targets::Exported written = targets::find_target("linuxcnc")->write(request);
+  EXPECT_LT(written.json["lincurve"][0]["max_error_N"], 3e-4);
+  EXPECT_NEAR(written.json["lincurve"][0]["points_deg_per_s_N"].back()[0].get<double>(), 5.7296, 1e-3);
+  EXPECT_THAT(text_of(request.output), HasSubstr("A rotary axis: its velocities are in deg/s"));
+  EXPECT_THAT(targets::rotary_note(request), HasSubstr("N stands for N m"));
+}
+
 TEST(Target, OptionsWithoutEffectAreRefused) {
   const Folder folder;
   targets::ExportRequest request;

@@ -1,11 +1,15 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <vector>
 
+#include <stribeck/io/toml.hpp>
 #include <stribeck/targets/all.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/targets/target.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
 
@@ -46,6 +50,12 @@ std::vector<Target> made() {
   return out;
 }
 
+bool is_rotary(const std::string& axis_file) {
+  const io::Node content = io::load_toml(axis_file);
+  const io::Node* rotary = content.find("rotary");
+  return rotary != nullptr && rotary->flag;
+}
+
 }  // namespace
 
 std::span<const SteadyTarget* const> steady_targets() { return kSteady; }
@@ -55,6 +65,26 @@ std::span<const PulseTarget* const> pulse_targets() { return kPulses; }
 std::span<const Target> all_targets() {
   static const std::vector<Target> all = made();
   return all;
+}
+
+std::vector<std::string> inputs_of(const ExportRequest& o) {
+  std::vector<std::string> inputs = o.files;
+  for (const std::string& text : o.axis_files) inputs.push_back(workflow::axis_and_file(text).second);
+  if (!o.machine.empty()) inputs.push_back(o.machine);
+  if (!o.controller.empty()) inputs.push_back(o.controller);
+  return inputs;
+}
+
+bool any_rotary(const ExportRequest& request) {
+  return std::any_of(request.files.begin(), request.files.end(), is_rotary);
+}
+
+std::string rotary_note(const ExportRequest& request) {
+  std::string note;
+  for (const std::string& file : request.files) {
+    if (is_rotary(file)) note += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
+  }
+  return note;
 }
 
 const Target* find_target(std::string_view name) {

@@ -66,7 +66,10 @@ std::optional<control::LostMotionParams> lost_motion_of(const ident::lost_motion
 }
 
 sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
-  sim::AxisFile file{axis_file_model(found, axis)};
+  sim::AxisFile file;
+  file.model = axis_file_model(found, axis);
+  if (!axis.axis.empty()) file.axis = axis.axis;
+  if (axis.rotary) file.rotary = true;
   // A map by direction has its range itself.
   const std::array<double, 2>& range = found.result.velocity_range;
   if (!file.model.friction.identified_range() && range[0] < 0.0 && range[1] > 0.0)

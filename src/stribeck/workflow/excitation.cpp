@@ -14,6 +14,7 @@
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -73,7 +74,12 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);
   if (!o.known.empty()) {
-    const auto model = io::read_toml<sim::AxisFile>(o.known).model;
+    const auto file = io::read_toml<sim::AxisFile>(o.known);
+    if (file.rotary.value_or(false) != axis.rotary)
+      refuse_option("--known", fmt::format("{} is of {}, axis {} of the machine is not", o.known,
+                                           axis.rotary ? "an axis that moves" : "a rotary axis",
+                                           machine.axes[which].first));
+    const friction::AxisModel& model = file.model;
     drive = rough_idea(model, axis.limits);
     doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load, axis.plant.has_value());
   }
@@ -84,9 +90,10 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
         ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
     if (!o.speeds.empty()) jog.speeds.clear();
     for (const std::string& speed : o.speeds) {
-      jog.speeds.push_back(option_si("--speeds", speed, quantity("m/s", "mm/s").positive()));
+      jog.speeds.push_back(travel_si("--speeds", speed, quantity("m/s", "mm/s").positive(), axis.rotary));
     }
-    if (!o.lead.empty()) jog.period = option_si("--lead", o.lead, quantity("m", "mm").positive());
+    if (!o.lead.empty())
+      jog.period = travel_si("--lead", o.lead, quantity("m", "mm").positive(), axis.rotary);
     return {ident::excitation::design_jog(limits, machine.sample_time, jog), {}};
   }
   if (o.method == ExcitationMethod::kPulses) {
@@ -170,8 +177,10 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
 
 namespace {
 
-/// To a micrometre, without a sign before zero.
-double rounded_mm(double metres) { return std::round(metres * 1e6) * 1e-3 + 0.0; }
+/// To a thousandth of the unit, without a sign before zero.
+double in_units(double metres, const AxisUnits& units) {
+  return std::round(metres * units.per_metre * 1e3) * 1e-3 + 0.0;
+}
 
 }  // namespace
 
@@ -187,15 +196,17 @@ std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& s
   const std::vector<double>& table = open ? e.force : e.r;
   const auto first = std::find_if(table.begin(), table.end(), [&](double y) { return y != table.front(); });
   const bool up = first == table.end() || *first > table.front();
-  return {
-      fmt::format("begins at {:.6g} mm, at rest", rounded_mm(start)),
-      fmt::format("first moves to {}{}", up ? '+' : '-', name),
-      fmt::format("needs free room from {:.6g} to {:.6g} mm{}", rounded_mm(low), rounded_mm(high),
-                  open ? ", in the worst case of friction and mass" : ""),
-      fmt::format("abort outside {:.6g} to {:.6g} mm, above {:.6g} mm/s, above {:.6g} N{}",
-                  a.limits.travel_min * 1e3, a.limits.travel_max * 1e3, a.limits.speed * 1e3, a.force_limit(),
-                  open ? "; open loop, nothing holds the position: keep the emergency stop at hand"
-                       : ", and at the control's limit of the following error")};
+  const AxisUnits& u = units_of(a.rotary);
+  return {fmt::format("begins at {:.6g} {}, at rest", in_units(start, u), u.travel),
+          fmt::format("first moves to {}{}", up ? '+' : '-', name),
+          fmt::format("needs free room from {:.6g} to {:.6g} {}{}", in_units(low, u), in_units(high, u),
+                      u.travel, open ? ", in the worst case of friction and mass" : ""),
+          fmt::format("abort outside {:.6g} to {:.6g} {}, above {:.6g} {}/s, above {:.6g} {}{}",
+                      a.limits.travel_min * u.per_metre, a.limits.travel_max * u.per_metre, u.travel,
+                      a.limits.speed * u.per_metre, u.travel, a.force_limit(),
+                      a.rotary ? "N m at the table" : "N",
+                      open ? "; open loop, nothing holds the position: keep the emergency stop at hand"
+                           : ", and at the control's limit of the following error")};
 }
 
 std::string with_notes(std::string gcode, const std::vector<std::string>& notes) {
@@ -212,6 +223,8 @@ ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& o,
   try {
     ident::excitation::SafeExcitation safe = designed(o, machine, axis);
     if (!safe.excitation.r.empty()) check_force(safe.excitation, machine, axis);
+    if (machine.axes[axis].second.rotary)
+      safe.excitation.says += fmt::format(" Axis {} is {}.", machine.axes[axis].first, kRotaryAsLinear);
     return safe;
   } catch (const ident::excitation::BadDesign& bad) {
     const std::string option = option_of(bad.parameter);

@@ -339,7 +339,10 @@ class RecordsOfAxis {
     for (const io::Note& note : log.notes) {
       if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
     }
-    ident::log::Conditioned clean = condition_log(log, options_, &notes);
+    LoggedAxis logged = logged_axis(log, options_);
+    notes.insert(notes.end(), logged.notes.begin(), logged.notes.end());
+    axis_.rotary = axis_.rotary || logged.rotary;
+    ident::log::Conditioned clean = condition_axis(std::move(logged), log.source, options_);
     for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
     if (auto encoders = both_encoders(log, options_, notes)) axis_.encoders.push_back(std::move(*encoders));
     for (std::string& note : notes) {

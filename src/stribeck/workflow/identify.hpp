@@ -56,6 +56,7 @@ struct AxisRecords {
   std::vector<std::string> notes;                         ///< each begins with the name of its log
   std::string sources;                                    ///< names of the logs
   std::string axis;                                       ///< name of the axis; empty: none was given
+  bool rotary = false;                                    ///< travel is the arc at a radius of 1 m
   std::vector<ident::lost_motion::Positions> encoders{};  ///< of logs with two positions
 };
 

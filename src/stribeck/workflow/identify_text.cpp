@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/report/json.hpp>
 #include <stribeck/report/lost_motion/lost_motion_report.hpp>
@@ -84,6 +87,23 @@ bool by_direction(const ident::methods::IdimResult::Published& published) {
   return published.value.size() > 4;
 }
 
+/// Measured and modelled force of the longest record; absent: the result is no model of the force.
+std::optional<report::ForceOverTime> force_over_time(const Identification& found, const AxisRecords& axis) {
+  if (!found.quality || found.holding_only || !(found.result.mass > 0.0) || axis.records.empty()) return {};
+  const auto longest = std::max_element(
+      axis.records.begin(), axis.records.end(),
+      [](const ident::log::Record& a, const ident::log::Record& b) { return a.x.size() < b.x.size(); });
+  try {
+    const ident::replay::ForceError e = ident::replay::force_error(as_model(found.result), *longest);
+    report::ForceOverTime force{longest->source, {}, e.measured, e.modelled};
+    for (const std::size_t row : e.row) force.t.push_back(longest->t[row]);
+    if (force.t.empty()) return {};
+    return force;
+  } catch (const ident::Refused&) {
+    return {};  // too short for the filters of the comparison
+  }
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Identification& found, const std::string& axis) {
@@ -117,6 +137,18 @@ std::string text_of(const Identification& found, const std::string& axis) {
   if (found.model_a) out += model_a_text(*found.model_a);
   if (found.published) out += published_text(*found.published, by_direction(*found.published));
   return out;
+}
+
+report::IdentifyReportInput page_of(const Identification& found, const AxisRecords& axis) {
+  report::IdentifyReportInput page;
+  page.axis = axis.axis;
+  page.results = {found.result};
+  page.results.insert(page.results.end(), found.beside.begin(), found.beside.end());
+  page.source = axis.sources;
+  page.quality = found.quality;
+  page.lost_motion = found.lost_motion;
+  page.force = force_over_time(found, axis);
+  return page;
 }
 
 }  // namespace stribeck::workflow

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <optional>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
@@ -16,6 +17,11 @@ double option_si(const std::string& option, const std::string& text, const Quant
   } catch (const io::InputError& e) {
     refuse_option(option, e.problems().front().message);
   }
+}
+
+double travel_si(const std::string& option, const std::string& text, const Quantity& quantity, bool rotary) {
+  const std::optional<Quantity> turning = rotary ? io::rotary_quantity(quantity, text) : std::nullopt;
+  return option_si(option, text, turning && io::is_convertible(text, *turning) ? *turning : quantity);
 }
 
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,

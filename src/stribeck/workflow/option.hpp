@@ -20,6 +20,9 @@ namespace stribeck::workflow {
 /// An option's value with its unit, in SI.
 double option_si(const std::string& option, const std::string& text, const Quantity& quantity);
 
+/// A length or speed along an axis; of a rotary axis it may be an angle, or the arc at a radius of 1 m.
+double travel_si(const std::string& option, const std::string& text, const Quantity& quantity, bool rotary);
+
 /// The texts left and right of the first "=" of an option; both must be there; otherwise refused with what is `expected`.
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
                                            const std::string& expected);

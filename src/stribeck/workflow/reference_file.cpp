@@ -4,6 +4,8 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/reference_file.hpp>
 
 namespace stribeck::workflow {
@@ -12,7 +14,11 @@ ReferenceFile reference_of(const io::Log& table, const sim::Machine& machine, st
   const std::string& file = table.source;
   const auto column = [&](std::string_view name, const Quantity& q) {
     const io::Column* c = table.find(name);
-    return c == nullptr ? std::vector<double>{} : io::in_si(*c, q);
+    if (c == nullptr) return std::vector<double>{};
+    // Of a rotary axis excite writes degrees and N m.
+    const std::optional<Quantity> rotary = io::rotary_quantity(q, "");
+    const bool turns = rotary && io::is_unit(c->unit_text) && conversion_between(c->unit_text, rotary->unit);
+    return io::in_si(*c, turns ? *rotary : q);
   };
   for (const auto& [key, value] : table.metadata) {
     const std::string& name = machine.axes[axis].first;

@@ -39,9 +39,7 @@ struct ContouringParams {
         field("kv", &ContouringParams::kv, quantity("1/s", "1/s").positive(),
               "derivative gains, in the same order")
             .or_default(),
-        field("error_rate", &ContouringParams::error_rate,
-              "rate of the tracking error: difference-of-error, or late for comparison")
-            .or_default()};
+        field("error_rate", &ContouringParams::error_rate, kErrorRateHelp).or_default()};
   }
 
   /// Parameters for double poles along and across the path [rad/s].

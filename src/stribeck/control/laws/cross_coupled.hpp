@@ -54,9 +54,7 @@ struct CrossCoupledParams {
         field("contour_kv", &P::contour_kv, quantity("1/s", "1/s").not_negative(),
               "derivative gain on the contour error, added to kv across the path")
             .or_default(),
-        field("error_rate", &P::error_rate,
-              "rate of the tracking error: difference-of-error, or late for comparison")
-            .or_default()};
+        field("error_rate", &P::error_rate, kErrorRateHelp).or_default()};
   }
 
   template <class Report>

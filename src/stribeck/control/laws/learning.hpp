@@ -62,9 +62,7 @@ struct LearningParams {
         field("cutoff", &P::cutoff, quantity("rad/s", "rad/s").positive(),
               "frequency above which nothing is learned (half)")
             .or_default(),
-        field("error_rate", &P::error_rate,
-              "rate of the tracking error: difference-of-error, late or observed")
-            .or_default()};
+        field("error_rate", &P::error_rate, kErrorRateHelp).or_default()};
   }
 
   /// Deviation of a machine from its model.

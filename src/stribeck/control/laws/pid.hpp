@@ -42,9 +42,7 @@ struct PidParams {
             .or_default(),
         field("kv", &PidParams::kv, quantity("1/s", "1/s").positive(), "derivative gains, in the same order")
             .or_default(),
-        field("error_rate", &PidParams::error_rate,
-              "rate of the tracking error: difference-of-error, or late for comparison")
-            .or_default()};
+        field("error_rate", &PidParams::error_rate, kErrorRateHelp).or_default()};
   }
 
   /// Parameters for a triple pole [rad/s].

@@ -64,20 +64,19 @@ struct PredictiveParams {
               "of the solver, at most, per axis and tick")
             .or_default(),
         field("slows", &P::slows, "slow down along the path where its forces exceed the limits").or_default(),
-        field("catch_up", &P::catch_up, pure_number().not_negative().at_most(1.0),
-              "share of the programmed speed by which a lag is made up")
+        field(
+            "catch_up", &P::catch_up, pure_number().not_negative().at_most(1.0),
+            "how much faster than programmed the axes may move to catch up, as a share of the programmed speed")
             .or_default()
             .when([](const P& p) { return p.slows; }, "goes with slows = true"),
         field("reserve", &P::reserve, pure_number().not_negative().at_most(0.9),
-              "share of the force limit that progress leaves for feedback")
+              "share of the force limit that is kept for feedback when the speed along the path is chosen")
             .or_default()
             .when([](const P& p) { return p.slows; }, "goes with slows = true"),
         field("speed_limit", &P::speed_limit, quantity("m/s", "mm/s").positive(),
               "largest speed, one per axis; the last one applies to the others too; none: no limit")
             .or_default(),
-        field("error_rate", &P::error_rate,
-              "rate of the tracking error: difference-of-error, observed, or late for comparison")
-            .or_default(),
+        field("error_rate", &P::error_rate, kErrorRateHelp).or_default(),
         field("rate_at_sample", &P::rate_at_sample,
               "carry a differenced rate on to the sample by the model: the exact regulator, and less stiff")
             .or_default()};

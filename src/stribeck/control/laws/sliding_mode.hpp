@@ -128,8 +128,7 @@ struct SlidingModeParams {
               "adaptive: greatest switching gain, in the same order")
             .or_default()
             .when(kAdapts, kGoesWithAdaptive),
-        field("error_rate", &P::error_rate, "rate of the tracking error: difference-of-error, or late")
-            .or_default()};
+        field("error_rate", &P::error_rate, kErrorRateHelp).or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {

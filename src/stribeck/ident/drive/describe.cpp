@@ -212,10 +212,9 @@ void Description::write_symmetric() {
     add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), told && seen(3));
     add("v0", fit.v0, "m/s", "mm/s", map_error(4), told && seen(4));
     if (fit.exponent == map::Exponent::kOne) {
-      Parameter delta;
-      delta.name = "delta";
-      delta.value = steady.stribeck->delta;
-      result_.parameters.push_back(delta);
+      constexpr double kNotEstimated = std::numeric_limits<double>::quiet_NaN();
+      result_.parameters.push_back(
+          {"delta", steady.stribeck->delta, "1", "1", kNotEstimated, kNotEstimated, true});
     }
   }
   add("alpha2", fit.viscous, "N s/m", "N s/mm", map_error(2), seen(2));

@@ -129,9 +129,13 @@ struct AccelerationDesign {
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design = {});
 
+/// Unit of an axis in G-code: of a rotary axis, whose positions are arcs at a radius of 1 m, the degree.
+enum class GcodeUnit { kMillimetre, kDegree };
+
 /// The motion as G-code of LinuxCNC's dialect (G21 G90 G64, G1 with a feed for each move) for one axis letter. A constant
 /// speed is one move; other motions are moves of about 20 ms. Refused for forces, which G-code cannot command.
-std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine);
+std::string as_gcode(const Excitation& excitation, const std::string& axis, const std::string& machine,
+                     GcodeUnit unit = GcodeUnit::kMillimetre);
 
 }  // namespace stribeck::ident::excitation
 

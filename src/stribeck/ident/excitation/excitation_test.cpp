@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,13 +108,13 @@ TEST(Excitation, JogEndsWhereItBeganAndReachesEverySpeed) {
 // limit.
 TEST(Excitation, PulsesMoveTheBiaxialTableWithinItsLimits) {
   for (const char axis : {'x', 'y'}) {
-    testing::Drive drive;
-    drive.friction = testing::table_2_3(axis);
+    test::Drive drive;
+    drive.friction = test::table_2_3(axis);
     RoughDrive rough{60e3, 1.05 * drive.level(0.0, true), 0.0};
     for (const double expected : {4e-3, 7e-3}) {
       const Excitation e = design_pulses(kTable, rough, kPeriod);
-      testing::Truth truth;
-      const log::Record rec = testing::run(
+      test::Truth truth;
+      const log::Record rec = test::run(
           drive, e.t.back(), 1, [&](std::size_t k, double, double) { return e.force[k]; }, &truth);
       const auto [low, high] = std::minmax_element(truth.v.begin(), truth.v.end());
       EXPECT_GT(std::min(*high, -*low), expected) << axis;
@@ -320,6 +321,14 @@ TEST(Excitation, GcodeRepeatsTheTable) {
   EXPECT_NEAR(time, e.t.back(), 0.02 * e.t.back());
   EXPECT_THAT([&] { as_gcode(e, "spindle", "table"); },
               ThrowsMessage<Refused>(HasSubstr("axis spindle has no letter of its own")));
+  // The same arc at a radius of 1 m: 20 mm are 20 mrad.
+  const std::string turned = as_gcode(e, "c", "table", GcodeUnit::kDegree);
+  EXPECT_NE(turned.find("degrees per minute"), std::string::npos);
+  double first = 1.0, last = 0.0, feed = 0.0;
+  ASSERT_EQ(std::sscanf(turned.substr(turned.find("G0 C")).c_str(), "G0 C%lf", &first), 1);
+  ASSERT_EQ(std::sscanf(turned.substr(turned.rfind("G1 C")).c_str(), "G1 C%lf F%lf", &last, &feed), 2);
+  EXPECT_NEAR(first, e.r.front() * 57.29577951308232, 1e-6);
+  EXPECT_NEAR(last, e.r.back() * 57.29577951308232, 1e-6);
   const Excitation pulses = design_pulses(kTable, kRough, kPeriod);
   EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <string_view>
 
@@ -13,12 +14,18 @@ namespace {
 constexpr double kGcodeStep = 0.02;  // [s]
 constexpr double kFinest = 1e-7;     // shortest move of G-code [m]
 
+/// Units per metre.
+double scale_of(GcodeUnit unit) { return unit == GcodeUnit::kDegree ? 180.0 / kPi : 1e3; }
+
 /// Rounded as it is printed, without a sign before zero.
-double millimetres(double metres) { return std::round(metres * 1e9) * 1e-6 + 0.0; }
+double printed(double metres, GcodeUnit unit) {
+  return std::round(metres * scale_of(unit) * 1e6) * 1e-6 + 0.0;
+}
 
 }  // namespace
 
-std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine) {
+std::string as_gcode(const Excitation& e, const std::string& axis, const std::string& machine,
+                     GcodeUnit unit) {
   if (e.r.empty()) {
     throw Refused(
         std::string(enum_name(e.method)) +
@@ -35,11 +42,11 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
   std::erase_if(name, [](char c) { return std::string_view("();%\n\r").find(c) != std::string_view::npos; });
   std::string out =
       fmt::format("({} of axis {}, {})\n", enum_name(e.method), letter, name) +
-      fmt::format(
-          "({:.1f} s; millimetres, millimetres per minute; record position and drive force meanwhile)\n",
-          e.t.back()) +
+      fmt::format("({:.1f} s; {}; record position and drive force meanwhile)\n", e.t.back(),
+                  unit == GcodeUnit::kDegree ? "degrees, degrees per minute"
+                                             : "millimetres, millimetres per minute") +
       "(the control adds its own ramps: feed override 100 %, nothing else moving, no cutting)\n" +
-      "G21 G90 G94 G64\n" + fmt::format("G0 {}{:.6f}\nG4 P1\n", letter, millimetres(e.r.front()));
+      "G21 G90 G94 G64\n" + fmt::format("G0 {}{:.6f}\nG4 P1\n", letter, printed(e.r.front(), unit));
   const double T = e.sample_time;
   const bool flats = e.method == ExcitationMethod::kJog;
   const auto dense = static_cast<std::size_t>(std::max(1.0, std::round(kGcodeStep / T)));
@@ -72,7 +79,8 @@ std::string as_gcode(const Excitation& e, const std::string& axis, const std::st
       }
       fastest = std::abs(e.r[last] - e.r[k]) / static_cast<double>(last - k);
     }
-    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", letter, millimetres(e.r[last]), fastest / T * 60e3);
+    out += fmt::format("G1 {}{:.6f} F{:.5f}\n", letter, printed(e.r[last], unit),
+                       fastest / T * 60.0 * scale_of(unit));
     k = last;
   }
   return out + "M2\n";

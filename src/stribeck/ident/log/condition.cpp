@@ -282,7 +282,8 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   s.sample_time = stats::thinned_quantile(times, 0.5);
   out.coverage = cover(tables, s, unit);
   if (!notes.has("irregular")) {
-    refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit, unit, notes);
+    refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit,
+                             runs.front().rotary ? "rad" : unit, notes);
     if (position) name_commanded_position(tables, out.rough, notes);
     if (position) name_smoothed_force(tables, notes);
   }

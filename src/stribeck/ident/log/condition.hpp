@@ -43,6 +43,7 @@ struct RawLog {
   Signal x, r, v, v_ref, f;
   std::string force_unit = "N";
   std::string position_unit = "m";
+  bool rotary = false;  ///< positions are arcs at a radius of 1 m
   Loop loop = Loop::kAutomatic;
   double sample_time = 0.0;      ///< [s], where there is no time column
   std::vector<std::size_t> row;  ///< row of the log, from 1, of every row here; empty: 1, 2, …

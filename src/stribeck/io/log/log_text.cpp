@@ -253,9 +253,9 @@ Column column_of(std::string header, Notes& notes) {
     if (at == std::string::npos || header.back() != close) continue;
     const auto inside = std::string(trimmed(std::string_view(header).substr(at + 1, header.size() - at - 2)));
     const auto before = std::string(trimmed(std::string_view(header).substr(0, at)));
-    const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
     // "x (1)" is a second copy of x, not a unit.
-    const bool counts = open == '[' && is_count_word(inside);
+    const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
+    const bool counts = is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
     const bool unit = !inside.empty() && !counts && !scaled &&
                       !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&

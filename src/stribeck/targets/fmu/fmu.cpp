@@ -69,6 +69,7 @@ const SteadyTarget kFmu{.name = "fmu",
                         .write = fmu_form,
                         .extension = ".fmu",
                         .pack = pack,
-                        .simulator = true};
+                        .simulator = true,
+                        .linear_only = true};
 
 }  // namespace stribeck::targets

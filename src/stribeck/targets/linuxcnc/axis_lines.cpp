@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -50,9 +51,16 @@ std::vector<std::string> names_for(const ExportRequest& o, const std::string& pr
   return names;
 }
 
+/// As the axis files say; x, y, … where one does not say a letter of LinuxCNC, or two say the same.
 std::vector<std::string> letters_for(const ExportRequest& o) {
-  constexpr const char* kAxes = "xyzabcuvw";
-  if (o.files.size() > 9) refuse_option("AXIS.toml", "got more than nine axes");
+  constexpr std::string_view kAxes = "xyzabcuvw";
+  if (o.files.size() > kAxes.size()) refuse_option("AXIS.toml", "got more than nine axes");
+  std::vector<std::string> said;
+  for (const std::string& file : o.files) {
+    const std::string axis = io::read_toml<sim::AxisFile>(file).axis.value_or("");
+    if (axis.size() == 1 && kAxes.find(axis[0]) != std::string_view::npos) said.push_back(axis);
+  }
+  if (said.size() == o.files.size() && std::set(said.begin(), said.end()).size() == said.size()) return said;
   std::vector<std::string> axes;
   for (std::size_t i = 0; i < o.files.size(); ++i) axes.emplace_back(1, kAxes[i]);
   return axes;
@@ -100,10 +108,13 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
   for (std::size_t i = 0; i < o.files.size(); ++i) {
     const auto file = io::read_toml<sim::AxisFile>(o.files[i]);
     const friction::AxisModel& model = file.model;
-    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], file), 1e-3);
-    const std::string worth = lincurve_words(table, model, "mm/s");
+    const bool rotary = file.rotary.value_or(false);
+    const double unit = rotary ? kPi / 180.0 : 1e-3;
+    const Lincurve table = best_lincurve(model, table_speed(o, o.files[i], file), unit);
+    const std::string worth = lincurve_words(table, model, rotary ? "deg/s" : "mm/s");
     points += fmt::format("{}{}", points.empty() ? "" : ",", table.table.corners.size());
     body += '\n' + io::comment_lines(fmt::format("{} from {}: {}", names[i], o.files[i], worth));
+    if (rotary) body += "# A rotary axis: its velocities are in deg/s, N stands for N m.\n";
     if (model.load != 0.0)
       body += fmt::format("# pid.bias for the load: {} N\n", report::significant(model.load, 4));
     body += lincurve_lines(names[i], table);
@@ -114,7 +125,7 @@ std::string tables(const ExportRequest& o, nlohmann::ordered_json& json, std::st
                     {"file", o.files[i]},
                     {"max_error_N", table.max_error},
                     {"rms_error_N", table.rms_error},
-                    {"points_mm_per_s_N", point}});
+                    {rotary ? "points_deg_per_s_N" : "points_mm_per_s_N", point}});
   }
   out += fmt::format("# loadrt lincurve names={} personality={}\n", fmt::join(names, ","), points);
   return out + body;

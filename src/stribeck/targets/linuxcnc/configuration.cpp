@@ -5,7 +5,6 @@
 #include <optional>
 
 #include <stribeck/io/error.hpp>
-#include <stribeck/path/five_axis.hpp>
 #include <stribeck/targets/linuxcnc/configuration.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
@@ -53,7 +52,7 @@ std::string about(const Configuration& c) {
       out += fmt::format(
           "\nAxis {}: one degree is {:.6g} mm of the machine file, which holds rotary axes at a radius of "
           "{:g} mm.\n",
-          capital(a), 1e3 * unit_of(a), 1e3 * path::TiltingTable{}.radius);
+          capital(a), 1e3 * unit_of(a), 1e3 * a.radius);
     }
   }
   return out;

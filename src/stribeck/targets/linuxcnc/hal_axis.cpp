@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
-#include <stribeck/path/five_axis.hpp>
 #include <stribeck/targets/linuxcnc/hal_axis.hpp>
 
 namespace stribeck::targets::linuxcnc {
 
 bool angular(const HalAxis& a) { return a.letter.find_first_of("abc") != std::string::npos; }
 
-double unit_of(const HalAxis& a) { return angular(a) ? path::TiltingTable{}.radius * kPi / 180.0 : 1e-3; }
+double unit_of(const HalAxis& a) { return angular(a) ? a.radius * kPi / 180.0 : 1e-3; }
 
 std::string_view unit_name(const HalAxis& a) { return angular(a) ? "deg" : "mm"; }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/path/five_axis.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/targets/linuxcnc/limits.hpp>
 #include <string>
@@ -18,12 +19,14 @@ struct HalAxis {
   const sim::MachineAxis* machine = nullptr;
   DrivableLimits can;
   friction::AxisModel model;  ///< the model that its controllers know
+  double radius =
+      path::TiltingTable{}.radius;  ///< of a, b and c: where the machine file carries a rotary axis [m]
 };
 
 using Axes = std::vector<HalAxis>;
 
 bool angular(const HalAxis& a);
-/// Length [m] of one machine unit: a millimetre, or a degree at the reference radius (path/five_axis.hpp).
+/// Length [m] of one machine unit: a millimetre, or a degree at the radius of the axis.
 double unit_of(const HalAxis& a);
 /// Name of the machine unit, for people.
 std::string_view unit_name(const HalAxis& a);

@@ -107,8 +107,16 @@ Configuration configuration(const ExportRequest& o, const sim::Machine& machine)
              a.force_limit())});
   }
   const std::vector<friction::AxisModel> models = models_of(o, machine);
-  for (std::size_t i = 0; i < letters.size(); ++i)
+  const workflow::MachineDescription description = workflow::read_description(o.files.front());
+  for (std::size_t i = 0; i < letters.size(); ++i) {
     c.axes.push_back({letters[i], &machine.axes[i].second, can[i], models[i]});
+    if (!description.axes[i].second.rotary) continue;
+    if (!angular(c.axes.back()))
+      throw io::InputError(
+          {o.files.front(), 0, "axes." + description.axes[i].first,
+           "is rotary, expected one of LinuxCNC's letters for it: a, b or c (rename the axis)"});
+    c.axes.back().radius = 1.0;
+  }
   return c;
 }
 

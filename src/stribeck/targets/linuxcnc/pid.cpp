@@ -103,6 +103,7 @@ const SteadyTarget kPid{.name = "pid",
                         .write = pid_form,
                         .extension = ".hal",
                         .head = pid_head,
-                        .encoder = true};
+                        .encoder = true,
+                        .linear_only = true};
 
 }  // namespace stribeck::targets

@@ -44,6 +44,9 @@ sim::AxisFile axis_file(const std::string& file) {
   if (io::load_toml(file).find("axes") != nullptr)
     throw io::InputError({file, 0, "axes", "is a machine file, expected an axis file written by identify"});
   sim::AxisFile axis = io::read_toml<sim::AxisFile>(file);
+  if (axis.rotary.value_or(false))
+    throw io::InputError(
+        {file, 0, "rotary", "a pulse is found on a circle of two linear axes, this one turns"});
   if (!friction::has_pre_sliding(axis.model.friction.dynamics)) {
     throw io::InputError(
         {file, 0, "friction.dynamics",

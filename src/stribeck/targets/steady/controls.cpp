@@ -134,7 +134,8 @@ const SteadyTarget kIsg{.name = "isg",
                         .comment = "#",
                         .needs = SteadyNeeds::kGain,
                         .write = isg,
-                        .build_up = isg_build_up};
+                        .build_up = isg_build_up,
+                        .linear_only = true};
 extern const SteadyTarget kAx8000;
 const SteadyTarget kAx8000{"ax8000", "viscous friction factor of the AX8000", "#", SteadyNeeds::kLead,
                            ax8000};

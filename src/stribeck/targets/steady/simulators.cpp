@@ -145,18 +145,21 @@ const SteadyTarget kMujoco{
     .extension = ".xml",
     .begin = "<mujoco model=\"axes\">\n  <option timestep=\"0.001\" gravity=\"0 0 0\"/>\n  <worldbody>\n",
     .end = "  </worldbody>\n</mujoco>\n",
-    .simulator = true};
+    .simulator = true,
+    .linear_only = true};
 extern const SteadyTarget kModelica;
 const SteadyTarget kModelica{.name = "modelica",
                              .what = "friction table of a Modelica axis",
                              .comment = "//",
                              .write = modelica,
-                             .simulator = true};
+                             .simulator = true,
+                             .linear_only = true};
 extern const SteadyTarget kSimscape;
 const SteadyTarget kSimscape{.name = "simscape",
                              .what = "parameters of Simscape's Translational Friction",
                              .comment = "%",
                              .write = simscape,
-                             .simulator = true};
+                             .simulator = true,
+                             .linear_only = true};
 
 }  // namespace stribeck::targets

@@ -14,6 +14,7 @@
 #include <stribeck/targets/pulse/build_up.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::targets {
@@ -22,6 +23,7 @@ namespace {
 
 using workflow::option_si;
 using workflow::refuse_option;
+using workflow::travel_si;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// Speeds of one direction at which the error is taken.
@@ -55,21 +57,37 @@ std::string refuse_name(const std::string& name) {
                             io::in_quotes(name)));
 }
 
+bool is_name(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !name.empty() && name.size() <= 16 && letter(name.front()) &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
+}
+
+/// What the axis files call their axes; none where one does not say it, or two say the same.
+std::vector<std::string> names_in_files(const ExportRequest& o) {
+  std::set<std::string> all;
+  std::vector<std::string> names;
+  for (const std::string& file : o.files) {
+    const io::Node content = io::load_toml(file);
+    const io::Node* axis = content.find("axis");
+    if (axis == nullptr || !is_name(axis->text) || !all.insert(axis->text).second) return {};
+    names.push_back(axis->text);
+  }
+  return names;
+}
+
 std::vector<std::string> names_of(const ExportRequest& o) {
   constexpr std::string_view kLetters = "xyzabcuvw";
   if (o.files.size() > kLetters.size()) refuse_option("AXIS.toml", "got more than nine axes");
-  std::vector<std::string> names = o.names;
+  std::vector<std::string> names = o.names.empty() ? names_in_files(o) : o.names;
   for (std::size_t i = 0; names.size() < o.files.size() && o.names.empty(); ++i)
     names.emplace_back(1, kLetters[i]);
   if (names.size() != o.files.size())
     refuse_option("--name",
                   fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
   for (const std::string& name : names) {
-    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    const bool good = !name.empty() && name.size() <= 16 && letter(name.front()) &&
-                      std::all_of(name.begin(), name.end(),
-                                  [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
-    if (!good) refuse_name(name);
+    if (!is_name(name)) refuse_name(name);
   }
   if (std::set(names.begin(), names.end()).size() != names.size())
     refuse_option("--name", "expected names that differ");
@@ -84,9 +102,10 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
     throw io::InputError({a.file, 0, "axes", "is a machine file, expected an axis file written by identify"});
   const auto file = io::read_toml<sim::AxisFile>(a.file);
   a.model = file.model;
+  a.rotary = file.rotary.value_or(false);
   a.fastest = file.identified_speed().value_or(0.0);
   std::tie(a.gain, a.unit) = gain_of(o);
-  a.lead = o.lead.empty() ? kUnknown : option_si("--lead", o.lead, quantity("m", "mm").positive());
+  a.lead = o.lead.empty() ? kUnknown : travel_si("--lead", o.lead, quantity("m", "mm").positive(), a.rotary);
   a.resolution = o.resolution.empty()
                      ? kUnknown
                      : option_si("--resolution", o.resolution, quantity("m", "um").positive());
@@ -97,7 +116,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
 Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& name) {
   Axis a = axis_of(o, i, name);
   if (!o.speed.empty()) {
-    a.fastest = option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
+    a.fastest = travel_si("--speed", o.speed, quantity("m/s", "mm/s").positive(), a.rotary);
   } else if (!(a.fastest > 0.0)) {
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", a.file));
@@ -216,6 +235,12 @@ void add_build_up(const SteadyTarget& target, const PulseTask& task, std::size_t
 
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   check_needs(target, o);
+  if (target.linear_only && any_rotary(o))
+    throw io::InputError(
+        {o.files.front(), 0, "rotary",
+         fmt::format(
+             "{} has no place for a rotary axis (choose csv, json, c or cia402, where N stands for N m and mm for mrad)",
+             target.name)});
   const std::vector<std::string> names = names_of(o);
   SteadyText w;
   w.json = nlohmann::ordered_json::array();
@@ -234,6 +259,8 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
                     report::significant(e.friction, 3), report::significant(e.rms, 3));
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
+    if (axis.rotary)
+      w.text += remark(target.comment, fmt::format("Axis {} is {}", axis.name, workflow::kRotaryAsLinear));
     w.text += form.text;
     w.tables.push_back({form.held});
     w.words += fmt::format("{}: {}.\n", axis.name, words);

@@ -30,6 +30,7 @@ struct Axis {
   std::string name;
   std::string file;
   friction::AxisModel model;
+  bool rotary = false;      ///< carried at a radius of 1 m
   double slowest = 0.0;     ///< smallest speed that counts [m/s]
   double fastest = 0.0;     ///< [m/s]; 0: nobody said it
   double gain = 1.0;        ///< force of one unit of the control [N]; NaN: nobody said it
@@ -88,7 +89,8 @@ struct SteadyTarget {
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
-  bool encoder = false;  ///< takes the step of the encoder
+  bool encoder = false;      ///< takes the step of the encoder
+  bool linear_only = false;  ///< has no place for a rotary axis
 };
 
 /// All of them, in the order of help.

@@ -50,15 +50,24 @@ AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d
   return out;
 }
 
-void write_spring(const ident::residual::Spring& s, ident::Result& r) {
+/// An elastic drive that rings has another mass at that frequency: over the motion the difference looks like a spring.
+std::string ringing(const ident::residual::Quality& q) {
+  if (!q.strongest || q.strongest->moves < 0.5 * q.strongest->amplitude) return {};
+  return fmt::format(
+      "; the axis also vibrates at {:.3g} Hz: a drive that is elastic and rings looks the same, and then the mass is wrong by several percent too (damp the loop, or record with less acceleration, and compare the mass)",
+      q.strongest->frequency);
+}
+
+void write_spring(const ident::residual::Spring& s, const ident::residual::Quality& q, ident::Result& r) {
   const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
   r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
                           s.stiffness + s.half_width, true});
   const bool metres = r.position_unit == "m";
   r.warnings.push_back(fmt::format(
-      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {:.4g} {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it",
+      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {:.4g} {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
       s.stiffness * (metres ? 1e-3 : 1.0), r.force_unit, metres ? "mm" : "rad",
-      s.half_width * (metres ? 1e-3 : 1.0), s.middle * (metres ? 1e3 : 1.0), metres ? "mm" : "rad"));
+      s.half_width * (metres ? 1e-3 : 1.0), s.middle * (metres ? 1e3 : 1.0), metres ? "mm" : "rad",
+      ringing(q)));
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
@@ -113,7 +122,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     found = std::move(again);
     d = std::move(left);
   }
-  if (taken.spring) write_spring(*taken.spring, found.result);
+  if (taken.spring) write_spring(*taken.spring, d.quality, found.result);
   if (taken.unbalance) write_unbalance(*taken.unbalance, found.result);
   found.quality = std::move(d.quality);
   ident::Result& r = found.result;

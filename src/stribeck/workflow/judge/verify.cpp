@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -23,7 +22,7 @@ constexpr double kReproduced =
 
 struct Model {
   std::string file;
-  std::string axis;  ///< from the comment that identify writes; empty: none
+  std::string axis;  ///< as its file says; empty: it does not
   friction::AxisModel model;
 };
 
@@ -44,25 +43,19 @@ T read_one(const std::string& path, const std::string& hint) {
   }
 }
 
-/// "x" of the first line "# Axis x: …".
-std::string axis_named_in(const std::string& path) {
-  constexpr std::string_view kBegin = "# Axis ";
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line) || !line.starts_with(kBegin)) return {};
-  const auto colon = line.find(':');
-  return colon == std::string::npos ? std::string() : line.substr(kBegin.size(), colon - kBegin.size());
-}
-
-std::vector<Model> read_models(const VerifyOptions& o) {
+std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
   std::vector<Model> models;
   for (const std::string& path : o.axis_files) {
-    models.push_back(
-        {path, "",
-         read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last")
-             .model});
-    models.back().axis = axis_named_in(path);
+    const auto file =
+        read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
+    models.push_back({path, file.axis.value_or(""), file.model});
+    const bool rotary = file.rotary.value_or(false);
+    if (models.size() > 1 && rotary != log.drive.rotary)
+      throw io::InputError({path, 0, "rotary",
+                            "one of the axis files is of a rotary axis, another is not (verify them apart)"});
+    log.drive.rotary = rotary;
   }
+  if (log.drive.rotary && log.drive.lead.empty()) log.drive.lead = "360 deg";
   for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});
   return models;
 }
@@ -121,7 +114,7 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
 
 class Verification {
  public:
-  explicit Verification(const VerifyOptions& o) : o_(o), models_(read_models(o)) {
+  explicit Verification(const VerifyOptions& o) : o_(o), log_(o.log), models_(read_models(o, log_)) {
     if (!o.controller.empty())
       controller_ = read_one<ident::replay::ReplayController>(o.controller,
                                                               "expected a controller, kind cascade or pd");
@@ -142,7 +135,7 @@ class Verification {
     page_.source += (page_.source.empty() ? "" : ", ") + name;
     page_.warnings.insert(page_.warnings.end(), log.notes.begin(), log.notes.end());
     compare_axes(models_, log, o_.log.axis, page_.warnings);
-    const ident::log::Conditioned clean = condition_log(log, o_.log, &page_.warnings);
+    const ident::log::Conditioned clean = condition_log(log, log_, &page_.warnings);
     for (const ident::log::Finding& f : clean.findings) page_.warnings.push_back(f.text);
     const bool alone = o_.logs.size() == 1 && clean.records.size() == 1;
     for (const ident::log::Record& record : clean.records) {
@@ -219,6 +212,7 @@ class Verification {
   }
 
   const VerifyOptions& o_;
+  LogOptions log_;
   std::vector<Model> models_;
   std::optional<ident::replay::ReplayController> controller_;
   VerifyReportInput page_;

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/log/converted.hpp>
 
 namespace stribeck::workflow {
 namespace {
 
 enum class Word : std::uint8_t {
   kPosition,
+  kAngle,  ///< a position, behind one that is called so
   kVelocity,
   kAcceleration,
   kForce,
@@ -31,6 +33,8 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"positions", Word::kPosition},
                             Entry{"pos", Word::kPosition},
                             Entry{"lage", Word::kPosition},
+                            Entry{"angle", Word::kAngle},
+                            Entry{"winkel", Word::kAngle},
                             Entry{"velocity", Word::kVelocity},
                             Entry{"velo", Word::kVelocity},
                             Entry{"vel", Word::kVelocity},
@@ -170,20 +174,27 @@ bool read_words(std::string_view text, std::vector<Word>& words) {
 
 bool role(Word w) { return w == Word::kActual || w == Word::kCommanded; }
 
-std::optional<NameMeaning> from_words(const std::vector<Word>& words) {
-  std::optional<Word> quantity;
-  std::optional<Word> kind;
-  for (const Word w : words) {
-    if (w == Word::kNothing) continue;
-    std::optional<Word>& slot = role(w) ? kind : quantity;
-    if (slot && *slot != w) return std::nullopt;
-    slot = w;
-  }
-  if (!quantity) return std::nullopt;
-  const bool commanded = kind == Word::kCommanded;
-  const std::size_t rank = kind == Word::kActual ? 0 : commanded ? 2 : 1;
-  switch (*quantity) {
+/// The quantity that a unit tells; nothing for one of several quantities, and for volts, which may be those of any sensor.
+std::optional<Word> by_unit(const std::string& unit) {
+  if (unit.empty()) return std::nullopt;
+  constexpr std::array<std::pair<std::string_view, Word>, 7> kUnits{{{"m", Word::kPosition},
+                                                                     {"rad", Word::kPosition},
+                                                                     {"m/s", Word::kVelocity},
+                                                                     {"rad/s", Word::kVelocity},
+                                                                     {"N", Word::kForce},
+                                                                     {"N m", Word::kTorque},
+                                                                     {"A", Word::kCurrent}}};
+  const auto found = std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& u) {
+    return conversion_between(unit, u.first).has_value();
+  });
+  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// The column of a quantity that is actual or commanded; nothing where there is no such column.
+std::optional<NameMeaning> meaning(Word quantity, bool commanded, std::size_t rank) {
+  switch (quantity) {
     case Word::kPosition:
+    case Word::kAngle:
       return NameMeaning{commanded ? LogQuantity::kReference : LogQuantity::kPosition, rank, {}};
     case Word::kVelocity:
       return NameMeaning{commanded ? LogQuantity::kReferenceVelocity : LogQuantity::kVelocity, rank, {}};
@@ -201,8 +212,32 @@ std::optional<NameMeaning> from_words(const std::vector<Word>& words) {
   }
 }
 
+std::optional<NameMeaning> from_words(const std::vector<Word>& words, const std::string& unit) {
+  std::optional<Word> quantity;
+  std::optional<Word> kind;
+  for (const Word w : words) {
+    if (w == Word::kNothing) continue;
+    std::optional<Word>& slot = role(w) ? kind : quantity;
+    if (slot && *slot != w) return std::nullopt;
+    slot = w;
+  }
+  // "Z act [mm]": the name says which of two values it is, the unit of what.
+  const bool weak = !quantity;
+  if (weak && kind) quantity = by_unit(unit);
+  if (!quantity) return std::nullopt;
+  const bool commanded = kind == Word::kCommanded;
+  constexpr std::size_t kBehind = 3;
+  const std::size_t rank = (kind == Word::kActual ? 0
+                            : commanded           ? 2
+                                                  : 1) +
+                           (quantity == Word::kAngle ? kBehind : 0);
+  std::optional<NameMeaning> found = meaning(*quantity, commanded, rank);
+  if (found) found->by_unit = weak;
+  return found;
+}
+
 /// Words of all parts; a letter alone, or in front of actual or commanded, may stand for a quantity.
-std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts) {
+std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts, const std::string& unit) {
   std::vector<Word> words;
   for (const std::string& part : parts) {
     if (read_words(part, words)) continue;
@@ -216,7 +251,7 @@ std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts) {
   }
   // A letter alone is in known_columns.cpp, or an axis.
   const bool told = parts.size() > 1 || parts.front().size() > 1;
-  return told ? from_words(words) : std::nullopt;
+  return told ? from_words(words, unit) : std::nullopt;
 }
 
 }  // namespace
@@ -240,7 +275,7 @@ bool any_word(const std::vector<std::string>& words, std::span<const std::string
   });
 }
 
-std::optional<NameMeaning> meaning_of(const std::string& header) {
+std::optional<NameMeaning> meaning_of(const std::string& header, const std::string& unit) {
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;
   std::string name = lower_case(header);
@@ -262,12 +297,12 @@ std::optional<NameMeaning> meaning_of(const std::string& header) {
     if (!is_axis(*at)) continue;
     std::vector<std::string> others = parts;
     others.erase(others.begin() + (at - parts.begin()));
-    if (auto found = from_parts(others)) {
+    if (auto found = from_parts(others, unit)) {
       found->axis = *at;
       return found;
     }
   }
-  auto found = from_parts(parts);
+  auto found = from_parts(parts, unit);
   if (found) found->axis = axis;
   return found;
 }

@@ -22,6 +22,7 @@ struct NameMeaning {
   LogQuantity what;
   std::size_t rank = 0;  ///< the lower is the better one of two columns of one quantity
   std::string axis;      ///< lower case; "" where the name has none
+  bool by_unit = false;  ///< the name says only actual or commanded, the unit of what
 };
 
 using io::lower_case;
@@ -31,6 +32,7 @@ std::vector<std::string> words_of_name(const std::string& name);
 /// Whether one of them is known.
 bool any_word(const std::vector<std::string>& words, std::span<const std::string_view> known);
 
-std::optional<NameMeaning> meaning_of(const std::string& name);
+/// `unit` is that of the column; it tells the quantity where the name says only actual or commanded ("Z act [mm]").
+std::optional<NameMeaning> meaning_of(const std::string& name, const std::string& unit = {});
 
 }  // namespace stribeck::workflow

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stribeck/io/error.hpp>
@@ -25,6 +26,8 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"Actual_Position", LogQuantity::kPosition, ""},
       {"Lageistwert", LogQuantity::kPosition, ""},
       {"Istposition X", LogQuantity::kPosition, "x"},
+      {"Istwinkel", LogQuantity::kPosition, ""},
+      {"Angle setpoint C", LogQuantity::kReference, "c"},
       {"MC_Axis.ActPos", LogQuantity::kPosition, "mc_axis"},
       {"xist", LogQuantity::kPosition, ""},
       {"r0482[0]", LogQuantity::kPosition, ""},
@@ -51,6 +54,27 @@ TEST(ColumnWords, NamesOfDriveTools) {
     EXPECT_EQ(found->what, what) << name;
     EXPECT_EQ(found->axis, axis) << name;
   }
+}
+
+// "Z act" is what its unit says.
+TEST(ColumnWords, UnitTellsTheQuantityOfActualAndCommanded) {
+  const std::vector<std::tuple<std::string, std::string, LogQuantity, std::string>> all{
+      {"Z act", "mm", LogQuantity::kPosition, "z"},
+      {"Z set", "mm", LogQuantity::kReference, "z"},
+      {"setpoint", "deg", LogQuantity::kReference, ""},
+      {"actual", "mm/s", LogQuantity::kVelocity, ""},
+      {"Istwert", "rpm", LogQuantity::kVelocity, ""},
+      {"C actual", "N m", LogQuantity::kTorque, "c"},
+      {"feedback", "A", LogQuantity::kCurrent, ""},
+      {"z soll", "mm/s", LogQuantity::kReferenceVelocity, "z"}};
+  for (const auto& [name, unit, what, axis] : all) {
+    const auto found = meaning_of(name, unit);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->what, what) << name;
+    EXPECT_EQ(found->axis, axis) << name;
+  }
+  for (const char* unit : {"", "V", "degC", "%", "1"}) EXPECT_FALSE(meaning_of("actual", unit)) << unit;
+  EXPECT_FALSE(meaning_of("motor", "mm"));
 }
 
 TEST(ColumnWords, OtherNamesHaveNoMeaning) {
@@ -82,13 +106,44 @@ double mass_of(const std::string& text, const LogOptions& options,
 TEST(ColumnWords, LogsAreReadWithoutMap) {
   for (const char* header :
        {"Time (s),Position Actual (mm),Motor Force (N)", "Zeit [s],Lageistwert [mm],Kraftistwert [N]",
-        "Time [s],MC_Axis.ActPos [mm],MC_Axis.Force [N]"})
+        "t [s],Z act (mm),Z act (N)", "Time [s],MC_Axis.ActPos [mm],MC_Axis.Force [N]"})
     EXPECT_NEAR(mass_of(log_with(header), {}), 50.0, 1.0) << header;
   LogOptions gain;
   gain.gain = "10 N/A";
   for (const char* header : {"t [s],xist [mm],iq [A]", "t [s],r0482 [mm],r0078 [A]",
                              "Zeit [s],Istposition X (mm),Strom Motor X (A)"})
     EXPECT_NEAR(mass_of(log_with(header, 0.1), gain), 50.0, 1.0) << header;
+}
+
+/// The columns that are taken for the axis, by quantity.
+std::vector<std::string> taken(const std::string& header, const std::string& axis = "") {
+  LogOptions o;
+  o.axis = axis;
+  std::string text = header + "\n";
+  const auto columns = std::count(header.begin(), header.end(), ',') + 1;
+  for (int k = 0; k < 50; ++k) {
+    for (int c = 0; c < columns; ++c)
+      text += (c == 0 ? "" : ",") + std::to_string(c == 0 ? 1e-3 * k : 0.1 * k * c);
+    text += "\n";
+  }
+  std::vector<std::string> out;
+  for (const auto& [quantity, column] : workflow::logged_axis(io::parse_log(text, "log.csv"), o).columns)
+    out.push_back(quantity + "=" + column.substr(0, column.find(" [")));
+  return out;
+}
+
+// What the unit alone tells does no harm to a log that calls its columns by name.
+TEST(ColumnWords, ForeignColumnsAreLeftAlone) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(taken("t [s],x [mm],F [N],S1 act [rpm],S2 act [rpm]"), ElementsAre("x=x", "force=F"));
+  EXPECT_THAT(taken("t [s],x [mm],F [N],C set [deg]"), ElementsAre("x=x", "force=F"));
+  EXPECT_THAT(taken("t [s],x [mm],F [N],Target 1 [mm],Target 2 [mm]"), ElementsAre("x=x", "force=F"));
+  EXPECT_THAT(taken("t [s],Axis position [mm],Motor angle [deg],Motor force [N]"),
+              ElementsAre("x=Axis position", "force=Motor force"));
+  EXPECT_THAT(taken("t [s],Position (X) [mm],Position (Y) [mm],Force (X) [N],Force (Y) [N]", "y"),
+              ElementsAre("x=Position (Y)", "force=Force (Y)"));
+  // A column with the name of the axis is its position, though x is also the name of any position.
+  EXPECT_THAT(taken("t [s],x [mm],y [mm],X force [N],Y force [N]", "y"), ElementsAre("x=y", "force=Y force"));
 }
 
 TEST(ColumnWords, UnitAloneTellsTheForce) {

@@ -114,12 +114,35 @@ bool same_axis(const io::Log& log, const std::string& wanted, const std::string&
   std::abort();
 }
 
+/// The name; where two columns differ in their units alone, the unit stands in it: "Z act (N)".
+std::string without_unit(const io::Column& c) {
+  const auto open = c.name.find_last_of("([");
+  if (open == std::string::npos || !(c.name.ends_with(')') || c.name.ends_with(']'))) return c.name;
+  const auto same = conversion_between(c.name.substr(open + 1, c.name.size() - open - 2), c.unit_text);
+  return same && same->factor == 1.0 ? c.name.substr(0, open) : c.name;
+}
+
 struct Candidate {
   const io::Column* column = nullptr;
   std::string axis;
   std::size_t family = 0;
   std::size_t rank = 0;
 };
+
+/// Whether a column is a position by its name, not only by its unit.
+bool calls_a_position(const io::Log& log, const std::string& axis) {
+  const KnownColumn& position = known_column(LogQuantity::kPosition);
+  return std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
+    if (c.values.empty()) return false;
+    for (const Label& label : labels_of(c, axis)) {
+      for (const auto& family : position.families) {
+        if (std::find(family.begin(), family.end(), label.base) != family.end()) return true;
+      }
+    }
+    const auto meaning = meaning_of(without_unit(c), c.unit_text);
+    return meaning && meaning->what == LogQuantity::kPosition && !meaning->by_unit;
+  });
+}
 
 std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, const std::string& axis) {
   std::vector<Candidate> out;
@@ -137,17 +160,34 @@ std::vector<Candidate> candidates(const io::Log& log, const KnownColumn& k, cons
     }
   }
   if (!out.empty()) return out;
-  // Names that no notation has are read word by word.
+  // Names that no notation has are read word by word. Those that tell a quantity by their units alone count in a log that calls no
+  // position by its name.
+  std::vector<Candidate> by_unit;
   for (const io::Column& c : log.columns) {
     if (c.values.empty()) continue;
-    if (auto meaning = meaning_of(c.name); meaning && meaning->what == k.what)
-      out.push_back({&c, std::move(meaning->axis), 0, meaning->rank});
+    auto meaning = meaning_of(without_unit(c), c.unit_text);
+    if (!meaning || meaning->what != k.what) continue;
+    (meaning->by_unit ? by_unit : out).push_back({&c, std::move(meaning->axis), 0, meaning->rank});
   }
+  if (!out.empty() || by_unit.empty()) return out;
+  if (!calls_a_position(log, axis)) return by_unit;
   return out;
+}
+
+/// The position of an axis whose column has the name of the axis: x, y and c of one log. Null: there is none.
+const io::Column* called_as_axis(const io::Log& log, const std::string& axis) {
+  const auto found = std::find_if(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
+    if (c.values.empty() || lower_case(c.name) != lower_case(axis)) return false;
+    return conversion_between(c.unit_text, "m") || conversion_between(c.unit_text, "rad");
+  });
+  return found == log.columns.end() ? nullptr : &*found;
 }
 
 /// The column of a quantity, found by its name; absent where there is none. Throws where several could be it.
 const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const std::string& axis) {
+  if (k.what == LogQuantity::kPosition && !axis.empty()) {
+    if (const io::Column* own = called_as_axis(log, axis)) return own;
+  }
   std::vector<Candidate> all = candidates(log, k, axis);
   if (all.empty()) return nullptr;
   const auto keep = [&](auto&& good) {
@@ -274,6 +314,9 @@ std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string
   std::vector<NamedColumn> out;
   for (const io::Column& c : log_.columns) {
     if (c.values.empty() || c.unit_assumed || c.unit_text == "1") continue;
+    const auto meaning = meaning_of(without_unit(c), c.unit_text);
+    if (!axis_.empty() && meaning && !meaning->axis.empty() && !same_axis(log_, axis_, meaning->axis))
+      continue;
     const bool used =
         std::any_of(maps_.begin(), maps_.end(), [&](const auto& m) { return m.second.column == &c; });
     if (used) continue;

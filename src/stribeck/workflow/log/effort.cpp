@@ -53,8 +53,8 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
       try {
         if (!by_map) named = columns.find(what);
       } catch (const io::InputError& e) {
-        // With a gain another quantity may be the force.
-        if (!with_gain) throw;
+        // Another quantity may be the force: with a gain any, without one what was found before.
+        if (!with_gain && found.efforts.empty()) throw;
         if (!found.ambiguous) found.ambiguous = e;
       }
       if (!named) continue;

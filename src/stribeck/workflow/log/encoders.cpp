@@ -13,11 +13,11 @@ namespace stribeck::workflow {
 namespace {
 
 /// Values [m]; empty where the unit is none of a position, or an angle without --lead.
-std::vector<double> metres_of(const NamedColumn& named, double per_radian) {
+std::vector<double> metres_of(const NamedColumn& named, const MotionColumns& motion, bool of_motor) {
   if (const auto linear = conversion_between(named.unit, "m")) return converted(*named.column, *linear, 1.0);
   const auto turning = conversion_between(named.unit, "rad");
-  if (!turning || per_radian == 0.0) return {};
-  return converted(*named.column, *turning, per_radian);
+  if (!turning || motion.per_radian == 0.0) return {};
+  return converted(*named.column, *turning, of_motor ? motion.per_radian : motion.per_radian_of(named.unit));
 }
 
 bool all_finite(const std::vector<double>& x) {
@@ -46,8 +46,8 @@ std::optional<ident::lost_motion::Positions> both_encoders(const io::Log& log, c
   const MotionColumns motion = find_motion(columns, options, ignored);
   const Effort effort = find_effort(columns, motion, options, ignored);
   ident::lost_motion::Positions p;
-  p.motor = metres_of(*motor, motion.per_radian);
-  p.scale = metres_of(*scale, motion.per_radian);
+  p.motor = metres_of(*motor, motion, true);
+  p.scale = metres_of(*scale, motion, false);
   if (p.motor.empty() || p.scale.empty())
     return unused("a position is an angle or has no unit (give --lead, or --map with the unit)");
   if (effort.unit == "N") p.force = converted(*effort.from.column, effort.conversion, effort.factor);

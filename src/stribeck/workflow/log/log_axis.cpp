@@ -10,6 +10,7 @@
 #include <stribeck/workflow/log/log_times.hpp>
 #include <stribeck/workflow/log/motion_columns.hpp>
 #include <stribeck/workflow/log/runs.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -96,7 +97,12 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
   const MotionColumns motion = find_motion(columns, options, out.notes);
   const Effort effort = find_effort(columns, motion, options, out.notes);
   const bool lead_used = motion.turns() || effort.by_lead;
-  if (options.lead.empty() && motion.per_radian != 0.0 && lead_used)
+  const bool turns_of_motor =
+      std::any_of(motion.columns.begin(), motion.columns.end(), [&](const MotionColumn& m) {
+        return m.angle && (!motion.of_table || motion.per_radian_of(m.from.unit) != 1.0);
+      });
+  if (options.lead.empty() && motion.per_radian != 0.0 &&
+      (turns_of_motor || (effort.by_lead && !motion.of_table)))
     out.notes.push_back(
         fmt::format("one turn of the motor is {} of travel, from the drive of the machine file",
                     six_digits(options.drive.lead)));
@@ -105,9 +111,8 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     out.notes.push_back(fmt::format(
         "--lead converts the positions; the force keeps the drive of the machine file, whose turn is {} of travel",
         six_digits(options.drive.lead)));
-  if (motion.rotary && lead_used)
-    out.notes.emplace_back(
-        "a rotary axis: angles are taken as arcs at a radius of 1 m, so that N stands for N m, kg for kg m2 and mm for mrad");
+  out.rotary = options.drive.rotary || (motion.rotary && lead_used);
+  if (out.rotary) out.notes.emplace_back(kRotaryAsLinear);
   if (!options.lead.empty() && !lead_used)
     refuse_option(
         "--lead",
@@ -132,6 +137,7 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     raw.source = selection.all ? log.source : run_name(log, options, selection.runs[i].front());
     raw.force_unit = effort.unit;
     raw.position_unit = motion.angle ? "rad" : "m";
+    raw.rotary = out.rotary;
     raw.sample_time = sample_time;
     for (const MotionColumn& m : motion.columns)
       signal_for(raw, m.what) = signals.of(*m.from.column, m.conversion, m.factor, i);

@@ -30,6 +30,7 @@ struct LoggedAxis {
   std::vector<ident::log::RawLog> runs;
   std::vector<std::string> notes;                            ///< choices that were made, one sentence each
   std::vector<std::pair<std::string, std::string>> columns;  ///< quantity, header of its column and unit
+  bool rotary = false;                                       ///< travel is the arc at a radius of 1 m
 };
 LoggedAxis logged_axis(const io::Log& log, const LogOptions& options);
 

@@ -196,6 +196,8 @@ TEST(LogAxis, IncrementsOfTheEncoder) {
   const std::string text = csv("t [s],r [Inkr],x [Inkr],f [N]", {"t", "x_mm", "x_mm", "f"});
   EXPECT_THAT(refusal(text), AllOf(HasSubstr("is in increments"), HasSubstr("--map x=\"x 0.001 mm\""),
                                    HasSubstr("0.001 mm is one count")));
+  EXPECT_THAT(refusal(csv("t [s],Istposition (Inkr),f [N]", {"t", "x_mm", "f"})),
+              HasSubstr("is in increments"));
   const workflow::LoggedAxis mapped = workflow::logged_axis(log_of(text), {.maps = {"x=x 0.5 mm"}});
   EXPECT_NEAR(mapped.runs[0].x.y[kRow], 0.5 * x_at(), 1e-8);
   EXPECT_THAT(mapped.notes, Contains(HasSubstr("is in counts and is not used")));

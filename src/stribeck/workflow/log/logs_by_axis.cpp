@@ -57,11 +57,13 @@ DriveScale scale_of(const AxisDescription& axis) {
     return value && *value > 0.0 ? fmt::format("{} {}", *value, unit) : std::string();
   };
   scale.per_volt = text(axis.force_per_volt(), "N/V");
+  scale.rotary = axis.rotary;
+  if (axis.rotary) scale.lead = "360 deg";
   if (!axis.drive) return scale;
   scale.at_100_percent = text(axis.drive->rated(), "N");
   scale.per_ampere = text(axis.drive->per_ampere(), "N/A");
   if (const auto r = axis.drive->radius()) {
-    scale.lead = text(2e3 * kPi * *r, "mm");
+    scale.lead = axis.rotary ? text(360.0 * *r, "deg") : text(2e3 * kPi * *r, "mm");
     scale.per_newton_metre = text(axis.drive->motors / *r, "1/m");
   }
   return scale;

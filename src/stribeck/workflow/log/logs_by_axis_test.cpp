@@ -80,8 +80,8 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
   drive.lead = 0.01;
   drive.gear = 2.0;
   const double rated = 1.5 * 2.0 * kPi / 5e-3;
-  const auto axis_of = [&](const std::string& name, const std::string& header) {
-    const std::string log = folder.write(name, rows(header, 4));
+  const auto axis_of = [&](const std::string& name, const std::string& header, int columns = 4) {
+    const std::string log = folder.write(name, rows(header, columns));
     const auto all = workflow::logs_by_axis(m, {log}, {});
     EXPECT_EQ(all.size(), 1u);
     const workflow::LogOptions& options = all.front().options;
@@ -121,6 +121,53 @@ TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
   const workflow::LoggedAxis two = axis_of("x-9.csv", "t [s],x [mm],current [A],torque [%]");
   EXPECT_EQ(two.runs.front().force_unit, "N");
   EXPECT_NEAR(two.runs.front().f.y[10], 3.0 / 100.0 * 2.0 * rated, 1e-9);
+  // A force with a scale needs no choice between two currents beside it.
+  EXPECT_EQ(
+      axis_of("x-10.csv", "t [s],x [mm],force [N],current [A],current_ref [A]", 5).runs.front().force_unit,
+      "N");
+}
+
+// A worm gear of 90, 2 N m at 100 %: degrees are those of the table, turns those of the motor, torques those of the motor.
+TEST(LogsByAxis, ARotaryAxisIsReadInItsOwnDegrees) {
+  const Folder folder;
+  workflow::MachineDescription m = two_axes();
+  m.axes.resize(1);
+  workflow::AxisDescription& axis = m.axes[0].second;
+  axis.rotary = true;
+  const auto run_of = [&](const std::string& name, const std::string& header) {
+    const std::string log = folder.write(name, rows(header, 4));
+    const workflow::LogOptions options = workflow::logs_by_axis(m, {log}, {}).front().options;
+    return workflow::logged_axis(workflow::read_log(log, options), options);
+  };
+  constexpr double kDegree = kPi / 180.0;
+  const workflow::LoggedAxis plain = run_of("p.csv", "t [s],x [deg],v [deg/s],f [N m]");
+  EXPECT_TRUE(plain.rotary);
+  EXPECT_EQ(plain.runs.front().force_unit, "N");
+  EXPECT_EQ(plain.runs.front().position_unit, "m");
+  EXPECT_NEAR(plain.runs.front().x.y[10], 1.0 * kDegree, 1e-12);
+  EXPECT_NEAR(plain.runs.front().f.y[10], 3.0, 1e-12);
+  EXPECT_THAT(plain.notes, ElementsAre(HasSubstr("a rotary axis: angles are taken as arcs")));
+  axis.drive.emplace();
+  axis.drive->rated_torque = 2.0;
+  axis.drive->lead = 2.0 * kPi;
+  axis.drive->gear = 90.0;
+  const workflow::LoggedAxis geared = run_of("g.csv", "t [s],x [deg],v [rpm],torque [%]");
+  EXPECT_NEAR(geared.runs.front().x.y[10], 1.0 * kDegree, 1e-12);
+  EXPECT_NEAR(geared.runs.front().v.y[10], 2.0 / 60.0 * 2.0 * kPi / 90.0, 1e-12);
+  EXPECT_NEAR(geared.runs.front().f.y[10], 0.03 * 2.0 * 90.0, 1e-9);
+  EXPECT_THAT(geared.notes, ::testing::Contains(HasSubstr("one turn of the motor is 4 deg of travel")));
+  EXPECT_NEAR(run_of("m.csv", "t [s],x [deg],v [deg/s],torque [Nm]").runs.front().f.y[10], 3.0 * 90.0, 1e-9);
+  // Rotations a second are turns of the motor too, whatever their name.
+  EXPECT_NEAR(run_of("r.csv", "t [s],x [deg],v [1/min],torque [%]").runs.front().v.y[10],
+              2.0 / 60.0 * 2.0 * kPi / 90.0, 1e-12);
+  // --lead goes before the drive for turns and torques; degrees stay those of the table.
+  const std::string log = folder.write("l.csv", rows("t [s],x [deg],v [rpm],torque [Nm]", 4));
+  workflow::LogOptions own = workflow::logs_by_axis(m, {log}, {}).front().options;
+  own.lead = "8 deg";
+  const workflow::LoggedAxis other = workflow::logged_axis(workflow::read_log(log, own), own);
+  EXPECT_NEAR(other.runs.front().x.y[10], 1.0 * kDegree, 1e-12);
+  EXPECT_NEAR(other.runs.front().v.y[10], 2.0 / 60.0 * 2.0 * kPi / 45.0, 1e-12);
+  EXPECT_NEAR(other.runs.front().f.y[10], 3.0 * 45.0, 1e-9);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -29,6 +30,16 @@ std::optional<double> angle_of(const std::string& lead) {
   } catch (const io::InputError&) {
     return std::nullopt;
   }
+}
+
+/// Whether a unit of angle or rotation is a turn, or turns per second or minute.
+bool counts_turns(const std::string& unit) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  auto conversion = conversion_between(unit, "rad");
+  if (!conversion) conversion = conversion_between(unit, "rad/s");
+  if (!conversion) return false;
+  const double turns = conversion->factor / kTurn;
+  return std::abs(turns - 1.0) < 1e-9 || std::abs(60.0 * turns - 1.0) < 1e-9;
 }
 
 void take_lead(const std::string& lead, MotionColumns& motion) {
@@ -126,6 +137,10 @@ bool is_base(const MotionColumn& m, const std::vector<MotionColumn>& all) {
 
 }  // namespace
 
+double MotionColumns::per_radian_of(const std::string& unit) const {
+  return of_table && !counts_turns(unit) ? 1.0 : per_radian;
+}
+
 const MotionColumn& MotionColumns::base() const {
   return *std::find_if(columns.begin(), columns.end(),
                        [&](const MotionColumn& m) { return is_base(m, columns); });
@@ -140,6 +155,7 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
   const io::Log& log = columns.log();
   MotionColumns motion;
   take_lead(options.lead.empty() ? options.drive.lead : options.lead, motion);
+  motion.of_table = options.drive.rotary;
   const std::vector<MotionColumn> all = motion_of(columns);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
@@ -153,7 +169,7 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
     convert(log, m);
     if (base) motion.angle = m.angle && motion.per_radian == 0.0;
     check_agreement(log, m, motion);
-    if (m.angle && !motion.angle) m.factor = motion.per_radian;
+    if (m.angle && !motion.angle) m.factor = motion.per_radian_of(m.from.unit);
     motion.columns.push_back(m);
   }
   return motion;

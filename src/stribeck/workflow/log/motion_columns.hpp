@@ -26,7 +26,10 @@ struct MotionColumns {
   bool angle = false;       ///< the axis is described by angles
   double per_radian = 0.0;  ///< travel of one radian [m/rad]; 0: no --lead
   bool rotary = false;      ///< the lead is an angle: travel is the arc at a radius of 1 m
+  bool of_table = false;    ///< rotary: degrees and radians are those of the axis, turns those of its motor
 
+  /// Travel of one radian of a column in this unit [m/rad]; 0: not known.
+  [[nodiscard]] double per_radian_of(const std::string& unit) const;
   /// The position column, else the velocity column.
   [[nodiscard]] const MotionColumn& base() const;
   /// Whether any column is an angle.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 
 namespace stribeck::workflow {
@@ -18,6 +19,7 @@ constexpr double kShareOfAcceleration = 0.5;
 Proposed from_file(double value) { return {value, "as the machine file says"}; }
 
 Proposed omega_of(const AxisDescription& axis, double period) {
+  const AxisUnits& units = units_of(axis.rotary);
   const double sampled = kSampledWell / period;
   const double step = axis.name_plate().encoder_resolution;
   const double mass = axis.commissioning.mass.middle();
@@ -26,8 +28,8 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   Proposed p{std::min({sampled, quiet, kStiff}), {}};
   if (p.value == quiet) {
     p.reason = fmt::format(
-        "above it one step of the encoder ({:g} µm) would move the force by more than {:.0f} % of the friction",
-        step * 1e6, 100.0 * kRipple);
+        "above it one step of the encoder ({:.4g} {}) would move the force by more than {:.0f} % of the friction",
+        step * units.per_metre_fine, units.fine, 100.0 * kRipple);
   } else if (p.value == sampled) {
     p.reason = fmt::format("{:g} over the control period: the loop is sampled well", kSampledWell);
   } else {
@@ -36,8 +38,8 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   if (p.value < kSlowest) {
     p = {std::min(kSlowest, sampled),
          fmt::format(
-             "the least that holds an axis; the encoder is coarse: one step moves the force by {:.2g} N",
-             2.0 * kSlowest * mass * step / period)};
+             "the least that holds an axis; the encoder is coarse: one step moves the force by {:.2g} {}",
+             2.0 * kSlowest * mass * step / period, units.force)};
   }
   return p;
 }
@@ -84,8 +86,10 @@ Proposal propose(const AxisDescription& axis, double sample_time) {
       std::sqrt(kShareOfAcceleration * limits.acceleration / p.sine_amplitude.value);
   p.sine_frequency =
       by_speed <= by_acceleration
-          ? Proposed{by_speed, fmt::format("reaches {:.4g} mm/s, {:.0f} % of the speed limit",
-                                           by_speed * p.sine_amplitude.value * 1e3, 100.0 * kShareOfSpeed)}
+          ? Proposed{by_speed,
+                     fmt::format("reaches {:.4g} {}/s, {:.0f} % of the speed limit",
+                                 by_speed * p.sine_amplitude.value * units_of(axis.rotary).per_metre,
+                                 units_of(axis.rotary).travel, 100.0 * kShareOfSpeed)}
           : Proposed{by_acceleration,
                      fmt::format("uses {:.0f} % of the acceleration limit", 100.0 * kShareOfAcceleration)};
   return p;

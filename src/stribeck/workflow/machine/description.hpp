@@ -100,7 +100,9 @@ struct RoughAxis {
   }
 };
 
+/// A rotary axis is carried as a linear one at a radius of 1 m: its angle is the travel, its torque the force, its inertia the mass.
 struct AxisDescription {
+  bool rotary = false;
   std::optional<plant::AxisParams> plant;  ///< of a virtual machine
   sim::AxisLimits limits;
   RoughAxis commissioning;
@@ -111,6 +113,11 @@ struct AxisDescription {
   static constexpr auto fields() {
     using A = AxisDescription;
     return std::tuple{
+        field(
+            "rotary", &A::rotary,
+            "the axis turns: below it angles stand for lengths, torques for forces, an inertia for the mass; it is "
+            "carried as a linear axis at a radius of 1 m")
+            .or_default(),
         field("plant", &A::plant,
               "the truth of a virtual machine, for the verbs that simulate; no controller sees it")
             .or_default(),
@@ -158,6 +165,13 @@ struct MachineDescription {
     sim::Machine names;
     for (const auto& axis : axes) names.axes.emplace_back(axis.first, sim::MachineAxis{});
     names.validate(report);
+  }
+
+  /// An axis that exists.
+  [[nodiscard]] const AxisDescription& axis(std::string_view called) const {
+    std::size_t i = 0;
+    while (axes[i].first != called) ++i;
+    return axes[i].second;
   }
 };
 

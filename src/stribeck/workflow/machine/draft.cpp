@@ -33,13 +33,18 @@ std::string full_key(const std::string& axis, const Asked& a) {
   return fmt::format("{}.{}.{}", axis, a.group, a.key);
 }
 
-/// What the reader of files says about one line of a group; empty: nothing.
+/// What the reader of files says about one line of a group, of an axis that turns or not; empty: nothing.
 template <class Group>
-std::string problem_of(const std::string& line, std::string_view key) {
+std::string problem_of(const std::string& line, std::string_view key, bool rotary) {
   try {
     io::Problems problems;
     // The draft grows line by line: an unknown key keeps the group from being judged as a whole.
-    io::read<Group>(io::parse_toml(line + "unfinished = true\n", {}), problems);
+    io::Node node = io::parse_toml(line + "unfinished = true\n", {});
+    for (io::Node& child : node.children) {
+      child.rotary = rotary;
+      for (io::Node& item : child.children) item.rotary = rotary;
+    }
+    io::read<Group>(node, problems);
     for (const io::Problem& p : problems.all()) {
       if (p.key.substr(0, key.size()) == key) return p.message;
     }
@@ -47,6 +52,22 @@ std::string problem_of(const std::string& line, std::string_view key) {
     return e.problems().front().message;
   }
   return {};
+}
+
+std::string problem_of(const Asked& asked, const std::string& value, bool rotary) {
+  const std::string line = fmt::format("{} = {}\n", asked.key, as_toml(info_of(asked), value));
+  return asked.group == "limits"  ? problem_of<sim::AxisLimits>(line, asked.key, rotary)
+         : asked.group == "drive" ? problem_of<DriveData>(line, asked.key, rotary)
+                                  : problem_of<RoughAxis>(line, asked.key, rotary);
+}
+
+/// The axes that a value can belong to.
+enum class OfAxis { kNone, kLinear, kRotary, kBoth };
+
+OfAxis axis_of(const Asked& asked, const std::string& value) {
+  const bool linear = problem_of(asked, value, false).empty();
+  const bool rotary = problem_of(asked, value, true).empty();
+  return linear ? (rotary ? OfAxis::kBoth : OfAxis::kLinear) : rotary ? OfAxis::kRotary : OfAxis::kNone;
 }
 
 /// What a group of keys holds.
@@ -104,22 +125,22 @@ const std::vector<Asked>& known_keys() {
 
 const std::vector<Asked>& asked_keys() {
   static const std::vector<Asked> kKeys{
-      {"limits", "travel_min", "-600 mm", true},
-      {"limits", "travel_max", "600 mm", true},
-      {"limits", "speed", "30 m/min", true},
-      {"limits", "acceleration", "2 m/s2", true},
+      {"limits", "travel_min", "-600 mm", true, "-180 deg"},
+      {"limits", "travel_max", "600 mm", true, "180 deg"},
+      {"limits", "speed", "30 m/min", true, "20 rpm"},
+      {"limits", "acceleration", "2 m/s2", true, "500 deg/s2"},
       {"drive", "rated_torque", "2.4 N m", false},
-      {"drive", "rated_force", "300 N", false},
+      {"drive", "rated_force", "300 N", false, "300 N m"},
       {"drive", "torque_limit", "300 %", false},
-      {"drive", "lead", "10 mm", false},
-      {"drive", "travel_per_turn", "120 mm", false},
+      {"drive", "lead", "10 mm", false, "360 deg"},
+      {"drive", "travel_per_turn", "120 mm", false, "4 deg"},
       {"drive", "gear", "3", false},
       {"drive", "motors", "1", false},
       {"drive", "brake", "true", false},
-      {"commissioning", "mass", "45 kg", true},
-      {"commissioning", "friction", "40 N", true},
-      {"commissioning", "load", "176 N", false},
-      {"commissioning", "encoder_resolution", "1 um", false},
+      {"commissioning", "mass", "45 kg", true, "2 kg m2"},
+      {"commissioning", "friction", "40 N", true, "8 N m"},
+      {"commissioning", "load", "176 N", false, "5 N m"},
+      {"commissioning", "encoder_resolution", "1 um", false, "0.0001 deg"},
   };
   return kKeys;
 }
@@ -139,6 +160,13 @@ const std::string* MachineDraft::find(std::string_view key) const {
   return nullptr;
 }
 
+bool MachineDraft::rotary(const std::string& axis) const {
+  return std::any_of(known_keys().begin(), known_keys().end(), [&](const Asked& a) {
+    const std::string* value = find(full_key(axis, a));
+    return value != nullptr && axis_of(a, *value) == OfAxis::kRotary;
+  });
+}
+
 void check_value(const MachineDraft& draft, const std::string& option, const std::string& key,
                  const std::string& value) {
   std::vector<std::string> all;
@@ -149,11 +177,20 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
   if (hit == all.end()) refuse_key(draft, option, key, all);
   const auto at = static_cast<std::size_t>(hit - all.begin()) % known_keys().size();
   const Asked& asked = known_keys()[at];
-  const std::string line = fmt::format("{} = {}\n", asked.key, as_toml(info_of(asked), value));
-  const std::string problem = asked.group == "limits"  ? problem_of<sim::AxisLimits>(line, asked.key)
-                              : asked.group == "drive" ? problem_of<DriveData>(line, asked.key)
-                                                       : problem_of<RoughAxis>(line, asked.key);
-  if (!problem.empty()) refuse_option(option, key + ": " + problem);
+  const OfAxis kind = axis_of(asked, value);
+  if (kind == OfAxis::kNone) refuse_option(option, key + ": " + problem_of(asked, value, false));
+  if (kind == OfAxis::kBoth) return;
+  const std::string axis = key.substr(0, key.find('.'));
+  for (const Asked& a : known_keys()) {
+    const std::string* given = draft.find(full_key(axis, a));
+    if (given == nullptr || full_key(axis, a) == key) continue;
+    const OfAxis other = axis_of(a, *given);
+    if (other == OfAxis::kBoth || other == kind) continue;
+    refuse_option(
+        option,
+        fmt::format("{}: got {} beside {} = {}: one is of an axis that turns, the other of one that moves",
+                    key, io::in_quotes(value), full_key(axis, a), io::in_quotes(*given)));
+  }
 }
 
 std::string draft_text(const MachineDraft& d) {
@@ -164,6 +201,10 @@ std::string draft_text(const MachineDraft& d) {
       d.name, d.sample_time);
   for (const std::string& axis : d.axes) {
     std::string_view group;
+    const bool rotary = d.rotary(axis);
+    if (rotary)
+      out += fmt::format(
+          "\n[axes.{}]\nrotary = true  # angles for lengths, N m for forces, kg m2 for the mass\n", axis);
     for (const Asked& a : known_keys()) {
       const std::string* value = d.find(full_key(axis, a));
       if (a.example.empty() && value == nullptr) continue;
@@ -172,7 +213,8 @@ std::string draft_text(const MachineDraft& d) {
         out += fmt::format("\n[axes.{}.{}]  # {}\n", axis, group, heading_of(group));
       }
       const FieldInfo& info = info_of(a);
-      const std::string text = as_toml(info, value != nullptr ? *value : std::string(a.example));
+      const std::string_view example = rotary && !a.rotary_example.empty() ? a.rotary_example : a.example;
+      const std::string text = as_toml(info, value != nullptr ? *value : std::string(example));
       const char* lead = value != nullptr ? "" : a.needed ? "# FILL IN: " : "# ";
       out += fmt::format("{}{} = {}  # {}\n", lead, a.key, text, info.doc);
     }

@@ -67,7 +67,9 @@ struct DriveData {
         field("torque_limit", &D::torque_limit, pure_number().positive().at_most(20.0),
               "limit of torque or force that is set in the drive, as a share of rated, e.g. \"150 %\"")
             .or_default(),
-        field("lead", &D::lead, quantity("m", "mm").positive(), "lead of the screw").or_default(),
+        field("lead", &D::lead, quantity("m", "mm").positive(),
+              "lead of the screw; of a rotary axis \"360 deg\"")
+            .or_default(),
         field("pulley_diameter", &D::pulley_diameter, quantity("m", "mm").positive(),
               "pitch diameter of the belt pulley or pinion")
             .or_default(),
@@ -75,7 +77,7 @@ struct DriveData {
               "travel per turn of screw, pulley or pinion, e.g. teeth times pitch")
             .or_default(),
         field("gear", &D::gear, pure_number().positive(),
-              "turns of the motor per turn of screw, pulley or pinion")
+              "turns of the motor per turn of screw, pulley, pinion or table")
             .or_default(),
         field("motors", &D::motors, pure_number().at_least(1.0).at_most(8.0),
               "motors that drive this axis together, as on the two sides of a gantry")
@@ -104,6 +106,10 @@ struct DriveData {
       report("lead", "lead, pulley_diameter and travel_per_turn say the same: expected one of them");
     if (linear && rotary)
       report("rated_force", "a motor has torque or force: expected one of rated_torque and rated_force");
+    if (ways == 0 && gear != 1.0)
+      report(
+          "gear",
+          "has no effect without the travel per turn: expected lead, pulley_diameter or travel_per_turn with it");
     if (linear && ways > 0)
       report("rated_force",
              "a linear motor has no lead, pulley or turn (leave them out, or write rated_torque)");

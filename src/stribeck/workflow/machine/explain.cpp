@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <stribeck/report/text.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 
 namespace stribeck::workflow {
@@ -11,10 +12,8 @@ namespace {
 using report::short_number;
 using report::significant;
 
-std::string mm(double x) { return short_number(x * 1e3) + " mm"; }
-
 /// A value or a range, and how far the truth may be.
-Explained rough(const char* what, const Rough& r, const char* unit) {
+Explained rough(const char* what, const Rough& r, std::string_view unit) {
   if (r.is_range()) {
     return {what, fmt::format("{} to {} {}", short_number(r.low()), short_number(r.high()), unit),
             "as certain as you say: excitations are safe inside this range"};
@@ -27,7 +26,7 @@ Explained rough(const char* what, const Rough& r, const char* unit) {
 class Explanation {
  public:
   Explanation(const MachineDescription& machine, std::size_t axis)
-      : a_(machine.axes[axis].second), period_(machine.sample_time) {
+      : a_(machine.axes[axis].second), u_(units_of(a_.rotary)), period_(machine.sample_time) {
     out_.name = machine.axes[axis].first;
   }
 
@@ -46,19 +45,28 @@ class Explanation {
     out_.lines.push_back({std::move(what), std::move(value), std::move(note)});
   }
 
+  [[nodiscard]] std::string travel(double x) const {
+    return fmt::format("{} {}", short_number(x * u_.per_metre), u_.travel);
+  }
+  [[nodiscard]] std::string fine(double x) const {
+    return fmt::format("{} {}", significant(x * u_.per_metre_fine, 3), u_.fine);
+  }
+
   void limits() {
     const sim::AxisLimits& l = a_.limits;
-    add("travel", fmt::format("{} to {}", mm(l.travel_min), mm(l.travel_max)));
-    std::string note = fmt::format("{} m/min, {} in one control period", short_number(l.speed * 60.0),
-                                   significant(l.speed * period_ * 1e6, 3) + " µm");
+    if (a_.rotary) add("rotary", "yes", std::string(kRotaryInResults));
+    add("travel", fmt::format("{} to {}", travel(l.travel_min), travel(l.travel_max)));
+    std::string note =
+        fmt::format("{} {}, {} in one control period", short_number(l.speed * u_.per_metre_per_second),
+                    u_.fast, fine(l.speed * period_));
     if (const auto top = a_.drive ? a_.drive->top_speed() : std::nullopt) {
-      note += fmt::format("; the motor allows {} mm/s", significant(*top * 1e3, 4));
+      note += fmt::format("; the motor allows {} {}/s", significant(*top * u_.per_metre, 4), u_.travel);
       if (*top < l.speed) note += ", which is less: lower it";
     }
-    add("speed", short_number(l.speed * 1e3) + " mm/s", note);
-    add("acceleration", short_number(l.acceleration * 1e3) + " mm/s2",
-        fmt::format("top speed after {} s and {}", significant(l.speed / l.acceleration, 3),
-                    significant(0.5e3 * l.speed * l.speed / l.acceleration, 3) + " mm"));
+    add("speed", travel(l.speed) + "/s", note);
+    add("acceleration", travel(l.acceleration) + "/s2",
+        fmt::format("top speed after {} s and {} {}", significant(l.speed / l.acceleration, 3),
+                    significant(0.5 * u_.per_metre * l.speed * l.speed / l.acceleration, 3), u_.travel));
     out_.numbers["travel_mm"] = {l.travel_min * 1e3, l.travel_max * 1e3};
     out_.numbers["speed_mm_per_s"] = l.speed * 1e3;
   }
@@ -69,45 +77,50 @@ class Explanation {
     const std::optional<double> rated = a_.drive ? a_.drive->rated() : std::nullopt;
     if (rated) {
       const auto r = a_.drive->radius();
-      add("force at 100 %", significant(*rated, 4) + " N",
-          fmt::format("1 ‰ (CiA 402) is {} N; for logs in percent: --gain \"{} N/%\"",
-                      significant(*rated / 1e3, 4), significant(*rated / 100.0, 6)));
-      if (r) add("travel per turn", significant(2e3 * kPi * *r, 6) + " mm of the motor");
+      add(a_.rotary ? "torque at 100 %" : "force at 100 %", force_text(*rated),
+          fmt::format("1 ‰ (CiA 402) is {}; for logs in percent: --gain \"{} N/%\"", force_text(*rated / 1e3),
+                      significant(*rated / 100.0, 6)));
+      if (r)
+        add("travel per turn",
+            fmt::format("{} {} of the motor", significant(2.0 * u_.per_metre * kPi * *r, 6), u_.travel));
       out_.numbers["force_at_100_percent_N"] = *rated;
     }
-    if (per_volt > 0.0) add("force per volt", significant(per_volt, 4) + " N/V");
+    if (per_volt > 0.0) add(a_.rotary ? "torque per volt" : "force per volt", force_text(per_volt) + "/V");
     if (force > 0.0) {
       std::string note = a_.limits.force                 ? "as limits.force says"
                          : a_.drive && a_.drive->peak()  ? "peak or limit of the drive"
                          : a_.drive && a_.drive->rated() ? "rated: the file says no peak and no limit"
                                                          : "of the virtual drive";
       const double spare = force - a_.commissioning.friction.middle() - std::abs(a_.commissioning.load);
-      note += fmt::format("; less friction and load it accelerates by {} mm/s2",
-                          significant(spare / a_.commissioning.mass.middle() * 1e3, 3));
+      note += fmt::format("; less friction and load it accelerates by {} {}/s2",
+                          significant(spare / a_.commissioning.mass.middle() * u_.per_metre, 3), u_.travel);
       if (spare < a_.commissioning.mass.middle() * a_.limits.acceleration)
         note += ", which is below the limit of acceleration: lower that";
-      add("largest force", significant(force, 4) + " N", note);
+      add(a_.rotary ? "largest torque" : "largest force", force_text(force), note);
       out_.numbers["largest_force_N"] = force;
     }
     if (const auto rotor = a_.drive ? a_.drive->reflected_mass() : std::nullopt) {
-      add("rotor as mass", significant(*rotor, 3) + " kg", "part of the mass below, which is the whole");
+      add(a_.rotary ? "rotor at the table" : "rotor as mass",
+          fmt::format("{} {}", significant(*rotor, 3), u_.mass),
+          fmt::format("part of the {} below, which is the whole", mass_word()));
       out_.numbers["reflected_mass_kg"] = *rotor;
     }
     const double step = a_.name_plate().encoder_resolution;
     if (step > 0.0) {
-      add("encoder", significant(step * 1e6, 4) + " µm",
-          fmt::format("one step in one control period is {} mm/s", significant(step / period_ * 1e3, 3)));
+      add("encoder", fmt::format("{} {}", significant(step * u_.per_metre_fine, 4), u_.fine),
+          fmt::format("one step in one control period is {} {}/s",
+                      significant(step / period_ * u_.per_metre, 3), u_.travel));
       out_.numbers["encoder_resolution_um"] = step * 1e6;
     }
   }
 
   void known() {
     const RoughAxis& c = a_.commissioning;
-    out_.lines.push_back(rough("mass", c.mass, "kg"));
-    out_.lines.push_back(rough("friction", c.friction, "N"));
+    out_.lines.push_back(rough(mass_word(), c.mass, u_.mass));
+    out_.lines.push_back(rough("friction", c.friction, u_.force));
     falls_ = std::abs(c.load) >= c.friction.low();
     if (c.load != 0.0) {
-      add("load", short_number(c.load) + " N",
+      add("load", fmt::format("{} {}", short_number(c.load), u_.force),
           falls_ ? "the axis may fall without force: open-loop excitations are refused"
                  : "friction holds it");
     }
@@ -124,7 +137,7 @@ class Explanation {
         p.omega.reason);
     add("observer pole", significant(p.observer_pole.value, 3) + " rad/s", p.observer_pole.reason);
     add("sine",
-        fmt::format("{} ± {} at {} rad/s", mm(p.sine_offset.value), mm(p.sine_amplitude.value),
+        fmt::format("{} ± {} at {} rad/s", travel(p.sine_offset.value), travel(p.sine_amplitude.value),
                     significant(p.sine_frequency.value, 3)),
         p.sine_frequency.reason);
     add("to excite",
@@ -153,21 +166,30 @@ class Explanation {
       const DriveData& d = *a_.drive;
       parts.push_back(d.motors > 1 ? fmt::format("{} motors", d.motors)
                       : d.radius() ? std::string("motor")
-                                   : std::string("linear motor"));
+                                   : std::string(a_.rotary ? "torque motor" : "linear motor"));
       if (d.gear != 1.0) parts.push_back("gear " + short_number(d.gear));
-      if (d.lead) parts.push_back("screw " + mm(*d.lead));
-      if (d.pulley_diameter) parts.push_back("pulley Ø" + mm(*d.pulley_diameter));
-      if (d.travel_per_turn) parts.push_back(mm(*d.travel_per_turn) + " per turn");
+      if (d.lead && !a_.rotary) parts.push_back("screw " + travel(*d.lead));
+      if (d.lead && a_.rotary && d.gear == 1.0) parts.emplace_back("direct drive");
+      if (d.pulley_diameter) parts.push_back("pulley Ø" + travel(*d.pulley_diameter));
+      if (d.travel_per_turn) parts.push_back(travel(*d.travel_per_turn) + " per turn");
     } else {
       parts.emplace_back("drive");
     }
-    parts.push_back(fmt::format("axis {}, {} kg", out_.name, short_number(a_.commissioning.mass.middle())));
-    if (a_.commissioning.load != 0.0) parts.push_back("load " + short_number(a_.commissioning.load) + " N");
+    parts.push_back(fmt::format("{} {}, {} {}", a_.rotary ? "table" : "axis", out_.name,
+                                short_number(a_.commissioning.mass.middle()), u_.mass));
+    if (a_.commissioning.load != 0.0)
+      parts.push_back(fmt::format("load {} {}", short_number(a_.commissioning.load), u_.force));
     out_.drawing = report::joined(parts, " -- ") +
-                   fmt::format("   |{} … {}|", mm(a_.limits.travel_min), mm(a_.limits.travel_max));
+                   fmt::format("   |{} … {}|", travel(a_.limits.travel_min), travel(a_.limits.travel_max));
   }
 
+  [[nodiscard]] std::string force_text(double force) const {
+    return fmt::format("{} {}", significant(force, 4), u_.force);
+  }
+  [[nodiscard]] const char* mass_word() const { return a_.rotary ? "inertia" : "mass"; }
+
   const AxisDescription& a_;
+  const AxisUnits& u_;
   double period_;
   bool falls_ = false;
   ExplainedAxis out_;

@@ -1,13 +1,92 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/io/units.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 
 namespace stribeck::workflow {
+namespace {
 
-MachineDescription read_description(const std::string& file) {
-  return io::read_toml<MachineDescription>(file);
+void set_rotary(io::Node& node) {
+  node.rotary = true;
+  for (io::Node& child : node.children) set_rotary(child);
+}
+
+/// Whether the text is an angle.
+bool is_angle(const io::Node& node) {
+  if (node.kind != io::Node::Kind::kText) return false;
+  try {
+    io::to_si(node.text, quantity("rad", "deg"));
+    return true;
+  } catch (const io::InputError&) {
+    return false;
+  }
+}
+
+/// A limit of travel that is an angle; null: there is none.
+const io::Node* angle_in_limits(const io::Node& axis) {
+  const io::Node* limits = axis.find("limits");
+  if (limits == nullptr) return nullptr;
+  const auto found =
+      std::find_if(limits->children.begin(), limits->children.end(),
+                   [](const io::Node& limit) { return limit.key.starts_with("travel") && is_angle(limit); });
+  return found == limits->children.end() ? nullptr : &*found;
+}
+
+/// A motor behind a gear turns the table; without a lead one turn behind the gear is one of the table.
+void set_turn_of_table(io::Node& axis, const std::string& file) {
+  for (io::Node& drive : axis.children) {
+    if (drive.key != "drive") continue;
+    if (const io::Node* pulley = drive.find("pulley_diameter"))
+      throw io::InputError({file, pulley->line, fmt::format("axes.{}.drive.pulley_diameter", axis.key),
+                            "a rotary axis has none (write lead = \"360 deg\" and gear)"});
+    const bool told = drive.find("lead") != nullptr || drive.find("travel_per_turn") != nullptr;
+    const bool motor_turns = drive.find("rated_force") == nullptr && drive.find("force_constant") == nullptr;
+    if (told || !motor_turns) continue;
+    io::Node lead;
+    lead.kind = io::Node::Kind::kText;
+    lead.key = "lead";
+    lead.text = "360 deg";
+    lead.rotary = true;
+    lead.line = drive.line;
+    drive.children.push_back(std::move(lead));
+  }
+}
+
+MachineDescription described(io::Node file, const std::string& name) {
+  for (io::Node& table : file.children) {
+    if (table.key != "axes") continue;
+    for (io::Node& axis : table.children) {
+      const io::Node* rotary = axis.find("rotary");
+      if (rotary != nullptr) {
+        if (!rotary->flag) continue;
+        set_rotary(axis);
+        set_turn_of_table(axis, name);
+      } else if (const io::Node* angle = angle_in_limits(axis)) {
+        throw io::InputError(
+            {name, angle->line, fmt::format("axes.{}.limits.{}", axis.key, angle->key),
+             fmt::format("got {}, expected a unit like mm (if the axis turns, write rotary = "
+                         "true below [axes.{}])",
+                         io::in_quotes(angle->text), axis.key)});
+      }
+    }
+  }
+  io::Problems problems(name);
+  auto machine = io::read<MachineDescription>(file, problems);
+  problems.throw_if_any();
+  return machine;
+}
+
+}  // namespace
+
+MachineDescription read_description(const std::string& file) { return described(io::load_toml(file), file); }
+
+MachineDescription parse_description(std::string_view text, const std::string& file) {
+  return described(io::parse_toml(text, file), file);
 }
 
 sim::Machine read_virtual_machine(const std::string& file) {
@@ -30,6 +109,17 @@ void require_force_limit(const MachineDescription& machine, const std::string& f
        "missing, expected the largest force of the drive (write force = \"500 N\", with your "
        "value, or [axes." +
            name + ".drive] with rated_torque, peak_torque and lead)"});
+}
+
+std::string mass_contradiction(const AxisDescription& axis, double low, double high) {
+  const Rough& rough = axis.commissioning.mass;
+  if (!std::isfinite(low) || !std::isfinite(high) || rough.empty()) return {};
+  if (low <= rough.high() && high >= rough.low()) return {};
+  const std::string_view unit = units_of(axis.rotary).mass;
+  return fmt::format(
+      "the mass, {:.4g} to {:.4g} {}, contradicts the machine file, which allows {:.4g} to {:.4g} {}: a scale of the log, a drive that "
+      "rings or the file is wrong",
+      low, high, unit, rough.low(), rough.high(), unit);
 }
 
 }  // namespace stribeck::workflow

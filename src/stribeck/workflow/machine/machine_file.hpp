@@ -17,12 +17,17 @@
 namespace stribeck::workflow {
 
 MachineDescription read_description(const std::string& file);
+/// The same from a text; `file` is for messages.
+MachineDescription parse_description(std::string_view text, const std::string& file);
 
 /// A virtual machine: refused where an axis has no truth.
 sim::Machine read_virtual_machine(const std::string& file);
 
 /// Refuses an axis whose largest force is not said.
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis);
+
+/// A sentence where an identified mass (95 % from low to high) is not one that the file allows; empty: it is, or low is not finite.
+std::string mass_contradiction(const AxisDescription& axis, double low, double high);
 
 /// A line of the explanation: what, value, why or what follows.
 struct Explained {
@@ -46,7 +51,8 @@ struct Asked {
   std::string_view group;  ///< "limits", "drive" or "commissioning"
   std::string_view key;
   std::string_view example;
-  bool needed = false;  ///< no verb does without
+  bool needed = false;                ///< no verb does without
+  std::string_view rotary_example{};  ///< of an axis that turns; empty: the same
 };
 
 /// In the order of the file.
@@ -62,6 +68,8 @@ struct MachineDraft {
   std::vector<std::pair<std::string, std::string>> values;
 
   [[nodiscard]] const std::string* find(std::string_view key) const;
+  /// Whether a value of the axis is one of an axis that turns: an angle, a torque or an inertia for the axis itself.
+  [[nodiscard]] bool rotary(const std::string& axis) const;
 };
 
 /// Refuses keys that init does not know and values that the file could not hold. `option`: where the text came from.

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <stribeck/io/file.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 
@@ -67,6 +69,8 @@ TEST(DriveData, RefusesWhatContradictsItself) {
   EXPECT_THAT(problem("rated_torque = \"1 N m\"\nlead = \"5 mm\"\npulley_diameter = \"5 mm\""),
               HasSubstr("expected one of them"));
   EXPECT_THAT(problem("rated_force = \"1 N\"\nlead = \"5 mm\""), HasSubstr("a linear motor has no lead"));
+  EXPECT_THAT(problem("rated_force = \"1 N\"\ngear = 3"),
+              HasSubstr("has no effect without the travel per turn"));
   EXPECT_THAT(problem("lead = \"5 mm\""), HasSubstr("missing, expected rated_torque or rated_force"));
   EXPECT_THAT(problem("rated_torque = \"2 N m\"\npeak_torque = \"1 N m\"\nlead = \"5 mm\""),
               HasSubstr("below the rated value"));
@@ -210,6 +214,93 @@ TEST(MachineFile, ADraftTakesEveryKeyOfTheFile) {
                   AllOf(HasSubstr("expected a key of drive: rated_torque, "), HasSubstr("encoder_counts"))));
   EXPECT_THAT([&] { check_value(draft, "--set", "w.drive.gear", "1"); },
               ThrowsMessage<io::InputError>(HasSubstr("with one of the axes of --axes")));
+}
+
+TEST(MachineFile, ARotaryAxisTakesAnglesTorquesAndInertias) {
+  const MachineDescription m = read_description(kExamples + "rotary-table.toml");
+  const AxisDescription& c = m.axes.front().second;
+  EXPECT_NEAR(c.limits.travel_max, 170.0 * kPi / 180.0, 1e-12);
+  EXPECT_NEAR(c.limits.speed, 20.0 * 2.0 * kPi / 60.0, 1e-12);
+  EXPECT_NEAR(c.limits.acceleration, 500.0 * kPi / 180.0, 1e-12);
+  EXPECT_NEAR(*c.drive->rated(), 2.4 * 90.0, 1e-9);  // at the table
+  EXPECT_NEAR(*c.drive->reflected_mass(), 2.1e-4 * 90.0 * 90.0, 1e-9);
+  EXPECT_EQ(c.commissioning.mass.middle(), 4.5);
+  EXPECT_EQ(c.commissioning.friction.middle(), 30.0);
+  EXPECT_NEAR(*c.commissioning.encoder_resolution, 1e-4 * kPi / 180.0, 1e-15);
+  const ExplainedAxis said = explain(m, 0);
+  EXPECT_THAT(said.drawing, AllOf(HasSubstr("table c, 4.5 kg m2"), HasSubstr("-170 deg … 170 deg")));
+  EXPECT_THAT(said.lines[1].value, HasSubstr("-170 deg to 170 deg"));
+  EXPECT_THAT(said.lines[2].value, HasSubstr("120 deg/s"));
+  EXPECT_THAT(said.lines[2].note, HasSubstr("20 rpm"));
+}
+
+TEST(MachineFile, AnglesWithoutARotaryAxisAreRefusedWithTheWayOut) {
+  const std::string text =
+      "name = \"m\"\nsample_time = \"1 ms\"\n[axes.c.limits]\ntravel_min = \"-170 deg\"\n";
+  EXPECT_THAT([&] { parse_description(text, "m.toml"); },
+              ThrowsMessage<io::InputError>(AllOf(HasSubstr("m.toml:4: axes.c.limits.travel_min"),
+                                                  HasSubstr("write rotary = true below [axes.c]"))));
+  // Below rotary = true lengths are refused, and a wrong kind of that key is said by the reader.
+  const auto refused = [](const std::string& what, const std::string& by) {
+    std::string file = io::read_text(kExamples + "rotary-table.toml");
+    file.replace(file.find(what), what.size(), by);
+    try {
+      parse_description(file, "m.toml");
+    } catch (const io::InputError& e) {
+      return e.problems().front().text();
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refused("170 deg\"\nspeed", "170 mm\"\nspeed"),
+              HasSubstr("axes.c.limits.travel_max: got \"170 mm\", expected a unit like deg"));
+  EXPECT_THAT(refused("\nrotary = true", "\nrotary = \"true\""),
+              HasSubstr("axes.c.rotary: got \"true\", expected true or false"));
+  EXPECT_THAT(refused("gear = 90", "gear = 90\npulley_diameter = \"60 mm\""),
+              HasSubstr("a rotary axis has none"));
+  // A force of a linear axis stays a force.
+  EXPECT_THAT([] { io::read_toml_text<RoughAxis>("mass = \"4 kg\"\nfriction = \"3 N m\"", "m.toml"); },
+              ThrowsMessage<io::InputError>(HasSubstr("another kind of quantity")));
+}
+
+TEST(MachineFile, ADraftOfARotaryAxisCanBeRead) {
+  MachineDraft draft{"table", "1 ms", {"x", "c"}, {}};
+  EXPECT_FALSE(draft.rotary("c"));
+  for (const Asked& a : asked_keys()) {
+    if (a.key == "rated_force" || a.key == "travel_per_turn") continue;
+    for (const std::string axis : {"x", "c"}) {
+      const std::string key = fmt::format("{}.{}.{}", axis, a.group, a.key);
+      const std::string_view value = axis == "c" && !a.rotary_example.empty() ? a.rotary_example : a.example;
+      check_value(draft, "--set", key, std::string(value));
+      draft.values.emplace_back(key, value);
+    }
+  }
+  EXPECT_TRUE(draft.rotary("c"));
+  EXPECT_FALSE(draft.rotary("x"));
+  const MachineDescription read = parse_description(draft_text(draft), "draft.toml");
+  EXPECT_FALSE(read.axes[0].second.rotary);
+  EXPECT_TRUE(read.axes[1].second.rotary);
+  EXPECT_NEAR(read.axes[1].second.limits.travel_max, kPi, 1e-12);
+  EXPECT_EQ(read.axes[1].second.commissioning.load, 5.0);
+}
+
+// One typing error must not make a rotary axis of a linear one.
+TEST(MachineFile, ADraftRefusesAValueOfTheOtherKindOfAxis) {
+  MachineDraft draft{"m", "1 ms", {"x"}, {{"x.limits.travel_max", "600 mm"}, {"x.drive.gear", "3"}}};
+  EXPECT_THAT([&] { check_value(draft, "--set", "x.commissioning.friction", "40 N m"); },
+              ThrowsMessage<io::InputError>(AllOf(HasSubstr("x.commissioning.friction: got \"40 N m\""),
+                                                  HasSubstr("x.limits.travel_max = \"600 mm\""))));
+  check_value(draft, "--set", "x.commissioning.friction", "40 N");
+}
+
+TEST(MachineFile, AnIdentifiedMassMayContradictIt) {
+  AxisDescription a;
+  a.commissioning.mass = Rough(38.0, 45.0);
+  EXPECT_THAT(mass_contradiction(a, 48.6, 49.9), HasSubstr("which allows 38 to 45 kg"));
+  EXPECT_EQ(mass_contradiction(a, 44.0, 49.9), "");
+  EXPECT_EQ(mass_contradiction(a, kNaN, kNaN), "");
+  a.commissioning.mass = Rough(45.0);  // a guess: a factor of three either way
+  EXPECT_EQ(mass_contradiction(a, 48.6, 49.9), "");
+  EXPECT_THAT(mass_contradiction(a, 1.2, 2.7), HasSubstr("contradicts the machine file"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <stribeck/workflow/commission.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/run/axis_excitation.hpp>
@@ -19,6 +20,16 @@ void add_percent(io::Log& log, const AxisDescription& axis, const std::vector<do
   io::Column column{"percent", "%", {}};
   for (const double f : force) column.values.push_back(100.0 * f / *rated);
   log.columns.push_back(std::move(column));
+}
+
+/// Lengths as angles, forces as torques.
+void show_as_rotary(io::Log& log) {
+  for (io::Column& c : log.columns) {
+    if (c.unit_text == "N") c.unit_text = kRotaryUnits.force;
+    if (c.unit_text != kLinearUnits.travel) continue;
+    c.unit_text = kRotaryUnits.travel;
+    for (double& x : c.values) x *= kRotaryUnits.per_metre / kLinearUnits.per_metre;
+  }
 }
 
 }  // namespace
@@ -39,12 +50,16 @@ AxisExcitation excite_axis(const ExcitationOptions& options, const std::string& 
     for (const double f : e.force) table.u.push_back(f / gain);
   }
   out.log = as_log(table);
+  if (machine.axes[index].second.rotary) show_as_rotary(out.log);
   add_percent(out.log, machine.axes[index].second, e.force);
   out.log.metadata = {
       {"machine", machine.name}, {"axis", axis}, {"method", std::string(enum_name(options.method))}};
+  if (machine.axes[index].second.rotary && !e.force.empty())
+    out.log.metadata.emplace_back("f", "torque at the table; that of the motor is less by the gear");
   for (std::size_t i = 0; i < out.notes.size(); ++i)
     out.log.metadata.emplace_back(kNoteNames[i], out.notes[i]);
   out.excitation = std::move(safe.excitation);
+  out.rotary = machine.axes[index].second.rotary;
   return out;
 }
 

@@ -18,6 +18,7 @@ struct AxisExcitation {
   ident::excitation::Excitation excitation;
   std::vector<std::string> notes;  ///< safety_notes()
   io::Log log;                     ///< t and r, or t, f and what the drive takes; the notes in its head
+  bool rotary = false;             ///< the log is in deg and N m
 };
 
 /// Designs it for an axis of a machine file.

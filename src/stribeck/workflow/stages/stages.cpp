@@ -72,8 +72,9 @@ bool mass_known(const ident::Result& r) {
 class AxisStages {
  public:
   /// `own`: SHA-256 of the axis file that an earlier command wrote; empty: none.
-  AxisStages(const StageOptions& options, LogsOfAxis logs, std::string own)
-      : options_(options), logs_(std::move(logs)), own_(std::move(own)) {
+  AxisStages(const StageOptions& options, const AxisDescription& description, LogsOfAxis logs,
+             std::string own)
+      : options_(options), description_(description), logs_(std::move(logs)), own_(std::move(own)) {
     axis_.axis = logs_.axis;
   }
 
@@ -97,7 +98,7 @@ class AxisStages {
     axis_.open.clear();
     if (!scale_missing_.empty()) return without_scale();
     if (!chosen) return not_verified();
-    describe(chosen->found.result);
+    describe(*chosen);
     verify_and_promote(*chosen);
     return axis_;
   }
@@ -156,7 +157,8 @@ class AxisStages {
     return order;
   }
 
-  void describe(const ident::Result& r) {
+  void describe(const Candidate& c) {
+    const ident::Result& r = c.found.result;
     axis_.mass = r.mass;
     axis_.mass_low = r.mass_interval.low;
     axis_.mass_high = r.mass_interval.high;
@@ -164,6 +166,11 @@ class AxisStages {
     axis_.velocity_low = r.velocity_range[0];
     axis_.velocity_high = r.velocity_range[1];
     axis_.open.insert(axis_.open.end(), r.cannot_tell.begin(), r.cannot_tell.end());
+    // Before them stands how the columns were read.
+    const std::size_t read = std::min(c.records.notes.size(), r.warnings.size());
+    axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
+    const std::string wrong = mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high);
+    if (!wrong.empty()) axis_.warnings.push_back(wrong);
   }
 
   /// No log can be held out: the model of all of them, if they determine one.
@@ -172,7 +179,7 @@ class AxisStages {
     if (!scale_missing_.empty()) return without_scale();
     if (!all || !mass_known(all->found.result)) return not_determined(all);
     axis_.logs = logs_.logs;
-    describe(all->found.result);
+    describe(*all);
     axis_.stage = CommissionStage::kNotVerified;
     axis_.open.push_back("no log is left to verify the model: the others alone do not determine the mass");
     record("position-sine");
@@ -183,7 +190,7 @@ class AxisStages {
     axis_.stage = CommissionStage::kNotDetermined;
     axis_.logs = logs_.logs;
     if (all) {
-      describe(all->found.result);
+      describe(*all);
       axis_.open.push_back(fmt::format("the mass is known to {:.2g} %, expected {:g} %",
                                        50.0 * (axis_.mass_high - axis_.mass_low) / std::abs(axis_.mass),
                                        100.0 * kMassKnown));
@@ -250,6 +257,7 @@ class AxisStages {
   }
 
   const StageOptions& options_;
+  const AxisDescription& description_;
   LogsOfAxis logs_;
   std::string own_;
   std::string scale_missing_;  ///< what the units of the logs lack; empty: nothing
@@ -355,7 +363,7 @@ report::CommissionReportInput commission_from_logs(const StageOptions& o) {
     std::string own;
     if (const auto at = state.find(logs.axis); at != state.end() && at->is_object())
       own = at->value("axis_file_sha256", "");
-    const Axis axis = AxisStages(o, logs, own).run();
+    const Axis axis = AxisStages(o, description.axis(logs.axis), logs, own).run();
     Json entry{{"key", key}, {"result", report::to_json(axis)}};
     entry["axis_file_sha256"] = axis.axis_file.empty() ? own : axis.axis_file_sha256;
     state[logs.axis] = std::move(entry);
