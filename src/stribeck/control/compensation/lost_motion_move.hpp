@@ -115,7 +115,7 @@ class LostMotionMove {
   /// `law`: the compensation of the controller, with the friction model of the axis.
   LostMotionMove(const LostMotionParams& params, const CompensationParams& law, const LostMotionBounds& axis,
                  double period) noexcept
-      : params_(params), model_(law.model.friction), mass_(law.model.mass), period_(period) {
+      : params_(params), model_(law.model.friction), period_(period) {
     feeds_ = law.feedforward != Feedforward::kNone;
     CompensationParams plain = law;
     plain.observer = Observer::kNone;
@@ -240,7 +240,6 @@ class LostMotionMove {
   LostMotionParams params_;
   friction::Model model_;
   Compensation law_;
-  double mass_ = 0.0;  ///< [kg]
   double period_ = 1e-3;
   double share_ = 0.0;  ///< φ
   double lead_ = 0.0;   ///< [s]
