@@ -25,6 +25,7 @@ constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1
 constexpr int kFarPasses = 12;
 constexpr double kFarStep = 10.0;     // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
+constexpr double kWorthGain = 0.98;   // of the error: what a shift beside periodic terms must leave at most
 constexpr double kWholePart = 0.01;
 constexpr double kWorthPhase = 0.1 * kPi;
 
@@ -43,6 +44,15 @@ struct Filtered {
 };
 
 double within_pi(double angle) { return std::remainder(angle, 2.0 * kPi); }
+
+/// Shift and phases that belong together, and the last step towards them.
+struct OwnFit {
+  double shift = 0.0;         ///< [rows]
+  std::vector<double> phase;  ///< of the periodic terms [rad]
+  MatrixXd X;
+  VectorXd e, step;
+  double rms = 0.0;  ///< [N]
+};
 
 class Scored {
  public:
@@ -104,9 +114,9 @@ class Scored {
   }
 
   /// Columns of the shift (unless it is known) and of sine and cosine of each periodic term.
-  [[nodiscard]] MatrixXd regressors(const Column& modelled) const {
+  [[nodiscard]] MatrixXd regressors(const Column& modelled, bool shift_known) const {
     const auto& terms = model_.friction.eccentric;
-    const Index first = options_.shift ? 0 : 1;
+    const Index first = shift_known ? 0 : 1;
     MatrixXd X(static_cast<Index>(used_.size()), first + 2 * static_cast<Index>(terms.size()));
     const auto put = [&](Index j, const Column& column) {
       const Column c = thin(column);
@@ -129,76 +139,102 @@ class Scored {
     return X;
   }
 
-  void find_shift();
+  [[nodiscard]] double far_shift(double from) const;
+  [[nodiscard]] OwnFit fit_from(double shift, bool shift_known) const;
+  [[nodiscard]] OwnFit best_fit(double expected) const;
   void fit_own();
   [[nodiscard]] double phase_used(std::size_t j) const;
-  void judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step, const std::vector<double>& phase);
+  void judge(const OwnFit& fit);
 
   const friction::AxisModel& model_;
   const log::Record& record_;
   const ForceOptions& options_;
   Filtered motion_;
   std::vector<std::size_t> used_;  ///< decimated rows that count
-  double shift_ = 0.0;             ///< [rows]
   ForceError out_;
 };
 
 /// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away.
-void Scored::find_shift() {
+double Scored::far_shift(double from) const {
   friction::Model plain = model_.friction;
   plain.eccentric.clear();
   const Column modelled = force_of(plain);
   const Column model_thin = thin(modelled), slope = thin(derivative(modelled, 1.0));
+  double shift = from;
   for (int pass = 0; pass < kFarPasses; ++pass) {
-    const Column measured = thin(log::align_force(record_.f, shift_));
+    const Column measured = thin(log::align_force(record_.f, shift));
     double se = 0.0, ss = 0.0;
     for (const std::size_t i : used_) {
       se -= slope[i] * (measured[i] - model_thin[i]);
       ss += slope[i] * slope[i];
     }
-    if (!(ss > 0.0)) return;
+    if (!(ss > 0.0)) break;
     const double step = std::clamp(se / ss, -kFarStep, kFarStep);
-    shift_ = std::clamp(shift_ + step, -kMostShift, kMostShift);
-    if (std::abs(step) < 0.05) return;
+    shift = std::clamp(shift + step, -kMostShift, kMostShift);
+    if (std::abs(step) < 0.05) break;
   }
+  return shift;
+}
+
+OwnFit Scored::fit_from(double shift, bool shift_known) const {
+  OwnFit fit;
+  fit.shift = shift;
+  friction::Model friction = model_.friction;
+  for (const auto& term : friction.eccentric) fit.phase.push_back(term.phase);
+  fit.e.resize(static_cast<Index>(used_.size()));
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = fit.phase[j];
+    const Column whole = force_of(friction);
+    const Column modelled = thin(whole), measured = thin(log::align_force(record_.f, fit.shift));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      fit.e(static_cast<Index>(i)) = measured[used_[i]] - modelled[used_[i]];
+    fit.rms = fit.e.norm() / std::sqrt(static_cast<double>(used_.size()));
+    fit.X = regressors(whole, shift_known);
+    if (fit.X.cols() == 0) break;
+    fit.step = stats::least_squares(fit.X, fit.e).x;
+    if (pass + 1 == kPasses) break;
+    Index j = 0;
+    if (!shift_known)
+      fit.shift = std::clamp(fit.shift + std::clamp(fit.step(j++), -2.0, 2.0), -kMostShift, kMostShift);
+    for (std::size_t i = 0; i < fit.phase.size(); ++i, j += 2) {
+      const double A = friction.eccentric[i].amplitude;
+      const double s = A * std::cos(fit.phase[i]) + fit.step(j),
+                   c = -A * std::sin(fit.phase[i]) + fit.step(j + 1);
+      fit.phase[i] = std::atan2(-c, s);
+    }
+  }
+  return fit;
+}
+
+/// Without periodic terms one least sum of squares is near. Beside them the search from far off takes a part of their force for a
+/// shift, so the search begins at the expected one as well.
+OwnFit Scored::best_fit(double expected) const {
+  OwnFit best = fit_from(far_shift(expected), false);
+  if (model_.friction.eccentric.empty()) return best;
+  OwnFit near = fit_from(expected, false);
+  return near.rms < best.rms ? std::move(near) : std::move(best);
 }
 
 void Scored::fit_own() {
   const double T = record_.sample_time;
   const double expected = -0.5 - model_.delay / T;  // a held force belongs to the motion half a row later
-  shift_ = options_.shift ? *options_.shift / T : expected;
-  if (!options_.shift) find_shift();
-  friction::Model friction = model_.friction;
-  std::vector<double> phase;
-  for (const auto& term : friction.eccentric) phase.push_back(term.phase);
-  MatrixXd X;
-  VectorXd e(static_cast<Index>(used_.size())), step;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    for (std::size_t j = 0; j < phase.size(); ++j) friction.eccentric[j].phase = phase[j];
-    const Column modelled = force_of(friction);
-    out_.modelled = thin(modelled);
-    out_.measured = thin(log::align_force(record_.f, shift_));
-    for (std::size_t i = 0; i < used_.size(); ++i)
-      e(static_cast<Index>(i)) = out_.measured[used_[i]] - out_.modelled[used_[i]];
-    X = regressors(modelled);
-    if (X.cols() == 0) break;
-    step = stats::least_squares(X, e).x;
-    if (pass + 1 == kPasses) break;
-    Index j = 0;
-    if (!options_.shift)
-      shift_ = std::clamp(shift_ + std::clamp(step(j++), -2.0, 2.0), -kMostShift, kMostShift);
-    for (std::size_t i = 0; i < phase.size(); ++i, j += 2) {
-      const double A = friction.eccentric[i].amplitude;
-      const double s = A * std::cos(phase[i]) + step(j), c = -A * std::sin(phase[i]) + step(j + 1);
-      phase[i] = std::atan2(-c, s);
+  const bool given = options_.shift.has_value();
+  OwnFit fit = given ? fit_from(*options_.shift / T, true) : best_fit(expected);
+  judge(fit);
+  if (!given && out_.shifted && !model_.friction.eccentric.empty()) {
+    // A shift that brings the force hardly closer to the model is none: beside it, amplitudes were free.
+    OwnFit unshifted = fit_from(expected, true);
+    if (fit.rms > kWorthGain * unshifted.rms) {
+      fit = std::move(unshifted);
+      judge(fit);
     }
   }
-  judge(X, e, step, phase);
-  if (!options_.shift && !out_.shifted) shift_ = expected;
-  out_.measured = thin(log::align_force(record_.f, shift_));
+  const double shift = given || out_.shifted ? fit.shift : expected;
+  out_.measured = thin(log::align_force(record_.f, shift));
   out_.modelled = thin(force_of(model_.friction));
   std::tie(out_.filed_relative, out_.filed_rms) = error_of(out_.modelled);
-  for (std::size_t j = 0; j < phase.size(); ++j) friction.eccentric[j].phase = phase_used(j);
+  friction::Model friction = model_.friction;
+  for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = phase_used(j);
   out_.modelled = thin(force_of(friction));
   std::tie(out_.own_relative, out_.own_rms) = error_of(out_.modelled);
 }
@@ -216,20 +252,22 @@ double Scored::phase_used(std::size_t j) const {
   return own.stored;
 }
 
-void Scored::judge(const MatrixXd& X, const VectorXd& e, const VectorXd& step,
-                   const std::vector<double>& phase) {
+void Scored::judge(const OwnFit& fit) {
   const double T = record_.sample_time;
-  out_.shift = shift_ * T;
+  const auto& [shift, phase, X, e, step, rms] = fit;
+  out_.shift = shift * T;
   out_.shift_half = 0.0;
+  out_.shifted = false;
+  out_.phases.clear();
   if (X.cols() == 0) return;
   const MatrixXd inverse = stats::pseudo_inverse(stats::gram(X));
   const stats::Uncertainty uncertainty(X, e - X * step, inverse, std::vector<int>(used_.size(), 0), used_);
   Index j = 0;
-  if (!options_.shift) {
+  if (X.cols() > 2 * std::ssize(phase)) {
     const double half = uncertainty.half_width(VectorXd::Unit(X.cols(), j++));
-    const double off = std::abs(shift_ + 0.5 + model_.delay / T);
+    const double off = std::abs(shift + 0.5 + model_.delay / T);
     out_.shift_half = half * T;
-    out_.shifted = std::isfinite(half) && std::abs(shift_) < kMostShift && off > std::max(half, kWorthShift);
+    out_.shifted = std::isfinite(half) && std::abs(shift) < kMostShift && off > std::max(half, kWorthShift);
   }
   for (std::size_t i = 0; i < phase.size(); ++i, j += 2) {
     const auto& term = model_.friction.eccentric[i];

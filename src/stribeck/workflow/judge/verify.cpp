@@ -96,13 +96,14 @@ std::optional<double> given_shift(const VerifyOptions& o, const ident::log::Reco
   return shift;
 }
 
-/// What belongs to the record and not to the axis, in words.
-void note_differences(const std::string& file, const ident::replay::ForceError& e, bool given,
-                      std::vector<std::string>& warnings) {
-  if (e.shifted && !given) {
+/// What belongs to the record and not to the axis, in words. `expected`: the shift of the model [s]; absent: one was given.
+void note_differences(const std::string& file, const ident::replay::ForceError& e,
+                      const std::optional<double>& expected, std::vector<std::string>& warnings) {
+  if (e.shifted && expected) {
+    const double off = e.shift - *expected;
     warnings.push_back(fmt::format(
-        "{}: in this log the force stands {:.3g} ± {:.2g} ms {} than its motion, which the model does not expect: taken out",
-        file, 1e3 * std::abs(e.shift), 1e3 * e.shift_half, e.shift > 0.0 ? "later" : "earlier"));
+        "{}: in this log the force stands {:.3g} ± {:.2g} ms {} than the model expects: taken out", file,
+        1e3 * std::abs(off), 1e3 * e.shift_half, off > 0.0 ? "later" : "earlier"));
   }
   for (const ident::replay::RecordPhase& p : e.phases) {
     if (!p.differs) continue;
@@ -179,9 +180,10 @@ class Verification {
     ident::replay::ForceOptions force;
     force.shift = shift;
     one.force = ident::replay::force_error(m.model, record, force);
-    note_differences(m.file, one.force, shift.has_value(), notes);
-    ident::replay::ReplayOptions open;
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
+    const double expected = -0.5 * record.sample_time - m.model.delay;
+    note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), notes);
+    ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)
       open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
                                kMostGivenShift * record.sample_time) -
