@@ -90,7 +90,8 @@ class Units {
     }
     // CiA 402 gives torques in thousandths of the rated one.
     const Unit permille(ut_parse(system_, "0.001", UT_UTF8));
-    ut_map_symbol_to_unit("permille", UT_ASCII, permille.get());
+    for (const char* symbol : {"permille", "promille"})
+      ut_map_symbol_to_unit(symbol, UT_ASCII, permille.get());
     for (const char* symbol : {"rev", "U"}) ut_map_symbol_to_unit(symbol, UT_ASCII, revolution.get());
   }
   ~Units() {
@@ -101,7 +102,7 @@ class Units {
   Unit parse(std::string_view text) {
     std::string ascii(trimmed(text));
     replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
-    replace_all(ascii, "\u2030", "permille");
+    for (const char* written : {"\u2030", "per mille"}) replace_all(ascii, written, "permille");
     // A date, an offset or a logarithm is no proportional unit.
     if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
     return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));

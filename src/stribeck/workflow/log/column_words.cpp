@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstdint>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,7 @@ using Entry = std::pair<std::string_view, Word>;
 /// Longer words of one beginning come first: the first that leads to the end of the name is taken.
 constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"positions", Word::kPosition},
+                            Entry{"posf", Word::kPosition},
                             Entry{"pos", Word::kPosition},
                             Entry{"lage", Word::kPosition},
                             Entry{"angle", Word::kAngle},
@@ -51,6 +54,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"drehmoment", Word::kTorque},
                             Entry{"momenten", Word::kTorque},
                             Entry{"moment", Word::kTorque},
+                            Entry{"tcmd", Word::kTorque},
                             Entry{"current", Word::kCurrent},
                             Entry{"strom", Word::kCurrent},
                             Entry{"iq", Word::kCurrent},
@@ -120,8 +124,51 @@ constexpr std::array<Parameter, 12> kSinamics{{{482, LogQuantity::kPosition, 1},
                                                {79, LogQuantity::kTorque, 1},
                                                {80, LogQuantity::kTorque, 0}}};
 
+/// CiA 402 (IEC 61800-7-201): objects of actual and demanded values, by their index.
+constexpr std::array<Parameter, 12> kCia402{{{0x6064, LogQuantity::kPosition, 0},
+                                             {0x6063, LogQuantity::kPosition, 1},
+                                             {0x6062, LogQuantity::kReference, 0},
+                                             {0x607A, LogQuantity::kReference, 1},
+                                             {0x606C, LogQuantity::kVelocity, 0},
+                                             {0x606B, LogQuantity::kReferenceVelocity, 0},
+                                             {0x60FF, LogQuantity::kReferenceVelocity, 1},
+                                             {0x6077, LogQuantity::kTorque, 0},
+                                             {0x6074, LogQuantity::kTorque, 1},
+                                             {0x6071, LogQuantity::kTorque, 2},
+                                             {0x6078, LogQuantity::kCurrent, 0},
+                                             {0x6079, LogQuantity::kVoltage, 3}}};
+
 bool is_letter(unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; }
 bool is_digit(unsigned char c) { return std::isdigit(c) != 0; }
+
+std::optional<NameMeaning> found_in(const std::array<Parameter, 12>& known, int number) {
+  const auto found =
+      std::find_if(known.begin(), known.end(), [&](const Parameter& p) { return p.number == number; });
+  if (found == known.end()) return std::nullopt;
+  return NameMeaning{found->what, found->rank, {}};
+}
+
+/// "6064h", "0x6064", "#x6064:00", "16#6064"; the sub-index is 0. A number without such a mark is no index.
+std::optional<NameMeaning> cia402(std::string_view name) {
+  bool marked = false;
+  for (const std::string_view mark : {"0x", "#x", "16#"}) {
+    if (!name.starts_with(mark)) continue;
+    name.remove_prefix(mark.size());
+    marked = true;
+    break;
+  }
+  if (const auto sub = name.find_first_of(":."); sub != std::string_view::npos) {
+    const std::string_view index = name.substr(sub + 1);
+    if (index.find_first_not_of("0xh") != std::string_view::npos) return std::nullopt;
+    name = name.substr(0, sub);
+  }
+  if (name.ends_with('h')) name.remove_suffix(1), marked = true;
+  int number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number, 16);
+  if (!marked || name.size() != 4 || error != std::errc{} || end != name.data() + name.size())
+    return std::nullopt;
+  return found_in(kCia402, number);
+}
 
 std::optional<NameMeaning> sinamics(std::string_view name) {
   if (name.size() < 3 || name[0] != 'r') return std::nullopt;
@@ -130,10 +177,7 @@ std::optional<NameMeaning> sinamics(std::string_view name) {
   if (name.size() > 5 || !std::all_of(name.begin(), name.end(), is_digit)) return std::nullopt;
   int number = 0;
   for (const char c : name) number = 10 * number + (c - '0');
-  const auto found = std::find_if(kSinamics.begin(), kSinamics.end(),
-                                  [&](const Parameter& p) { return p.number == number; });
-  if (found == kSinamics.end()) return std::nullopt;
-  return NameMeaning{found->what, found->rank, {}};
+  return found_in(kSinamics, number);
 }
 
 /// Parts of letters and digits between other characters.
@@ -279,6 +323,7 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;
   std::string name = lower_case(header);
+  if (auto found = cia402(name)) return found;
   std::string axis;
   // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
   if (const auto dot = name.rfind('.'); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
@@ -291,6 +336,9 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   }
   std::vector<std::string> parts = parts_of(name);
   if (parts.empty()) return std::nullopt;
+  // "Axis 1 ActPos": the number belongs to the word.
+  if (parts.size() > 2 && (parts[0] == "axis" || parts[0] == "achse") && is_axis(parts[1]))
+    parts.erase(parts.begin());
   for (const bool at_end : {true, false}) {
     if (parts.size() < 2) break;
     const auto at = at_end ? parts.end() - 1 : parts.begin();

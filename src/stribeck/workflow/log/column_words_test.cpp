@@ -132,6 +132,20 @@ std::vector<std::string> taken(const std::string& header, const std::string& axi
   return out;
 }
 
+TEST(ColumnWords, NumbersOfAxesAndObjectsOfCia402) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(taken("t [s],Axis 1 ActPos [mm],Axis 1 Torque [%]"),
+              ElementsAre("x=Axis 1 ActPos", "percent=Axis 1 Torque"));
+  EXPECT_THAT(taken("t [s],POSF(1) [mm],VCMD(1) [mm/s],TCMD(1) [%]", "1"),
+              ElementsAre("x=POSF(1)", "v_ref=VCMD(1)", "percent=TCMD(1)"));
+  EXPECT_THAT(taken("t [s],6064h [mm],606Ch [mm/s],6077h [per mille]"),
+              ElementsAre("x=6064h", "v=606Ch", "percent=6077h"));
+  EXPECT_THAT(taken("t [s],0x6064:00 [mm],0x6062:00 [mm],0x6078:00 [A]"),
+              ElementsAre("x=0x6064:00", "r=0x6062:00", "current=0x6078:00"));
+  for (const char* name : {"6064", "6064h:01", "0x60640", "0x1234", "h", "0x", "606gh"})
+    EXPECT_FALSE(meaning_of(name)) << name;
+}
+
 // What the unit alone tells does no harm to a log that calls its columns by name.
 TEST(ColumnWords, ForeignColumnsAreLeftAlone) {
   using ::testing::ElementsAre;

@@ -17,7 +17,8 @@ constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuan
                              LogQuantity::kPercent, LogQuantity::kVoltage};
 
 /// Units of a share of the rated torque; CiA 402 has per mille.
-constexpr std::array<std::string_view, 5> kShares{"%", "pct", "percent", "\u2030", "permille"};
+constexpr std::array<std::string_view, 7> kShares{"%",        "pct",       "percent", "\u2030",
+                                                  "permille", "per mille", "promille"};
 
 /// Without the factor of "0.1 %".
 std::string_view without_factor(std::string_view unit) {
