@@ -42,6 +42,7 @@ MapMoments moments_of(const map::StaticFit& map, const Rows& rows, const LinearF
       out.slope[side].row(b) = g.transpose();
       if (t.rows() <= 0.0) continue;
       out.normal.block(F, F, g.size(), g.size()) += t.rows() * g * g.transpose();
+      if (q == 0) continue;
       out.with_columns.middleRows(F, g.size()) += map::kDirection[side] * g * t.first(q).transpose();
       for (std::size_t j = 0; j < q; ++j) {
         out.with_multipliers.block(F, static_cast<Index>(j), g.size(), 1) +=

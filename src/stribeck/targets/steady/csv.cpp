@@ -27,7 +27,7 @@ Form write_csv(const Axis& axis) {
   // Whoever reads the table interpolates.
   form.held = [axis, ratio, speed](double v) {
     const double at = std::log(std::abs(v) / axis.slowest) / ratio * (kRows - 1);
-    const int i = std::clamp(static_cast<int>(at), 0, kRows - 2);
+    const auto i = static_cast<int>(std::clamp(at, 0.0, kRows - 2.0));  // at rest `at` is −∞
     const double a = speed(i);
     const double b = speed(i + 1);
     const double sign = v < 0.0 ? -1.0 : 1.0;
