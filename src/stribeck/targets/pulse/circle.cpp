@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <stribeck/targets/pulse/circle.hpp>
 
 namespace stribeck::targets {
@@ -41,7 +43,13 @@ Circle::Circle(const CircleAxes& axes, double radius, double feed, double laps)
     : axes_(axes),
       route_(sim::sample<2>(circle_travel(radius, feed, laps), axes.machine.sample_time)),
       drives_(axes.machine, {0, 1}, 1.2 * feed) {
-  substeps_ = sim::choose_substeps<2>(drives_, controller(sim::FrictionUse::kNone), route_, kAccuracy);
+  try {
+    substeps_ = sim::choose_substeps<2>(drives_, controller(sim::FrictionUse::kNone), route_, kAccuracy);
+  } catch (const sim::Refused& e) {
+    throw sim::Refused(fmt::format(
+        "{}; this was a circle of {:.4g} mm at {:.4g} mm/s with the loop {}: give the loop of the machine with --controller, or another circle with --speed and --size",
+        e.what(), 1e3 * radius, 1e3 * feed, axes_.loop.id));
+  }
 }
 
 sim::AnyController<2> Circle::controller(sim::FrictionUse use) const {

@@ -17,6 +17,7 @@ namespace {
 
 using targets::Qec;
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 constexpr double kMmPerMin = 1e-3 / 60.0;
 
@@ -167,6 +168,12 @@ TEST(Sinumerik, RefusesWhatItCannotPredict) {
   x.request.gain.clear();
   x.request.names = {"X]=1"};
   EXPECT_THAT(x.refusal(), HasSubstr("expected a machine axis, e.g. AX1"));
+  x.request.names.clear();
+  x.request.speed = "2 m/s";
+  EXPECT_THAT([&] { static_cast<void>(x.write()); },
+              ThrowsMessage<std::runtime_error>(HasSubstr(
+                  "circle of 10 mm at 2000 mm/s with the loop cascade: give the loop of the machine with "
+                  "--controller")));
 }
 
 }  // namespace
