@@ -12,6 +12,7 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
+constexpr double kMostHalf = 1e12;   ///< in SI: a wider interval is none
 constexpr double kVagueShift = 0.3;  ///< [rows] half width of a shift that is worth a word
 constexpr double kApart = 0.05;      ///< of friction: difference of the directions that is worth a word
 constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
@@ -46,7 +47,8 @@ class Description {
   }
   void add(std::string name, double value, const std::string& unit, const std::string& shown, double error,
            bool seen) {
-    const double half = found_.intervals.factor * error;
+    const double known = found_.intervals.factor * error;
+    const double half = known < kMostHalf ? known : std::numeric_limits<double>::infinity();
     Parameter p;
     p.name = std::move(name);
     p.value = value;

@@ -115,6 +115,18 @@ FitSettings settings_of(const SideSums& side) {
   return settings;
 }
 
+/// Whether a term of a fit moves none of the bins: the bounds left it no height, or no place within the range.
+bool has_idle_term(const BranchFit& fit, const Bins& bins) {
+  constexpr double kIdle = 1e-4;  // of the largest force
+  const double least = kIdle * *std::max_element(bins.force.begin(), bins.force.end());
+  return std::any_of(fit.terms.begin(), fit.terms.end(), [&](const FitTerm& g) {
+    return std::all_of(bins.u.begin(), bins.u.end(), [&](double u) {
+      const double off = (u - g.b) / g.c;
+      return std::abs(g.a * std::exp(-off * off)) < least;
+    });
+  });
+}
+
 /// All numbers of terms for one direction: the fit to all blocks, and the held-out error with each block left out.
 Branches score_branches(const SideSums& side, int s, const StaticOptions& options) {
   const std::size_t blocks = side.block.size();
@@ -176,6 +188,11 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     if (!next) break;
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
+    // Not a candidate, but a start for one with a term more.
+    if (!options.terms && has_idle_term(fit, all)) {
+      ++vain;
+      continue;
+    }
     const double loss = add(fit);
     // Two more terms in sequence brought no gain; a third will not either.
     vain = loss < (1.0 - kWorthwhileGain) * best ? 0 : vain + 1;

@@ -97,6 +97,19 @@ TEST(StaticFit, EachDirectionHasItsOwnExponent) {
   }
 }
 
+// A steep rise that only the slowest bins show: the bounds on the force at rest leave a further term no height.
+TEST(StaticFit, NoTermIsIdle) {
+  StaticOptions options;
+  options.symmetric = false;
+  const auto rise = [](int, double speed) {
+    return viscous(0, speed) + 60.0 * std::exp(-std::pow(speed / 2e-3, 2.0));
+  };
+  const StaticChoice c = choose_static(sums_of(rise, 0.3), options);
+  for (const BranchFit& branch : c.fit.branch) {
+    for (const FitTerm& g : branch.terms) EXPECT_GT(std::abs(g.a), 1e-2) << "at " << g.b;
+  }
+}
+
 // Noise of the size of the Stribeck part hides its shape; an exponent of 1 would rise more steeply below the slowest rows.
 TEST(StaticFit, WhereTheLogDoesNotTellTheExponentIsTwo) {
   const auto faint = [](int, double speed) { return viscous(0, speed) + 3.0 * std::exp(-speed / 8e-3); };
