@@ -90,7 +90,8 @@ Outcome simulate(const py::object& machine, const py::object& reference, const p
   o.parameters = parameter_options(keywords);
   keywords.done();
   return unlocked([&] {
-    workflow::PathRun run = workflow::run_path(o, workflow::read_virtual_machine(file), file);
+    workflow::PathRun run =
+        workflow::run_path(o, workflow::read_virtual_machine(file, o.parameters.axis_files), file);
     run.log.source = "simulation";
     return Outcome{workflow::to_json(run), report::text_table(run.result), std::move(run.log), true};
   });

@@ -17,7 +17,6 @@
 #include <stribeck/io/sha256.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
-#include <stribeck/workflow/machine/machine_file.hpp>
 
 namespace stribeck::cli {
 
@@ -90,8 +89,6 @@ void say(const Common& common, const std::string& text) {
   // A reader that is gone must not keep files from being written; run() tells.
   static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), stdout));
 }
-
-sim::Machine load_machine(const std::string& path) { return read_virtual_machine(path); }
 
 void refuse_empty_options(CLI::App& verb) {
   for (CLI::Option* option : verb.get_options()) {

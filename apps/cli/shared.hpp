@@ -7,7 +7,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <stribeck/io/output_folder.hpp>
 #include <stribeck/report/page/output.hpp>
-#include <stribeck/sim/machine.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,8 +60,6 @@ inline constexpr std::string_view kStandardOutput = "-";
 
 /// Text on standard output, unless --quiet is given or the JSON goes there.
 void say(const Common& common, const std::string& text);
-
-sim::Machine load_machine(const std::string& path);
 
 /// Refuses, for every option of the verb, empty texts, which would count as not given, and "-" where no standard output is meant.
 void refuse_empty_options(CLI::App& verb);

@@ -16,6 +16,8 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>
@@ -101,7 +103,7 @@ int simulate(const SimulateCommand& o) {
     refuse_option("--experiment", "does not go with --reference, which has its own motion (leave one out)");
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.output);
-  const sim::Machine machine = load_machine(o.machine);
+  const sim::Machine machine = read_virtual_machine(o.machine, o.path.parameters.axis_files);
   return o.reference.empty() ? follow_path(o, machine) : play_reference(o, machine);
 }
 

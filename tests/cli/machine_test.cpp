@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "command.hpp"
 
@@ -150,11 +152,63 @@ TEST(OwnMachine, ARotaryTableGoesTheWholeWay) {
                      "20 deg", "-o", f / "jog.csv"})
                 .code,
             0);
+  // A turn of the table, in the units of the axis.
+  const std::string log = f / "sine-log.csv";
+  EXPECT_EQ(command({"identify", table, log, "--method", "position-map", "--turn", "360 deg"}).code, 0);
+  const Said tiny = command({"identify", table, log, "--method", "position-map", "--turn", "0.001 deg"});
+  EXPECT_EQ(tiny.code, 2);
+  EXPECT_THAT(tiny.err, HasSubstr("deg for the travel of"));
   // An arc at a radius of 1 m too, as in the commands that health proposes.
   EXPECT_EQ(command({"excite", table, "--axis", "c", "--method", "jog", "--speeds", "100 mm/s", "--lead",
                      "400 mm", "-o", f / "arc.csv"})
                 .code,
             0);
+}
+
+const std::string kSlide =
+    "name = \"slide\"\nsample_time = \"2 ms\"\n[axes.x.limits]\ntravel_min = \"-60 mm\"\ntravel_max = \"60 mm\"\n"
+    "speed = \"100 mm/s\"\nacceleration = \"1 m/s2\"\n[axes.x.drive]\nrated_force = \"200 N\"\n"
+    "[axes.x.commissioning]\nmass = \"50 kg\"\nfriction = \"60 N\"\nencoder_resolution = \"100 nm\"\n";
+const std::string kSlideModel =
+    "axis = \"x\"\nmass = \"60 kg\"\ndelay = \"3 ms\"\n[friction.steady]\nkind = \"conventional\"\n"
+    "alpha0 = \"50 N\"\nalpha2 = \"200 N s/m\"\n";
+
+// A real machine has no truth: what was identified of it is simulated.
+TEST(OwnMachine, IsSimulatedAsItsIdentifiedModel) {
+  Folder f;
+  const std::string machine = f.write("slide.toml", kSlide);
+  const std::string model = f.write("x.toml", kSlideModel);
+  const std::string motion = f / "motion.csv";
+  ASSERT_EQ(
+      command({"excite", machine, "--axis", "x", "--method", "constant-acceleration", "-o", motion}).code, 0);
+  const std::vector<std::string> run{"simulate", machine, "--reference", motion,
+                                     "--axis",   "x",     "-o",          f / "log.csv"};
+  const Said alone = command(run);
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_THAT(alone.err, HasSubstr("--axis-file x=FILE"));
+  std::vector<std::string> with_model = run;
+  with_model.insert(with_model.end(), {"--axis-file", "x=" + model});
+  ASSERT_EQ(command(with_model).code, 0);
+  // The log tells the parameters of the model again.
+  ASSERT_EQ(command({"identify", f / "log.csv", "--json", f / "x.json"}).code, 0);
+  const auto found = nlohmann::json::parse(text_of(f / "x.json"));
+  EXPECT_NEAR(found["mass_kg"].get<double>(), 60.0, 1.5);
+  const Said compared = command({"compare", machine, "--axis-file", "x=" + model, "--only", "a", "--trials",
+                                 "1", "--json", f / "c.json"});
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  EXPECT_THAT(compared.out, HasSubstr("is simulated as the model in"));
+  EXPECT_THAT(text_of(f / "c.json"), HasSubstr("has no plant"));
+
+  const std::string turning = f.write("c.toml", "rotary = true\n" + kSlideModel.substr(11));
+  const Said other = command({"compare", machine, "--axis-file", "x=" + turning, "--only", "a"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("the file is of a rotary axis, but axis x of"));
+  std::string late = kSlideModel;
+  late.replace(late.find("3 ms"), 4, "30 ms");
+  const Said delayed =
+      command({"compare", machine, "--axis-file", "x=" + f.write("late.toml", late), "--only", "a"});
+  EXPECT_EQ(delayed.code, 2);
+  EXPECT_THAT(delayed.err, HasSubstr("delay: got 30 ms, expected at most 16 ms"));
 }
 
 }  // namespace

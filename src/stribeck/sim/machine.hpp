@@ -118,6 +118,9 @@ struct MachineAxis {
   Published published;
   /// Settings of the drive's own loops as its user knows them; absent: those of plant.drive_loop.
   std::optional<friction::DriveLoop> drive_loop{};
+  bool rotary = false;  ///< carried as a linear axis at a radius of 1 m; no key here: the machine file's own
+  std::string
+      truth_from{};  ///< file of the identified model that stands for the truth; empty: the machine file has it
 
   static constexpr auto fields() {
     return std::tuple{

@@ -128,11 +128,12 @@ std::optional<double> given_shift(const IdentifyOptions& o, const Records& recor
 }
 
 /// A known travel of one turn that this log can show.
-std::optional<double> given_turn(const IdentifyOptions& o, const Records& records) {
+std::optional<double> given_turn(const IdentifyOptions& o, const AxisRecords& axis) {
+  if (o.turn.empty()) return std::nullopt;
+  const Records& records = axis.records;
   const bool turns = records.front().position_unit == "rad";
-  const auto turn =
-      optional_si(o.turn, (turns ? quantity("rad", "rad") : quantity("m", "mm")).positive(), "--turn");
-  if (!turn) return turn;
+  const double turn = travel_si(
+      "--turn", o.turn, (turns ? quantity("rad", "rad") : quantity("m", "mm")).positive(), axis.rotary);
   // Fractions of a much longer turn lie too close together to be resolved; a shorter turn is not seen.
   constexpr double kLongest = 20.0, kShortest = 1.0 / 2000.0;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -141,9 +142,9 @@ std::optional<double> given_turn(const IdentifyOptions& o, const Records& record
     low = std::min(low, *a), high = std::max(high, *b);
   }
   const double travel = high - low;
-  if (!(*turn <= kLongest * travel) || !(*turn >= kShortest * travel)) {
-    const double shown = turns ? 1.0 : 1e3;
-    const char* unit = turns ? "rad" : "mm";
+  if (!(turn <= kLongest * travel) || !(turn >= kShortest * travel)) {
+    const double shown = turns ? 1.0 : axis.rotary ? 180.0 / kPi : 1e3;
+    const char* unit = turns ? "rad" : axis.rotary ? "deg" : "mm";
     refuse_option(
         "--turn",
         fmt::format("got {}, expected between {:.4g} and {:.4g} {} for the travel of {:.4g} {} in this log",
@@ -180,12 +181,12 @@ Identification by_jog(const IdentifyOptions& o, const Records& records) {
   return {std::move(jog.result), false, std::move(jog.groups)};
 }
 
-Identification by_position(const IdentifyOptions& o, const Records& records, bool holding) {
+Identification by_position(const IdentifyOptions& o, const AxisRecords& axis, bool holding) {
   ident::methods::PositionMapOptions options;
   options.mass = given_mass(o);
-  options.turn = given_turn(o, records);
+  options.turn = given_turn(o, axis);
   options.holding = holding;
-  return {ident::methods::identify_position_map(records, options), holding};
+  return {ident::methods::identify_position_map(axis.records, options), holding};
 }
 
 Identification by_least_squares(const IdentifyOptions& o, const Records& records) {
@@ -276,7 +277,7 @@ std::optional<Identification> friction_alone(const IdentifyOptions& o, const Axi
 Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
   if (ident::methods::held_at_standstill(axis.records)) {
     check_auto(o, Method::kPositionMap, "the axis is held at standstill");
-    return by_position(o, axis.records, true);
+    return by_position(o, axis, true);
   }
   if (steady_speeds(axis.records, axis.runs)) {
     check_auto(o, Method::kJog, "runs of constant speed");
@@ -284,7 +285,7 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
   }
   if (axis.one_direction) {
     check_auto(o, Method::kPositionMap, "the axis moves in one direction only");
-    Identification found = by_position(o, axis.records, false);
+    Identification found = by_position(o, axis, false);
     found.result.warnings.insert(
         found.result.warnings.begin(),
         "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
@@ -302,7 +303,7 @@ Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
     case Method::kVelocityMap:
       return by_velocity(o, records);
     case Method::kPositionMap:
-      return by_position(o, records, ident::methods::held_at_standstill(records));
+      return by_position(o, axis, ident::methods::held_at_standstill(records));
     case Method::kJog:
       return by_jog(o, records);
     case Method::kLeastSquaresA:

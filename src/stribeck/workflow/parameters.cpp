@@ -54,6 +54,13 @@ std::vector<Given> given_models(const sim::Machine& machine, const std::string& 
     const auto [axis, file] = axis_and_file(text);
     const std::size_t i = axis_index(machine, path, axis);
     models.push_back({i, file, io::read_toml<sim::AxisFile>(file)});
+    const bool rotary = machine.axes[i].second.rotary;
+    if (models.back().content.rotary.value_or(false) != rotary) {
+      throw io::InputError(
+          {file, 0, "rotary",
+           fmt::format("the file is of a {} axis, but axis {} of {} is {} (give the file of that axis)",
+                       rotary ? "linear" : "rotary", axis, path, rotary ? "rotary" : "linear")});
+    }
   }
   return models;
 }
@@ -153,6 +160,16 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     p.from_file[given.axis] = 1;
   }
   use_lost_motion(p, machine, options.lost_motion);
+  for (const std::size_t i : axes) {
+    const auto& [name, axis] = machine.axes[i];
+    if (axis.truth_from.empty()) continue;
+    p.words +=
+        fmt::format("; the machine file has no plant for axis {}: its identified model is simulated", name);
+    p.assumed.push_back(fmt::format(
+        "axis {} is simulated as the model in {} says, because {} has no plant: noise, drift and whatever else the model does not "
+        "hold are not in these figures, so the machine itself will have larger errors",
+        name, axis.truth_from, path));
+  }
   return p;
 }
 
@@ -175,7 +192,7 @@ void take_back_verdicts(sim::CompareResult& result, std::size_t travel, std::siz
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters) {
   constexpr double kLong = 0.2;  // share of the motion
-  std::vector<std::string> all;
+  std::vector<std::string> all = parameters.assumed;
   if (parameters.axes.empty()) return all;
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {

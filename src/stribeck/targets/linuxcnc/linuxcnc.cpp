@@ -190,9 +190,7 @@ void check_options(const ExportRequest& o, bool machine, bool folder) {
 
 /// For a machine: INI and HAL, or its drives alone; for axis files: controllers or tables.
 Exported write(const ExportRequest& o) {
-  const bool machine = std::any_of(o.files.begin(), o.files.end(), [](const std::string& file) {
-    return io::load_toml(file).find("axes") != nullptr;
-  });
+  const bool machine = std::any_of(o.files.begin(), o.files.end(), workflow::describes_machine);
   const bool folder = machine && !o.output.ends_with(".hal");
   check_options(o, machine, folder);
   const auto read_machine = [&] { return workflow::read_virtual_machine(o.files.front()); };

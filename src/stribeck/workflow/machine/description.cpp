@@ -106,6 +106,7 @@ sim::Machine as_machine(const MachineDescription& d) {
     axis.limits = a.limits;
     axis.published = a.published;
     axis.drive_loop = a.drive_loop;
+    axis.rotary = a.rotary;
     const Proposal p = propose(a, d.sample_time);
     const RoughAxis& c = a.commissioning;
     axis.commissioning = {c.mass.middle(),        c.friction.middle(), p.omega.value,

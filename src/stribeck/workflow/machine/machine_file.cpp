@@ -7,6 +7,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -83,22 +84,47 @@ MachineDescription described(io::Node file, const std::string& name) {
 
 }  // namespace
 
+bool describes_machine(const std::string& file) {
+  if (!file.ends_with(".toml")) return false;
+  try {
+    return io::load_toml(file).find("axes") != nullptr;
+  } catch (const io::InputError&) {
+    return false;
+  }
+}
+
 MachineDescription read_description(const std::string& file) { return described(io::load_toml(file), file); }
 
 MachineDescription parse_description(std::string_view text, const std::string& file) {
   return described(io::parse_toml(text, file), file);
 }
 
-sim::Machine read_virtual_machine(const std::string& file) {
-  const MachineDescription machine = read_description(file);
-  for (const auto& [name, axis] : machine.axes) {
+sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files) {
+  MachineDescription machine = read_description(file);
+  std::vector<std::string> from(machine.axes.size());
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    auto& [name, axis] = machine.axes[i];
+    if (axis.plant) continue;
+    for (const std::string& text : axis_files) {
+      const auto [given, axis_file] = axis_and_file(text);
+      if (given != name) continue;
+      require_force_limit(machine, file, i);
+      axis.plant = model_as_truth(axis, name, machine.sample_time, file, axis_file);
+      from[i] = axis_file;
+      break;
+    }
     if (axis.plant) continue;
     throw io::InputError(
         {file, 0, fmt::format("axes.{}.plant", name),
-         "missing, expected the truth of a virtual axis (mass, drive, converter, encoder, friction with bristles), "
-         "as this simulates the machine (machine, excite, identify, verify and export of axis files do without)"});
+         fmt::format(
+             "missing, expected the truth of a virtual axis (mass, drive, converter, encoder, friction with bristles), or its "
+             "identified model in its place (--axis-file {}=FILE)",
+             name)});
   }
-  return as_machine(machine);
+  sim::Machine virtual_machine = as_machine(machine);
+  for (std::size_t i = 0; i < from.size(); ++i)
+    virtual_machine.axes[i].second.truth_from = std::move(from[i]);
+  return virtual_machine;
 }
 
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis) {

@@ -20,8 +20,20 @@ MachineDescription read_description(const std::string& file);
 /// The same from a text; `file` is for messages.
 MachineDescription parse_description(std::string_view text, const std::string& file);
 
-/// A virtual machine: refused where an axis has no truth.
-sim::Machine read_virtual_machine(const std::string& file);
+/// Whether a file is a machine file and not an axis file or a log: it has a table `axes`. False where it cannot be read.
+bool describes_machine(const std::string& file);
+
+/// A virtual machine. An axis without a truth is simulated as its identified model where `axis_files` (AXIS=FILE) has one
+/// (model_as_truth.cpp); an axis with neither is refused.
+sim::Machine read_virtual_machine(const std::string& file, const std::vector<std::string>& axis_files = {});
+
+/// Makes the model that was identified of an axis its truth, with force, encoder and loop of the machine file. Noise, drift, an axial
+/// mode and everything else that the model does not hold are left out; a model without pre-sliding gets kBreakAway.
+/// `machine_file` and `axis_file` are for messages and for the note in MachineAxis::truth_from.
+plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
+                                 const std::string& machine_file, const std::string& axis_file);
+/// Travel in which friction builds up where a model does not say it: usual for ball screws with rolling guides [m].
+inline constexpr double kBreakAway = 5e-6;
 
 /// Refuses an axis whose largest force is not said.
 void require_force_limit(const MachineDescription& machine, const std::string& file, std::size_t axis);

@@ -71,7 +71,7 @@ Comparison run_plan(ComparisonPlan plan, Parameters parameters,
 
 Comparison run_comparison(const ComparisonOptions& o,
                           const std::function<void(std::size_t, std::size_t)>& progress) {
-  ComparisonPlan plan = plan_comparison(o, read_virtual_machine(o.machine));
+  ComparisonPlan plan = plan_comparison(o, read_virtual_machine(o.machine, o.parameters.axis_files));
   Parameters parameters = get_parameters(plan.machine, o.machine, o.parameters, plan.spec);
   return run_plan(std::move(plan), std::move(parameters), progress);
 }

@@ -31,7 +31,7 @@ Tuning plan_tuning(const TuneOptions& options, const ParameterOptions& origin,
                    const std::string& machine_file) {
   Tuning t;
   t.machine_file = machine_file;
-  t.machine = read_virtual_machine(machine_file);
+  t.machine = read_virtual_machine(machine_file, origin.axis_files);
   t.origin = origin;
   t.spec = tune_spec(options, origin, t.machine, machine_file);
   check_travel(t.machine, machine_file, t.spec.compare);
@@ -83,8 +83,9 @@ std::string missed(const Tuning& t) {
 }
 
 std::string text_of(const Tuning& t) {
-  return part_words(t.spec.compare) + report::text_table(t.result, t.spec) +
-         fmt::format("Compensators: {}.\n", t.parameters.words);
+  std::string text = part_words(t.spec.compare) + report::text_table(t.result, t.spec);
+  for (const std::string& warning : t.parameters.assumed) text += "Warning: " + warning + ".\n";
+  return text + fmt::format("Compensators: {}.\n", t.parameters.words);
 }
 
 }  // namespace stribeck::workflow

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr double kSlow = 1e-3;              // [m/s]: where the level of friction counts for its build-up
+constexpr double kPreSlidingDamping = 1.0;  // ratio, of the mass on the bristles
+constexpr double kDrive = 10.0;             // [V] at the largest force
+constexpr double kWindUpDamping = 0.1;      // ratio
+constexpr double kStiffDrive = 100.0;       // [Hz]: of the table where only the backlash is known
+constexpr int kMostDelay = 8;               // [control periods]
+
+/// Bristles on which friction builds up within kBreakAway.
+friction::LuGre<double> usual_bristles(const friction::AxisModel& model) {
+  const double level =
+      0.5 * (model.friction.parts(kSlow, 0.0).level + model.friction.parts(-kSlow, 0.0).level);
+  friction::LuGre<double> bristles;
+  bristles.sigma0 = level / kBreakAway;
+  bristles.sigma1 = 2.0 * kPreSlidingDamping * std::sqrt(bristles.sigma0 * model.mass);
+  bristles.damping_velocity = kSlow;
+  return bristles;
+}
+
+std::optional<plant::LostMotion> lost_motion(const sim::AxisFile& file) {
+  if (!file.lost_motion) return std::nullopt;
+  const control::LostMotionParams& known = *file.lost_motion;
+  plant::LostMotion lost;
+  lost.backlash = known.backlash;
+  lost.backlash_slope = known.backlash_slope;
+  lost.damping_ratio = kWindUpDamping;
+  if (known.table_mass > 0.0) lost.table_share = std::clamp(known.table_mass / file.model.mass, 0.05, 0.95);
+  const double rate = 2.0 * kPi * kStiffDrive;
+  lost.stiffness = known.stiffness.value_or(lost.table_share * file.model.mass * rate * rate);
+  const double level = file.model.friction.parts(kSlow, 0.0).level;
+  lost.table_friction = level > 0.0 ? std::clamp(known.table_friction / level, 0.0, 1.0) : 0.0;
+  return lost;
+}
+
+}  // namespace
+
+plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
+                                 const std::string& machine_file, const std::string& axis_file) {
+  const auto file = io::read_toml<sim::AxisFile>(axis_file);
+  const sim::NamePlate plate = axis.name_plate();
+  if (!(plate.encoder_resolution > 0.0)) {
+    throw io::InputError(
+        {machine_file, 0, fmt::format("axes.{}.commissioning.encoder_resolution", name),
+         "missing, expected the step of the encoder, with which the axis is simulated (write "
+         "encoder_resolution = \"1 um\", with your value)"});
+  }
+  plant::AxisParams truth;
+  truth.mass = file.model.mass;
+  truth.load = file.model.load;
+  truth.drive = plant::CurrentDrive{plate.force / kDrive, std::nullopt};
+  truth.converter.range = kDrive;
+  truth.encoder.resolution = plate.encoder_resolution;
+  const double periods = file.model.delay / sample_time;
+  if (!(periods <= kMostDelay)) {
+    throw io::InputError(
+        {axis_file, 0, "delay",
+         fmt::format(
+             "got {:.4g} ms, expected at most {:.4g} ms, {} control periods of {}, to simulate the axis",
+             1e3 * file.model.delay, 1e3 * kMostDelay * sample_time, kMostDelay, machine_file)});
+  }
+  truth.delay_periods = static_cast<int>(std::floor(periods));
+  truth.friction = file.model.friction;
+  if (!friction::has_pre_sliding(truth.friction.dynamics))
+    truth.friction.dynamics = usual_bristles(file.model);
+  truth.lost_motion = lost_motion(file);
+  if (axis.drive_loop) {
+    plant::DriveLoop loop;
+    loop.loop = *axis.drive_loop;
+    loop.cycle = sample_time;
+    truth.drive_loop = loop;
+  } else if (const double rest = periods - truth.delay_periods; rest > 1e-6) {
+    truth.delay_fraction = rest;
+  }
+  io::Problems problems(axis_file);
+  truth.validate([&](std::string_view key, std::string_view what) {
+    problems.add(0, std::string(key), std::string(what));
+  });
+  problems.throw_if_any();
+  return truth;
+}
+
+}  // namespace stribeck::workflow
