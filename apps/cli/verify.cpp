@@ -11,6 +11,7 @@
 #include <apps/cli/shared.hpp>
 #include <stribeck/report/pages/verify_report.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -23,14 +24,15 @@ struct VerifyCommand {
   VerifyOptions verify;
 };
 
-/// The first file is an axis file and the last one a log; between them the ending tells.
+/// A machine file may stand first. The next one is an axis file and the last one a log; between them the ending tells.
 void sort_files(const std::vector<std::string>& files, VerifyOptions& out) {
-  if (files.size() < 2)
+  auto first = files.begin();
+  if (files.size() > 2 && describes_machine(files.front())) out.machine = *first++;
+  if (files.end() - first < 2)
     refuse_option("AXIS.toml", "missing, expected one or more axis files and then the log");
-  std::size_t models = 1;
-  while (models + 1 < files.size() && files[models].ends_with(".toml")) ++models;
-  const auto first_log = files.begin() + static_cast<std::ptrdiff_t>(models);
-  out.axis_files.assign(files.begin(), first_log);
+  auto first_log = first + 1;
+  while (first_log + 1 != files.end() && first_log->ends_with(".toml")) ++first_log;
+  out.axis_files.assign(first, first_log);
   out.logs.assign(first_log, files.end());
 }
 
@@ -63,9 +65,12 @@ void add_verify(CLI::App& app, Action& action) {
       "verify",
       "Test identified models on logs that were not used to identify them: error of the force, motion in open and closed loop, verdict (exit code 1: not usable)");
   auto o = std::make_shared<VerifyCommand>();
-  verb->add_option("files", o->files, "Axis files written by identify, then the logs")
+  verb->add_option(
+          "files", o->files,
+          "Machine file where the logs need the drive of the axis (V, A, %, turns), axis files written by "
+          "identify, then the logs")
       ->required()
-      ->type_name("AXIS.toml... LOG...");
+      ->type_name("[MACHINE.toml] AXIS.toml... LOG...");
   add_log_options(*verb, o->log);
   verb->add_option(
           "--controller", o->verify.controller,
@@ -88,6 +93,7 @@ void add_verify(CLI::App& app, Action& action) {
   refuse_empty_options(*verb);
   verb->footer(
       "Example:\n  stribeck verify a.toml b.toml c.toml x-unseen-log.csv --axis x --report report\n"
+      "  stribeck verify machine.toml x.toml x-log-in-percent.csv\n"
       "  stribeck verify x.toml log.csv --gain \"35.15 N/V\" --controller controller.toml");
   verb->callback([o, &action] { action = [o] { return run_verify(*o); }; });
 }

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <tests/cli/command.hpp>
 
@@ -130,6 +132,58 @@ TEST(Verify, SaysWhatIsWrong) {
   runaway.replace(runaway.find("100 kg"), 6, "0.1 ug");
   EXPECT_NE(said({folder.write("light.toml", runaway), log}).code,
             2);  // the answer may be no, the input is good
+}
+
+/// The log above as a drive has it: turns of a motor with a lead of 10 mm, and percent of its rated torque of 2 N m.
+std::string log_of_the_motor(double coulomb) {
+  std::istringstream rows(log_text(coulomb));
+  std::string row;
+  std::getline(rows, row);
+  std::string text = "t [s],r [turns],x [turns],f [%]\n";
+  while (std::getline(rows, row)) {
+    std::array<double, 4> v{};
+    std::istringstream numbers(row);
+    for (double& one : v) {
+      numbers >> one;
+      numbers.ignore();
+    }
+    const double percent = 100.0 * v[3] * 0.010 / (2.0 * 3.14159265358979 * 2.0);
+    text += std::to_string(v[0]) + ',' + std::to_string(v[1] / 10.0) + ',' + std::to_string(v[2] / 10.0) +
+            ',' + std::to_string(percent) + '\n';
+  }
+  return text;
+}
+
+TEST(Verify, ReadsTheScaleOfALogFromTheMachineFile) {
+  const Folder folder;
+  const std::string machine = folder.write(
+      "machine.toml",
+      "name = \"own\"\nsample_time = \"2 ms\"\n[axes.x.limits]\ntravel_min = \"-5 mm\"\ntravel_max = \"200 mm\"\n"
+      "speed = \"500 mm/s\"\nacceleration = \"2 m/s2\"\n[axes.x.drive]\n"
+      "rated_torque = \"2 N m\"\npeak_torque = \"4 N m\"\nlead = \"10 mm\"\n"
+      "[axes.x.commissioning]\nmass = \"100 kg\"\nfriction = \"20 N\"\n");
+  const std::string axis = folder.write("x.toml", kAxis);
+  const std::string log = folder.write("x-log.csv", log_of_the_motor(20.0));
+  const Said alone = command({"verify", axis, log});
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_THAT(alone.err, HasSubstr("machine file"));
+  const Said said = command({"verify", machine, axis, log, "--json", folder / "v.json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const std::string plain = folder.write("plain.csv", log_text(20.0));
+  ASSERT_EQ(command({"verify", axis, plain, "--json", folder / "plain.json"}).code, 0);
+  const auto error = [&](const char* file) {
+    const auto json = nlohmann::json::parse(text_of(folder / file));
+    return json["verdicts"][0]["force_error_percent"].get<double>();
+  };
+  EXPECT_NEAR(error("v.json"), error("plain.json"), 0.05);
+
+  const std::string turns = folder.write("turns.toml", "rotary = true\n" + kAxis);
+  const Said rotary = command({"verify", machine, turns, log});
+  EXPECT_EQ(rotary.code, 2);
+  EXPECT_THAT(rotary.err, HasSubstr("a rotary axis, but axis x of"));
+  const Said other = command({"verify", machine, axis, log, "--axis", "y"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("expected an axis of"));
 }
 
 }  // namespace

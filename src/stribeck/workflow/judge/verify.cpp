@@ -9,6 +9,8 @@
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -43,27 +45,60 @@ T read_one(const std::string& path, const std::string& hint) {
   }
 }
 
-std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
-  std::vector<Model> models;
-  for (const std::string& path : o.axis_files) {
-    const auto file =
-        read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
-    models.push_back({path, file.axis.value_or(""), file.model});
-    const bool rotary = file.rotary.value_or(false);
-    if (models.size() > 1 && rotary != log.drive.rotary)
-      throw io::InputError({path, 0, "rotary",
-                            "one of the axis files is of a rotary axis, another is not (verify them apart)"});
-    log.drive.rotary = rotary;
-  }
-  if (log.drive.rotary && log.drive.lead.empty()) log.drive.lead = "360 deg";
-  for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});
-  return models;
-}
-
 bool same_name(const std::string& a, const std::string& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
     return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
   });
+}
+
+/// How the logs are read with the drive of their axis, as the machine file has it. The axis is that of --axis, of the axis files, or the
+/// only one in the logs.
+LogOptions read_as_axis(const VerifyOptions& o, const std::vector<Model>& models) {
+  const MachineDescription machine = read_description(o.machine);
+  LogOptions options = o.log;
+  if (options.axis.empty()) options.axis = models.front().axis;
+  for (const auto& [name, axis] : machine.axes) {
+    if (same_name(name, options.axis)) options.axis = name;
+  }
+  std::vector<std::string> names;
+  for (const LogsOfAxis& one : logs_by_axis(machine, o.logs, options)) {
+    if (one.logs.size() == o.logs.size()) {
+      names.push_back(one.axis);
+      options = one.options;
+    }
+  }
+  if (names.size() == 1) return options;
+  refuse_option("--axis", names.empty()
+                              ? fmt::format("got {}, expected an axis of {} that every log is of",
+                                            io::in_quotes(options.axis), o.machine)
+                              : fmt::format("missing: the logs are of axes {}", fmt::join(names, ", ")));
+}
+
+std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
+  std::vector<Model> models;
+  bool rotary = false;
+  for (const std::string& path : o.axis_files) {
+    const auto file =
+        read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
+    models.push_back({path, file.axis.value_or(""), file.model});
+    if (models.size() > 1 && rotary != file.rotary.value_or(false))
+      throw io::InputError({path, 0, "rotary",
+                            "one of the axis files is of a rotary axis, another is not (verify them apart)"});
+    rotary = file.rotary.value_or(false);
+  }
+  if (!o.machine.empty()) {
+    log = read_as_axis(o, models);
+    if (log.drive.rotary != rotary)
+      throw io::InputError(
+          {o.axis_files.front(), 0, "rotary",
+           fmt::format("the axis file is of {} axis, but axis {} of {} is {} (give the file of that axis)",
+                       rotary ? "a rotary" : "a linear", log.axis, o.machine,
+                       log.drive.rotary ? "rotary" : "linear")});
+  }
+  if (!o.axis_files.empty()) log.drive.rotary = rotary;
+  if (log.drive.rotary && log.drive.lead.empty()) log.drive.lead = "360 deg";
+  for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});
+  return models;
 }
 
 /// The model of one axis on the log of another.
@@ -119,13 +154,13 @@ class Verification {
     if (!o.controller.empty())
       controller_ = read_one<ident::replay::ReplayController>(o.controller,
                                                               "expected a controller, kind cascade or pd");
-    page_.axis = o.log.axis;
+    page_.axis = log_.axis;
     page_.limits = o.limits;
   }
 
   VerifyReportInput run() {
     for (std::size_t i = 0; i < o_.logs.size(); ++i)
-      add_log(o_.logs[i], o_.read.empty() ? read_log(o_.logs[i], o_.log) : o_.read[i]);
+      add_log(o_.logs[i], o_.read.empty() ? read_log(o_.logs[i], log_) : o_.read[i]);
     if (page_.parts.empty())
       throw ident::Refused(why_.empty() ? o_.logs.front() + ": no part can be replayed" : why_);
     return std::move(page_);
@@ -135,7 +170,7 @@ class Verification {
   void add_log(const std::string& name, const io::Log& log) {
     page_.source += (page_.source.empty() ? "" : ", ") + name;
     page_.warnings.insert(page_.warnings.end(), log.notes.begin(), log.notes.end());
-    compare_axes(models_, log, o_.log.axis, page_.warnings);
+    compare_axes(models_, log, log_.axis, page_.warnings);
     const ident::log::Conditioned clean = condition_log(log, log_, &page_.warnings);
     for (const ident::log::Finding& f : clean.findings) page_.warnings.push_back(f.text);
     const bool alone = o_.logs.size() == 1 && clean.records.size() == 1;
@@ -153,9 +188,11 @@ class Verification {
 
   void add_part(const ident::log::Record& record) {
     if (record.force_unit != "N" || record.position_unit != "m") {
-      refuse_option("--gain",
-                    fmt::format("missing: an axis file holds newtons and metres, the log has {} and {}",
-                                record.force_unit, record.position_unit));
+      refuse_option(
+          "--gain",
+          fmt::format(
+              "missing: an axis file holds newtons and metres, the log has {} and {} (or give the machine file, which knows the drive, before the axis file)",
+              record.force_unit, record.position_unit));
     }
     report::VerifiedPart part;
     ident::replay::ReplayOptions closed;

@@ -7,7 +7,8 @@
 ///
 /// Each log is read and cleaned as for an identification. On each of its parts every model is scored by the error of
 /// its force (ident/replay/model_force.hpp) and replayed in open loop and, with a controller, in closed loop. A shift
-/// of the force that the log shows is taken out before; so are rows in which something was added to the command.
+/// of the force that the log shows is taken out before; so are rows in which something was added to the command. With a
+/// machine file, logs in volts, amperes, percent or turns are scaled with the drive of their axis.
 ///
 /// Real time: no.
 /// Errors: InputError for files and options, ident::Refused where no part can be replayed.
@@ -22,6 +23,7 @@
 namespace stribeck::workflow {
 
 struct VerifyOptions {
+  std::string machine{};  ///< file; empty: none
   std::vector<std::string> axis_files{};
   std::vector<std::string> logs{};
   LogOptions log{};
