@@ -9,6 +9,7 @@
 #include <stribeck/report/factors.hpp>
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/tune_report.hpp>
+#include <stribeck/report/run/loop_figures.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <vector>
@@ -207,13 +208,14 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
 }
 
 nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpec& spec) {
-  const auto margins = [&](const sim::LoopMargins& m) {
+  const auto margins = [&](const sim::LoopMargins& m, const sim::LoopResponse& loop) {
     return Json{{"stable", m.stable},
                 {"phase_deg", number_or_null(m.phase * kDegrees)},
                 {"gain_dB", number_or_null(decibels(m.gain))},
                 {"delay_periods", number_or_null(m.delay / result.period)},
                 {"modulus", number_or_null(m.modulus)},
-                {"crossover_rad_per_s", number_or_null(m.crossover)}};
+                {"crossover_rad_per_s", number_or_null(m.crossover)},
+                {"response", loop.omega.empty() ? Json(nullptr) : loop_json(loop, result.axes[loop.axis])}};
   };
   const auto figures = [](const std::vector<sim::TravelScore>& scores, std::size_t t) {
     if (t >= scores.size()) return Json(nullptr);
@@ -253,8 +255,8 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
                               {"start", number_or_null(g.start * factor)},
                               {"tuned", number_or_null(g.tuned * factor)}});
     }
-    one["margins"] = {{"start", margins(c.start_margins)},
-                      {"tuned", c.found() ? margins(c.tuned_margins) : Json(nullptr)}};
+    one["margins"] = {{"start", margins(c.start_margins, c.start_loop)},
+                      {"tuned", c.found() ? margins(c.tuned_margins, c.tuned_loop) : Json(nullptr)}};
     one["rows"] = Json::array();
     for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
       one["rows"].push_back({{"travel", spec.compare.travels[t].pace_in_words()},
@@ -327,6 +329,20 @@ std::vector<Plot> before_and_after(const TuneReportInput& input) {
   return plots;
 }
 
+/// The loops with the gains that each controller had (dashed) and with the tuned ones.
+std::vector<LoopCurve> loops_of(const sim::TuneResult& result) {
+  std::vector<LoopCurve> curves;
+  for (std::size_t i = 0; i < result.controllers.size(); ++i) {
+    const sim::TunedController& c = result.controllers[i];
+    const std::string color = controller_color(c.start.id, i);
+    if (!c.start_loop.omega.empty())
+      curves.push_back({"(" + c.start.id + ") own", &c.start_loop, color, true});
+    if (!c.tuned_loop.omega.empty())
+      curves.push_back({"(" + c.start.id + ") tuned", &c.tuned_loop, color, false});
+  }
+  return curves;
+}
+
 Page tune_report_page(const TuneReportInput& input) {
   const sim::TuneResult& r = input.result;
   Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
@@ -371,6 +387,14 @@ Page tune_report_page(const TuneReportInput& input) {
   }
   page.table(margins);
   page.remark("Below zero: unstable; the number is the distance to stability.");
+  if (const std::vector<LoopCurve> loops = loops_of(r); !loops.empty()) {
+    page.figures(
+        loop_plots(loops), 2,
+        "The loop L of the axis that comes nearest to instability, dashed with the own gains. Gain: the higher at low frequencies, the "
+        "smaller the error; it crosses 0 dB at the bandwidth. Phase: its distance from −180° there is the phase margin. Nyquist plane: a "
+        "good loop stays outside the circle about −1. Sensitivity: below 0 dB the loop reduces what disturbs the axis, above it "
+        "amplifies it; a peak of more than 6 dB is a loop that rings. Friction of the axis is not in these curves.");
+  }
   page.section("Gains");
   Table gains;
   gains.columns = {

@@ -4,7 +4,8 @@
 ///   json   {"schema": "stribeck.tune/1", "machine", "seed", "trials", "evaluations", "limits": {"phase_margin_deg",
 ///           "gain_margin_dB", "delay_margin_periods", "input_variation_V": [per travel], "reference"},
 ///           "controllers": [{"controller", "label", "missed": null or why, "tries", "gains": [{"name", "unit", "start", "tuned"}],
-///           "margins": {"start": {"stable", "phase_deg", "gain_dB", "delay_periods", "modulus", "crossover_rad_per_s"},
+///           "margins": {"start": {"stable", "phase_deg", "gain_dB", "delay_periods", "modulus", "crossover_rad_per_s",
+///           "response": of the loop nearest to instability (report/run/loop_figures.hpp) or null},
 ///           "tuned": the same or null}, "rows": [{"travel", "start": {"max_contour_error_um", "quadrant_glitch_um", "rms_um",
 ///           "input_variation_V", "power_W"} or null, "tuned": the same or null}]}], "warnings": of the paths}
 ///

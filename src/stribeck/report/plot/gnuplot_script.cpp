@@ -217,8 +217,9 @@ class Script {
     switch (s.style) {
       case Style::kLines:
       case Style::kSteps:
+        // gnuplot joins samples of one colour and width to one path, which then has the dashes of the first.
         line("set arrow from {} to {} nohead front lw {:.3g} dt {} lc {}", at(x, y), at(x + 24, y),
-             std::max(s.width, 1.5), dash_of(p, s), color(s.color));
+             std::max(s.width, 1.5) + (s.dashed ? 0.01 : 0.0), dash_of(p, s), color(s.color));
         break;
       case Style::kBand:
       case Style::kBars:

@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <memory>
 #include <stribeck/sim/contour_run.hpp>
+#include <stribeck/sim/study/held_drive.hpp>
 #include <stribeck/sim/study/loop_margins.hpp>
 #include <vector>
 
 namespace stribeck::sim {
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Powers of two: sums of steps and of the small error are exact, and differences of runs contain no rounding.
 constexpr double kStep = 0x1p-18;        ///< of the reference per period [m]
@@ -19,119 +17,6 @@ constexpr int kWarm = 64;                ///< periods until the effect of the st
 
 /// Amplitude of the surface at which a switching part is replaced by a straight line [m/s].
 constexpr double kSurface = 0.1e-3;
-
-// ---- the drive
-
-/// States of a drive: position, velocity, and those of the table where there is a mode.
-constexpr std::size_t kMostStates = 4;
-using Matrix = Mat<double, kMostStates + 1>;
-
-/// exp(a·t) from its series on a step that is short enough, then squared. Written by hand, as the elimination below: Eigen's exp()
-/// alone takes 4 s to compile.
-Matrix exponential(const Matrix& a, double t) {
-  double size = 0.0;
-  for (const auto& row : a.row) {
-    for (const double x : row.c) size = std::max(size, std::abs(x * t));
-  }
-  int halvings = 0;
-  while (std::ldexp(size, -halvings) > 0.1) ++halvings;
-  const double h = std::ldexp(t, -halvings);
-  Matrix sum;
-  Matrix term;
-  for (std::size_t i = 0; i <= kMostStates; ++i) sum[i][i] = term[i][i] = 1.0;
-  for (int n = 1; n <= 12; ++n) {
-    term = term * a;
-    for (auto& row : term.row) row = (h / n) * row;
-    for (std::size_t i = 0; i <= kMostStates; ++i) sum[i] = sum[i] + term[i];
-  }
-  for (int i = 0; i < halvings; ++i) sum = sum * sum;
-  return sum;
-}
-
-/// x(k+1) = A x(k) + b_new u(k−w) + b_old u(k−w−1); the encoder sees the drive side.
-class HeldDrive {
- public:
-  HeldDrive(double mass, double period, double delay, const std::optional<plant::AxialMode>& mode)
-      : period_(period) {
-    Matrix a;
-    a[0][1] = 1.0;
-    double driven = mass;
-    if (mode) {
-      states_ = 4;
-      const double table = mode->table_share * mass;
-      driven = mass - table;
-      const double omega = 2.0 * kPi * mode->frequency;
-      const double spring = table * omega * omega;
-      const double damper = 2.0 * mode->damping_ratio * omega * table;
-      a[1] = {{-spring / driven, -damper / driven, spring / driven, damper / driven, 0.0}};
-      a[2][3] = 1.0;
-      a[3] = {{spring / table, damper / table, -spring / table, -damper / table, 0.0}};
-    }
-    a[1][kMostStates] = 1.0 / driven;
-    const double periods = delay / period;
-    whole_ = static_cast<std::size_t>(periods);
-    const double rest = periods - static_cast<double>(whole_);
-    const Matrix all = exponential(a, period);
-    const Matrix late = exponential(a, (1.0 - rest) * period);
-    for (std::size_t i = 0; i < kMostStates; ++i) {
-      for (std::size_t j = 0; j < kMostStates; ++j) a_[i][j] = all[i][j];
-      new_[i] = late[i][kMostStates];
-      old_[i] = all[i][kMostStates] - late[i][kMostStates];
-    }
-    past_.assign(whole_ + 2, 0.0);
-  }
-
-  /// Position for a unit force [m/N].
-  [[nodiscard]] Complex at(double omega) const {
-    const Complex z = std::polar(1.0, omega * period_);
-    std::array<std::array<Complex, kMostStates + 1>, kMostStates> m{};
-    for (std::size_t i = 0; i < states_; ++i) {
-      for (std::size_t j = 0; j < states_; ++j) m[i][j] = (i == j ? z : 0.0) - a_[i][j];
-      m[i][states_] = new_[i] + old_[i] / z;
-    }
-    // Gauss elimination with pivots, down to the first unknown, which is eliminated last.
-    for (std::size_t c = states_; c-- > 0;) {
-      std::size_t best = c;
-      for (std::size_t r = 0; r < c; ++r) {
-        if (std::abs(m[r][c]) > std::abs(m[best][c])) best = r;
-      }
-      std::swap(m[c], m[best]);
-      for (std::size_t r = 0; r < c; ++r) {
-        const Complex f = m[r][c] / m[c][c];
-        for (std::size_t k = 0; k <= states_; ++k) m[r][k] -= f * m[c][k];
-      }
-    }
-    return m[0][states_] / m[0][0] * std::polar(1.0, -omega * period_ * static_cast<double>(whole_));
-  }
-
-  void start(double position) {
-    x_ = {};
-    x_[0] = position;
-    if (states_ > 2) x_[2] = position;
-    std::fill(past_.begin(), past_.end(), 0.0);
-  }
-  void step(double force) {
-    std::rotate(past_.begin(), past_.end() - 1, past_.end());
-    past_[0] = force;
-    std::array<double, kMostStates> next{};
-    for (std::size_t i = 0; i < states_; ++i) {
-      next[i] = new_[i] * past_[whole_] + old_[i] * past_[whole_ + 1];
-      for (std::size_t j = 0; j < states_; ++j) next[i] += a_[i][j] * x_[j];
-    }
-    x_ = next;
-  }
-  [[nodiscard]] double position() const { return x_[0]; }
-
- private:
-  double period_;
-  std::size_t states_ = 2;
-  std::size_t whole_ = 0;
-  std::array<std::array<double, kMostStates>, kMostStates> a_{};
-  std::array<double, kMostStates> new_{};
-  std::array<double, kMostStates> old_{};
-  std::array<double, kMostStates> x_{};
-  std::vector<double> past_;
-};
 
 // ---- the law
 
@@ -402,9 +287,12 @@ control::LawParams linear_part(const control::LawParams& law) {
   return linear;
 }
 
-template <std::size_t N>
-LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>& setup,
-                         const DeclaredModes<N>& modes) {
+namespace {
+
+/// Calls see(response, line, drives, period) for every different response that the law has along the axes.
+template <std::size_t N, class See>
+void for_each_response(const control::LawParams& law, const control::Setup<N>& setup,
+                       const DeclaredModes<N>& modes, See see) {
   control::Setup<N> free = setup;
   free.force_limit = control::spread<N>({}, std::numeric_limits<double>::infinity());
   for (auto& c : free.compensation) {
@@ -416,8 +304,6 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
         HeldDrive(free.compensation[I].model.mass, free.period, free.compensation[I].delay, modes[I])...};
   }
   (std::make_index_sequence<N>());
-  LoopMargins m;
-  m.stable = true;
   const AnyController<N> controller = make_controller<N>(linear_part(law), free);
   std::vector<Response<N>> seen;
   for (std::size_t tangent = 0; tangent < N; ++tangent) {
@@ -429,13 +315,26 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
           "the response of the law to a small error neither decays nor becomes a straight line: it has no margins");
     }
     if (std::find(seen.begin(), seen.end(), response) != seen.end()) continue;
-    for (std::size_t i = 0; i < N; ++i) {
-      judge([&](double omega) { return loop_at<N>(response, drives, i, omega, free.period); }, free.period, i,
-            m);
-    }
-    m.stable = m.stable && line.dies_out(drives);
+    see(response, line, drives);
     seen.push_back(std::move(response));
   }
+}
+
+}  // namespace
+
+template <std::size_t N>
+LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>& setup,
+                         const DeclaredModes<N>& modes) {
+  LoopMargins m;
+  m.stable = true;
+  const double period = setup.period;
+  for_each_response<N>(
+      law, setup, modes, [&](const Response<N>& response, Line<N>& line, std::array<HeldDrive, N>& drives) {
+        for (std::size_t i = 0; i < N; ++i) {
+          judge([&](double omega) { return loop_at<N>(response, drives, i, omega, period); }, period, i, m);
+        }
+        m.stable = m.stable && line.dies_out(drives);
+      });
   m.gain = std::min(m.gain_up, m.gain_down);
   if (!m.stable) {
     m.phase = -m.phase;
@@ -445,9 +344,37 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
   return m;
 }
 
-#define STRIBECK_INSTANTIATE(N)                                                             \
-  template LoopMargins loop_margins<N>(const control::LawParams&, const control::Setup<N>&, \
-                                       const DeclaredModes<N>&);
+template <std::size_t N>
+LoopResponse loop_response(const control::LawParams& law, const control::Setup<N>& setup,
+                           const DeclaredModes<N>& modes) {
+  constexpr int kPerDecade = 60;
+  constexpr int kPoints = 7 * kPerDecade / 2 + 1;  // three and a half decades
+  const double period = setup.period;
+  LoopResponse worst;
+  double least = std::numeric_limits<double>::infinity();
+  const auto see = [&](const Response<N>& response, Line<N>&, const std::array<HeldDrive, N>& drives) {
+    for (std::size_t i = 0; i < N; ++i) {
+      LoopResponse one;
+      one.axis = i;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int k = 1; k <= kPoints; ++k) {
+        const double omega = kPi / period * std::pow(10.0, static_cast<double>(k - kPoints) / kPerDecade);
+        one.omega.push_back(omega);
+        one.loop.push_back(loop_at<N>(response, drives, i, omega, period));
+        nearest = std::min(nearest, std::abs(1.0 + one.loop.back()));
+      }
+      if (nearest < least) least = nearest, worst = std::move(one);
+    }
+  };
+  for_each_response<N>(law, setup, modes, see);
+  return worst;
+}
+
+#define STRIBECK_INSTANTIATE(N)                                                               \
+  template LoopMargins loop_margins<N>(const control::LawParams&, const control::Setup<N>&,   \
+                                       const DeclaredModes<N>&);                              \
+  template LoopResponse loop_response<N>(const control::LawParams&, const control::Setup<N>&, \
+                                         const DeclaredModes<N>&);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)
 STRIBECK_INSTANTIATE(3)

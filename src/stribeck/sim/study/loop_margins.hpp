@@ -19,10 +19,12 @@
 /// Real time: no. Errors: Refused where a law has no linear part or does not settle.
 
 #include <array>
+#include <complex>
 #include <limits>
 #include <optional>
 #include <stribeck/control/laws.hpp>
 #include <stribeck/plant/params.hpp>
+#include <vector>
 
 namespace stribeck::sim {
 
@@ -48,6 +50,18 @@ using DeclaredModes = std::array<std::optional<plant::AxialMode>, N>;
 template <std::size_t N>
 LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>& setup,
                          const DeclaredModes<N>& modes = {});
+
+/// The loop of one axis over frequency. Closed: L/(1 + L); what remains of a disturbance of the position: 1/(1 + L).
+struct LoopResponse {
+  std::size_t axis = 0;
+  std::vector<double> omega;               ///< [rad/s] in equal ratios, up to half the sampling frequency
+  std::vector<std::complex<double>> loop;  ///< L
+};
+
+/// Of all axes and tangents that loop_margins() looks at, the loop that comes nearest to −1.
+template <std::size_t N>
+LoopResponse loop_response(const control::LawParams& law, const control::Setup<N>& setup,
+                           const DeclaredModes<N>& modes = {});
 
 /// The law with a straight line in place of sgn in its switching part, at the amplitude above.
 control::LawParams linear_part(const control::LawParams& law);

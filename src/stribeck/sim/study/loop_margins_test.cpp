@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stribeck/control/sampled_loop.hpp>
 #include <stribeck/control/test_axes.hpp>
 #include <stribeck/sim/contour_run.hpp>
@@ -72,6 +74,29 @@ TEST(LoopMargins, AgreeWithOtherHands) {
   EXPECT_NEAR(soft.phase * kDegrees, -0.75520503, 1e-4);
   EXPECT_NEAR(soft.gain, 0.98735463, 1e-6);
   EXPECT_EQ(soft.delay, 0.0);
+}
+
+// The margins above, from another program, found again in the curve.
+TEST(LoopMargins, TheResponseHasThem) {
+  const auto law = ContouringParams::critical(40.0, 40.0);
+  const LoopResponse r = loop_response<2>(law, table());
+  ASSERT_EQ(r.omega.size(), r.loop.size());
+  EXPECT_NEAR(r.omega.back(), kPi / kPeriod, 1e-9);
+  EXPECT_LT(r.omega.front(), 1e-3 * r.omega.back());
+  double nearest = 1e300;
+  for (std::size_t k = 1; k < r.loop.size(); ++k) {
+    nearest = std::min(nearest, std::abs(1.0 + r.loop[k]));
+    const double before = std::log(std::abs(r.loop[k - 1])), now = std::log(std::abs(r.loop[k]));
+    if (before < 0.0 || now >= 0.0) continue;
+    const double share = before / (before - now);
+    const double phase = std::arg(-r.loop[k - 1]) + share * (std::arg(-r.loop[k]) - std::arg(-r.loop[k - 1]));
+    EXPECT_NEAR(phase * kDegrees, 53.23921113, 0.05);
+  }
+  EXPECT_NEAR(nearest, 0.675145, 1e-3);
+  // Of axes that differ it is the loop nearest to instability: the one with a mode.
+  const plant::AxialMode mode{60.0, 0.05, 0.4};
+  EXPECT_EQ((loop_response<2>(law, table(), {std::nullopt, mode}).axis), 1u);
+  EXPECT_EQ((loop_response<2>(law, table(), {mode, std::nullopt}).axis), 0u);
 }
 
 TEST(LoopMargins, KnowThatSixtyAndSeventyAreUnstableWithOneMorePeriod) {

@@ -100,7 +100,9 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
     Task<N> task(machine, knowledge, spec, axes, routes, drives);
     try {
       out.start_margins = task.margins(controllers[i]);
+      out.start_loop = task.response(controllers[i]);
       Search<N>(task, controllers[i], search, check, spec.evaluations, counted).run(out);
+      if (out.found()) out.tuned_loop = task.response(out.tuned);
     } catch (const Refused& e) {
       out.refused = e.what();
       out.tuned = controllers[i];
@@ -144,6 +146,7 @@ TuneResult tune(const Machine& machine, const std::vector<AxisKnowledge>& knowle
   result.machine = machine.name;
   result.period = machine.sample_time;
   const std::vector<std::size_t> axes = chosen_axes(machine, spec.compare);
+  for (const std::size_t i : axes) result.axes.push_back(machine.axes[i].first);
   const bool known =
       with_axes(axes.size(), [&](auto n) { tune_axes<n>(machine, knowledge, spec, axes, result, progress); });
   if (!known) throw Refused("paths have 1, 2, 3 or 5 axes");

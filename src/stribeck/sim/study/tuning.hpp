@@ -81,6 +81,8 @@ struct TunedController {
   std::string refused;           ///< why there is no result; empty: there is one
   LoopMargins start_margins;
   LoopMargins tuned_margins;        ///< where found()
+  LoopResponse start_loop;          ///< empty where the law has none
+  LoopResponse tuned_loop;          ///< where found()
   std::vector<TravelScore> before;  ///< per travel; empty where the start cannot be run
   std::vector<TravelScore> after;   ///< per travel; empty where no gains meet the limits
   std::string before_refused;       ///< why the start cannot be run
@@ -93,6 +95,7 @@ struct TunedController {
 struct TuneResult {
   std::string machine;
   double period = 0.0;                  ///< [s]
+  std::vector<std::string> axes;        ///< names
   std::vector<double> variation_limit;  ///< per travel [V]
   std::string reference;  ///< id of the controller whose variation is the limit; empty: a number was given
   std::vector<TunedController> controllers;

@@ -58,6 +58,10 @@ class Task {
     return loop_margins<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
   }
 
+  [[nodiscard]] LoopResponse response(const ControllerSpec& c) const {
+    return loop_response<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
+  }
+
   void choose_substeps(const ControllerSpec& c) {
     substeps_.clear();
     for (const auto& route : routes_) {
