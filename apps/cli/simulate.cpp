@@ -17,7 +17,6 @@
 #include <stribeck/sim/experiments.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
-#include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/path/part_program.hpp>

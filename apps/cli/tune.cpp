@@ -86,6 +86,9 @@ void add_tune(CLI::App& app, Action& action) {
           "--axial-mode", o->what.axial_mode,
           "Frequency of a first axial mode of every axis, with which the loop must be stable; left out: rigid axes")
       ->type_name("FREQUENCY");
+  verb->add_flag(
+      "--stick-slip", o->what.stick_slip,
+      "Look for the slowest speed that every axis keeps without stick-slip, by describing function and by simulation");
   verb->add_option("--evaluations", o->what.evaluations, "Number of sets of gains to try for each controller")
       ->check(whole_from(10, 100000))
       ->capture_default_str();

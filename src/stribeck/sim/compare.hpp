@@ -119,6 +119,13 @@ struct AxisKnowledge {
   /// The model that a controller with this use gets; for kNone, mass and load of the best model. Throws Refused when there is no
   /// such model, naming the axis.
   [[nodiscard]] friction::AxisModel model(FrictionUse use, const std::string& axis) const;
+  /// The model that says most; null where there is none.
+  [[nodiscard]] const friction::AxisModel* best() const {
+    for (const auto* m : {&whole, &gaussian, &eccentric, &conventional}) {
+      if (*m) return &**m;
+    }
+    return nullptr;
+  }
 };
 
 struct CompareSpec {

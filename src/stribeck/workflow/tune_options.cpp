@@ -37,6 +37,7 @@ sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters
     s.limits.axial_mode.assign(control::kMostAxes, mode);
   }
   s.evaluations = o.evaluations;
+  s.stick_slip = o.stick_slip;
   return s;
 }
 

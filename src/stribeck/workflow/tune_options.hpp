@@ -26,6 +26,7 @@ struct TuneOptions {
   std::string input_variation;  ///< largest mean |Δu|; empty: that of the thesis's last controller
   std::string axial_mode;       ///< frequency; empty: rigid
   int evaluations = 300;
+  bool stick_slip = false;  ///< look for the slowest smooth speed of every axis
 };
 
 /// Controllers, travels and limits of the search.

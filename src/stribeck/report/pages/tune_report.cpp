@@ -10,6 +10,7 @@
 #include <stribeck/report/html.hpp>
 #include <stribeck/report/pages/tune_report.hpp>
 #include <stribeck/report/run/loop_figures.hpp>
+#include <stribeck/report/run/smooth_speeds.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
 #include <vector>
@@ -180,6 +181,7 @@ std::string text_table(const sim::TuneResult& result, const sim::TuneSpec& spec)
     out += fmt::format("\n{}, at its own gains → tuned\n", spec.compare.travels[t].pace_in_words()) +
            lay_out(columns);
   }
+  out += smooth_speed_text(result);
   TextColumn id{"", "", {}, false};
   id.least = kLongestId;
   TextColumn name{"gain", "", {}, false};
@@ -257,6 +259,10 @@ nlohmann::ordered_json to_json(const sim::TuneResult& result, const sim::TuneSpe
     }
     one["margins"] = {{"start", margins(c.start_margins, c.start_loop)},
                       {"tuned", c.found() ? margins(c.tuned_margins, c.tuned_loop) : Json(nullptr)}};
+    if (spec.stick_slip) {
+      one["slowest_smooth_speed"] = {{"start", smooth_speed_json(c.start_smooth, result.axes)},
+                                     {"tuned", smooth_speed_json(c.tuned_smooth, result.axes)}};
+    }
     one["rows"] = Json::array();
     for (std::size_t t = 0; t < spec.compare.travels.size(); ++t) {
       one["rows"].push_back({{"travel", spec.compare.travels[t].pace_in_words()},
@@ -343,6 +349,17 @@ std::vector<LoopCurve> loops_of(const sim::TuneResult& result) {
   return curves;
 }
 
+void add_loops(Page& page, const sim::TuneResult& r) {
+  const std::vector<LoopCurve> loops = loops_of(r);
+  if (loops.empty()) return;
+  page.figures(
+      loop_plots(loops), 2,
+      "The loop L of the axis that comes nearest to instability, dashed with the own gains. Gain: the higher at low frequencies, the "
+      "smaller the error; it crosses 0 dB at the bandwidth. Phase: its distance from −180° there is the phase margin. Nyquist plane: a "
+      "good loop stays outside the circle about −1. Sensitivity: below 0 dB the loop reduces what disturbs the axis, above it "
+      "amplifies it; a peak of more than 6 dB is a loop that rings. Friction of the axis is not in these curves.");
+}
+
 Page tune_report_page(const TuneReportInput& input) {
   const sim::TuneResult& r = input.result;
   Page page("Tuned controllers: " + r.machine, "stribeck " + input.version);
@@ -387,14 +404,8 @@ Page tune_report_page(const TuneReportInput& input) {
   }
   page.table(margins);
   page.remark("Below zero: unstable; the number is the distance to stability.");
-  if (const std::vector<LoopCurve> loops = loops_of(r); !loops.empty()) {
-    page.figures(
-        loop_plots(loops), 2,
-        "The loop L of the axis that comes nearest to instability, dashed with the own gains. Gain: the higher at low frequencies, the "
-        "smaller the error; it crosses 0 dB at the bandwidth. Phase: its distance from −180° there is the phase margin. Nyquist plane: a "
-        "good loop stays outside the circle about −1. Sensitivity: below 0 dB the loop reduces what disturbs the axis, above it "
-        "amplifies it; a peak of more than 6 dB is a loop that rings. Friction of the axis is not in these curves.");
-  }
+  add_loops(page, r);
+  add_smooth_speeds(page, r);
   page.section("Gains");
   Table gains;
   gains.columns = {

@@ -345,36 +345,34 @@ LoopMargins loop_margins(const control::LawParams& law, const control::Setup<N>&
 }
 
 template <std::size_t N>
-LoopResponse loop_response(const control::LawParams& law, const control::Setup<N>& setup,
-                           const DeclaredModes<N>& modes) {
+std::array<LoopResponse, N> loop_responses(const control::LawParams& law, const control::Setup<N>& setup,
+                                           const DeclaredModes<N>& modes) {
   constexpr int kPerDecade = 60;
   constexpr int kPoints = 7 * kPerDecade / 2 + 1;  // three and a half decades
   const double period = setup.period;
-  LoopResponse worst;
-  double least = std::numeric_limits<double>::infinity();
+  std::array<LoopResponse, N> worst;
   const auto see = [&](const Response<N>& response, Line<N>&, const std::array<HeldDrive, N>& drives) {
     for (std::size_t i = 0; i < N; ++i) {
       LoopResponse one;
       one.axis = i;
-      double nearest = std::numeric_limits<double>::infinity();
       for (int k = 1; k <= kPoints; ++k) {
         const double omega = kPi / period * std::pow(10.0, static_cast<double>(k - kPoints) / kPerDecade);
         one.omega.push_back(omega);
         one.loop.push_back(loop_at<N>(response, drives, i, omega, period));
-        nearest = std::min(nearest, std::abs(1.0 + one.loop.back()));
+        one.nearest = std::min(one.nearest, std::abs(1.0 + one.loop.back()));
       }
-      if (nearest < least) least = nearest, worst = std::move(one);
+      if (one.nearest < worst[i].nearest) worst[i] = std::move(one);
     }
   };
   for_each_response<N>(law, setup, modes, see);
   return worst;
 }
 
-#define STRIBECK_INSTANTIATE(N)                                                               \
-  template LoopMargins loop_margins<N>(const control::LawParams&, const control::Setup<N>&,   \
-                                       const DeclaredModes<N>&);                              \
-  template LoopResponse loop_response<N>(const control::LawParams&, const control::Setup<N>&, \
-                                         const DeclaredModes<N>&);
+#define STRIBECK_INSTANTIATE(N)                                                             \
+  template LoopMargins loop_margins<N>(const control::LawParams&, const control::Setup<N>&, \
+                                       const DeclaredModes<N>&);                            \
+  template std::array<LoopResponse, N> loop_responses<N>(const control::LawParams&,         \
+                                                         const control::Setup<N>&, const DeclaredModes<N>&);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)
 STRIBECK_INSTANTIATE(3)

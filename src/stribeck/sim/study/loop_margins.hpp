@@ -56,12 +56,13 @@ struct LoopResponse {
   std::size_t axis = 0;
   std::vector<double> omega;               ///< [rad/s] in equal ratios, up to half the sampling frequency
   std::vector<std::complex<double>> loop;  ///< L
+  double nearest = std::numeric_limits<double>::infinity();  ///< least |1 + L| of these
 };
 
-/// Of all axes and tangents that loop_margins() looks at, the loop that comes nearest to −1.
+/// Of every axis the loop, of those with the tangents that loop_margins() looks at, that comes nearest to −1.
 template <std::size_t N>
-LoopResponse loop_response(const control::LawParams& law, const control::Setup<N>& setup,
-                           const DeclaredModes<N>& modes = {});
+std::array<LoopResponse, N> loop_responses(const control::LawParams& law, const control::Setup<N>& setup,
+                                           const DeclaredModes<N>& modes = {});
 
 /// The law with a straight line in place of sgn in its switching part, at the amplitude above.
 control::LawParams linear_part(const control::LawParams& law);

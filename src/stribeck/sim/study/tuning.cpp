@@ -103,6 +103,10 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
       out.start_loop = task.response(controllers[i]);
       Search<N>(task, controllers[i], search, check, spec.evaluations, counted).run(out);
       if (out.found()) out.tuned_loop = task.response(out.tuned);
+      if (spec.stick_slip) {
+        out.start_smooth = task.smooth_speeds(out.start);
+        if (out.found()) out.tuned_smooth = task.smooth_speeds(out.tuned);
+      }
     } catch (const Refused& e) {
       out.refused = e.what();
       out.tuned = controllers[i];

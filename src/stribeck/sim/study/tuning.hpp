@@ -21,6 +21,7 @@
 
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/study/loop_margins.hpp>
+#include <stribeck/sim/study/stick_slip.hpp>
 
 namespace stribeck::sim {
 
@@ -46,6 +47,7 @@ struct TuneSpec {
   TuneLimits limits;
   int evaluations = 300;            ///< of J, for each controller
   std::uint32_t search_trials = 2;  ///< of each evaluation
+  bool stick_slip = false;          ///< look for the slowest smooth speeds too
 };
 
 struct TunedGain {
@@ -80,14 +82,16 @@ struct TunedController {
   std::optional<Miss> miss;      ///< no gains meet the limits
   std::string refused;           ///< why there is no result; empty: there is one
   LoopMargins start_margins;
-  LoopMargins tuned_margins;        ///< where found()
-  LoopResponse start_loop;          ///< empty where the law has none
-  LoopResponse tuned_loop;          ///< where found()
-  std::vector<TravelScore> before;  ///< per travel; empty where the start cannot be run
-  std::vector<TravelScore> after;   ///< per travel; empty where no gains meet the limits
-  std::string before_refused;       ///< why the start cannot be run
-  int evaluations = 0;              ///< of J
-  int tries = 0;                    ///< gains that were tried, by their margins or by a run
+  LoopMargins tuned_margins;              ///< where found()
+  LoopResponse start_loop;                ///< empty where the law has none
+  LoopResponse tuned_loop;                ///< where found()
+  std::vector<SmoothSpeed> start_smooth;  ///< per axis; empty: not looked for, or the loop is not stable
+  std::vector<SmoothSpeed> tuned_smooth;  ///< the same where found()
+  std::vector<TravelScore> before;        ///< per travel; empty where the start cannot be run
+  std::vector<TravelScore> after;         ///< per travel; empty where no gains meet the limits
+  std::string before_refused;             ///< why the start cannot be run
+  int evaluations = 0;                    ///< of J
+  int tries = 0;                          ///< gains that were tried, by their margins or by a run
 
   [[nodiscard]] bool found() const noexcept { return !miss && refused.empty(); }
 };

@@ -58,8 +58,33 @@ class Task {
     return loop_margins<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
   }
 
+  /// The loop of the axis that comes nearest to instability.
   [[nodiscard]] LoopResponse response(const ControllerSpec& c) const {
-    return loop_response<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
+    auto all = loop_responses<N>(c.law, make_setup<N>(machine_, knowledge_, axes_, c), modes_);
+    return *std::min_element(all.begin(), all.end(), [](const LoopResponse& a, const LoopResponse& b) {
+      return a.nearest < b.nearest;
+    });
+  }
+
+  /// Of every axis; empty where the loop is not stable.
+  [[nodiscard]] std::vector<SmoothSpeed> smooth_speeds(const ControllerSpec& c) {
+    const auto setup = make_setup<N>(machine_, knowledge_, axes_, c);
+    if (!loop_margins<N>(c.law, setup, modes_).stable) return {};
+    const auto loops = loop_responses<N>(c.law, setup, modes_);
+    const AnyController<N> controller = make_controller<N>(c.law, setup);
+    std::vector<SmoothSpeed> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      const double fastest = machine_.axes[axes_[i]].second.limits.speed;
+      SmoothSpeed one;
+      if (const friction::AxisModel* model = knowledge_[axes_[i]].best()) {
+        one.predicted = slowest_smooth(
+            fastest, [&](double v) { return !oscillates(loops[i], model->mass, model->friction, v); });
+      }
+      one.simulated = slowest_smooth(
+          fastest, [&](double v) { return !sticks<N>(drives_, controller, *routes_.front(), i, v); });
+      out.push_back(one);
+    }
+    return out;
   }
 
   void choose_substeps(const ControllerSpec& c) {
