@@ -49,8 +49,9 @@ inline constexpr int kLookedPerDecade = 8;
 template <class Smooth>
 std::optional<double> slowest_smooth(double fastest, Smooth smooth) {
   std::optional<double> slowest;
-  const double ratio = std::pow(10.0, 1.0 / kLookedPerDecade);
-  for (double v = std::fmin(fastest, kFastestLooked); v >= 0.999 * kSlowestLooked; v /= ratio) {
+  const double decades = std::log10(std::fmin(fastest, kFastestLooked) / kSlowestLooked);
+  for (int k = static_cast<int>(std::floor(decades * kLookedPerDecade + 1e-9)); k >= 0; --k) {
+    const double v = kSlowestLooked * std::pow(10.0, static_cast<double>(k) / kLookedPerDecade);
     if (!smooth(v)) break;
     slowest = v;
   }

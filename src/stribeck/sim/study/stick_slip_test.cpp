@@ -103,6 +103,15 @@ TEST(StickSlip, PredictionAndSimulationAgree) {
   }
 }
 
+TEST(StickSlip, TheSpeedsEndAtTheSlowestOne) {
+  const auto always = [](double) { return true; };
+  // 13.3 mm/s: the limit of an axis is no round number.
+  for (const double fastest : {13.3e-3, 20e-3, 1.0})
+    EXPECT_DOUBLE_EQ(slowest_smooth(fastest, always).value_or(0.0), kSlowestLooked) << fastest;
+  EXPECT_FALSE(slowest_smooth(13.3e-3, [](double) { return false; }));
+  EXPECT_NEAR(slowest_smooth(1.0, [](double v) { return v > 1e-3; }).value_or(0.0), 1.12e-3, 0.02e-3);
+}
+
 // Coulomb and viscous friction do not fall: nothing drives an oscillation.
 TEST(StickSlip, WithoutAFallingCurveThereIsNone) {
   Table table(friction_of(false));
