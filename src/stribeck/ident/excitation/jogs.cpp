@@ -133,9 +133,9 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   stamp(e, e.r.size());
   check_positions(e, limits);
   e.says = fmt::format(
-      "jog: {:.1f} s, {} speeds in both directions, up to {} mm/s. Determines friction at these speeds, "
+      "jog: {:.1f} s, {} speed{} in both directions, up to {} mm/s. Determines friction at these speeds, "
       "the slowest included; says nothing about the mass.",
-      e.t.back(), design.speeds.size(),
+      e.t.back(), design.speeds.size(), design.speeds.size() == 1 ? "" : "s",
       digits(1e3 * *std::max_element(design.speeds.begin(), design.speeds.end())));
   if (design.period > 0.0) {
     e.says += fmt::format(" At {} of them the travel is a whole number of turns of {:g} mm.", whole_strokes,
