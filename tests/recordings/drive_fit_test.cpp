@@ -184,9 +184,9 @@ TEST(DriveFit, FindsInEmpsWhatTheDataHold) {
     EXPECT_NEAR(100.0 * replay.force_relative, force_percent, 0.15);
     EXPECT_NEAR(1e6 * replay.position_rms, position_um, 0.06);
   };
-  expect_replay(2.263, 0.747);
+  expect_replay(2.121, 0.696);
   model.friction.dynamics = friction::Static{};
-  expect_replay(2.339, 0.776);
+  expect_replay(2.234, 0.736);
 }
 
 /// What the verb writes for programs.
