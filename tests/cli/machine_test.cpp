@@ -203,6 +203,12 @@ TEST(OwnMachine, IsSimulatedAsItsIdentifiedModel) {
   const Said other = command({"compare", machine, "--axis-file", "x=" + turning, "--only", "a"});
   EXPECT_EQ(other.code, 2);
   EXPECT_THAT(other.err, HasSubstr("the file is of a rotary axis, but axis x of"));
+  std::string strong = kSlideModel;
+  strong.replace(strong.find("50 N"), 4, "500 N");
+  const Said stuck =
+      command({"compare", machine, "--axis-file", "x=" + f.write("strong.toml", strong), "--only", "a"});
+  EXPECT_EQ(stuck.code, 2);
+  EXPECT_THAT(stuck.err, HasSubstr("need more than the 200 N of the drive"));
   std::string late = kSlideModel;
   late.replace(late.find("3 ms"), 4, "30 ms");
   const Said delayed =

@@ -11,9 +11,10 @@ namespace stribeck::workflow {
 namespace {
 
 constexpr double kSlow = 1e-3;              // [m/s]: where the level of friction counts for its build-up
-constexpr double kPreSlidingDamping = 1.0;  // ratio, of the mass on the bristles
+constexpr double kPreSlidingDamping = 0.1;  // ratio, of the mass on the bristles
+constexpr double kFaded = 1e-4;             // [m/s]: where that damping has faded
 constexpr double kDrive = 10.0;             // [V] at the largest force
-constexpr double kWindUpDamping = 0.1;      // ratio
+constexpr double kWindUpDamping = 0.15;     // ratio
 constexpr double kStiffDrive = 100.0;       // [Hz]: of the table where only the backlash is known
 constexpr int kMostDelay = 8;               // [control periods]
 
@@ -24,7 +25,7 @@ friction::LuGre<double> usual_bristles(const friction::AxisModel& model) {
   friction::LuGre<double> bristles;
   bristles.sigma0 = level / kBreakAway;
   bristles.sigma1 = 2.0 * kPreSlidingDamping * std::sqrt(bristles.sigma0 * model.mass);
-  bristles.damping_velocity = kSlow;
+  bristles.damping_velocity = kFaded;
   return bristles;
 }
 
@@ -39,7 +40,8 @@ std::optional<plant::LostMotion> lost_motion(const sim::AxisFile& file) {
   const double rate = 2.0 * kPi * kStiffDrive;
   lost.stiffness = known.stiffness.value_or(lost.table_share * file.model.mass * rate * rate);
   const double level = file.model.friction.parts(kSlow, 0.0).level;
-  lost.table_friction = level > 0.0 ? std::clamp(known.table_friction / level, 0.0, 1.0) : 0.0;
+  if (known.table_friction > 0.0 && level > 0.0)
+    lost.table_friction = std::min(known.table_friction / level, 1.0);
   return lost;
 }
 
@@ -54,6 +56,15 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
         {machine_file, 0, fmt::format("axes.{}.commissioning.encoder_resolution", name),
          "missing, expected the step of the encoder, with which the axis is simulated (write "
          "encoder_resolution = \"1 um\", with your value)"});
+  }
+  const double friction = file.model.friction.parts(kSlow, 0.0).level;
+  if (!(friction + std::abs(file.model.load) < plate.force)) {
+    throw io::InputError(
+        {axis_file, 0, "friction",
+         fmt::format(
+             "friction of {:.4g} N and a load of {:.4g} N need more than the {:.4g} N of the drive in {} (check the scale of "
+             "the log, --gain, and the data of the drive)",
+             friction, std::abs(file.model.load), plate.force, machine_file)});
   }
   plant::AxisParams truth;
   truth.mass = file.model.mass;
