@@ -55,7 +55,8 @@ struct BristleFit {
   Interval break_away_interval;
   double mass = 0.0;  ///< after the fit [kg]
   Interval mass_interval;
-  double load = 0.0;                             ///< after the fit [N]
+  double load = 0.0;  ///< after the fit [N]
+  Interval load_interval;
   std::array<double, 2> level_factor{1.0, 1.0};  ///< forward, backward: level found over level given
   std::vector<Candidate> models;                 ///< static, LuGre, GMS over the rows after reversals
   std::size_t reversals = 0;

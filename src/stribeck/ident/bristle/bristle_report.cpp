@@ -150,6 +150,9 @@ void answer(const Given& given, const Rows& rows, const Fitted& f, std::size_t b
   const double half = f.spread.half_width(unit_vector(p.size(), f.own + kMass, given.known->mass));
   out.mass_interval = {out.mass - half, out.mass + half};
   out.load = given.known->load + rows.setting.scales.level * p(f.own + kLoad);
+  const double load_half =
+      f.spread.half_width(unit_vector(p.size(), f.own + kLoad, rows.setting.scales.level));
+  out.load_interval = {out.load - load_half, out.load + load_half};
   out.level_factor = {1.0 + p(f.own + kForward), 1.0 + p(f.own + kBackward)};
   out.break_away = f.break_away;
   out.break_away_interval = log_interval(f.break_away, f.half);

@@ -81,9 +81,15 @@ class Description {
   void write_periodic();
   void write_curve(int s);
   [[nodiscard]] double model_spread(int s, double speed) const;
+  /// Standard error of the load where friction is what the load leaves.
+  [[nodiscard]] double load_error() const { return found_.load ? found_.load->error : 0.0; }
+  /// Standard error of a level of friction.
+  [[nodiscard]] double level_error(const Figure& figure, int s) const {
+    return std::hypot(error_of(figure, s), load_error());
+  }
   /// Standard error of the friction at a speed.
   [[nodiscard]] double curve_error(const Figure& figure, int s, double speed) const {
-    return std::hypot(error_of(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
+    return std::hypot(level_error(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
   }
   void write_points();
 
@@ -131,7 +137,7 @@ void Description::write_summary(int s) {
   const Summary summary = summary_of(map(), s, found_.rows.grid[side]);
   const std::string tail = std::string("_") + map::kSideName[side];
   const double d = map::kDirection[side];
-  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", error_of(summary.coulomb, s), true);
+  add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s), true);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s);
   const bool seen_at_rest = slow_enough(s, rises ? summary.stribeck_speed : std::nullopt);
   at_rest_seen_[side] = seen_at_rest;
@@ -231,6 +237,13 @@ void Description::note_load() {
 
 void Description::write_load() {
   const map::StaticFit& fit = map();
+  if (found_.load) {
+    add("load", fit.load, "N", "N", found_.load->error, true);
+    notes_.warn(text(
+        "the load of %.3g %s is the one with which pre-sliding is as stiff forward as backward; the two directions alone do not tell a load from friction that differs between them",
+        fit.load, result_.force_unit.c_str()));
+    return;
+  }
   if (std::abs(fit.load) > 0.0) {
     VectorXd h = found_.intervals.zero();
     h(at(0)) = 0.5;
@@ -258,7 +271,7 @@ std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<do
   branch.eta0 = d * b.eta0;
   branch.eta1 = b.eta1 / top;
   std::size_t i = map().span(static_cast<int>(s)).first;
-  add("eta0" + tail, branch.eta0, "N", "N", map_error(i), seen(i));
+  add("eta0" + tail, branch.eta0, "N", "N", std::hypot(map_error(i), load_error()), seen(i));
   add("eta1" + tail, branch.eta1, "N s/m", "N s/mm", map_error(i + 1) / top, seen(i + 1));
   i += 2;
   if (b.exponential) {

@@ -11,6 +11,12 @@
 
 namespace stribeck::ident::drive {
 
+/// A load that something else than the two directions tells (load/load_of_reversals.hpp).
+struct ToldLoad {
+  double value = 0.0;  ///< [N]
+  double error = 0.0;  ///< standard error [N]
+};
+
 /// Everything that the steps before have found.
 struct Found {
   const AlignedLog& log;
@@ -19,6 +25,8 @@ struct Found {
   const LinearFit& fit;
   const MapChoice& choice;
   const Intervals& intervals;
+  std::optional<ToldLoad> load =
+      {};  ///< absent: the load of the map is half the sum of the directions, or none
 };
 
 /// The result without its notes, and without what add_bristle() and warn_of_drift() add.
@@ -27,8 +35,11 @@ Result describe(const Found& found, const DriveFitOptions& options, Notes& notes
 /// Adds friction along the travel.
 void add_places(Result& result, const PlaceShares& along, Notes& notes);
 
-/// Adds pre-sliding from the reversals. Uses the closed-loop records where there are any: their slow reversals tell more than
-/// the ringing after a pulse.
+/// The records whose reversals tell pre-sliding: the closed-loop ones where there are any, because their slow reversals tell more than
+/// the ringing after a pulse; else all.
+std::vector<log::Record> records_of_reversals(const AlignedLog& log);
+
+/// Adds pre-sliding from the reversals.
 /// A shift that is known in its interval only widens theirs. Stiffness at places where the model has such.
 void add_bristle(Result& result, const Found& found, Notes& notes);
 

@@ -73,18 +73,24 @@ std::vector<std::size_t> logs_of(std::span<const log::Record> records) {
 
 }  // namespace
 
-void add_bristle(Result& result, const Found& found, Notes& notes) {
-  const AlignedLog& log = found.log;
-  if (!(result.mass > 0.0) || result.position_unit != "m") return;
-  const friction::AxisModel known{result.mass, result.load, result.friction};
+std::vector<log::Record> records_of_reversals(const AlignedLog& log) {
   std::vector<log::Record> closed;
   for (std::size_t r = 0; r < log.records.size(); ++r) {
     if (log.motions[r].loop == log::Loop::kClosed) closed.push_back(log.records[r]);
   }
+  if (closed.empty()) closed.assign(log.records.begin(), log.records.end());
+  return closed;
+}
+
+void add_bristle(Result& result, const Found& found, Notes& notes) {
+  const AlignedLog& log = found.log;
+  if (!(result.mass > 0.0) || result.position_unit != "m") return;
+  const friction::AxisModel known{result.mass, result.load, result.friction};
+  const std::vector<log::Record> closed = records_of_reversals(log);
   bristle::BristleOptions options;
   options.shift = log.shift;
-  const bool open = closed.empty();
-  if (open) closed.assign(log.records.begin(), log.records.end());
+  const bool open = std::none_of(log.motions.begin(), log.motions.end(),
+                                 [](const log::Motion& m) { return m.loop == log::Loop::kClosed; });
   bristle::BristleFit fit;
   try {
     fit = bristle::fit_bristle(closed, known, options);

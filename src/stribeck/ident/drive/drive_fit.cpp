@@ -5,6 +5,7 @@
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/drive/load/load_of_reversals.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/drive/relaxation.hpp>
 #include <stribeck/ident/drive/shift.hpp>
@@ -359,11 +360,20 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   const Stage& stage = placed.stage;
   const Judged& judged = *placed.judged;
   Notes& notes = placed.notes;
-  const Found found{stage.log, stage.rows, stage.terms, judged.fit, judged.map, judged.found};
-  Fitted out{describe(found, options, notes),
+  const Found as_friction{stage.log, stage.rows, stage.terms, judged.fit, judged.map, judged.found};
+  const Notes unsaid = notes;
+  Fitted out{describe(as_friction, options, notes),
              stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
              judged.found.factor * judged.found.shift_error};
   Result& result = out.result;
+  std::optional<ToldLoad> load;
+  if (options.dynamics) load = load_of_reversals(result, as_friction);
+  const MapChoice choice = load ? with_load(judged.map, load->value) : judged.map;
+  const Found found{stage.log, stage.rows, stage.terms, judged.fit, choice, judged.found, load};
+  if (load) {
+    notes = unsaid;
+    result = describe(found, options, notes);
+  }
   result.spectrum = std::move(placed.steady.spectrum);
   result.break_away_distance = stage.break_away;
   add_places(result, placed.along, notes);

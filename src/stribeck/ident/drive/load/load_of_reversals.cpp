@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stribeck/ident/bristle/bristle_fit.hpp>
+#include <stribeck/ident/drive/load/load_of_reversals.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <utility>
+
+namespace stribeck::ident::drive {
+namespace {
+
+constexpr double kSameDirections = 0.05;  ///< of the level: directions that differ by less need no load
+constexpr double kNoMoreLoad = 0.01;      ///< of the level: a smaller step ends the search
+constexpr int kMostLoads = 8;
+constexpr double kLeastLevel = 0.1;  ///< of the mean of both levels
+constexpr double kLeastGain = 0.9;   ///< of the variance that was believed before: the data must tell more
+
+struct Levels {
+  double forward = 0.0, backward = 0.0;
+  [[nodiscard]] double mean() const { return 0.5 * (forward + backward); }
+};
+
+/// At rest, as the bristle takes them.
+Levels levels_of(const friction::AxisModel& axis) {
+  constexpr double kAtRest = 1e-9;
+  return {axis.friction.parts(kAtRest, 0.0).level, axis.friction.parts(-kAtRest, 0.0).level};
+}
+
+friction::AxisModel with_load(friction::AxisModel axis, double load) {
+  auto& steady = std::get<friction::Gaussian<double>>(axis.friction.steady);
+  const double more = load - axis.load;
+  steady.positive.eta0 -= more;
+  steady.negative.eta0 -= more;
+  axis.load = load;
+  return axis;
+}
+
+/// By how much the load of the axis must grow for the levels that a fit found.
+double asked_by(const bristle::BristleFit& fit, const Levels& level) {
+  return 0.5 * (level.forward * (1.0 - fit.level_factor[0]) + level.backward * (fit.level_factor[1] - 1.0));
+}
+
+/// Standard error of the load by the data alone. The fit also holds what was believed of load and levels before, which lay around
+/// the same load; absent: the data add nothing to it.
+std::optional<double> error_of(const bristle::BristleFit& fit, const bristle::BristleOptions& options,
+                               const Levels& level, double factor) {
+  const double after = std::pow(0.5 * (fit.load_interval.high - fit.load_interval.low) / factor, 2.0);
+  const auto weight = [](double sd) { return 1.0 / (sd * sd); };
+  const double before =
+      1.0 / (weight(options.load_tolerance * level.mean()) + weight(options.level_tolerance * level.forward) +
+             weight(options.level_tolerance * level.backward));
+  if (!(after < kLeastGain * before)) return {};
+  return std::sqrt(1.0 / (1.0 / after - 1.0 / before));
+}
+
+struct Search {
+  bristle::BristleFit last;
+  friction::AxisModel axis;
+  double step = 0.0;  ///< the last one that was asked for [N]
+};
+
+/// Fits until a fit asks for no other load; absent where a level would vanish or the search does not end.
+std::optional<Search> search(const std::vector<log::Record>& records, const friction::AxisModel& start,
+                             const bristle::BristleOptions& options) {
+  Search s{{}, start};
+  for (int i = 0; i < kMostLoads; ++i) {
+    s.last = bristle::fit_bristle(records, s.axis, options);
+    if (s.last.models.size() < 2) return {};
+    const Levels level = levels_of(s.axis);
+    s.step = asked_by(s.last, level);
+    if (std::abs(s.step) < kNoMoreLoad * level.mean()) return s;
+    const double least = std::min(level.forward - s.step, level.backward + s.step);
+    if (!(least > kLeastLevel * level.mean())) return {};
+    s.axis = with_load(s.axis, s.axis.load + s.step);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<ToldLoad> load_of_reversals(const Result& result, const Found& found) {
+  const auto* map = std::get_if<friction::Gaussian<double>>(&result.friction.steady);
+  if (map == nullptr || found.choice.map.fit.family != map::StaticFit::Family::kByDirection ||
+      !(result.mass > 0.0) || result.position_unit != "m")
+    return {};
+  const friction::AxisModel start{result.mass, result.load, result.friction};
+  const Levels level = levels_of(start);
+  if (!(level.forward > 0.0 && level.backward > 0.0)) return {};
+  const double apart = 0.5 * std::abs(level.forward - level.backward);
+  if (start.load == 0.0 && !(apart > kSameDirections * level.mean())) return {};
+  bristle::BristleOptions options;
+  options.shift = found.log.shift;
+  options.elements = 0;
+  std::optional<Search> s;
+  try {
+    s = search(records_of_reversals(found.log), start, options);
+  } catch (const Refused&) {
+    // What the bristle misses is said where it is asked for its parameters.
+    return {};
+  }
+  if (!s || !s->last.determinable) return {};
+  const std::optional<double> error = error_of(s->last, options, levels_of(s->axis), found.intervals.factor);
+  if (!error || !(std::abs(s->last.load - start.load) > found.intervals.factor * *error)) return {};
+  return ToldLoad{s->last.load, std::hypot(*error, s->step)};
+}
+
+MapChoice with_load(MapChoice choice, double load) {
+  map::StaticFit& fit = choice.map.fit;
+  const double more = load - fit.load;
+  fit.load = load;
+  for (std::size_t s = 0; s < fit.branch.size(); ++s) fit.branch[s].eta0 -= map::kDirection[s] * more;
+  return choice;
+}
+
+}  // namespace stribeck::ident::drive
