@@ -282,6 +282,14 @@ std::vector<std::size_t> chosen_axes(const Machine& machine, const CompareSpec& 
   return axes;
 }
 
+control::Feedforward feedforward_with(const ControllerSpec& which, const friction::AxisModel& model) {
+  using enum control::Feedforward;
+  if (which.friction == FrictionUse::kNone) return kNone;
+  const bool step =
+      which.feedforward == kDynamic && std::holds_alternative<friction::Static>(model.friction.dynamics);
+  return step && which.adaptation.enabled ? kReversal : which.feedforward;
+}
+
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                              const std::vector<std::size_t>& axes, const ControllerSpec& which) {
@@ -295,7 +303,7 @@ control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowl
     if (which.friction == FrictionUse::kNominal)
       c.model.friction = straightened(c.model.friction, axis.limits.speed);
     take_drive_loop(c.model, axis, name);
-    c.feedforward = which.friction == FrictionUse::kNone ? control::Feedforward::kNone : which.feedforward;
+    c.feedforward = feedforward_with(which, c.model);
     c.observer = which.observer;
     c.observer_pole = which.observer_pole;
     c.adaptive_gain = adaptive[i];

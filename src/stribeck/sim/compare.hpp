@@ -172,6 +172,10 @@ CompareResult compare(const Machine& machine, const std::vector<AxisKnowledge>& 
 CompareResult run_once(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                        const CompareSpec& spec, std::uint32_t trial);
 
+/// The feed-forward that a controller gets with this model. A dynamic law without bristles is a step at the reversal; the controller that
+/// adapts, which is the default, then lets friction build up over a distance (decision 0008). Others do what they are told.
+control::Feedforward feedforward_with(const ControllerSpec& which, const friction::AxisModel& model);
+
 /// Data of the chosen axes that a controller in compare() may use.
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,

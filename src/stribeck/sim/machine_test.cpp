@@ -29,6 +29,22 @@ TEST(Machine, ControllersGetEverySettingOfTheirAdaptation) {
   EXPECT_EQ(setup.compensation[1].adaptation.memory, 5.0);
 }
 
+// A model without bristles: what adapts goes by distance after a reversal. What was asked for by name stays.
+TEST(Machine, ADefaultWithoutBristlesGoesByDistance) {
+  using enum control::Feedforward;
+  ControllerSpec c = biaxial_controllers().back();
+  c.feedforward = kDynamic;
+  c.adaptation.enabled = true;
+  std::vector<AxisKnowledge> knowledge = test::printed();
+  knowledge[0].gaussian->friction.dynamics = friction::Static{};
+  knowledge[1].gaussian->friction.dynamics = friction::LuGre<double>{3e8, 600e3, 0.05e-3};
+  const auto setup = make_setup<2>(test::biaxial_table(), knowledge, {0, 1}, c);
+  EXPECT_EQ(setup.compensation[0].feedforward, kReversal);
+  EXPECT_EQ(setup.compensation[1].feedforward, kDynamic);
+  c.adaptation.enabled = false;
+  EXPECT_EQ(make_setup<2>(test::biaxial_table(), knowledge, {0, 1}, c).compensation[0].feedforward, kDynamic);
+}
+
 TEST(Machine, ControllersBelieveLimitsAndCommissioningMoreThanTheTruth) {
   Machine m = test::biaxial_table();
   MachineAxis& x = m.axes[0].second;

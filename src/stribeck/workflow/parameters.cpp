@@ -187,12 +187,27 @@ void take_back_verdicts(sim::CompareResult& result, std::size_t travel, std::siz
   }
 }
 
+/// The axes whose bristles are not known to a controller that would use them.
+void note_missing_bristles(const sim::CompareResult& result, const std::vector<std::size_t>& axes,
+                           const Parameters& parameters, std::vector<std::string>& to) {
+  for (const sim::ControllerSpec& c : result.spec.controllers) {
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const friction::AxisModel model = parameters.knowledge[axes[i]].model(c.friction, result.axes[i]);
+      if (sim::feedforward_with(c, model) == c.feedforward) continue;
+      to.push_back(fmt::format(
+          "axis {}: its pre-sliding was not identified, so ({}) lets friction build up over a distance after each reversal, as (j) does",
+          result.axes[i], c.id));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
                                         const Parameters& parameters) {
   constexpr double kLong = 0.2;  // share of the motion
   std::vector<std::string> all = parameters.assumed;
+  note_missing_bristles(result, axes, parameters, all);
   if (parameters.axes.empty()) return all;
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
