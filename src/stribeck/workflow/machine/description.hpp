@@ -11,6 +11,8 @@
 ///
 /// Real time: no.
 
+#include <fmt/core.h>
+
 #include <optional>
 #include <stribeck/core/fixed_vector.hpp>
 #include <stribeck/sim/machine.hpp>
@@ -137,6 +139,17 @@ struct AxisDescription {
       report("limits.force", "above what plant.drive makes at the end of plant.converter.range");
     if (drive && drive->peak() && limits.force && *limits.force > *drive->peak())
       report("limits.force", "above the peak of the drive");
+    // Whoever writes the mass of the table alone would get a loop and an excitation for an axis that does not exist.
+    const auto rotor = drive ? drive->reflected_mass() : std::nullopt;
+    if (rotor && commissioning.mass.high() < *rotor) {
+      report(
+          "commissioning.mass",
+          fmt::format(
+              "less than the rotor alone, {:.4g} {} (drive.rotor_inertia through the transmission); it is all that the "
+              "drive accelerates, so with the table {:.4g} {}",
+              *rotor, rotary ? "kg m2" : "kg", *rotor + commissioning.mass.middle(),
+              rotary ? "kg m2" : "kg"));
+    }
   }
 
   /// As declared in limits, drive and commissioning, or else from the true drive's own data; 0: not known.

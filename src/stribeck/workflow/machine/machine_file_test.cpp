@@ -115,6 +115,24 @@ TEST(MachineFile, ARealMachineHasNoTruth) {
               ThrowsMessage<io::InputError>(HasSubstr("axes.x.plant: missing, expected the truth")));
 }
 
+// A geared servo press: two rotors of 0.012 kg m2 at a screw of 10 mm behind a gear of 5 weigh 2·0.012·(2π·5/0.01)² kg.
+TEST(MachineFile, ATableWithoutItsRotorIsRefused) {
+  const auto read = [](const std::string& mass) {
+    return io::read_toml_text<AxisDescription>(
+        "limits = { travel_min = \"0 mm\", travel_max = \"300 mm\", speed = \"20 mm/s\", acceleration = \"50 mm/s2\" }\n"
+        "commissioning = { mass = \"" +
+            mass +
+            "\", friction = \"4000 N\" }\n"
+            "drive = { rated_torque = \"18 N m\", lead = \"10 mm\", gear = 5, motors = 2, rotor_inertia = \"0.012 kg m2\" }\n",
+        "press.toml");
+  };
+  EXPECT_THAT([&] { read("3 t"); },
+              ThrowsMessage<io::InputError>(AllOf(HasSubstr("commissioning.mass"),
+                                                  HasSubstr("less than the rotor alone, 2.369e+05 kg"),
+                                                  HasSubstr("with the table 2.399e+05 kg"))));
+  EXPECT_EQ(read("240 t").commissioning.mass.middle(), 240e3);
+}
+
 // What the shipped files say is what the simulation gets, to the last bit.
 TEST(MachineFile, AVirtualMachineIsWhatItsFileSays) {
   const std::string file = std::string(STRIBECK_SOURCE_DIR) + "/machines/biaxial-table.toml";
