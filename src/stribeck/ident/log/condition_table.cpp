@@ -14,6 +14,7 @@ Table slice(const Table& m, std::size_t first, std::size_t last) {
   out.source = m.source;
   out.run = m.run;
   out.sample_time = m.sample_time;
+  out.counted = m.counted;
   const auto cut = [&](const auto& from, auto& to) {
     if (from.empty()) return;
     to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),

@@ -300,6 +300,24 @@ TEST(Condition, RoundedStampsAreMadeEven) {
   EXPECT_NEAR(d.records[0].sample_time, axis.sample_time, 1e-6);
 }
 
+TEST(Condition, RowsAreCountedBetweenChangesOfACoarseStamp) {
+  // Whole seconds: the first holds 50 rows, the last 50, every other one 1000.
+  RawLog log = logged();
+  for (std::vector<double>* column : {&log.x.t, &log.x.y, &log.v.y, &log.f.y}) column->resize(7100);
+  RawLog short_log = log;
+  for (double& t : log.x.t) t = std::floor(t + 0.95 + 1e-9);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "rounded-time").text, HasSubstr("--sample-time"));
+  // Between the changes stands a whole number of milliseconds.
+  EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-12);
+  // No whole second: the rate is not known.
+  for (std::vector<double>* column : {&short_log.x.t, &short_log.x.y, &short_log.v.y, &short_log.f.y})
+    column->resize(900);
+  for (double& t : short_log.x.t) t = std::floor(t + 0.5 + 1e-9);
+  EXPECT_THAT([&] { condition(short_log); },
+              ::testing::ThrowsMessage<Refused>(HasSubstr("holds no whole one")));
+}
+
 TEST(Condition, JitterIsResampled) {
   std::mt19937_64 engine(7);
   std::uniform_real_distribution<double> shake(-2e-4, 2e-4);

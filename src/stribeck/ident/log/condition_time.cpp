@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -52,6 +53,36 @@ void restamp(Table& m) {
   const double T = (m.t.back() - first) / static_cast<double>(m.rows() - 1);
   for (std::size_t k = 0; k < m.rows(); ++k) m.t[k] = first + T * static_cast<double>(k);
   m.sample_time = T;
+}
+
+/// Evenly spaced rows whose stamps are coarser than they are apart.
+struct EvenRows {
+  double first = 0.0;  ///< time of the first row
+  double step = 0.0;
+  std::size_t rows = 0;  ///< that the step was found from
+
+  [[nodiscard]] double at(std::size_t k) const { return first + step * static_cast<double>(k); }
+};
+
+/// From the first change of the stamp to the last one: the first and the last stamp may hold a part of their rows only.
+/// Nothing where no whole stamp lies between.
+std::optional<EvenRows> rows_between_changes(const std::vector<double>& t) {
+  std::size_t from = 1;
+  while (from < t.size() && t[from] == t[from - 1]) ++from;
+  std::size_t to = t.size() - 1;
+  while (to > 0 && t[to] == t[to - 1]) --to;
+  if (to <= from) return std::nullopt;
+  EvenRows even;
+  even.rows = to - from;
+  even.step = (t[to] - t[from]) / static_cast<double>(even.rows);
+  even.first = t[from] - even.step * static_cast<double>(from);
+  return even;
+}
+
+double largest_off(const EvenRows& even, const std::vector<double>& t) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < t.size(); ++k) worst = std::max(worst, std::abs(t[k] - even.at(k)));
+  return worst;
 }
 
 double largest_off_line(const std::vector<double>& t) {
@@ -107,6 +138,44 @@ void drop_repeated_rows(Table& m, Notes& notes) {
   erase_rows(m, gone);
 }
 
+struct Repeats {
+  std::size_t first;  ///< row
+  std::size_t rows;   ///< that repeat the stamp before them
+  std::size_t back;   ///< times that the time goes back
+};
+
+/// Makes rows even whose stamps are coarser than they are apart. How many rows were lost in a stamp shows in no stamp: what
+/// finds them there shortens the step.
+void restamp_coarse(Table& m, const Repeats& repeats, Notes& notes) {
+  const double step = m.t.back() > m.t.front() ? rounding_of(m.t) : 0.0;
+  const auto even = rows_between_changes(m.t);
+  if (repeats.back == 0 && step > 0.0 && !even) {
+    throw Refused(
+        m.source +
+        fmt::format(": column t, row {}: the time stamps are coarser ({:.3g} s) than the rows are apart, and "
+                    "the log holds no whole one, so that the time between rows is not known (give it "
+                    "with --sample-time)",
+                    m.row[repeats.first], step));
+  }
+  if (repeats.back > 0 || !(step > 0.0) || largest_off(*even, m.t) > 1.01 * step + 2.0 * even->step) {
+    throw Refused(m.source + fmt::format(": column t, row {}: time stands still in {} of {} rows and the "
+                                         "rows are not equally spaced between (name another time column, or "
+                                         "give the sample time with --sample-time)",
+                                         m.row[repeats.first], repeats.rows, m.rows()));
+  }
+  for (std::size_t k = 0; k < m.rows(); ++k) m.t[k] = even->at(k);
+  m.sample_time = even->step;
+  m.counted = true;
+  notes.add(
+      "rounded-time", m, repeats.first, true,
+      fmt::format(
+          "the time stamps are coarser ({:.3g} s) than the rows are apart; equally spaced rows of {:.6g} s "
+          "assumed, counted over {} rows; rows that the control did not write would make all speeds "
+          "wrong: give the time between rows with --sample-time if you know it",
+          step, even->step, even->rows),
+      {step, even->step});
+}
+
 /// Repairs stamps that do not change. Returns the table with times that only increase or go back.
 void mend_double_stamps(Table& m, Notes& notes) {
   std::size_t twice = 0;
@@ -118,22 +187,7 @@ void mend_double_stamps(Table& m, Notes& notes) {
   }
   if (twice == 0) return;
   if (twice * 20 > m.rows()) {
-    const double step = m.t.back() > m.t.front() ? rounding_of(m.t) : 0.0;
-    if (back > 0 || !(step > 0.0) || largest_off_line(m.t) > 1.01 * step) {
-      throw Refused(m.source +
-                    fmt::format(": column t, row {}: time stands still in {} of {} rows and the "
-                                "rows are not equally spaced between (name another time column, or "
-                                "give the sample time)",
-                                m.row[first], twice, m.rows()));
-    }
-    restamp(m);
-    notes.add(
-        "rounded-time", m, first, true,
-        fmt::format(
-            "the time stamps are coarser ({:.3g} s) than the rows are apart; equally spaced rows of {:.6g} s "
-            "assumed",
-            step, m.sample_time),
-        {step, m.sample_time});
+    restamp_coarse(m, {first, twice, back}, notes);
     return;
   }
   const double T = median_step(m.t);

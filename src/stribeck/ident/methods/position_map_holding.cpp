@@ -152,7 +152,10 @@ bool held_at_standstill(const std::vector<log::Record>& records) {
         place[static_cast<std::size_t>(std::clamp(i, 0, kPlaces - 1))] = true;
       } else {
         ++moving;
-        if (d > 1.5 * count) ++far;
+        // A step alone between rests is a count, also where the counts are not all of one size (three digits of a number).
+        const bool alone =
+            (k < 2 || r.x[k - 1] == r.x[k - 2]) && (k + 1 >= r.x.size() || r.x[k + 1] == r.x[k]);
+        if (d > 1.5 * count && !alone) ++far;
       }
     }
   }

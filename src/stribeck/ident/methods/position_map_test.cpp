@@ -301,6 +301,13 @@ TEST(PositionMap, OnlyAHeldAxisIsTakenForOne) {
     slow.x.push_back(1e-6 * std::floor(k / 7.0));
     stops.x.push_back(k % 1000 < 800 ? (k / 1000) * 0.2e-3 : (k / 1000) * 0.2e-3 + 1e-6 * (k % 1000 - 800));
   }
+  // Three digits: 1 mm where the number is large, 1 um where it is small.
+  log::Record digits;
+  for (int k = 0; k < 4000; ++k) {
+    const double x = 0.0999 + 0.1 * (1.0 - std::cos(2.0 * kPi * k / 4000.0));
+    digits.x.push_back(x < 0.1 ? 1e-6 * std::round(1e6 * x) : 1e-3 * std::round(1e3 * x));
+  }
+  EXPECT_FALSE(held_at_standstill({digits}));
   EXPECT_FALSE(held_at_standstill({slow}));
   EXPECT_FALSE(held_at_standstill({stops}));
 }

@@ -130,6 +130,7 @@ class Mender {
     out_.source = from.source;
     out_.run = from.run;
     out_.sample_time = from.sample_time;
+    out_.counted = from.counted;
     out_.gap_before = from.gap_before;
   }
 
@@ -292,10 +293,28 @@ void note(const Table& m, const Mender& mender, Notes& notes) {
   }
 }
 
+/// Steps of the tables whose sample time was counted.
+std::size_t counted_steps(const std::vector<Table>& tables) {
+  std::size_t steps = 0;
+  for (const Table& m : tables) steps += m.counted && m.rows() > 0 ? m.rows() - 1 : 0;
+  return steps;
+}
+
+/// Stamps that are coarser than the rows tell how long all rows took together: more rows in this time are shorter.
+void scale_counted(std::vector<Table>& tables, double factor) {
+  const double first = tables.front().t.front();
+  for (Table& m : tables) {
+    if (!m.counted) continue;
+    m.sample_time *= factor;
+    for (double& t : m.t) t = first + (t - first) * factor;
+  }
+}
+
 }  // namespace
 
 void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes& notes) {
   if (tables.front().x.empty()) return;
+  const std::size_t before = counted_steps(tables);
   const double least =
       std::max(kBeyondUsualSpread * usual_spread(tables), kQuanta * sampling.x_quantum_large);
   double later = 0.0;
@@ -314,6 +333,8 @@ void mend_lost_rows(std::vector<Table>& tables, const Sampling& sampling, Notes&
     m = mender.take();
     later += m.t.back() - end;
   }
+  if (const std::size_t after = counted_steps(tables); after > 0 && after != before)
+    scale_counted(tables, static_cast<double>(before) / static_cast<double>(after));
 }
 
 }  // namespace stribeck::ident::log::parts

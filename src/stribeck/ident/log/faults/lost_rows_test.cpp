@@ -86,6 +86,22 @@ TEST(LostRows, ArePutInAgain) {
   }
 }
 
+TEST(LostRows, CoarseStampsTellTheTimeOfAllRows) {
+  const RawLog truth = strokes(1, false);
+  RawLog log = truth;
+  for (double& t : log.x.t) t = 0.1 * std::floor(10.0 * t + 0.3 + 1e-9);
+  const std::vector<std::size_t> gone = moving(places(60, 1, log.x.y.size()), truth);
+  for (const std::size_t k : gone) {
+    erase(log, k);
+    log.x.t.erase(log.x.t.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), ::testing::UnorderedElementsAre("rounded-time", "lost")) << texts(c);
+  ASSERT_EQ(c.records.size(), 1U);
+  // One row in ten thousand is what the counting leaves open; without the lost rows it would be 0.4 %.
+  EXPECT_NEAR(c.records[0].sample_time, 1e-3, 2e-7);
+}
+
 TEST(LostRows, RowsWrittenTwiceAreLeftOut) {
   const RawLog truth = strokes(4, true);
   RawLog log = truth;
