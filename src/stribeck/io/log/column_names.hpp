@@ -12,7 +12,7 @@ namespace stribeck::io {
 std::string lower_case(std::string text);
 
 /// What a column that holds the time is called, in lower case.
-inline constexpr std::array<std::string_view, 7> kTimeNames{"t",           "time",  "zeit", "timestamp",
-                                                            "zeitstempel", "temps", "tempo"};
+inline constexpr std::array<std::string_view, 8> kTimeNames{"t",           "time",  "zeit",  "timestamp",
+                                                            "zeitstempel", "temps", "tempo", "__time"};
 
 }  // namespace stribeck::io

@@ -113,7 +113,10 @@ void complete_times(Log& log, const ReadOptions& options) {
     return;
   }
   if (detail::name_sinumerik_signals(log, options) && time_column(log) >= 0) return;
-  if (time_column(log) >= 0) {
+  if (detail::join_seconds(log)) return;
+  detail::tell_epoch(log);
+  const bool replaced = options.sample_time && detail::leave_out_coarse_time(log);
+  if (!replaced && time_column(log) >= 0) {
     if (options.sample_time) {
       log.notes.push_back("the given sample time is not used: column " +
                           in_quotes(log.columns[static_cast<std::size_t>(time_column(log))].header) +
@@ -123,10 +126,12 @@ void complete_times(Log& log, const ReadOptions& options) {
   }
   if (!options.times_needed && !options.sample_time) return;
   if (!options.sample_time) {
+    const std::string told = detail::told_sampling(log);
     throw InputError(
         Problem{log.source, 0, "",
-                "has no time column (give the time between rows with --sample-time \"100 ms\", or put "
-                "sample_time = \"100 ms\" into " +
+                "has no time column" + (told.empty() ? "" : ", its head says " + in_quotes(told)) +
+                    " (give the time between rows with --sample-time \"100 ms\", or put "
+                    "sample_time = \"100 ms\" into " +
                     log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
   }
   std::vector<double> t(log.rows);
@@ -140,6 +145,12 @@ Log read_text_log(std::string_view text, const std::string& source, const ReadOp
   using namespace detail;
   const auto start = trimmed(text.substr(0, 4096)).substr(0, 1);
   if (start == "{" || start == "[") return read_sinumerik_json(text, source, options);
+  if (begins_with(trimmed(text), "<!doctype html") || begins_with(trimmed(text), "<html")) {
+    throw InputError(
+        Problem{source, 0, "",
+                "is a page of HTML, not a log (open it in a browser: it may ask for a login, or report an "
+                "error)"});
+  }
   if (start == "<") return read_sinumerik_trace(text, source);
   if (is_tncscope(text)) return read_tncscope(text, source);
   if (is_twincat(text)) return read_twincat(text, source);

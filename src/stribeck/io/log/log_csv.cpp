@@ -29,7 +29,7 @@ class CsvReader {
     std::string_view body = all_;
     read_header(body);
     const std::string_view unended = options_.drop_unended_row ? take_unended_row(body) : std::string_view();
-    if (options_.text_columns != TextColumns::kRefuse) find_text_columns(first_row(body));
+    if (options_.text_columns != TextColumns::kRefuse) find_text_columns(body);
     if (separator_ == ' ') {
       read_rows<true>(body);
     } else {
@@ -66,15 +66,6 @@ class CsvReader {
     return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
   }
 
-  /// A row after the last line end may be cut inside a number: 12.5 would be read as 12.
-  static std::string_view take_unended_row(std::string_view& body) {
-    const auto end = body.find_last_of('\n');
-    const auto row = body.substr(end == std::string_view::npos ? 0 : end + 1);
-    if (trimmed(row).empty() || is_comment(row)) return {};
-    body.remove_suffix(row.size());
-    return row;
-  }
-
   void add_comment(std::string_view line) {
     const auto text = trimmed(line.substr(std::min(line.find_first_not_of("#% \t"), line.size())));
     const auto colon = text.find(':');
@@ -87,6 +78,11 @@ class CsvReader {
     if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
     for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
     told_separator_ = take_separator_line(body);
+    const std::size_t first = line_number(body.data());
+    if (const std::size_t lines = take_head(body, log_.metadata); lines > 0) {
+      note("the names of the columns are in line " + std::to_string(first + lines) +
+           "; what stands above them was left out");
+    }
 
     std::string_view header;
     std::string_view last_comment;
@@ -119,7 +115,7 @@ class CsvReader {
       std::vector<std::string> names;
       for (const auto& name : options_.names) names.push_back(header_of(name));
       set_columns(names, line);
-    } else if (is_data(header)) {
+    } else if (is_data(header) || names_in_comment(last_comment, header)) {
       // "# t,x" directly above the numbers.
       separator_ = separator_of(header, header);
       const auto cells = split(header, separator_).size();
@@ -153,7 +149,7 @@ class CsvReader {
       set_columns({names.begin(), names.end()}, line);
     }
     take_units(body);
-    decimal_ = decimal_mark(body);
+    decimal_ = decimal_mark(body, separator_);
   }
 
   [[nodiscard]] char separator_of(std::string_view header, std::string_view row) const {
@@ -213,27 +209,21 @@ class CsvReader {
     }
   }
 
-  /// A comma is the decimal mark where cells hold commas and the separator is another.
-  [[nodiscard]] char decimal_mark(std::string_view body) const {
-    if (separator_ == ',') return '.';
-    std::string_view rest = body;
-    for (int k = 0; k < 100 && !rest.empty(); ++k) {
-      const auto line = take_line(rest);
-      if (!is_comment(line) && line.find(',') != std::string_view::npos) return ',';
-    }
-    const bool comma = body.find(',') != std::string_view::npos;
-    return comma && body.find('.') == std::string_view::npos ? ',' : '.';
-  }
-
-  void find_text_columns(std::string_view row) {
-    const auto cells = split(row, separator_);
+  void find_text_columns(std::string_view body) {
+    const auto cells = split(first_row(body), separator_);
     if (cells.size() != log_.columns.size()) return;
-    is_text_.resize(cells.size());
+    is_text_ = blank_columns(body, separator_, cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      is_text_[c] = unquoted(cells[c]).empty() || cell_number(cells[c], decimal_) ? 0 : 1;
+      if (!unquoted(cells[c]).empty() && !number_in(cells[c])) is_text_[c] = 1;
     }
     if (std::count(is_text_.begin(), is_text_.end(), 1) == 0) is_text_.clear();
     row_texts_.resize(is_text_.size());
+  }
+
+  /// A cell as a number, also with thousands separators before a decimal comma.
+  [[nodiscard]] std::optional<double> number_in(std::string_view cell) const {
+    const auto value = cell_number(cell, decimal_);
+    return value || decimal_ != ',' ? value : grouped_number(cell);
   }
 
   void drop_text_columns() {
@@ -285,6 +275,16 @@ class CsvReader {
     }
     if (!utf8) note("text cells are not UTF-8 and are read as Latin-1");
     if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_));
+    leave_out_blank_columns();
+  }
+
+  void leave_out_blank_columns() {
+    std::erase_if(log_.columns, [&](const Column& column) {
+      const bool blank = !column.texts.empty() && std::all_of(column.texts.begin(), column.texts.end(),
+                                                              [](const std::string& t) { return t.empty(); });
+      if (blank) note("column " + in_quotes(column.header) + " is blank in every row and was left out");
+      return blank;
+    });
   }
 
   /// Reserves memory, estimated from the length of the first lines.
@@ -456,7 +456,7 @@ class CsvReader {
         row_texts_[c] = cells[c];
         continue;
       }
-      const auto value = cell_number(cells[c], decimal_);
+      const auto value = number_in(cells[c]);
       if (value && std::isfinite(*value)) {
         out[c * stride] = *value;
         continue;
@@ -473,9 +473,7 @@ class CsvReader {
         fail(line_no(), place + "the cell is blank, expected a number (remove the row or the column)");
       }
       fail(line_no(), place + "got " + in_quotes(as_utf8(trimmed(cells[c]))) + ", expected a number" +
-                          (decimal_ == ',' && cells[c].find('.') != std::string_view::npos
-                               ? " with a decimal comma, as in other cells"
-                               : ""));
+                          why_no_number(cells[c], decimal_));
     }
     return {line_end, true};
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
@@ -56,7 +57,154 @@ std::string bare_unit(std::string_view cell) {
   return text;
 }
 
+/// Rows that must have the same number of cells before they count as a table; a head of keys and numbers has fewer.
+constexpr std::size_t kRowsOfATable = 20;
+constexpr std::size_t kLongestHead = 200;
+
+/// A line of a file, without blank lines and comments.
+struct HeadLine {
+  std::size_t number;  ///< lines above it
+  std::string_view text;
+};
+
+std::vector<HeadLine> first_lines(std::string_view text) {
+  std::vector<HeadLine> lines;
+  for (std::size_t n = 0; !text.empty() && lines.size() < kLongestHead + kRowsOfATable; ++n) {
+    const auto line = take_line(text);
+    if (!trimmed(line).empty() && !is_comment(line)) lines.push_back({n, line});
+  }
+  return lines;
+}
+
+/// A row of at least two cells, at least half of them numbers.
+bool is_row(std::string_view line, char separator, std::size_t cells) {
+  const auto row = split(line, separator);
+  if (row.size() < 2 || (cells > 0 && row.size() != cells)) return false;
+  const auto numbers = std::count_if(row.begin(), row.end(), [](std::string_view cell) {
+    return looks_like_number(cell) || grouped_number(cell).has_value();
+  });
+  return 2 * static_cast<std::size_t>(numbers) >= row.size();
+}
+
+/// Index of the line with the names of the first table; nothing where there is no table or no names above it.
+std::optional<std::size_t> names_of_table(const std::vector<HeadLine>& lines, char separator) {
+  for (std::size_t first = 1; first + 2 <= lines.size() && first <= kLongestHead; ++first) {
+    const std::size_t cells = split(lines[first].text, separator).size();
+    std::size_t end = first;
+    while (end < lines.size() && end < first + kRowsOfATable && is_row(lines[end].text, separator, cells))
+      ++end;
+    // The last line may be cut.
+    const bool to_the_end = end + 1 >= lines.size() && lines.size() < kLongestHead + kRowsOfATable;
+    if (end < first + 2 || (end < first + kRowsOfATable && !to_the_end)) continue;
+    std::size_t names = first - 1;
+    Notes ignored;
+    if (names > 0 && !units_in_row(lines[names].text, separator, cells, ignored).empty() &&
+        split_exactly(lines[names - 1].text, separator).size() >= cells)
+      --names;
+    const auto row = split(lines[names].text, separator);
+    if (row.size() + 1 < cells || row.size() > cells || is_row(lines[names].text, separator, 0))
+      return std::nullopt;
+    return names;
+  }
+  return std::nullopt;
+}
+
+/// 0 where the first line has the names, or where there is no table.
+std::size_t lines_of_head(std::string_view text) {
+  const std::vector<HeadLine> lines = first_lines(text);
+  if (lines.size() < 3) return 0;
+  std::size_t most = 0;
+  std::size_t above = 0;
+  for (const char separator : {'\t', ';', ','}) {
+    const auto names = names_of_table(lines, separator);
+    if (!names) continue;
+    const std::size_t cells = split(lines[*names].text, separator).size();
+    if (cells <= most) continue;
+    most = cells;
+    // As many cells in the first line as in the table: it is no head.
+    above = *names > 0 && split(lines.front().text, separator).size() != cells ? lines[*names].number : 0;
+  }
+  return above;
+}
+
 }  // namespace
+
+std::size_t take_head(std::string_view& text, std::vector<std::pair<std::string, std::string>>& metadata) {
+  const std::size_t lines = lines_of_head(text);
+  for (std::size_t i = 0; i < lines; ++i) {
+    std::string_view line = take_line(text);
+    line.remove_prefix(std::min(line.find_first_not_of("#% \t"), line.size()));
+    const auto mark = line.find_first_of(";,\t:=");
+    if (mark == std::string_view::npos) continue;
+    std::string key = as_utf8(unquoted(trimmed(line.substr(0, mark))));
+    if (!key.empty()) metadata.emplace_back(std::move(key), as_utf8(trimmed(line.substr(mark + 1))));
+  }
+  return lines;
+}
+
+std::vector<char> blank_columns(std::string_view body, char separator, std::size_t columns) {
+  std::vector<char> blank(columns, 1);
+  for (int row = 0; row < 100; ++row) {
+    const std::string_view line = first_row(body);
+    if (line.empty()) break;
+    body.remove_prefix(static_cast<std::size_t>(line.data() + line.size() - body.data()));
+    const auto cells = split(line, separator);
+    for (std::size_t c = 0; c < std::min(columns, cells.size()); ++c) {
+      if (!unquoted(cells[c]).empty()) blank[c] = 0;
+    }
+  }
+  return blank;
+}
+
+bool names_in_comment(std::string_view comment, std::string_view row) {
+  for (const char separator : {'\t', ';', ','}) {
+    const auto names = split(comment, separator);
+    if (names.size() < 2 || !is_row(row, separator, names.size())) continue;
+    return !is_row(comment, separator, 0);
+  }
+  return false;
+}
+
+std::string_view take_unended_row(std::string_view& body) {
+  const auto end = body.find_last_of('\n');
+  const auto row = body.substr(end == std::string_view::npos ? 0 : end + 1);
+  if (trimmed(row).empty() || is_comment(row)) return {};
+  body.remove_suffix(row.size());
+  return row;
+}
+
+char decimal_mark(std::string_view body, char separator) {
+  if (separator == ',') return '.';
+  std::string_view rest = body;
+  for (int k = 0; k < 100 && !rest.empty(); ++k) {
+    const auto line = take_line(rest);
+    if (!is_comment(line) && line.find(',') != std::string_view::npos) return ',';
+  }
+  const bool comma = body.find(',') != std::string_view::npos;
+  return comma && body.find('.') == std::string_view::npos ? ',' : '.';
+}
+
+std::optional<double> grouped_number(std::string_view cell) {
+  const std::string text = unquoted(trimmed(cell));
+  const auto comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  std::string digits;
+  std::size_t group = 0;
+  bool grouped = false;
+  for (std::size_t i = text[0] == '-' || text[0] == '+' ? 1 : 0; i < comma; ++i) {
+    if (is_digit(text[i])) {
+      ++group;
+      digits += text[i];
+      if (group > 3) return std::nullopt;
+      continue;
+    }
+    if (text[i] != '.' || group == 0 || (grouped && group != 3)) return std::nullopt;
+    grouped = true;
+    group = 0;
+  }
+  if (!grouped || group != 3) return std::nullopt;
+  return cell_number((text[0] == '-' ? "-" : "") + digits + text.substr(comma), ',');
+}
 
 std::optional<char> take_separator_line(std::string_view& text) {
   std::string_view rest = text;
@@ -123,7 +271,31 @@ std::vector<std::string> units_in_row(std::string_view row, char separator, std:
   return units;
 }
 
+const char* why_no_number(std::string_view cell, char decimal) {
+  constexpr std::array<std::string_view, 17> kMonths{"jan", "feb", "mar", "m\u00E4r", "mrz", "apr",
+                                                     "may", "mai", "jun", "jul",      "aug", "sep",
+                                                     "oct", "okt", "nov", "dec",      "dez"};
+  const std::string text = lower_case(as_utf8(unquoted(trimmed(cell))));
+  const bool digit = std::any_of(text.begin(), text.end(), is_digit);
+  const bool month = std::any_of(kMonths.begin(), kMonths.end(),
+                                 [&](std::string_view m) { return text.find(m) != std::string::npos; });
+  if (digit && month && text.size() < 16)
+    return " (a spreadsheet made a date of a number, which is lost: export again and open the file as text)";
+  return decimal == ',' && cell.find('.') != std::string_view::npos
+             ? " with a decimal comma, as in other cells"
+             : "";
+}
+
 const char* why_no_numbers(const std::vector<std::string_view>& row) {
+  // "0.5 mm"
+  const bool units = std::any_of(row.begin(), row.end(), [](std::string_view cell) {
+    const std::string text = unquoted(trimmed(cell));
+    const auto blank = text.find(' ');
+    return blank != std::string::npos && looks_like_number(std::string_view(text).substr(0, blank)) &&
+           is_unit(trimmed(std::string_view(text).substr(blank)));
+  });
+  if (units)
+    return "has a unit behind each number, expected numbers alone (export the units in the names: \"x [mm]\")";
   return std::any_of(row.begin(), row.end(), looks_like_number)
              ? "mixes point and comma in its numbers (export it with one decimal mark and without thousands separators)"
              : "has no column of numbers";
@@ -164,18 +336,30 @@ std::optional<double> time_of_day(std::string_view text) {
   return 3600.0 * (twelve ? half : *hour) + 60.0 * *minute + *second + part;
 }
 
+std::optional<double> minutes_and_seconds(std::string_view text) {
+  text = trimmed(text);
+  const auto minute = take_two(text, 60);
+  if (!minute || !take(text, ':')) return std::nullopt;
+  const auto mark = text.find_first_of(".,");
+  if (mark != 2 || text.size() < 4 || !is_digit(text[0])) return std::nullopt;
+  const auto second = cell_number(text, text[mark]);
+  if (!second || !(*second < 60.0)) return std::nullopt;
+  return 60.0 * *minute + *second;
+}
+
 bool read_times_of_day(Column& column) {
-  constexpr double kDay = 86400.0;
+  const bool short_times = !column.texts.empty() && minutes_and_seconds(column.texts.front()).has_value();
+  const double whole = short_times ? 3600.0 : 86400.0;
   std::vector<double> values;
   values.reserve(column.texts.size());
-  double days = 0.0;
+  double before = 0.0;
   double last = 0.0;
   for (const std::string& text : column.texts) {
-    const auto t = time_of_day(text);
+    const auto t = short_times ? minutes_and_seconds(text) : time_of_day(text);
     if (!t) return false;
-    if (!values.empty() && *t < last - 0.5 * kDay) days += kDay;
+    if (!values.empty() && *t < last - 0.5 * whole) before += whole;
     last = *t;
-    values.push_back(*t + days);
+    values.push_back(*t + before);
   }
   if (values.empty()) return false;
   const double first = values.front();

@@ -1,12 +1,13 @@
 #pragma once
 /// What spreadsheets and drive tools put into CSV beside numbers: the separator in a line of its own, units in the
-/// row below the names, times of day.
+/// row below the names, a head above them, times of day, thousands separators.
 /// Internal to io. Real time: no.
 
 #include <optional>
 #include <stribeck/io/log/log.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace stribeck::io::detail {
@@ -23,9 +24,31 @@ char best_separator(std::string_view header, std::string_view row);
 /// Whether all cells are numbers, whatever separates them.
 bool is_data(std::string_view line);
 
+/// Takes the lines of a head above the names of the columns ("Model,X1", "Sampling interval;1000;us"), which become metadata, and
+/// returns their number: 0 where the first line has the names, or where no table of equal rows is found.
+std::size_t take_head(std::string_view& text, std::vector<std::pair<std::string, std::string>>& metadata);
+
+/// 1 for each column whose cells are blank in the first hundred rows.
+std::vector<char> blank_columns(std::string_view body, char separator, std::size_t columns);
+
+/// The row behind the last line end; it leaves the text. It may be cut inside a number: 12.5 would be read as 12.
+std::string_view take_unended_row(std::string_view& body);
+
+/// A comma is the decimal mark where cells hold commas and the separator is another.
+char decimal_mark(std::string_view body, char separator);
+
+/// "1.234,5": points between groups of three digits in front of a decimal comma. Without the comma it may be 1.234, which is none.
+std::optional<double> grouped_number(std::string_view cell);
+
+/// Whether a comment holds the names of the columns of the row below it: as many cells, half of them numbers. ROS writes "%time,…".
+bool names_in_comment(std::string_view comment, std::string_view row);
+
 /// Units in the row below the names, one for each column, "" where it has none; nothing where the row is another one.
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
                                       Notes& notes);
+
+/// What to add where a cell is no number: decimal sign, or a date that a spreadsheet made of it; "" for others.
+const char* why_no_number(std::string_view cell, char decimal);
 
 /// What to say of a table whose cells are all text; `row` is one of its rows.
 const char* why_no_numbers(const std::vector<std::string_view>& row);
@@ -33,7 +56,11 @@ const char* why_no_numbers(const std::vector<std::string_view>& row);
 /// Seconds since midnight of `07:15:23.123`, also with a date before and a zone behind, which are not looked at.
 std::optional<double> time_of_day(std::string_view text);
 
-/// Makes a column of times of day one of seconds since its first row; false where a cell is none. Past midnight it goes on.
+/// Seconds of `01:02.5`, minutes and seconds as a spreadsheet shows short times; without the decimals it may be a time of day.
+std::optional<double> minutes_and_seconds(std::string_view text);
+
+/// Makes a column of times of day, or of minutes and seconds, one of seconds since its first row; false where a cell is none.
+/// Past midnight, or a full hour, it goes on.
 bool read_times_of_day(Column& column);
 
 }  // namespace stribeck::io::detail

@@ -86,6 +86,82 @@ TEST(Spreadsheet, ThousandsSeparatorsAreNamed) {
               ::testing::ThrowsMessage<InputError>(HasSubstr("thousands separators")));
 }
 
+TEST(Spreadsheet, AHeadAboveTheNames) {
+  // IndraWorks: keys and values in two cells, as many as a row of a small table.
+  const Log indra = parse(
+      "Oscilloscope\nDate;12.05.2024\nTime;10:23:11\nSampling interval;1000;us\n\n"
+      "Time [us];x [mm];M [%]\n0;1,5;2\n1000;1,6;3\n2000;1,7;4\n");
+  ASSERT_EQ(indra.columns.size(), 3U);
+  EXPECT_THAT(indra.columns[1].values, ElementsAre(1.5, 1.6, 1.7));
+  EXPECT_THAT(indra.notes, Contains(HasSubstr("in line 6")));
+  EXPECT_THAT(indra.metadata, Contains(std::pair<std::string, std::string>("Sampling interval", "1000;us")));
+  // The units in a row of their own, every cell in quotes.
+  const Log sigma = parse(
+      "\"Trace\"\n\"Model\",\"A1\"\n\"Count\",\"2\"\n\"\",\"Torque\",\"Speed\"\n\"[ms]\",\"[%]\",\"[min-1]\"\n"
+      "0,1,2\n1,2,3\n");
+  ASSERT_EQ(sigma.columns.size(), 3U);
+  EXPECT_EQ(sigma.columns[0].unit_text, "ms");
+  EXPECT_EQ(sigma.columns[2].unit_text, "min-1");
+  EXPECT_EQ(sigma.rows, 2U);
+}
+
+TEST(Spreadsheet, AHeadOfKeysAndNumbersIsNoTable) {
+  std::string text = "channels;3\nrate;1000\nblock;20\nt_s;x_mm;i_A\n";
+  for (int k = 0; k < 30; ++k) text += std::to_string(k) + ";1;2\n";
+  const Log log = parse(text);
+  EXPECT_EQ(log.columns.size(), 3U);
+  EXPECT_EQ(log.rows, 30U);
+  // Rows of another length stay an error of the table.
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2,3\n2,3\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("got 3 cells, expected 2")));
+}
+
+TEST(Spreadsheet, PointsBetweenThousandsBeforeADecimalComma) {
+  const Log log = parse("Zeit [ms];Lage [mm]\n999,5;-12,25\n1.000,0;-1.234.567,25\n");
+  EXPECT_THAT(log.columns.at(0).values, ElementsAre(999.5, 1000.0));
+  EXPECT_THAT(log.columns.at(1).values, ElementsAre(-12.25, -1234567.25));
+  for (const char* text : {"1.234", "12.34,5", "1.2345,6", "1234.567,8", ".123,4", "1,234", "", ","})
+    EXPECT_FALSE(detail::grouped_number(text)) << text;
+}
+
+TEST(Spreadsheet, BlankColumnsAreLeftOut) {
+  const Log log = parse("t_s,frame,x_mm\n0,,1\n1,,2\n2,,3\n");
+  EXPECT_EQ(log.columns.size(), 2U);
+  EXPECT_THAT(log.notes, Contains(HasSubstr("\"frame\" is blank in every row")));
+  EXPECT_THAT([] { parse("t_s,i_A,x_mm\n0,,1\n1,5,2\n2,6,3\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("the cell is blank")));
+}
+
+TEST(Spreadsheet, MinutesAndSecondsOfASpreadsheet) {
+  const Log log = parse("Time (s),x_mm\n59:59.8,1\n59:59.9,2\n00:00.0,3\n");
+  ASSERT_EQ(time_column(log), 0);
+  EXPECT_NEAR(log.columns[0].values[1], 0.1, 1e-9);
+  // Past the hour it goes on.
+  EXPECT_NEAR(log.columns[0].values[2], 0.2, 1e-9);
+  for (const char* text : {"12:30", "60:01.5", "1:2.5", "01:60.0", "a1:02.5"})
+    EXPECT_FALSE(detail::minutes_and_seconds(text)) << text;
+}
+
+TEST(Spreadsheet, DatesMadeOfNumbersAreNamed) {
+  EXPECT_THAT([] { parse("t_s;x_mm\n0;1,5\n1;01. Feb\n2;1,6\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("a spreadsheet made a date of a number")));
+}
+
+TEST(Spreadsheet, UnitsBehindNumbersAreNamed) {
+  EXPECT_THAT([] { parse("Time,Position\n0.0 s,1.5 mm\n0.1 s,1.6 mm\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("a unit behind each number")));
+}
+
+TEST(Spreadsheet, UnitsOfScopesAndMicrocontrollers) {
+  const Log scope = parse("x-axis,1\nsecond,Volt\n0.0,1.5\n0.1,1.6\n");
+  EXPECT_EQ(time_column(scope), 0);
+  EXPECT_EQ(scope.columns.at(1).unit_text, "V");
+  const Log counts = parse("Time_ms,Position_counts,Torque_permil\n0,5,1\n1,6,2\n");
+  EXPECT_EQ(counts.columns.at(1).unit_text, "count");
+  EXPECT_EQ(counts.columns.at(2).name, "Torque");
+  EXPECT_DOUBLE_EQ(in_si(counts.columns.at(2), quantity("", "")).at(0), 0.001);
+}
+
 TEST(Spreadsheet, PerMilleIsAUnit) {
   const Log log = parse("t_s,torque [\u2030]\n0,1\n1,2\n");
   EXPECT_DOUBLE_EQ(in_si(log.at("torque"), quantity("", "")).at(1), 0.002);

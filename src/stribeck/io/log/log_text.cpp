@@ -18,7 +18,7 @@ namespace {
 
 /// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
 /// "X1_CurrentFeedback" or "run_a" must not get one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixes{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kSuffixes{{
     {"s", "s"},
     {"ms", "ms"},
     {"us", "us"},
@@ -43,6 +43,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixe
     {"rpm", "rpm"},
     {"pct", "%"},
     {"percent", "%"},
+    {"permil", "\u2030"},
+    {"counts", "count"},
+    {"incr", "count"},
     {"Hz", "Hz"},
     {"kHz", "kHz"},
     {"kg", "kg"},
@@ -80,8 +83,12 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 58> kSuffixe
 }};
 
 /// Spellings of units in controls, drives and their tools.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 41> kSpellings{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 49> kSpellings{{
     {"Ampere", "A"},
+    {"Aeff", "A"},
+    {"Arms", "A"},
+    {"A_rms", "A"},
+    {"A rms", "A"},
     {"Amp", "A"},
     {"Volt", "V"},
     {"Grad", "deg"},
@@ -117,6 +124,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 41> kSpellin
     {"counts", "count"},
     {"Sek", "s"},
     {"sec", "s"},
+    {"second", "s"},
+    {"seconds", "s"},
+    {"Sekunde", "s"},
+    {"Sekunden", "s"},
     {"msec", "ms"},
     {"usec", "us"},
     {"NM", "N m"},
@@ -129,6 +140,13 @@ bool is_count_word(std::string_view unit) {
   return unit == "counts" || unit == "count" ||
          std::any_of(kSpellings.begin(), kSpellings.end(),
                      [&](const auto& s) { return s.first == unit && s.second == "count"; });
+}
+
+/// The plain unit of a spelling of controls; "" for others.
+std::string_view spelling_of(std::string_view unit) {
+  const auto found =
+      std::find_if(kSpellings.begin(), kSpellings.end(), [&](const auto& s) { return s.first == unit; });
+  return found == kSpellings.end() ? std::string_view() : found->second;
 }
 
 /// "0.00029296875 mm": a unit of the size that the number says, e.g. of one count.
@@ -257,13 +275,15 @@ Column column_of(std::string header, Notes& notes) {
     const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
     const bool counts = is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
+    const std::string_view spelled = open == '[' && !scaled && !counts ? spelling_of(inside) : "";
     const bool unit = !inside.empty() && !counts && !scaled &&
                       !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
                       is_unit(inside);
-    if (dimensionless || unit || counts || scaled) {
+    if (dimensionless || unit || counts || scaled || !spelled.empty()) {
       c.name = before.empty() ? header : before;
-      c.unit_text = dimensionless ? "1" : counts ? "count" : inside;
-    } else if (open == '[' && !inside.empty()) {
+      c.unit_text = dimensionless ? "1" : counts ? "count" : unit || scaled ? inside : std::string(spelled);
+    } else if (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos) {
+      // A number in brackets is an index, r0482[0].
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
     }
     c.header = std::move(header);
@@ -387,14 +407,29 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
     unit.replace(at, 2, "\u00B5");
   }
   if (unit.empty()) return unit;
-  for (const auto& [spelling, plain] : kSpellings) {
-    if (unit == spelling) return std::string(plain);
-  }
+  if (const auto plain = spelling_of(unit); !plain.empty()) return std::string(plain);
   const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
   if ((!number || unit == "1") && is_unit(unit)) return unit;
   notes.push_back("column " + in_quotes(column) + ": unit " + in_quotes(unit) + " is not known");
   return {};
 }
+
+namespace {
+
+/// Files that hold tables, but no text, by their first bytes.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kBinaryTables{
+    {{"PAR1", "a Parquet file"},
+     {"\x89HDF", "an HDF5 file (MATLAB 7.3 writes it too)"},
+     {"MATLAB 5.0", "a MATLAB file"},
+     {"\xD0\xCF\x11\xE0", "an old Excel file"},
+     {"TDSm", "a TDMS file of LabVIEW"},
+     {"MDF ", "a measurement file, MDF"},
+     {"#ROSBAG", "a ROS bag"},
+     {"\x89MCAP", "a ROS bag, MCAP"},
+     {"SQLite format 3", "a database, as ROS 2 records it"},
+     {"\x93NUMPY", "a NumPy array"}}};
+
+}  // namespace
 
 void check_text(std::string_view bytes, const std::string& source) {
   const auto fail = [&](std::size_t line, const char* message) {
@@ -403,6 +438,13 @@ void check_text(std::string_view bytes, const std::string& source) {
   if (bytes.empty()) fail(0, "is empty, expected a header line and data rows");
   if (bytes.substr(0, 4) == "PK\x03\x04") {
     fail(0, "is a zip archive or a spreadsheet, expected CSV text (export it as CSV)");
+  }
+  for (const auto& [start, name] : kBinaryTables) {
+    if (!bytes.starts_with(start)) continue;
+    throw InputError(
+        Problem{source, 0, "",
+                "is " + std::string(name) +
+                    ", expected CSV text (export it as CSV, or give its columns as arrays in Python)"});
   }
   if (const void* nul = std::memchr(bytes.data(), 0, bytes.size())) {
     const auto line = 1 + std::count(bytes.data(), static_cast<const char*>(nul), '\n');

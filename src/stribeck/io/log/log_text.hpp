@@ -144,6 +144,18 @@ void add_groups(Log& log, std::vector<Group> groups, const std::string& time_uni
 /// Notes on gaps and jitter of the time columns; throws on a time that does not increase.
 void note_times(Log& log);
 
+/// Seconds and nanoseconds in two columns become one time, with a note; false where a table has no such pair.
+bool join_seconds(Log& log);
+
+/// A time column without a unit whose numbers can only be times since 1970 in one unit gets it, with a note.
+void tell_epoch(Log& log);
+
+/// What the head of a file says of the sampling, for a message: "Sampling interval: 1000;us"; "" where it says nothing.
+std::string told_sampling(const Log& log);
+
+/// Leaves out a time column whose stamps stand still in more than a twentieth of the rows; for logs whose sample time is given.
+bool leave_out_coarse_time(Log& log);
+
 /// Adds a column t in front, computed from the index of the row; `note` explains it.
 void add_time(Log& log, std::vector<double> values, const std::string& unit);
 

@@ -50,6 +50,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"beschleunigung", Word::kAcceleration},
                             Entry{"force", Word::kForce},
                             Entry{"kraft", Word::kForce},
+                            Entry{"effort", Word::kForce},
                             Entry{"torque", Word::kTorque},
                             Entry{"drehmoment", Word::kTorque},
                             Entry{"momenten", Word::kTorque},
@@ -63,6 +64,9 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"spannung", Word::kVoltage},
                             Entry{"actual", Word::kActual},
                             Entry{"act", Word::kActual},
+                            Entry{"aktuelle", Word::kActual},
+                            Entry{"akt", Word::kActual},
+                            Entry{"estimate", Word::kActual},
                             Entry{"istwert", Word::kActual},
                             Entry{"ist", Word::kActual},
                             Entry{"measured", Word::kActual},
@@ -138,6 +142,22 @@ constexpr std::array<Parameter, 12> kCia402{{{0x6064, LogQuantity::kPosition, 0}
                                              {0x6078, LogQuantity::kCurrent, 0},
                                              {0x6079, LogQuantity::kVoltage, 3}}};
 
+/// SERCOS (IEC 61800-7-204): identification numbers of the standard, and the set-point of IndraDrive's position controller.
+struct Ident {
+  std::string_view number;
+  LogQuantity what;
+  std::size_t rank;
+};
+
+constexpr std::array<Ident, 8> kSercos{{{"s-0-0051", LogQuantity::kPosition, 0},
+                                        {"s-0-0053", LogQuantity::kPosition, 1},
+                                        {"s-0-0047", LogQuantity::kReference, 1},
+                                        {"p-0-0434", LogQuantity::kReference, 0},
+                                        {"s-0-0040", LogQuantity::kVelocity, 0},
+                                        {"s-0-0036", LogQuantity::kReferenceVelocity, 0},
+                                        {"s-0-0084", LogQuantity::kTorque, 0},
+                                        {"s-0-0080", LogQuantity::kTorque, 1}}};
+
 bool is_letter(unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; }
 bool is_digit(unsigned char c) { return std::isdigit(c) != 0; }
 
@@ -178,6 +198,14 @@ std::optional<NameMeaning> sinamics(std::string_view name) {
   int number = 0;
   for (const char c : name) number = 10 * number + (c - '0');
   return found_in(kSinamics, number);
+}
+
+/// "S-0-0051, Position feedback value 1"
+std::optional<NameMeaning> sercos(std::string_view name) {
+  const auto found = std::find_if(kSercos.begin(), kSercos.end(), [&](const Ident& i) {
+    return name.starts_with(i.number) && (name.size() == i.number.size() || !is_digit(name[i.number.size()]));
+  });
+  return found == kSercos.end() ? std::nullopt : std::optional(NameMeaning{found->what, found->rank, {}});
 }
 
 /// Parts of letters and digits between other characters.
@@ -324,9 +352,12 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   if (header.size() > kLongest) return std::nullopt;
   std::string name = lower_case(header);
   if (auto found = cia402(name)) return found;
+  if (auto found = sercos(name)) return found;
   std::string axis;
   // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
-  if (const auto dot = name.rfind('.'); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
+  // A topic of ROS, "/joint_states/joint_z/position", is divided by slashes.
+  const char divider = name.starts_with('/') ? '/' : '.';
+  if (const auto dot = name.rfind(divider); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
     axis = name.substr(0, dot);
     name.erase(0, dot + 1);
   }

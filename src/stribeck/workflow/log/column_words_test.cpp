@@ -47,7 +47,16 @@ TEST(ColumnWords, NamesOfDriveTools) {
       {"Drehmoment", LogQuantity::kTorque, ""},
       {"Momentenistwert", LogQuantity::kTorque, ""},
       {"Kraftistwert", LogQuantity::kForce, ""},
-      {"Spannungsistwert", LogQuantity::kVoltage, ""}};
+      {"Spannungsistwert", LogQuantity::kVoltage, ""},
+      {"AktPos", LogQuantity::kPosition, ""},
+      {"axis0.encoder.pos_estimate", LogQuantity::kPosition, "axis0.encoder"},
+      {"axis0.controller.pos_setpoint", LogQuantity::kReference, "axis0.controller"},
+      {"/joint_states/joint_z/effort", LogQuantity::kForce, "/joint_states/joint_z"},
+      {"/joint_states/position[0]", LogQuantity::kPosition, "0"},
+      {"S-0-0051, Position feedback value 1", LogQuantity::kPosition, ""},
+      {"P-0-0434, Position command value of controller", LogQuantity::kReference, ""},
+      {"S-0-0040", LogQuantity::kVelocity, ""},
+      {"S-0-0084, Torque/force feedback value", LogQuantity::kTorque, ""}};
   for (const auto& [name, what, axis] : all) {
     const auto found = meaning_of(name);
     ASSERT_TRUE(found) << name;

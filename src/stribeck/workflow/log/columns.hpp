@@ -34,7 +34,8 @@ enum class LogQuantity {
   kTorque,
   kCurrent,
   kVoltage,
-  kPercent
+  kPercent,
+  kPressure  ///< difference of the pressures at a piston; never found by its name, for it may be any pressure
 };
 
 /// Names of one signal in lower case. A family is one notation, in order of preference; columns of two families
@@ -109,7 +110,7 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
 template <>
 struct stribeck::EnumNames<stribeck::workflow::LogQuantity> {
   using Q = stribeck::workflow::LogQuantity;
-  static constexpr std::array<std::pair<Q, std::string_view>, 13> names{{{Q::kTime, "t"},
+  static constexpr std::array<std::pair<Q, std::string_view>, 14> names{{{Q::kTime, "t"},
                                                                          {Q::kReference, "r"},
                                                                          {Q::kPosition, "x"},
                                                                          {Q::kMotor, "motor"},
@@ -121,5 +122,6 @@ struct stribeck::EnumNames<stribeck::workflow::LogQuantity> {
                                                                          {Q::kTorque, "torque"},
                                                                          {Q::kCurrent, "current"},
                                                                          {Q::kVoltage, "voltage"},
-                                                                         {Q::kPercent, "percent"}}};
+                                                                         {Q::kPercent, "percent"},
+                                                                         {Q::kPressure, "pressure"}}};
 };

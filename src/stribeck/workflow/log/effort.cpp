@@ -13,8 +13,8 @@ namespace stribeck::workflow {
 namespace {
 
 /// Order in which a log's columns are taken for the force where no gain decides.
-constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kCurrent, LogQuantity::kTorque,
-                             LogQuantity::kPercent, LogQuantity::kVoltage};
+constexpr std::array kForces{LogQuantity::kForce,   LogQuantity::kCurrent, LogQuantity::kTorque,
+                             LogQuantity::kPercent, LogQuantity::kVoltage, LogQuantity::kPressure};
 
 /// Units of a share of the rated torque; CiA 402 has per mille.
 constexpr std::array<std::string_view, 7> kShares{"%",        "pct",       "percent", "\u2030",
@@ -83,9 +83,10 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
   }
   throw io::InputError(
       {columns.log().source, 0, "force",
-       fmt::format("no column for the force, nor for torque, current, voltage or percent; the log has {} "
-                   "(name it with --map force=\"COLUMN UNIT\")",
-                   column_names(columns.log()))});
+       fmt::format(
+           "no column for the force, nor for torque, current, voltage or percent; the log has {} "
+           "(name it with --map force=\"COLUMN UNIT\", or torque, current, voltage, percent, pressure)",
+           column_names(columns.log()))});
 }
 
 /// A force, or a torque that the lead converts to a force.
@@ -131,6 +132,13 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
 [[noreturn]] void refuse_gain(const Candidates& found, const std::string& gain) {
   if (found.ambiguous) throw *found.ambiguous;
   const Effort& first = found.efforts.front();
+  const bool pressure = conversion_between(first.from.unit, "Pa").has_value();
+  if (found.efforts.size() == 1 && first.what == LogQuantity::kForce && pressure) {
+    refuse_option("--gain",
+                  fmt::format("got {}, but column {} is a pressure and no force (--map pressure=\"{} {}\")",
+                              io::in_quotes(gain), io::in_quotes(header_of(*first.from.column)),
+                              first.from.column->name, first.from.unit));
+  }
   if (found.efforts.size() == 1 && first.what == LogQuantity::kForce) {
     refuse_option(
         "--gain",
@@ -149,7 +157,9 @@ bool apply_gain(Effort& e, const std::string& gain, const MotionColumns& motion)
       case LogQuantity::kPercent:
         return "N or N m (at 100 %), N/%";
       case LogQuantity::kTorque:
-        return "1/mm";
+        return "1/mm, or N m/(N m) where the position is an angle,";
+      case LogQuantity::kPressure:
+        return "N/bar";
       default:
         return "N/V, N/A";
     }
@@ -184,8 +194,19 @@ void keep_own_unit(Effort& e, std::vector<std::string>& notes) {
       e.unit = "%";
       gain_unit = "N";
       break;
+    case LogQuantity::kPressure:
+      e.unit = known("Pa");
+      gain_unit = "N/bar";
+      break;
     default:
       e.unit = known("N m");
+  }
+  if (unit.empty() && e.what != LogQuantity::kPercent) {
+    notes.push_back(fmt::format(
+        "the scale of the force is not known: {0} has no unit and is identified as it is (say what it is, with "
+        "--map torque=\"{1} N m\", current=\"{1} A\" or percent=\"{1} %\", and give --gain)",
+        io::in_quotes(header_of(*e.from.column)), e.from.column->name));
+    return;
   }
   notes.push_back(
       fmt::format("the scale of the force is not known: {} is identified in its own unit, {} (with "

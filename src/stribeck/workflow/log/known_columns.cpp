@@ -68,7 +68,8 @@ const std::vector<KnownColumn>& known_quantities() {
         {"i ist", "i actual", "i act"},
         {"actcurrent", "current actual value averaged", "current actual value"}}},
       {LogQuantity::kVoltage, quantity("V", "V"), {{"u", "voltage", "spannung"}, {"outputvoltage"}}},
-      {LogQuantity::kPercent, quantity("", ""), {{"percent", "load"}}}};
+      {LogQuantity::kPercent, quantity("", ""), {{"percent", "load"}}},
+      {LogQuantity::kPressure, quantity("Pa", "bar"), {}}};
   return all;
 }
 

@@ -278,5 +278,26 @@ TEST(Inspect, SaysWhatALogHolds) {
   EXPECT_FALSE(none.json["refused"].is_null());
 }
 
+TEST(LogAxis, PressureIsAForceWithAGain) {
+  const std::string text = csv("t [s],x [mm],dp [bar]", {"t", "x_mm", "percent"});
+  const double percent_to_newton = 5.0;
+  workflow::LogOptions options;
+  options.maps = {"pressure=dp bar"};
+  options.gain = "5 N/bar";
+  const ident::log::RawLog raw = axis_of(text, options);
+  const ident::log::RawLog force = axis_of(csv("t [s],x [mm],f [N]", {"t", "x_mm", "f"}));
+  for (const std::size_t k : {0U, 700U, 2500U})
+    EXPECT_NEAR(raw.f.y.at(k), force.f.y.at(k), 1e-5 * percent_to_newton);
+  // It is never taken by itself, and the way out is named.
+  EXPECT_THAT(refusal(text), HasSubstr("pressure"));
+  options.maps = {"force=dp bar"};
+  EXPECT_THAT(refusal(text, options), HasSubstr("--map pressure=\"dp bar\""));
+}
+
+TEST(LogAxis, TorqueWithoutAUnitSaysWhatToGive) {
+  const auto logged = workflow::logged_axis(log_of(csv("t [s],x [mm],torque", {"t", "x_mm", "percent"})), {});
+  EXPECT_THAT(logged.notes, Contains(HasSubstr("--map torque=\"torque N m\"")));
+}
+
 }  // namespace
 }  // namespace stribeck::test::log_axis_test

@@ -25,6 +25,7 @@ const std::vector<double>& LogTimes::seconds(int index) {
   } catch (const io::InputError& e) {
     io::Problem p = e.problems().front();
     p.file = log_.source;
+    if (column.unit_text.empty()) p.message += "; or give it with --map t=\"" + column.name + " s\"";
     throw io::InputError(p);
   }
 }

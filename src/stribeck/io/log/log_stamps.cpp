@@ -1,0 +1,89 @@
+// Time stamps of tables: seconds and nanoseconds in two columns, times since 1970 without a unit, stamps that are no use
+// beside a given sample time.
+#include <algorithm>
+#include <array>
+#include <stribeck/io/log/column_names.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/units.hpp>
+#include <utility>
+
+namespace stribeck::io::detail {
+namespace {
+
+const Column* called(const Log& log, const std::string& name) {
+  const auto found = std::find_if(log.columns.begin(), log.columns.end(), [&](const Column& c) {
+    return c.texts.empty() && lower_case(c.header) == name;
+  });
+  return found == log.columns.end() ? nullptr : &*found;
+}
+
+/// ROS 1 and ROS 2, as their tools export them: header.stamp.secs and header.stamp.nsecs.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecondsAndRest{
+    {{"secs", "nsecs"}, {"sec", "nanosec"}, {"sec", "nsec"}}};
+
+}  // namespace
+
+bool join_seconds(Log& log) {
+  for (const auto& [seconds, rest] : kSecondsAndRest) {
+    for (const Column& whole : log.columns) {
+      const std::string name = lower_case(whole.header);
+      if (!whole.texts.empty() || !name.ends_with(seconds)) continue;
+      const std::string stem = name.substr(0, name.size() - seconds.size());
+      const Column* part = called(log, stem + std::string(rest));
+      if (part == nullptr || part->values.size() != whole.values.size() || whole.values.empty()) continue;
+      // Seconds since 1970 have too many digits for nanoseconds behind them.
+      const double first = whole.values.front();
+      std::vector<double> t(whole.values.size());
+      for (std::size_t k = 0; k < t.size(); ++k) t[k] = (whole.values[k] - first) + 1e-9 * part->values[k];
+      log.notes.push_back("the time is the sum of columns " + in_quotes(whole.header) + " and " +
+                          in_quotes(part->header) + ", from the second of the first row on");
+      add_time(log, std::move(t), "s");
+      return true;
+    }
+  }
+  return false;
+}
+
+void tell_epoch(Log& log) {
+  const int at = time_column(log);
+  if (at < 0) return;
+  Column& c = log.columns[static_cast<std::size_t>(at)];
+  if (!c.unit_text.empty() || c.values.empty()) return;
+  const auto [low, high] = std::minmax_element(c.values.begin(), c.values.end());
+  // From September 2001 to October 2096; the ranges of the units do not meet.
+  for (const auto& [unit, scale] : {std::pair{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}) {
+    if (*low < 1e9 * scale || *high > 4e9 * scale) continue;
+    c.unit_text = unit;
+    c.unit_assumed = true;
+    log.notes.push_back("column " + in_quotes(c.header) +
+                        " has no unit; its numbers are times since 1970 in " + unit);
+    return;
+  }
+}
+
+std::string told_sampling(const Log& log) {
+  constexpr std::array<std::string_view, 5> kWords{"sampl", "abtast", "time step", "zeitschritt", "cycle"};
+  for (const auto& [key, value] : log.metadata) {
+    const std::string name = lower_case(key);
+    if (std::any_of(kWords.begin(), kWords.end(),
+                    [&](std::string_view word) { return name.find(word) != std::string::npos; }))
+      return key + ": " + value;
+  }
+  return {};
+}
+
+bool leave_out_coarse_time(Log& log) {
+  const int at = time_column(log);
+  if (at < 0) return false;
+  const Column& c = log.columns[static_cast<std::size_t>(at)];
+  std::size_t same = 0;
+  for (std::size_t k = 1; k < c.values.size(); ++k) same += c.values[k] == c.values[k - 1] ? 1 : 0;
+  if (same * 20 <= c.values.size()) return false;
+  log.notes.push_back("column " + in_quotes(c.header) + " was left out: its stamps stand still in " +
+                      std::to_string(same) + " of " + std::to_string(c.values.size()) +
+                      " rows, and the sample time is given");
+  log.columns.erase(log.columns.begin() + at);
+  return true;
+}
+
+}  // namespace stribeck::io::detail

@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <string>
+
+namespace stribeck::io::log_stamps_test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Log parse(const std::string& text, const ReadOptions& options = {}) {
+  return parse_log(text, "log.csv", options);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const InputError& e) {
+    return e.problems().front().text();
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(LogStamps, SecondsAndNanosecondsOfRos) {
+  for (const auto& [seconds, rest] : {std::pair{"secs", "nsecs"}, std::pair{"sec", "nanosec"}}) {
+    const Log log = parse("time,header.stamp." + std::string(seconds) + ",header.stamp." + rest +
+                          ",position[0]\n"
+                          "2024/05/12/10:23:11.1,1715509391,999000000,1.5\n"
+                          "2024/05/12/10:23:12.1,1715509392,1000000,1.6\n");
+    const Column& t = log.columns.at(static_cast<std::size_t>(time_column(log)));
+    EXPECT_EQ(t.unit_text, "s");
+    // Two milliseconds, to the nanosecond.
+    EXPECT_NEAR(t.values.at(1) - t.values.at(0), 2e-3, 1e-12);
+    EXPECT_THAT(log.notes, Contains(HasSubstr(rest)));
+    // The number in brackets is an index.
+    EXPECT_EQ(log.columns.back().unit_text, "");
+    EXPECT_THAT(log.notes, ::testing::Not(Contains(HasSubstr("is not known"))));
+  }
+}
+
+TEST(LogStamps, NamesInACommentAboveRowsWithText) {
+  const Log log = parse(
+      "%time,field.frame,field.name0,field.effort0\n1715509391100000000,,z,1\n"
+      "1715509391102000000,,z,2\n");
+  ASSERT_EQ(log.rows, 2U);
+  EXPECT_EQ(log.columns.at(0).unit_text, "ns");
+  EXPECT_EQ(log.at("field.effort0").values.at(1), 2.0);
+  EXPECT_EQ(log.at("field.name0").texts.at(0), "z");
+}
+
+TEST(LogStamps, TimesSince1970HaveAUnit) {
+  const auto unit = [](const std::string& first, const std::string& second) {
+    const Log log = parse("__time,x_mm\n" + first + ",1\n" + second + ",2\n");
+    return log.columns.at(static_cast<std::size_t>(time_column(log))).unit_text;
+  };
+  EXPECT_EQ(unit("1715509391.1", "1715509391.2"), "s");
+  EXPECT_EQ(unit("1715509391100", "1715509391200"), "ms");
+  EXPECT_EQ(unit("1715509391100000", "1715509391200000"), "us");
+  EXPECT_EQ(unit("1715509391100000000", "1715509391200000000"), "ns");
+  EXPECT_EQ(unit("0", "1"), "");
+}
+
+TEST(LogStamps, AGivenSampleTimeTakesThePlaceOfStampsThatStandStill) {
+  ReadOptions options;
+  options.sample_time = 0.25;
+  const Log log = parse("t_s,x_mm\n0,1\n0,2\n0,3\n1,4\n1,5\n", options);
+  EXPECT_DOUBLE_EQ(log.columns.at(0).values.at(4), 1.0);
+  EXPECT_EQ(log.columns.size(), 2U);
+  EXPECT_THAT(log.notes, Contains(HasSubstr("stand still in 3 of 5 rows")));
+  // Good stamps stay.
+  EXPECT_THAT(parse("t_s,x_mm\n0,1\n1,2\n2,3\n", options).notes, Contains(HasSubstr("is not used")));
+}
+
+TEST(LogStamps, TheHeadIsQuotedWhereTheTimeIsMissing) {
+  EXPECT_THAT(refusal("Scope\nSampling cycle;1.000;msec\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
+              HasSubstr("its head says \"Sampling cycle: 1.000;msec\""));
+  EXPECT_THAT(refusal("x_mm,i_A\n0,1\n1,2\n"), HasSubstr("has no time column (give"));
+}
+
+TEST(LogStamps, FilesThatAreNoText) {
+  EXPECT_THAT(refusal("PAR1\x15"), HasSubstr("is a Parquet file"));
+  EXPECT_THAT(refusal("\x89HDF\r\n"), HasSubstr("is an HDF5 file"));
+  EXPECT_THAT(refusal("MATLAB 5.0 MAT-file"), HasSubstr("arrays in Python"));
+  EXPECT_THAT(refusal("<!DOCTYPE html><html></html>"), HasSubstr("is a page of HTML"));
+}
+
+}  // namespace
+}  // namespace stribeck::io::log_stamps_test
