@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <stribeck/ident/drive/aligned_log.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <string>
+#include <utility>
 
 namespace stribeck::ident::drive {
 namespace {
@@ -101,9 +103,12 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
     for (std::size_t k = 1; k + 1 < v.size(); ++k)
       m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
     if (m.loop == log::Loop::kAutomatic) {
-      notes.warn(
+      std::string text =
           r.source +
-          ": no reference and no programmed force: the mass is found from smoothed accelerations alone");
+          ": no reference and no programmed force: the mass is found from smoothed accelerations alone";
+      // A log with gaps has many records.
+      if (std::find(notes.warnings.begin(), notes.warnings.end(), text) == notes.warnings.end())
+        notes.warn(std::move(text));
     }
     out.motions.push_back(std::move(m));
     out.force.push_back(std::move(force));

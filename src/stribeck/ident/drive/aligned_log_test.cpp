@@ -52,7 +52,8 @@ TEST(AlignedLog, WithoutAReferenceNothingIsPredicted) {
   EXPECT_FALSE(with.predicted[0].empty());
   EXPECT_THAT(notes.warnings, IsEmpty());
   rec.r.clear();
-  const AlignedLog without = reconstruct_all({&rec, 1}, 0.0, std::nullopt, notes);
+  const std::vector<log::Record> pieces{rec, rec};
+  const AlignedLog without = reconstruct_all(pieces, 0.0, std::nullopt, notes);
   EXPECT_TRUE(without.predicted[0].empty());
   EXPECT_EQ(without.shift, kHeldForce);
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("no reference and no programmed force")));

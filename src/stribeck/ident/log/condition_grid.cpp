@@ -125,6 +125,58 @@ std::vector<Table> on_slow_grid(std::vector<Table> tables, Sampling& sampling, N
   return out;
 }
 
+namespace {
+
+/// Lengths of the runs of equal rows at velocities above `rest`, in ascending order.
+std::vector<std::size_t> equal_runs(const Table& m, double rest) {
+  std::vector<std::size_t> runs;
+  for (std::size_t k = 1, length = 0; k <= m.rows(); ++k) {
+    if (k < m.rows() && std::abs(m.v[k]) > rest && same_row(m, k, k - 1)) {
+      ++length;
+      continue;
+    }
+    if (length > 0) runs.push_back(length);
+    length = 0;
+  }
+  std::sort(runs.begin(), runs.end());
+  return runs;
+}
+
+/// Whether rows first to end, of equal values, are more than coarse channels repeat: next to them a row equals the one before with
+/// probability p, and a log of n rows has n·p^rows such runs. Where p is not small it differs from speed to speed, and chance
+/// makes more than one run of half the length.
+bool beyond_chance(const Table& m, std::size_t first, std::size_t end, const std::vector<std::size_t>& runs) {
+  constexpr double kOften = 0.2;
+  constexpr std::ptrdiff_t kAlike = 3;
+  constexpr std::size_t kAround = 200;
+  constexpr double kRuns = 1e-4;
+  double same = 1.0;  // Laplace: a share is never 0 for a few rows
+  double seen = 2.0;
+  const auto count = [&](std::size_t from, std::size_t to) {
+    for (std::size_t k = std::max<std::size_t>(1, from); k < to; ++k) {
+      same += same_row(m, k, k - 1) ? 1.0 : 0.0;
+      seen += 1.0;
+    }
+  };
+  count(first > kAround ? first - kAround : 1, first + 1);
+  count(end, std::min(m.rows(), end + kAround));
+  const auto rows = static_cast<double>(end - first - 1);
+  const auto alike = runs.end() - std::lower_bound(runs.begin(), runs.end(), (end - first) / 2);
+  if (same / seen > kOften && alike > kAlike) return false;
+  return static_cast<double>(m.rows()) * std::pow(same / seen, rows) < kRuns;
+}
+
+std::string frozen_text(bool at_end, bool velocity_only, const std::string& jump) {
+  if (at_end) return "every channel keeps its value while the axis moves: the logger had stopped; cut off";
+  if (velocity_only)
+    return "every channel keeps its value to the last digit while the axis moves: the logger was frozen; cut out";
+  return fmt::format(
+      "every channel keeps its value while the axis moves, the position then jumps by {}: the logger was frozen; cut out",
+      jump);
+}
+
+}  // namespace
+
 std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold, Notes& notes) {
   if (!notes.wanted("frozen")) return tables;
   std::vector<Table> out;
@@ -143,6 +195,8 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
       continue;
     }
     const double step = std::max(quantum(y), stats::thinned_quantile(moves, 0.05));
+    const std::vector<std::size_t> runs =
+        velocity_only ? equal_runs(m, 5.0 * step) : std::vector<std::size_t>();
     std::size_t from = 0;
     for (std::size_t k = 1; k < m.rows(); ++k) {
       if (m.f[k] != m.f[k - 1]) continue;
@@ -160,8 +214,8 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
       if (fresh == m.rows()) fresh = end;
       const double jump = at_end ? 0.0 : y[fresh] - y[first];
       if (velocity_only) {
-        // Velocity, force and reference are constant to the last bit: this happens only at a coarse standstill.
-        frozen = std::abs(y[first]) > 5.0 * step && step > 0.0;
+        // Velocity, force and reference are constant to the last bit: at standstill, or by chance where both are coarse.
+        frozen = std::abs(y[first]) > 5.0 * step && step > 0.0 && beyond_chance(m, first, end, runs);
       } else {
         const double speed = (y[first] - y[first - look]) / static_cast<double>(look);  // per row
         const double travel = speed * static_cast<double>(rows);
@@ -177,15 +231,9 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
         }
       }
       if (!frozen) continue;
-      notes.add_range(
-          "frozen", m, first, end - 1, true,
-          at_end
-              ? std::string("every channel keeps its value while the axis moves: the logger had "
-                            "stopped; cut off")
-              : fmt::format("every channel keeps its value while the axis moves, the position then jumps by "
-                            "{}: the logger was frozen; cut out",
-                            notes.travel(jump)),
-          {m.t[first], m.t[end - 1], jump});
+      notes.add_range("frozen", m, first, end - 1, true,
+                      frozen_text(at_end, velocity_only, notes.travel(jump)),
+                      {m.t[first], m.t[end - 1], jump});
       out.push_back(slice(m, from, first + 1));
       out.back().gap_before = m.gap_before || from > 0;
       from = at_end ? end : fresh;

@@ -108,6 +108,25 @@ void mend_spikes(std::vector<Table>& tables, double resolution, std::vector<doub
       {first_value, first_mended, static_cast<double>(found.size())});
 }
 
+namespace {
+
+/// Whether the position goes on, by more than the counts and the noise by which it changes to and fro at rest.
+bool goes_on(const std::vector<double>& x, std::size_t first, std::size_t last) {
+  constexpr double kCountsAtRest = 3.0;
+  constexpr double kNoiseAtRest = 5.0;  // of white noise the ends differ by more than that once in a million
+  double count = std::numeric_limits<double>::infinity();
+  double squares = 0.0;
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    const double step = std::abs(x[k] - x[k - 1]);
+    if (step > 0.0) count = std::min(count, step);
+    squares += step * step;
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(last - first));
+  return std::abs(x[last] - x[first]) > std::max(kCountsAtRest * count, kNoiseAtRest * rms);
+}
+
+}  // namespace
+
 /// Force that keeps its value to the last bit while the axis accelerates.
 std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes& notes) {
   if (!notes.wanted("stuck")) return tables;
@@ -140,7 +159,7 @@ std::vector<Table> cut_stuck_force(std::vector<Table> tables, double hold, Notes
     std::size_t begin = 0;
     for (std::size_t k = 1; k <= m.rows(); ++k) {
       if (k < m.rows() && m.f[k] == m.f[begin]) continue;
-      const bool moves = k - begin > shortest && m.x[k - 1] != m.x[begin];
+      const bool moves = k - begin > shortest && goes_on(m.x, begin, k - 1);
       const bool limit = m.f[begin] == low || m.f[begin] == high;
       if (moves && !limit && !programmed(m, begin, k - 1)) {
         notes.add_range(

@@ -310,6 +310,12 @@ TEST(Condition, RowsAreCountedBetweenChangesOfACoarseStamp) {
   EXPECT_THAT(only(c, "rounded-time").text, HasSubstr("--sample-time"));
   // Between the changes stands a whole number of milliseconds.
   EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-12);
+  // At standstill rows of one stamp are equal: they count too.
+  RawLog still = log;
+  for (std::size_t k = 3000; k < 3600; ++k) {
+    for (std::vector<double>* column : {&still.x.y, &still.v.y, &still.f.y}) (*column)[k] = (*column)[3000];
+  }
+  EXPECT_NEAR(condition(still).records[0].sample_time, 1e-3, 1e-12);
   // No whole second: the rate is not known.
   for (std::vector<double>* column : {&short_log.x.t, &short_log.x.y, &short_log.v.y, &short_log.f.y})
     column->resize(900);
@@ -563,6 +569,46 @@ TEST(Condition, StuckChannels) {
   const Conditioned d = condition(log);
   EXPECT_EQ(only(d, "stuck").row, 3001U);
   EXPECT_EQ(d.records.size(), 2U);
+}
+
+// Whole rpm and tenths of a percent repeat some rows at constant speed.
+TEST(Condition, CoarseSpeedAndForceAreNotFrozen) {
+  RawLog log = logged();
+  log.v.t = log.x.t;
+  log.x = {};
+  std::mt19937_64 engine(3);
+  for (std::size_t k = 0; k < log.v.y.size(); ++k) {
+    // Forward seven rows of eight are equal, back some more than every third.
+    std::bernoulli_distribution up(k / 2000 % 2 == 0 ? 0.03 : 0.25);
+    log.v.y[k] = (k / 2000 % 2 == 0 ? 0.05 : -0.05) + (up(engine) ? 0.001 : 0.0);
+    log.f.y[k] = log.v.y[k] > 0.0 ? 20.0 : -20.0;
+    if (up(engine)) log.f.y[k] += 0.5;
+  }
+  EXPECT_THAT(kinds(condition(log)), Not(Contains("frozen")));
+  // A long run is one.
+  for (std::size_t k = 1000; k < 1300; ++k) {
+    log.v.y[k] = log.v.y[1000];
+    log.f.y[k] = log.f.y[1000];
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(kinds(c), Contains("frozen"));
+  EXPECT_THAT(c.findings.front().text, HasSubstr("to the last digit"));
+}
+
+// The position of an axis at rest changes by some counts, and the drive may hold it with one and the same force.
+TEST(Condition, ConstantForceAtRestStays) {
+  for (const int counts : {1, 20}) {
+    RawLog log = logged();
+    log.v.y.clear();
+    std::mt19937_64 engine(11);
+    std::uniform_int_distribution<int> any(-counts, counts);
+    const double rest = log.x.y[4000];
+    for (std::size_t k = 4000; k < 4600; ++k) {
+      log.x.y[k] = rest + 1e-7 * any(engine);
+      log.f.y[k] = log.f.y[4000];
+    }
+    EXPECT_THAT(kinds(condition(log)), Not(Contains("stuck"))) << counts;
+  }
 }
 
 // Between its ramps a programmed force is zero while the axis springs back; that is no stuck channel.

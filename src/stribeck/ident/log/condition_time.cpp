@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kGap = 1.5;
 constexpr std::size_t kMostSteps = 50000;
+constexpr std::size_t kRareRepeats = 20;  ///< one stamp in so many that stands still is a fault of the logger
 
 /// Power of ten to which time stamps are rounded; 0 where they are not.
 double rounding_of(const std::vector<double>& t) {
@@ -126,12 +127,16 @@ void drop_repeated_rows(Table& m, Notes& notes) {
   std::vector<std::uint8_t> gone(m.rows(), 0);
   std::size_t found = 0;
   std::size_t first = 0;
+  std::size_t stamps = 0;
   for (std::size_t k = 1; k < m.rows(); ++k) {
-    if (m.t[k] != m.t[k - 1] || !same_row(m, k, k - 1)) continue;
+    if (m.t[k] != m.t[k - 1]) continue;
+    ++stamps;
+    if (!same_row(m, k, k - 1)) continue;
     gone[k] = 1;
     if (found++ == 0) first = k;
   }
-  if (found == 0) return;
+  // Of stamps that are coarser than the rows many stand still, and at standstill the rows are equal too.
+  if (found == 0 || (stamps - found) * kRareRepeats > m.rows()) return;
   notes.add("double-time", m, first, true,
             fmt::format("{} rows repeat the row before them, time included; left out", found),
             {static_cast<double>(found)});
@@ -186,7 +191,7 @@ void mend_double_stamps(Table& m, Notes& notes) {
     if (m.t[k] < m.t[k - 1]) ++back;
   }
   if (twice == 0) return;
-  if (twice * 20 > m.rows()) {
+  if (twice * kRareRepeats > m.rows()) {
     restamp_coarse(m, {first, twice, back}, notes);
     return;
   }
