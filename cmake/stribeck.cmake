@@ -30,6 +30,10 @@ add_library(stribeck_flags INTERFACE)
 target_compile_options(stribeck_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -ffp-contract=off -fno-math-errno)
+if(STRIBECK_JOIN_TIMES GREATER 1)
+  # A local name may be that of another file of a large group; each file by itself is looked at in the small groups.
+  target_compile_options(stribeck_flags INTERFACE -Wno-shadow)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports false positives here for std::variant, std::optional and, behind a precompiled header, std::string.
   target_compile_options(stribeck_flags INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict -Wno-stringop-overread
@@ -54,7 +58,7 @@ endif()
 
 # stribeck_join(<target> SIZE <n> [ALONE <file>...]): the compiler reads the sources of a folder in groups of n, which halves the time
 # to compile everything (decision 0012). Names in anonymous namespaces must therefore differ within a folder. ALONE: files that are
-# compiled by themselves. With STRIBECK_JOIN off every file is.
+# compiled by themselves. With STRIBECK_JOIN off every file is. STRIBECK_JOIN_TIMES makes groups that many times as large.
 function(stribeck_join target)
   cmake_parse_arguments(J "" "SIZE" "ALONE" ${ARGN})
   if(NOT STRIBECK_JOIN)
@@ -69,7 +73,7 @@ function(stribeck_join target)
     get_filename_component(folder ${name} DIRECTORY)
     string(MAKE_C_IDENTIFIER "room_${folder}" folder)
     math(EXPR count_${folder} "0${count_${folder}} + 1")
-    math(EXPR group "${count_${folder}} / ${J_SIZE}")
+    math(EXPR group "${count_${folder}} / (${J_SIZE} * ${STRIBECK_JOIN_TIMES})")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
@@ -183,7 +187,8 @@ function(stribeck_test name)
   file(CONFIGURE OUTPUT ${header} CONTENT "#define STRIBECK_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\"\n")
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-include${header}>)
   if(STRIBECK_JOIN)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    math(EXPR size "8 * ${STRIBECK_JOIN_TIMES}")
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
   endif()
   if(T_LABELS)
     set(properties PROPERTIES LABELS "${T_LABELS}")
