@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
@@ -18,6 +21,8 @@
 #include <apps/web/site.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/workflow/live/sampler_stream.hpp>
+#include <stribeck/workflow/live/stream_out.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::cli {
@@ -28,7 +33,49 @@ struct ServeCommand {
   int port = 0;
   std::string address = "127.0.0.1";
   std::string token;
+  workflow::SamplerOptions live;
+  std::string live_columns;
+  std::string udp;
+  std::string mqtt;
 };
+
+/// "x-cmd mm, x-fb mm"
+std::vector<std::string> apart(const std::string& text) {
+  std::vector<std::string> all;
+  for (std::size_t at = 0; at <= text.size() && !text.empty();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::size_t first = text.find_first_not_of(' ', at);
+    const std::size_t last = text.find_last_not_of(' ', end == 0 ? 0 : end - 1);
+    if (first >= end || last < first)
+      refuse_option("--live-columns",
+                    fmt::format("got {}, expected \"NAME UNIT,NAME UNIT,…\"", io::in_quotes(text)));
+    all.push_back(text.substr(first, last - first + 1));
+    at = end + 1;
+  }
+  return all;
+}
+
+/// The stream that the options name; absent: none.
+std::optional<workflow::SamplerOptions> sampler_of(const ServeCommand& o) {
+  if (o.live.source.empty()) {
+    if (!o.live_columns.empty() || !o.live.side_file.empty() || !o.live.sample_time.empty() ||
+        !o.live.axes.empty())
+      refuse_option("--live", "is missing, the options --live-… belong to it (add --live FILE, or --live -)");
+    return {};
+  }
+  workflow::SamplerOptions sampler = o.live;
+  sampler.columns = apart(o.live_columns);
+  return sampler;
+}
+
+std::vector<std::shared_ptr<workflow::LiveSink>> sinks_of(const ServeCommand& o) {
+  constexpr unsigned short kMqttPort = 1883;
+  std::vector<std::shared_ptr<workflow::LiveSink>> sinks;
+  if (!o.udp.empty()) sinks.push_back(workflow::udp_sink(workflow::read_endpoint("--udp", o.udp, 0, false)));
+  if (!o.mqtt.empty())
+    sinks.push_back(workflow::mqtt_sink(workflow::read_endpoint("--mqtt", o.mqtt, kMqttPort, true)));
+  return sinks;
+}
 
 void check_serve(const ServeCommand& o) {
   std::error_code wrong;
@@ -58,7 +105,7 @@ std::string host_to_open(const std::string& address) {
 
 int serve(const ServeCommand& o) {
   check_serve(o);
-  web::Site site({o.folder, o.token, STRIBECK_VERSION});
+  web::Site site({o.folder, o.token, STRIBECK_VERSION, sampler_of(o), sinks_of(o)});
   web::Listen listen{o.address, static_cast<unsigned short>(o.port)};
   listen.signals = true;
   web::HttpServer server(listen, {[&](const web::Request& head) { return site.admit(head); },
@@ -85,7 +132,7 @@ int serve(const ServeCommand& o) {
 void add_serve(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "serve",
-      "Show the dashboard in a browser: what changes while a knob turns, and identification of logs that are dropped");
+      "Show the dashboard in a browser: what changes while a knob turns, identification of logs that are dropped, and a machine that runs");
   auto o = std::make_shared<ServeCommand>();
   verb->add_option("folder", o->folder,
                    "Folder whose machine files can be chosen beside those that are built in")
@@ -102,8 +149,34 @@ void add_serve(CLI::App& app, Action& action) {
           "--token", o->token,
           "Word that every request must bring, 16 characters or more; the printed address contains it")
       ->type_name("TOKEN");
+  verb->add_option(
+          "--live", o->live.source,
+          "Stream of a machine to show, as LinuxCNC's halsampler writes it: a file that grows, a pipe, or - for the standard input")
+      ->type_name("FILE");
+  verb->add_option("--live-columns", o->live_columns, "Its columns in their order, with units")
+      ->type_name("\"NAME UNIT,…\"");
+  verb->add_option("--live-side", o->live.side_file,
+                   "The same, and the sample time, from a side file as beside a log (columns, sample_time)")
+      ->type_name("FILE.toml");
+  verb->add_option("--live-period", o->live.sample_time, "Period of the thread that samples")
+      ->type_name("TIME");
+  verb->add_option(
+          "--live-axis", o->live.axes,
+          "Columns with commanded and actual position of an axis, for the contour error; left out: by their names")
+      ->type_name("AXIS=COMMANDED,ACTUAL")
+      ->expected(1)
+      ->take_all();
+  verb->add_option(
+          "--udp", o->udp,
+          "Send every row of a stream as JSON in a UDP datagram, which PlotJuggler reads; without HOST to this computer")
+      ->type_name("[HOST:]PORT");
+  verb->add_option("--mqtt", o->mqtt,
+                   "Publish every row of a stream at this MQTT broker; TOPIC: stribeck/live")
+      ->type_name("HOST[:PORT][/TOPIC]");
   refuse_empty_options(*verb);
-  verb->footer("Example:\n  stribeck serve machines\n  stribeck serve --port 8080");
+  verb->footer(
+      "Examples:\n  stribeck serve machines\n  stribeck serve --port 8080\n"
+      "  halsampler -t | stribeck serve --live - --live-side run.log.toml --udp 9870");
   verb->callback([o, &action] { action = [o] { return serve(*o); }; });
 }
 

@@ -26,7 +26,10 @@ struct Response {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  std::vector<std::pair<std::string, std::string>> headers;  ///< further ones
+  std::vector<std::pair<std::string, std::string>> headers = {};  ///< further ones
+  /// Of an answer without an end, in place of the body: its next piece, asked for again when the last one has been taken and a moment
+  /// has passed; empty: nothing yet; absent: the end. Called on the carrying thread; must not take long.
+  std::function<std::optional<std::string>()> next = {};
 };
 
 /// To be called once, from any thread.

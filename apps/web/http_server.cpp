@@ -30,7 +30,8 @@ constexpr std::size_t kMostTarget = 2048;
 constexpr std::chrono::seconds kHeadTime{30};
 constexpr std::chrono::seconds kBodyTime{120};
 constexpr std::chrono::seconds kRestTime{2};
-constexpr std::chrono::milliseconds kPause{200};  // after an accept that failed
+constexpr std::chrono::milliseconds kPieceTime{100};  // between two pieces of an answer without an end
+constexpr std::chrono::milliseconds kPause{200};      // after an accept that failed
 
 net::ip::address parsed(const std::string& address) {
   beast::error_code wrong;
@@ -80,7 +81,8 @@ namespace {
 template <class State>
 class Session : public std::enable_shared_from_this<Session<State>> {
  public:
-  Session(tcp::socket socket, State* state) : stream_(std::move(socket)), state_(state) {
+  Session(tcp::socket socket, State* state)
+      : stream_(std::move(socket)), state_(state), pause_(stream_.get_executor()) {
     ++state_->connections;
   }
   ~Session() {
@@ -176,15 +178,9 @@ class Session : public std::enable_shared_from_this<Session<State>> {
   }
 
   void write(Response response) {
+    if (response.next) return open_stream(std::move(response));
     answer_.emplace();
-    answer_->result(static_cast<unsigned>(response.status));
-    answer_->set(http::field::content_type, response.type);
-    answer_->set(http::field::cache_control, "no-store");
-    answer_->set("X-Content-Type-Options", "nosniff");
-    answer_->set("Referrer-Policy", "no-referrer");
-    answer_->set("Cross-Origin-Resource-Policy", "same-origin");
-    answer_->set("X-Frame-Options", "DENY");
-    for (const auto& [name, value] : response.headers) answer_->set(name, value);
+    fill(*answer_, response);
     answer_->keep_alive(!ends_);
     answer_->body() = std::move(response.body);
     answer_->prepare_payload();
@@ -199,6 +195,52 @@ class Session : public std::enable_shared_from_this<Session<State>> {
                         self->stream_.expires_after(kRestTime);
                         self->drain();
                       });
+  }
+
+  template <class Answer>
+  static void fill(Answer& answer, const Response& response) {
+    answer.result(static_cast<unsigned>(response.status));
+    answer.set(http::field::content_type, response.type);
+    answer.set(http::field::cache_control, "no-store");
+    answer.set("X-Content-Type-Options", "nosniff");
+    answer.set("Referrer-Policy", "no-referrer");
+    answer.set("Cross-Origin-Resource-Policy", "same-origin");
+    answer.set("X-Frame-Options", "DENY");
+    for (const auto& [name, value] : response.headers) answer.set(name, value);
+  }
+
+  /// An answer without an end. It ends with the connection, so that no length is needed.
+  void open_stream(Response response) {
+    next_ = std::move(response.next);
+    stream_head_.emplace();
+    fill(*stream_head_, response);
+    stream_head_->keep_alive(false);
+    serializer_.emplace(*stream_head_);
+    stream_.expires_after(kBodyTime);
+    http::async_write_header(stream_, *serializer_,
+                             [self = this->shared_from_this()](beast::error_code ec, std::size_t) {
+                               if (!ec) self->send_piece();
+                             });
+  }
+
+  void send_piece() {
+    std::optional<std::string> piece = next_();
+    if (!piece) return;
+    if (piece->empty()) return await_piece();
+    piece_ = std::move(*piece);
+    stream_.expires_after(kBodyTime);
+    net::async_write(stream_, net::buffer(piece_),
+                     [self = this->shared_from_this()](beast::error_code ec, std::size_t) {
+                       if (!ec) self->await_piece();
+                     });
+  }
+
+  void await_piece() {
+    stream_.expires_never();
+    pause_.expires_after(kPieceTime);
+    pause_.async_wait([self = this->shared_from_this()](beast::error_code ec) {
+      if (!ec) self->send_piece();
+    });
   }
 
   /// Takes the rest of a request that was refused: a connection that is closed before would lose the answer on its way.
@@ -220,6 +262,12 @@ class Session : public std::enable_shared_from_this<Session<State>> {
   beast::flat_buffer buffer_{16384 + kHeadLimit};
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::response<http::string_body>> answer_;
+  // Of an answer without an end.
+  std::optional<http::response<http::empty_body>> stream_head_;
+  std::optional<http::response_serializer<http::empty_body>> serializer_;
+  std::function<std::optional<std::string>()> next_;
+  std::string piece_;
+  net::steady_timer pause_;
   bool ends_ = false;
   bool counted_ = false;
 };

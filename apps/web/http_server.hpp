@@ -3,7 +3,8 @@
 /// thread. This is the only translation unit that sees Beast.
 ///
 /// Bounds: connections (further clients wait until one ends), 8 kB of head, a body as the handler admits it, and few large bodies at
-/// once; 30 s for a head, 120 s for a body and for an answer to be taken.
+/// once; 30 s for a head, 120 s for a body and for an answer to be taken. An answer without an end (Response::next) holds one piece at a
+/// time: of a client that is slow less is asked, and one that takes nothing for 120 s is left.
 /// Real time: no.
 /// Errors: io::InputError for an address or a port that cannot be had.
 

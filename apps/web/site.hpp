@@ -9,19 +9,25 @@
 ///   POST /api/inspect  /api/identify       IdentifyRequest as JSON
 ///   POST /api/forget?id=                   removes a log
 ///   GET  /results/page?id=                 the page of an identification
+///   GET  /live  /api/live  /api/live/events          the stream, as server-sent events
+///   POST /api/live/start                   LiveRequest as JSON
+///   POST /api/live/stop  record  save  discard  identify
 ///
 /// Nothing outside the folder, the built-in files and the session's own temporary folder is read; nothing outside the latter is
-/// written. An error is {"error": text} with 400 (request), 422 (no result), 503 (busy); {"outdated": true} where a newer request of the
+/// written, but the recordings of a stream, which go to the folder. An error is {"error": text} with 400 (request), 422 (no result), 503 (busy); {"outdated": true} where a newer request of the
 /// same page came.
 /// Threads: safe. Real time: no.
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include <apps/web/guard.hpp>
 #include <apps/web/http.hpp>
 #include <apps/web/identify_view.hpp>
+#include <apps/web/live/live_view.hpp>
 #include <apps/web/machines.hpp>
 #include <apps/web/newest.hpp>
 #include <apps/web/uploads.hpp>
@@ -33,6 +39,8 @@ struct SiteOptions {
   std::filesystem::path folder = ".";
   std::string token;  ///< empty: none is asked for
   std::string version;
+  std::optional<workflow::SamplerOptions> sampler = {};         ///< the stream to show
+  std::vector<std::shared_ptr<workflow::LiveSink>> sinks = {};  ///< who gets the rows of every stream
 };
 
 class Site {
@@ -50,6 +58,9 @@ class Site {
  private:
   void get(const Request& request, const Reply& reply);
   void post(const Request& request, const Reply& reply);
+  void post_live(const Request& request, const Reply& reply);
+  template <class T>
+  [[nodiscard]] std::optional<T> read(const Request& request, const Reply& reply) const;
   void later(Newest& thread, const std::string& client, const Reply& reply,
              std::function<Response(const Newest::IsOld&)> work);
   [[nodiscard]] Response caught(const std::function<Response()>& work) const;
@@ -59,8 +70,11 @@ class Site {
   Uploads uploads_;
   WhatIf what_if_{machines_};
   IdentifyView identify_;
+  LiveView live_;
+  std::atomic<std::uint64_t> live_asked_{0};
   Newest knobs_;   ///< what must answer at once
   Newest slower_;  ///< identification, pages
+  Newest files_;   ///< recordings: neither of the others may delay them
 };
 
 }  // namespace stribeck::web

@@ -215,6 +215,28 @@ nlohmann::ordered_json WhatIf::run(const WhatIfRequest& r, const IsOld& is_old) 
   return json;
 }
 
+std::pair<std::unique_ptr<sim::EndlessRun>, std::string> WhatIf::endless(const WhatIfRequest& r,
+                                                                         const IsOld& is_old) {
+  const auto check = [&] {
+    if (is_old()) throw Outdated{};
+  };
+  check();
+  const auto [nominal, name] = machines_.read(r.machine);
+  const workflow::ComparisonOptions options = options_of(r, nominal, name.file);
+  workflow::ComparisonPlan plan = workflow::plan_comparison(options, changed(nominal, r));
+  shorten(plan);
+  workflow::ComparisonPlan identified = plan;
+  if (!r.identify_changed) identified.machine = nominal;
+  check();
+  const workflow::Parameters parameters = parameters_for(identified, name.file, r.parameters);
+  check();
+  const sim::Travel& travel = plan.spec.travels.front();
+  const sim::ControllerSpec& controller = plan.spec.controllers.front();
+  std::string words = fmt::format("{}, {}, {}, ({}) {}", plan.machine.name, travel.name,
+                                  travel.pace_in_words(), controller.id, controller.label);
+  return {sim::EndlessRun::make(plan.machine, parameters.knowledge, plan.spec), std::move(words)};
+}
+
 std::string WhatIf::machine_file(const WhatIfRequest& r) const {
   const auto [nominal, name] = machines_.read(r.machine);
   return io::write_toml(changed(nominal, r),

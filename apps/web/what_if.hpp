@@ -10,9 +10,11 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stribeck/core/fields.hpp>
+#include <stribeck/sim/endless_run.hpp>
 #include <stribeck/workflow/run/comparison.hpp>
 #include <string>
 #include <vector>
@@ -100,6 +102,10 @@ class WhatIf {
   using IsOld = std::function<bool()>;
   /// Figures as `compare --json` writes them, and curves for drawing. One call at a time.
   nlohmann::ordered_json run(const WhatIfRequest& request, const IsOld& is_old);
+
+  /// The same machine, motion and first controller, lap after lap; the words say what runs. One call at a time with run().
+  std::pair<std::unique_ptr<sim::EndlessRun>, std::string> endless(const WhatIfRequest& request,
+                                                                   const IsOld& is_old);
 
   /// The changed machine as a file.
   [[nodiscard]] std::string machine_file(const WhatIfRequest& request) const;

@@ -239,3 +239,11 @@ for (const [name, over] of [['dragenter', true], ['dragover', true], ['dragleave
 }
 // A file that is dropped beside the field must not replace the page.
 for (const name of ['dragover', 'drop']) window.addEventListener(name, (e) => e.preventDefault());
+
+// A recording of the view Live comes with the address.
+const given = new URLSearchParams(location.search);
+if (given.get('log')) {
+  logs.push({id: given.get('log'), name: given.get('name') || 'log.csv'});
+  drawLogs();
+  inspect();
+}

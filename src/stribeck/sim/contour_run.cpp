@@ -145,6 +145,38 @@ void note_loops(ContourSample& sample, const std::vector<plant::Axis>& axes,
   }
 }
 
+/// What a tick begins with: the encoders, and the error of the table.
+template <std::size_t N>
+Tick<N> measured(const std::vector<plant::Axis>& axes, const AnyPath& path, const path::PathPoint<N>& r,
+                 double time, double phi) {
+  Tick<N> tick;
+  tick.time = time;
+  for (std::size_t i = 0; i < N; ++i) {
+    tick.encoder[i] = axes[i].encoder();
+    tick.position[i] = axes[i].position();
+  }
+  tick.tracking = tick.position - r.position;
+  const auto [error, orientation] = errors<N>(path, tick.position, tick.tracking, phi);
+  tick.error = error;
+  tick.orientation = orientation;
+  return tick;
+}
+
+/// What the law asks of the drives; `added`: forces beside its own, null: none.
+template <std::size_t N>
+void commanded(Tick<N>& tick, LawRunner<N>& law, std::span<const path::PathPoint<N>> points,
+               const Vec<double, N>* added, const std::vector<plant::Axis>& axes,
+               const std::vector<double>& gain) {
+  law.acted(reported<N>(axes, gain));
+  tick.force = law.step_ahead(points, tick.encoder);
+  if (added != nullptr) tick.force = tick.force + *added;
+  tick.command = law.command();
+  tick.offset = law.offset();
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!axes[i].has_loop()) tick.command[i] = tick.force[i] / gain[i];
+  }
+}
+
 /// Called after the drives have moved.
 template <std::size_t N>
 typename MetricsCollector<N>::Sample scored(const Tick<N>& tick, const std::vector<plant::Axis>& axes,
@@ -183,8 +215,7 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
                     std::vector<control::Drift>* drift) {
   if (std::visit([](const auto& path) { return std::decay_t<decltype(path)>::kAxes; }, route.path) != N)
     return Metrics::unknown();
-  for (std::uint32_t i = 0; i < N; ++i)
-    axes_[i].start(route.points[0].position[i], fidelity, {seed, trial, i});
+  start<N>(route.points[0].position, fidelity, seed, trial);
   if (seen != nullptr) seen->reserve(route.points.size());
   const std::unique_ptr<LawRunner<N>> law = controller->copy();
   const std::span<const path::PathPoint<N>> points = route.points;
@@ -193,25 +224,10 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
   MetricsCollector<N> metrics;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const path::PathPoint<N>& r = points[k];
-    Tick<N> tick;
-    tick.time = static_cast<double>(k) * period_;
-    for (std::size_t i = 0; i < N; ++i) {
-      tick.encoder[i] = axes_[i].encoder();
-      tick.position[i] = axes_[i].position();
-    }
-    tick.tracking = tick.position - r.position;
-    const auto [error, orientation] =
-        errors<N>(route.path, tick.position, tick.tracking, near_phi(*law, route.points, k, period_));
-    tick.error = error;
-    tick.orientation = orientation;
-    law->acted(reported<N>(axes_, gain_));
-    tick.force = law->step_ahead(motors.subspan(k), tick.encoder);
-    if (!route.added.empty()) tick.force = tick.force + route.added[k];
-    tick.command = law->command();
-    tick.offset = law->offset();
-    for (std::size_t i = 0; i < N; ++i) {
-      if (!axes_[i].has_loop()) tick.command[i] = tick.force[i] / gain_[i];
-    }
+    Tick<N> tick = measured<N>(axes_, route.path, r, static_cast<double>(k) * period_,
+                               near_phi(*law, route.points, k, period_));
+    commanded<N>(tick, *law, motors.subspan(k), route.added.empty() ? nullptr : &route.added[k], axes_,
+                 gain_);
     if (!route.cutting.empty()) tick.cutting = route.cutting[k];
     tick.in_glitch = glitch.step(r);
     tick.scored = tick.time >= route.scored_from && tick.time <= route.scored_to;
@@ -223,6 +239,23 @@ Metrics Drives::run(const AnyController<N>& controller, const Route<N>& route,
   if (status != nullptr) *status = law->status();
   if (drift != nullptr) *drift = law->drift(period_);
   return metrics.result();
+}
+
+template <std::size_t N>
+void Drives::start(const Vec<double, N>& position, const plant::Fidelity& fidelity, std::uint64_t seed,
+                   std::uint32_t trial) {
+  for (std::uint32_t i = 0; i < N; ++i) axes_[i].start(position[i], fidelity, {seed, trial, i});
+}
+
+template <std::size_t N>
+ContourSample Drives::tick(LawRunner<N>& law, const AnyPath& path, std::span<const path::PathPoint<N>> points,
+                           double time, double phi) {
+  Tick<N> tick = measured<N>(axes_, path, points.front(), time, phi);
+  commanded<N>(tick, law, points, nullptr, axes_, gain_);
+  ContourSample sample = sample_of(tick, points.front(), axes_);
+  move_drives(axes_, tick);
+  note_loops<N>(sample, axes_, gain_);
+  return sample;
 }
 
 template <std::size_t N>
@@ -290,6 +323,10 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
   template Metrics Drives::run<N>(const AnyController<N>&, const Route<N>&, const plant::Fidelity&,          \
                                   std::uint64_t, std::uint32_t, std::vector<ContourSample>*, StatusCounter*, \
                                   std::vector<control::Drift>*);                                             \
+  template void Drives::start<N>(const Vec<double, N>&, const plant::Fidelity&, std::uint64_t,               \
+                                 std::uint32_t);                                                             \
+  template ContourSample Drives::tick<N>(LawRunner<N>&, const AnyPath&, std::span<const path::PathPoint<N>>, \
+                                         double, double);                                                    \
   template int choose_substeps<N>(Drives&, const AnyController<N>&, const Route<N>&, double, bool*);
 STRIBECK_INSTANTIATE(1)
 STRIBECK_INSTANTIATE(2)

@@ -8,6 +8,7 @@
 /// Real time: no.
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <stribeck/plant/axis.hpp>
 #include <stribeck/sim/law/law_runner.hpp>
@@ -57,6 +58,15 @@ class Drives {
   Metrics run(const AnyController<N>& controller, const Route<N>& route, const plant::Fidelity& fidelity,
               std::uint64_t seed, std::uint32_t trial, std::vector<ContourSample>* seen = nullptr,
               StatusCounter* status = nullptr, std::vector<control::Drift>* drift = nullptr);
+
+  /// The same without an end, one period after the other: start() at rest, then tick() again and again. points: the present one first,
+  /// then those ahead; phi: where the search for the nearest point of the path begins.
+  template <std::size_t N>
+  void start(const Vec<double, N>& position, const plant::Fidelity& fidelity, std::uint64_t seed,
+             std::uint32_t trial);
+  template <std::size_t N>
+  ContourSample tick(LawRunner<N>& law, const AnyPath& path, std::span<const path::PathPoint<N>> points,
+                     double time, double phi);
 
   [[nodiscard]] double rate_bound() const;
   [[nodiscard]] double period() const { return period_; }

@@ -194,19 +194,31 @@ Log parse_log(std::string_view bytes, const std::string& source, const ReadOptio
 
 std::vector<KeyInfo> side_file_keys() { return keys_of<SideFile>(); }
 
+SideFileData read_side_file(const std::string& path) {
+  const Node node = load_toml(path);
+  if (const Node* old = node.find("period")) {
+    throw InputError(
+        {path, old->line, "period", "is called sample_time (write sample_time = \"1 ms\", with your value)"});
+  }
+  Problems problems(path);
+  const auto given = read<SideFile>(node, problems);
+  problems.throw_if_any();
+  return {given.columns, given.sample_time};
+}
+
+std::vector<Column> named_columns(const std::vector<std::string>& names) {
+  std::vector<Column> columns;
+  Notes notes;
+  for (const std::string& name : names) columns.push_back(detail::column_of(detail::header_of(name), notes));
+  return columns;
+}
+
 Log read_log(const std::string& path, const ReadOptions& options) {
   ReadOptions all = options;
   const std::string side = path + ".toml";
   std::error_code ignored;
   if (std::filesystem::is_regular_file(side, ignored)) {
-    const Node node = load_toml(side);
-    if (const Node* old = node.find("period")) {
-      throw InputError({side, old->line, "period",
-                        "is called sample_time (write sample_time = \"1 ms\", with your value)"});
-    }
-    Problems problems(side);
-    const auto given = read<SideFile>(node, problems);
-    problems.throw_if_any();
+    const SideFileData given = read_side_file(side);
     if (all.names.empty()) all.names = given.columns;
     if (!all.sample_time) all.sample_time = given.sample_time;
   }

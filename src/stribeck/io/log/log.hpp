@@ -81,6 +81,14 @@ struct ReadOptions {
 
 /// Any log. What the options leave open is taken from the side file LOG.toml, if it exists.
 Log read_log(const std::string& path, const ReadOptions& options = {});
+/// What a side file says, for readers of streams.
+struct SideFileData {
+  std::vector<std::string> columns{};
+  std::optional<double> sample_time{};  ///< [s]
+};
+SideFileData read_side_file(const std::string& path);
+/// Columns without values from texts such as "x mm".
+std::vector<Column> named_columns(const std::vector<std::string>& names);
 /// Keys of a side file, for the reference page.
 std::vector<KeyInfo> side_file_keys();
 /// The same from bytes (gzip too), without a side file; `source` is for messages.
