@@ -28,7 +28,7 @@ example programs.")
 # it is asked for.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot-qt | gnuplot-x11")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace, libnetcdf19 | libnetcdf22")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "linuxcnc-uspace, libnetcdf19 | libnetcdf22, libmosquitto1")
 # What find_package(stribeck) looks for. A program in C needs none of them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libstdc++-12-dev | libstdc++-dev, ${shared_package} (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS

@@ -93,7 +93,8 @@ void say(const Common& common, const std::string& text) {
 void refuse_empty_options(CLI::App& verb) {
   for (CLI::Option* option : verb.get_options()) {
     if (option->get_expected_min() == 0) continue;  // a flag
-    const bool takes_standard_output = option->check_lname("json");
+    // --json writes there, and --live reads the standard input.
+    const bool takes_standard_output = option->check_lname("json") || option->check_lname("live");
     option->check([takes_standard_output](const std::string& text) {
       if (text.find_first_not_of(" \t") == std::string::npos)
         return std::string("got \"\", expected a value (leave the option out to do without)");

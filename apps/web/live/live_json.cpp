@@ -106,17 +106,17 @@ std::string LiveReader::next(std::uint64_t id, const std::shared_ptr<const workf
     begun_ = true;
     id_ = id;
     bin_ = stream->bins(0, 0).first;
-    peak_ = 0;
+    glitch_ = 0;
     quiet_ = kStateEvery;
     text += ",\"layout\":" + dumped(layout_json(*stream));
   }
   const workflow::LiveBins bins = stream->bins(bin_, kMostBins);
   bin_ = bins.first + bins.t.size();
   std::uint64_t first = 0;
-  const auto peaks = stream->peaks(peak_, first);
-  peak_ = first + peaks.size();
+  const auto glitches = stream->glitches(glitch_, first);
+  glitch_ = first + glitches.size();
   const bool with_state = quiet_ >= kStateEvery;
-  if (bins.t.empty() && peaks.empty() && !with_state) return {};
+  if (bins.t.empty() && glitches.empty() && !with_state) return {};
   if (!bins.t.empty()) {
     text += fmt::format(",\"first\":{},\"missed\":{},\"t\":[", bins.first, bins.missed);
     for (std::size_t i = 0; i < bins.t.size(); ++i)
@@ -126,15 +126,15 @@ std::string LiveReader::next(std::uint64_t id, const std::shared_ptr<const workf
     add_values(text, "low", bins.low, channels);
     add_values(text, "high", bins.high, channels);
   }
-  if (!peaks.empty()) {
+  if (!glitches.empty()) {
     Json list = Json::array();
-    for (const workflow::QuadrantPeak& p : peaks) {
+    for (const workflow::QuadrantGlitch& p : glitches) {
       list.push_back({{"t_s", p.t},
                       {"axis", stream->layout().axes[p.axis].name},
                       {"to", p.to_positive ? "+" : "-"},
-                      {"peak_um", p.error_um}});
+                      {"glitch_um", p.error_um}});
     }
-    text += ",\"peaks\":" + dumped(list);
+    text += ",\"glitches\":" + dumped(list);
   }
   if (with_state) {
     quiet_ = 0;

@@ -24,7 +24,7 @@ class LiveReader {
   bool begun_ = false;
   std::uint64_t id_ = 0;
   std::uint64_t bin_ = 0;
-  std::uint64_t peak_ = 0;
+  std::uint64_t glitch_ = 0;
   int quiet_ = 0;  ///< pieces since the last state
 };
 

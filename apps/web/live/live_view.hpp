@@ -3,7 +3,7 @@
 /// pages as server-sent events.
 ///
 /// An event is a JSON object: "id" of the stream (0: none), "layout" when the stream is new to the page, bins with the extremes of
-/// every channel ("first", "missed", "t", "low", "high"), new "peaks", and "state". A page that takes them too slowly finds "missed" bins;
+/// every channel ("first", "missed", "t", "low", "high"), new "glitches", and "state". A page that takes them too slowly finds "missed" bins;
 /// a recording never lacks a row.
 /// Bounds: kMostPages pages; memory as workflow/live/live_stream.hpp says.
 /// Threads: safe. Real time: no.

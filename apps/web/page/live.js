@@ -1,4 +1,4 @@
-// Live: the events of a stream to scrolling traces, peaks, drift and losses.
+// Live: the events of a stream to scrolling traces, glitches, drift and losses.
 import {byId, client, element, get, post, shown, table, unitText} from './common.js';
 import {Strip} from './strip.js';
 
@@ -6,7 +6,7 @@ const KEPT = 60;  // seconds that this page remembers
 let layout = null, id = -1, state = null, sampler = false;
 let data = null;    // {t, low, high}: what has come
 let paused = null;  // the time at which the picture stands
-let strips = [], peaks = [], chosen = new Set();
+let strips = [], glitches = [], chosen = new Set();
 let missed = 0, machine = null, told = 0, asking = false;
 
 const say = (text) => { if (byId('summary').textContent !== text) byId('summary').textContent = text; };
@@ -24,7 +24,7 @@ const begin = (message) => {
   state = null;
   paused = null;
   missed = 0;
-  peaks = [];
+  glitches = [];
   fail('');
   byId('pause').textContent = 'Pause';
   byId('pause').setAttribute('aria-pressed', 'false');
@@ -80,10 +80,10 @@ const take = (message) => {
     n = Math.max(n, data.t.length - 4 * KEPT * 100);
     if (n > 500) for (const list of [data.t, ...data.low, ...data.high]) list.splice(0, n);
   }
-  if (message.peaks) {
-    peaks.push(...message.peaks);
-    peaks.splice(0, Math.max(0, peaks.length - 200));
-    if (paused === null) drawPeaks();
+  if (message.glitches) {
+    glitches.push(...message.glitches);
+    glitches.splice(0, Math.max(0, glitches.length - 200));
+    if (paused === null) drawGlitches();
   }
   if (message.state !== undefined) {
     state = message.state;
@@ -98,7 +98,7 @@ const draw = () => {
   requestAnimationFrame(draw);
   if (!layout || document.hidden) return;
   const window = Number(byId('window').value), end = now();
-  const marks = peaks.filter((p) => p.t_s <= end && p.t_s >= end - window).map((p) => ({t: p.t_s, text: p.axis}));
+  const marks = glitches.filter((p) => p.t_s <= end && p.t_s >= end - window).map((p) => ({t: p.t_s, text: p.axis}));
   for (const strip of strips) strip.draw(data, end, window, 2.5 * layout.bin_ms / 1e3, strip.isError ? marks : []);
   if (performance.now() - told < 1000) return;
   told = performance.now();
@@ -122,8 +122,8 @@ const drawNow = (end, window) => {
     parts.push(['Largest contour error', low === null ? '\u2013' : shown(Math.max(-low, high), 3), '\u00b5m', `of the last ${window} s`]);
   }
   for (const axis of layout.axes) {
-    const last = peaks.findLast((p) => p.axis === axis);
-    parts.push([`Peak of ${axis}`, last ? shown(last.peak_um, 3) : '\u2013', '\u00b5m', last ? `reversal to ${last.to === '+' ? '+' : '\u2212'}${axis}` : 'no reversal yet']);
+    const last = glitches.findLast((p) => p.axis === axis);
+    parts.push([`Quadrant glitch of ${axis}`, last ? shown(last.glitch_um, 3) : '\u2013', '\u00b5m', last ? `reversal to ${last.to === '+' ? '+' : '\u2212'}${axis}` : 'no reversal yet']);
   }
   byId('numbers').replaceChildren(...parts.map(([name, value, unit, remark]) => element('div', {}, element('dt', {text: name}),
       element('dd', {}, value, element('small', {text: ` ${unit}, ${remark}`})))));
@@ -134,20 +134,20 @@ const drawNow = (end, window) => {
     byId('now').replaceChildren(table(`Smallest and largest values of the last ${window} s`, [{text: 'channel'}, {text: 'smallest', number: true}, {text: 'largest', number: true}, {text: 'unit'}], rows));
 };
 
-// Of each axis and direction the last peak, and the mean and largest of those that this page has seen.
-const drawPeaks = () => {
+// Of each axis and direction the last glitch, and the mean and largest of those that this page has seen.
+const drawGlitches = () => {
   const rows = [];
   for (const axis of layout.axes) {
     for (const to of ['+', '-']) {
-      const all = peaks.filter((p) => p.axis === axis && p.to === to);
+      const all = glitches.filter((p) => p.axis === axis && p.to === to);
       if (all.length === 0) continue;
-      const sizes = all.map((p) => Math.abs(p.peak_um));
-      rows.push([`${axis} reverses to ${to === '+' ? '+' : '\u2212'}${axis}`, shown(all[all.length - 1].peak_um, 3),
+      const sizes = all.map((p) => Math.abs(p.glitch_um));
+      rows.push([`${axis} reverses to ${to === '+' ? '+' : '\u2212'}${axis}`, shown(all[all.length - 1].glitch_um, 3),
         shown(sizes.reduce((a, b) => a + b) / sizes.length, 3), shown(Math.max(...sizes), 3), String(all.length)]);
     }
   }
-  if (byId('peaks').contains(document.activeElement)) return;
-  byId('peaks').replaceChildren(...(rows.length === 0 ? [] : [table('Peaks at the quadrants', [{text: 'quadrant'}, {text: 'last', unit: '\u00b5m', number: true},
+  if (byId('glitches').contains(document.activeElement)) return;
+  byId('glitches').replaceChildren(...(rows.length === 0 ? [] : [table('Quadrant glitches', [{text: 'quadrant'}, {text: 'last', unit: '\u00b5m', number: true},
     {text: 'mean size', unit: '\u00b5m', number: true}, {text: 'largest', unit: '\u00b5m', number: true}, {text: 'seen', number: true}], rows)]));
 };
 
@@ -236,7 +236,7 @@ byId('pause').addEventListener('click', () => {
   paused = paused === null ? now() : null;
   byId('pause').setAttribute('aria-pressed', String(paused !== null));
   byId('pause').textContent = paused === null ? 'Pause' : 'Go on';
-  if (paused === null) drawPeaks();
+  if (paused === null) drawGlitches();
   if (state) drawState();
 });
 byId('machine').addEventListener('change', drawMachine);

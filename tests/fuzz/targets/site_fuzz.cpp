@@ -116,6 +116,7 @@ std::vector<std::string> seeds() {
       "\1{\"machine\":\"folder/mine.toml\",\"controllers\":[\"a\"],\"changes\":[{\"key\":\"*.friction.coulomb\",\"scale\":2},{\"key\":\"x.mass\",\"value\":\"60 N s2/mm\"}],\"sample_time\":\"4 ms\"}",
       "\2{\"machine\":\"folder/mine.toml\",\"motion\":\"own\",\"size\":\"8 mm\",\"speed\":\"5 mm/s\",\"controllers\":[\"a\",\"f\",\"kalman\"],\"omega_t\":\"50 rad/s\",\"observer_pole\":\"30 1/s\",\"parameters\":\"thesis\",\"seed\":3,\"client\":\"p\"}",
       "\2{\"machine\":\"built-in/triaxial-tool\",\"motion\":\"experiment\",\"controllers\":[\"c\"],\"identify_changed\":true,\"changes\":[{\"key\":\"z.friction.steady.positive.eta0\",\"scale\":1.5}]}",
+      "\1{\"machine\":\"folder/link.toml\",\"controller\":\"a\",\"friction\":1.5,\"times\":20}",
       "\3{\"logs\":[\"1\"],\"axis\":\"x\",\"maps\":[\"x=pos mm\"],\"gain\":\"3 N/V\",\"method\":\"jog\",\"model\":\"gaussian\"}"};
 }
 

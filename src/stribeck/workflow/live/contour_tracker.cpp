@@ -79,18 +79,18 @@ void ContourTracker::restart() {
   near_ = 0;
 }
 
-void QuadrantPeaks::step(double t, std::span<const double> commanded_m, double error_um,
-                         std::vector<QuadrantPeak>& found) {
+void QuadrantGlitches::step(double t, std::span<const double> commanded_m, double error_um,
+                            std::vector<QuadrantGlitch>& found) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& a = axes_[i];
     const double r = commanded_m[i];
     if (a.known && r != a.last) {
       const int direction = r > a.last ? 1 : -1;
       if (a.direction != 0 && direction != a.direction) {
-        if (a.open) found.push_back(a.peak);  // turned again before its travel was complete
+        if (a.open) found.push_back(a.glitch);  // turned again before its travel was complete
         a.open = true;
         a.from = r;
-        a.peak = {t, i, direction > 0, 0.0};
+        a.glitch = {t, i, direction > 0, 0.0};
       }
       a.direction = direction;
     }
@@ -99,13 +99,13 @@ void QuadrantPeaks::step(double t, std::span<const double> commanded_m, double e
     if (!a.open) continue;
     if (std::abs(r - a.from) > sim::kGlitchTravel) {
       a.open = false;
-      found.push_back(a.peak);
-    } else if (std::abs(error_um) > std::abs(a.peak.error_um)) {
-      a.peak.error_um = error_um;
+      found.push_back(a.glitch);
+    } else if (std::abs(error_um) > std::abs(a.glitch.error_um)) {
+      a.glitch.error_um = error_um;
     }
   }
 }
 
-void QuadrantPeaks::restart() { axes_.assign(axes_.size(), {}); }
+void QuadrantGlitches::restart() { axes_.assign(axes_.size(), {}); }
 
 }  // namespace stribeck::workflow

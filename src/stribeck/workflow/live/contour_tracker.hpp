@@ -45,19 +45,20 @@ class ContourTracker {
 
 /// The largest error of each reversal of an axis, as sim/metrics.hpp has it for a run: within the first kGlitchTravel that the
 /// commanded position of the axis travels after it turned.
-struct QuadrantPeak {
+struct QuadrantGlitch {
   double t = 0.0;  ///< of the reversal [s]
   std::size_t axis = 0;
   bool to_positive = false;  ///< the axis moves in positive direction after it
   double error_um = 0.0;     ///< with its sign
 };
 
-class QuadrantPeaks {
+class QuadrantGlitches {
  public:
-  explicit QuadrantPeaks(std::size_t axes) : axes_(axes) {}
+  explicit QuadrantGlitches(std::size_t axes) : axes_(axes) {}
 
-  /// Commanded positions [m] and error [um]; appends the peaks whose travel has been completed.
-  void step(double t, std::span<const double> commanded_m, double error_um, std::vector<QuadrantPeak>& found);
+  /// Commanded positions [m] and error [um]; appends the glitches whose travel has been completed.
+  void step(double t, std::span<const double> commanded_m, double error_um,
+            std::vector<QuadrantGlitch>& found);
   void restart();
 
  private:
@@ -67,7 +68,7 @@ class QuadrantPeaks {
     int direction = 0;
     bool open = false;
     double from = 0.0;
-    QuadrantPeak peak;
+    QuadrantGlitch glitch;
   };
   std::vector<Axis> axes_;
 };

@@ -25,7 +25,7 @@ LiveStream::LiveStream(LiveLayout layout, std::vector<std::shared_ptr<LiveSink>>
 void LiveStream::row(double t, std::span<const double> values) {
   add_to_recording(t, values);
   for (const auto& sink : sinks_) sink->row(layout_, t, values);
-  look_for_peaks(t, values);
+  look_for_glitches(t, values);
   const std::lock_guard lock(mutex_);
   ++state_.rows;
   state_.t = t;
@@ -46,7 +46,7 @@ void LiveStream::close_bin() {
   in_bin_ = 0;
 }
 
-void LiveStream::look_for_peaks(double t, std::span<const double> values) {
+void LiveStream::look_for_glitches(double t, std::span<const double> values) {
   if (!layout_.error || layout_.axes.empty()) return;
   for (std::size_t i = 0; i < commanded_.size(); ++i)
     commanded_[i] = values[layout_.axes[i].commanded] * layout_.axes[i].to_m;
@@ -54,12 +54,12 @@ void LiveStream::look_for_peaks(double t, std::span<const double> values) {
   quadrants_.step(t, commanded_, values[*layout_.error], found_);
   if (found_.empty()) return;
   for (const auto& sink : sinks_) {
-    for (const QuadrantPeak& p : found_) sink->peak(layout_, p);
+    for (const QuadrantGlitch& p : found_) sink->glitch(layout_, p);
   }
   const std::lock_guard lock(mutex_);
-  for (const QuadrantPeak& p : found_) peaks_.push_back(p);
-  peak_count_ += found_.size();
-  while (peaks_.size() > kKeptPeaks) peaks_.pop_front();
+  for (const QuadrantGlitch& p : found_) glitches_.push_back(p);
+  glitch_count_ += found_.size();
+  while (glitches_.size() > kKeptGlitches) glitches_.pop_front();
 }
 
 void LiveStream::add_to_recording(double t, std::span<const double> values) {
@@ -141,11 +141,11 @@ LiveBins LiveStream::bins(std::uint64_t from, std::size_t most) const {
   return out;
 }
 
-std::vector<QuadrantPeak> LiveStream::peaks(std::uint64_t from, std::uint64_t& first) const {
+std::vector<QuadrantGlitch> LiveStream::glitches(std::uint64_t from, std::uint64_t& first) const {
   const std::lock_guard lock(mutex_);
-  const std::uint64_t oldest = peak_count_ - peaks_.size();
-  first = std::min(std::max(from, oldest), peak_count_);
-  return {peaks_.begin() + static_cast<std::ptrdiff_t>(first - oldest), peaks_.end()};
+  const std::uint64_t oldest = glitch_count_ - glitches_.size();
+  first = std::min(std::max(from, oldest), glitch_count_);
+  return {glitches_.begin() + static_cast<std::ptrdiff_t>(first - oldest), glitches_.end()};
 }
 
 void LiveStream::record(const std::filesystem::path& folder, std::uint64_t most_bytes) {

@@ -1,8 +1,8 @@
 #pragma once
-/// A stream of samples while it runs: what a page draws of it, the peaks at the quadrants, a recording, and those who get every row.
+/// A stream of samples while it runs: what a page draws of it, the glitches at the quadrants, a recording, and those who get every row.
 ///
 /// One thread, that of the source, adds rows; others look. Memory is bounded and does not grow with time: the last kKeptBins bins with
-/// the extremes of each channel, so that no peak is lost by thinning, and the last kKeptPeaks peaks. A reader that comes too late for a
+/// the extremes of each channel, so that no peak is lost by thinning, and the last kKeptGlitches glitches. A reader that comes too late for a
 /// bin is told how many it missed. A recording goes to a file (live_recording.hpp) and lacks no row.
 /// Threads: safe. Real time: no.
 /// Errors: InputError from the recording.
@@ -14,7 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <stribeck/control/compensation/drift_monitor.hpp>
+#include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/live/contour_tracker.hpp>
 #include <stribeck/workflow/live/live_recording.hpp>
 #include <string>
@@ -58,7 +58,7 @@ class LiveSink {
   virtual ~LiveSink() = default;
 
   virtual void row(const LiveLayout& layout, double t, std::span<const double> values) = 0;
-  virtual void peak(const LiveLayout& layout, const QuadrantPeak& peak) = 0;
+  virtual void glitch(const LiveLayout& layout, const QuadrantGlitch& glitch) = 0;
   [[nodiscard]] virtual std::string in_words() const = 0;    ///< where it goes
   [[nodiscard]] virtual std::uint64_t left_out() const = 0;  ///< rows that could not be sent
 };
@@ -94,7 +94,7 @@ class LiveStream {
  public:
   static constexpr double kBinTime = 0.01;        ///< [s]
   static constexpr std::size_t kKeptBins = 6000;  ///< a minute
-  static constexpr std::size_t kKeptPeaks = 200;
+  static constexpr std::size_t kKeptGlitches = 200;
 
   explicit LiveStream(LiveLayout layout, std::vector<std::shared_ptr<LiveSink>> sinks = {});
 
@@ -119,8 +119,8 @@ class LiveStream {
   [[nodiscard]] LiveState state() const;
   /// Complete bins from a number on, at most `most`.
   [[nodiscard]] LiveBins bins(std::uint64_t from, std::size_t most) const;
-  /// Peaks from a number on; the number of the first one is set.
-  [[nodiscard]] std::vector<QuadrantPeak> peaks(std::uint64_t from, std::uint64_t& first) const;
+  /// Quadrant glitches from a number on; the number of the first one is set.
+  [[nodiscard]] std::vector<QuadrantGlitch> glitches(std::uint64_t from, std::uint64_t& first) const;
 
   // ---- recording
 
@@ -132,7 +132,7 @@ class LiveStream {
  private:
   void break_line();
   void close_bin();
-  void look_for_peaks(double t, std::span<const double> values);
+  void look_for_glitches(double t, std::span<const double> values);
   void add_to_recording(double t, std::span<const double> values);
 
   LiveLayout layout_;
@@ -146,13 +146,13 @@ class LiveStream {
   std::vector<float> low_;
   std::vector<float> high_;
   std::size_t in_bin_ = 0;  ///< rows of the open bin
-  std::deque<QuadrantPeak> peaks_;
-  std::uint64_t peak_count_ = 0;
+  std::deque<QuadrantGlitch> glitches_;
+  std::uint64_t glitch_count_ = 0;
 
   // Of the source alone.
-  QuadrantPeaks quadrants_;
+  QuadrantGlitches quadrants_;
   std::vector<double> commanded_;
-  std::vector<QuadrantPeak> found_;
+  std::vector<QuadrantGlitch> found_;
 
   std::mutex record_mutex_;  ///< taken before mutex_
   std::unique_ptr<LiveRecording> recording_;

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <optional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/units.hpp>
@@ -59,6 +59,16 @@ Pair read_pair(const std::string& text, const std::vector<LiveChannel>& channels
           channel(channels, text.substr(comma + 1))};
 }
 
+/// The nets of the configuration that `export --to linuxcnc` writes: x-cmd, x-fb.
+std::optional<NameMeaning> linuxcnc_net(const std::string& name) {
+  for (const auto& [end, what] : {std::pair{std::string_view("-cmd"), LogQuantity::kReference},
+                                  std::pair{std::string_view("-fb"), LogQuantity::kPosition}}) {
+    if (name.size() > end.size() && name.ends_with(end))
+      return NameMeaning{what, 0, lower_case(name.substr(0, name.size() - end.size())), false};
+  }
+  return {};
+}
+
 /// Axes whose commanded and actual position have names that say so.
 std::vector<Pair> found_pairs(const std::vector<LiveChannel>& channels) {
   struct Found {
@@ -69,7 +79,8 @@ std::vector<Pair> found_pairs(const std::vector<LiveChannel>& channels) {
   };
   std::vector<Found> all;
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    const auto meaning = meaning_of(channels[i].name, channels[i].unit);
+    auto meaning = linuxcnc_net(channels[i].name);
+    if (!meaning) meaning = meaning_of(channels[i].name, channels[i].unit);
     if (!meaning || meaning->axis.empty() || !is_length(channels[i].unit)) continue;
     if (meaning->what == LogQuantity::kReference || meaning->what == LogQuantity::kPosition)
       all.push_back({meaning->axis, i, meaning->rank, meaning->what == LogQuantity::kReference});

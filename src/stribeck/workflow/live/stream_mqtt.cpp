@@ -95,8 +95,8 @@ class MqttSink final : public LiveSink {
   void row(const LiveLayout& layout, double t, std::span<const double> values) override {
     send(topic_, json_of(layout, t, values));
   }
-  void peak(const LiveLayout& layout, const QuadrantPeak& p) override {
-    send(topic_ + "/peak", json_of(layout, p));
+  void glitch(const LiveLayout& layout, const QuadrantGlitch& p) override {
+    send(topic_ + "/glitch", json_of(layout, p));
   }
   [[nodiscard]] std::string in_words() const override {
     return words_ + (connected_ ? "" : ", not connected");

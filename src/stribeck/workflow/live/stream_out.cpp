@@ -61,7 +61,7 @@ class UdpSink final : public LiveSink {
                                   reinterpret_cast<const sockaddr*>(&address_), size_);
     if (sent < 0) ++left_out_;
   }
-  void peak(const LiveLayout& /*layout*/, const QuadrantPeak& /*peak*/) override {}
+  void glitch(const LiveLayout& /*layout*/, const QuadrantGlitch& /*glitch*/) override {}
   [[nodiscard]] std::string in_words() const override { return words_; }
   [[nodiscard]] std::uint64_t left_out() const override { return left_out_; }
 
@@ -128,11 +128,11 @@ std::string json_of(const LiveLayout& layout, double t, std::span<const double> 
   return out + "}";
 }
 
-std::string json_of(const LiveLayout& layout, const QuadrantPeak& peak) {
-  const nlohmann::ordered_json json{{"timestamp", peak.t},
-                                    {"axis", layout.axes[peak.axis].name},
-                                    {"to", peak.to_positive ? "positive" : "negative"},
-                                    {"peak_um", peak.error_um}};
+std::string json_of(const LiveLayout& layout, const QuadrantGlitch& glitch) {
+  const nlohmann::ordered_json json{{"timestamp", glitch.t},
+                                    {"axis", layout.axes[glitch.axis].name},
+                                    {"to", glitch.to_positive ? "positive" : "negative"},
+                                    {"glitch_um", glitch.error_um}};
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

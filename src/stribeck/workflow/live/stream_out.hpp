@@ -2,7 +2,7 @@
 /// A stream sent on, row by row: as JSON in UDP datagrams, which PlotJuggler's UDP server reads, and to a broker by MQTT.
 ///
 ///   {"timestamp": 1.234, "r_x_mm": 9.81, …}   one object per row; keys are names of channels with their units, the time in seconds
-///   {"timestamp": 1.2, "axis": "x", "to": "positive", "peak_um": 12.1}   a peak at a quadrant, by MQTT below TOPIC/peak
+///   {"timestamp": 1.2, "axis": "x", "to": "positive", "glitch_um": 12.1}   a quadrant glitch, by MQTT below TOPIC/glitch
 ///
 /// Nothing waits: what cannot be sent is left out and counted. MQTT 3.1.1, quality of service 0, by libmosquitto, which is loaded when it
 /// is asked for.
@@ -27,7 +27,7 @@ Endpoint read_endpoint(const std::string& option, const std::string& text, unsig
 
 /// A row as text.
 std::string json_of(const LiveLayout& layout, double t, std::span<const double> values);
-std::string json_of(const LiveLayout& layout, const QuadrantPeak& peak);
+std::string json_of(const LiveLayout& layout, const QuadrantGlitch& glitch);
 
 /// The address must be a number.
 std::shared_ptr<LiveSink> udp_sink(const Endpoint& to);
