@@ -168,11 +168,12 @@ void add_serve(CLI::App& app, Action& action) {
       ->take_all();
   verb->add_option(
           "--udp", o->udp,
-          "Send every row of a stream as JSON in a UDP datagram, which PlotJuggler reads; without HOST to this computer")
-      ->type_name("[HOST:]PORT");
-  verb->add_option("--mqtt", o->mqtt,
-                   "Publish every row of a stream at this MQTT broker; TOPIC: stribeck/live")
-      ->type_name("HOST[:PORT][/TOPIC]");
+          "Send every row of a stream as JSON in a UDP datagram, which PlotJuggler reads: PORT of this computer, or ADDRESS:PORT")
+      ->type_name("PORT");
+  verb->add_option(
+          "--mqtt", o->mqtt,
+          "Publish every row of a stream at an MQTT broker: HOST, HOST:PORT or HOST:PORT/TOPIC (1883, stribeck/live)")
+      ->type_name("HOST");
   refuse_empty_options(*verb);
   verb->footer(
       "Examples:\n  stribeck serve machines\n  stribeck serve --port 8080\n"

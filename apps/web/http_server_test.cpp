@@ -8,6 +8,9 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <functional>
+#include <optional>
 #include <thread>
 
 #include <apps/web/http_server.hpp>
@@ -131,6 +134,62 @@ TEST_F(HttpServerTest, Limits) {
               StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(answer("what is this\r\n\r\n", last), StartsWith("HTTP/1.1 400"));
   EXPECT_EQ(asked_, 0);
+}
+
+/// A server whose answers have no end.
+class EndlessAnswer {
+ public:
+  explicit EndlessAnswer(std::function<std::optional<std::string>()> next)
+      : server_({}, {[](const Request&) { return Admission{}; },
+                     [next](const Request&, const Reply& reply) {
+                       Response out;
+                       out.type = "text/event-stream";
+                       out.next = next;
+                       reply(std::move(out));
+                     }}),
+        thread_([this] { server_.run(); }) {}
+  ~EndlessAnswer() {
+    server_.stop();
+    thread_.join();
+  }
+  [[nodiscard]] unsigned short port() const { return server_.port(); }
+
+ private:
+  HttpServer server_;
+  std::thread thread_;
+};
+
+TEST(HttpServer, AnAnswerWithoutAnEndComesInPieces) {
+  std::atomic<int> asked{0};
+  const EndlessAnswer server([&]() -> std::optional<std::string> {
+    switch (++asked) {
+      case 1:
+        return "one ";
+      case 2:
+        return "";  // nothing yet
+      case 3:
+        return "two ";
+      default:
+        return {};
+    }
+  });
+  Client client(server.port());
+  client.send("GET / HTTP/1.1\r\nHost: a\r\n\r\n");
+  const std::string got = client.read("never");  // until the server ends the connection
+  EXPECT_THAT(got, HasSubstr("text/event-stream"));
+  EXPECT_THAT(got, testing::EndsWith("\r\n\r\none two "));
+}
+
+TEST(HttpServer, AClientThatReadsNothingIsNotAskedFor) {
+  std::atomic<int> asked{0};
+  const EndlessAnswer server([&]() -> std::optional<std::string> {
+    ++asked;
+    return std::string(64 << 20, 'x');  // more than the system takes for a client
+  });
+  const Client client(server.port());
+  client.send("GET / HTTP/1.1\r\nHost: a\r\n\r\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // five times the rest between two pieces
+  EXPECT_LE(asked, 1);
 }
 
 TEST_F(HttpServerTest, MoreClientsThanConnections) {
