@@ -83,9 +83,10 @@ void add_excite(CLI::App& app, Action& action) {
       "excite", "Design a motion or force whose log determines friction and mass of an axis");
   auto o = std::make_shared<ExciteCommand>();
   verb->add_option("machine", o->machine, "Machine file")->required()->type_name("MACHINE.toml");
-  verb->add_option("--method", o->method,
-                   "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
-                   "position-sine (periodic terms of the screw), constant-acceleration (mass)")
+  verb->add_option(
+          "--method", o->method,
+          "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
+          "position-sine (periodic terms of the screw), constant-acceleration (mass), multisine (frequency response)")
       ->required()
       ->check(one_of(words_of<ExcitationMethod>()));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
@@ -97,16 +98,25 @@ void add_excite(CLI::App& app, Action& action) {
   verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
   verb->add_option(
           "--periods", o->what.periods,
-          fmt::format("Number of periods: sine (left out: {}) or position-sine (left out: 4)", kSinePeriods))
+          fmt::format(
+              "Number of periods: sine (left out: {}), position-sine (left out: 4), or multisine, of each stroke (left out: 4, the first one is for settling)",
+              kSinePeriods))
       ->check(whole_from(1, 1000));
   verb->add_option(
           "--repeats", o->what.repeats,
-          "Number of repeats in each direction: ramp (left out: 4) or constant-acceleration (left out: 5)")
+          "Number of repeats in each direction: ramp (left out: 4), constant-acceleration (left out: 5) or multisine (left out: 4)")
       ->check(whole_from(1, 1000));
   verb->add_option(
           "--speeds", o->what.speeds,
-          "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit")
+          "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit. Of multisine one, that of the ride; left out: 0.4 of the limit, or less")
       ->type_name("SPEED");
+  verb->add_option("--period", o->what.period,
+                   "Period of multisine; its first line has two turns in it (left out: 2 s)")
+      ->type_name("TIME");
+  verb->add_option(
+          "--highest", o->what.highest,
+          "Highest frequency of multisine (left out: 0.8 of half the sampling frequency, at most 400 Hz)")
+      ->type_name("FREQUENCY");
   verb->add_option("--lead", o->what.lead,
                    "Lead of the screw: the travel of each jog is then a whole number of turns")
       ->type_name("LENGTH");

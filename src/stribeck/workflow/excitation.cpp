@@ -64,6 +64,22 @@ ident::excitation::RoughDrive rough_idea(const friction::AxisModel& model, const
   return ident::excitation::rough_drive(result);
 }
 
+ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, bool rotary, double middle) {
+  ident::excitation::MultisineDesign design;
+  design.start = middle;
+  design.periods = o.periods.value_or(design.periods);
+  design.repeats = o.repeats.value_or(design.repeats);
+  if (o.speeds.size() > 1)
+    refuse_option("--speeds", fmt::format("got {} speeds, --method multisine rides at one", o.speeds.size()));
+  if (!o.speeds.empty())
+    design.speed = travel_si("--speeds", o.speeds.front(), quantity("m/s", "mm/s").positive(), rotary);
+  if (!o.period.empty()) design.period = option_si("--period", o.period, quantity("s", "s").positive());
+  // Two turns of the first line in a period.
+  if (!o.period.empty()) design.lowest = 2.0 / design.period;
+  if (!o.highest.empty()) design.highest = option_si("--highest", o.highest, quantity("Hz", "Hz").positive());
+  return design;
+}
+
 ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const MachineDescription& machine,
                                            std::size_t which) {
   const AxisDescription& axis = machine.axes[which].second;
@@ -114,14 +130,19 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     triangles.repeats = o.repeats.value_or(triangles.repeats);
     return {ident::excitation::design_constant_acceleration(limits, machine.sample_time, triangles), {}};
   }
+  if (o.method == ExcitationMethod::kMultisine)
+    return {ident::excitation::design_multisine(limits, drive, machine.sample_time,
+                                                multisine_design(o, axis.rotary, middle)),
+            {}};
   const int periods = o.method == ExcitationMethod::kPositionSine ? kPositionPeriods : kSinePeriods;
   return {workflow::design(as_machine(machine), which, o.method, o.periods.value_or(periods)), {}};
 }
 
 /// The option that sets a parameter of a design; empty: there is none.
-std::string option_of(const std::string& parameter) {
-  if (parameter == "period") return "--lead";
-  for (const char* same : {"rise", "speeds", "periods", "repeats"}) {
+std::string option_of(const std::string& parameter, ExcitationMethod method) {
+  if (parameter == "period") return method == ExcitationMethod::kMultisine ? "--period" : "--lead";
+  if (parameter == "speed") return "--speeds";
+  for (const char* same : {"rise", "speeds", "periods", "repeats", "highest"}) {
     if (parameter == same) return std::string("--") + same;
   }
   return {};
@@ -137,11 +158,14 @@ void check_excitation(const ExcitationOptions& o) {
     refuse_option(option, fmt::format("does not apply to --method {}, only to {}", enum_name(o.method),
                                       fmt::join(words, ", ")));
   };
-  only(o.periods.has_value(), "--periods", {ExcitationMethod::kSine, ExcitationMethod::kPositionSine});
+  only(o.periods.has_value(), "--periods",
+       {ExcitationMethod::kSine, ExcitationMethod::kPositionSine, ExcitationMethod::kMultisine});
   only(o.repeats.has_value(), "--repeats",
-       {ExcitationMethod::kRamp, ExcitationMethod::kConstantAcceleration});
+       {ExcitationMethod::kRamp, ExcitationMethod::kConstantAcceleration, ExcitationMethod::kMultisine});
   only(!o.known.empty(), "--known", {ExcitationMethod::kPulses, ExcitationMethod::kRamp});
-  only(!o.speeds.empty(), "--speeds", {ExcitationMethod::kJog});
+  only(!o.speeds.empty(), "--speeds", {ExcitationMethod::kJog, ExcitationMethod::kMultisine});
+  only(!o.period.empty(), "--period", {ExcitationMethod::kMultisine});
+  only(!o.highest.empty(), "--highest", {ExcitationMethod::kMultisine});
   only(!o.lead.empty(), "--lead", {ExcitationMethod::kJog});
   only(!o.rise.empty(), "--rise", {ExcitationMethod::kRamp});
 }
@@ -227,7 +251,7 @@ ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& o,
       safe.excitation.says += fmt::format(" Axis {} is {}.", machine.axes[axis].first, kRotaryAsLinear);
     return safe;
   } catch (const ident::excitation::BadDesign& bad) {
-    const std::string option = option_of(bad.parameter);
+    const std::string option = option_of(bad.parameter, o.method);
     if (option.empty()) throw;
     refuse_option(option, bad.what());
   }

@@ -15,11 +15,13 @@ namespace stribeck::workflow {
 /// Texts contain their unit; empty: as in the thesis, within the limits.
 struct ExcitationOptions {
   ident::excitation::ExcitationMethod method = ident::excitation::ExcitationMethod::kJog;
-  std::optional<int> periods;       ///< of sine, position-sine
-  std::optional<int> repeats;       ///< of ramp, constant-acceleration
-  std::vector<std::string> speeds;  ///< of jog
+  std::optional<int> periods;       ///< of sine, position-sine, multisine
+  std::optional<int> repeats;       ///< of ramp, constant-acceleration, multisine
+  std::vector<std::string> speeds;  ///< of jog; of multisine one
   std::string lead;                 ///< of the screw: jogs then move by whole turns
   std::string rise;                 ///< of ramp
+  std::string period;               ///< of multisine
+  std::string highest;              ///< frequency of multisine
   std::string known;                ///< axis file of an earlier identification, for pulses and ramp
 };
 

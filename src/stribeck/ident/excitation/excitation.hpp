@@ -8,6 +8,8 @@
 ///           or r = r0 + A·sin φ (Model D)
 ///   ramp    force, open loop: slowly up to beyond break-away, quickly back, in both directions
 ///   constant acceleration   position, closed loop: triangles of speed
+///   multisine   position, closed loop: strokes at constant speed v, and on them Σ aᵢ/ωᵢ²·cos(ωᵢt + φᵢ), random φᵢ for each stroke,
+///           ωᵢ harmonics of one period in about equal ratios; |its speed| ≤ v/2, so that friction never changes its sign
 ///
 /// An axis with friction does not move below the break-away force, and above it the speed depends on the excess. Pulses
 /// therefore need a rough estimate of the drive; a slow jog gives the Coulomb force. Base is chosen so that K_u = 4 just moves
@@ -26,6 +28,7 @@
 /// design that is wrong.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/log/record.hpp>
@@ -66,7 +69,7 @@ struct RoughDrive {
 RoughDrive rough_drive(const Result& first);
 
 /// The kinds of excitation. EnumNames has the words of options and files.
-enum class ExcitationMethod { kPulses, kRamp, kJog, kSine, kPositionSine, kConstantAcceleration };
+enum class ExcitationMethod { kPulses, kRamp, kJog, kSine, kPositionSine, kConstantAcceleration, kMultisine };
 
 struct Excitation {
   ExcitationMethod method = ExcitationMethod::kPulses;
@@ -129,6 +132,23 @@ struct AccelerationDesign {
 Excitation design_constant_acceleration(const Limits& limits, double sample_time,
                                         const AccelerationDesign& design = {});
 
+struct MultisineDesign {
+  double start = 0.0;      ///< the middle of the strokes [m]
+  double direction = 1.0;  ///< of the first stroke: +1 or −1
+  double period = 2.0;     ///< of the multisine, rounded to whole rows [s]
+  double lowest = 1.0;     ///< first line [Hz]
+  std::optional<double>
+      highest;  ///< last line [Hz]; absent: 0.8 of half the sampling frequency, at most 400 Hz
+  std::optional<double>
+      speed;               ///< of the strokes [m/s]; absent: 0.4 of the limit, less where the travel is short
+  int periods = 4;         ///< of each stroke; the first one is for settling
+  int repeats = 4;         ///< strokes in each direction
+  std::uint64_t seed = 1;  ///< of the phases
+};
+/// The drive says how much of its force is left beside friction.
+Excitation design_multisine(const Limits& limits, const RoughDrive& drive, double sample_time,
+                            const MultisineDesign& design = {});
+
 /// Unit of an axis in G-code: of a rotary axis, whose positions are arcs at a radius of 1 m, the degree.
 enum class GcodeUnit { kMillimetre, kDegree };
 
@@ -148,5 +168,6 @@ struct stribeck::EnumNames<stribeck::ident::excitation::ExcitationMethod> {
       std::pair{M::kJog, std::string_view{"jog"}},
       std::pair{M::kSine, std::string_view{"sine"}},
       std::pair{M::kPositionSine, std::string_view{"position-sine"}},
-      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}}};
+      std::pair{M::kConstantAcceleration, std::string_view{"constant-acceleration"}},
+      std::pair{M::kMultisine, std::string_view{"multisine"}}};
 };

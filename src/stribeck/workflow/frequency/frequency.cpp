@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/digits.hpp>
+#include <stribeck/workflow/frequency/frequency.hpp>
+#include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+constexpr double kClose = 1.01;  ///< ratio of neighbouring points between lines
+constexpr double kDrift = 0.05;  ///< of a resonance, by workpiece and place
+constexpr double kMisses = 2.0;  ///< a fit that leaves more than this times the noise deserves a warning
+constexpr double kFewUnits = 6.0;
+
+/// Lines that are determined; between them the fit, bent to meet them.
+sim::MeasuredPlant dense_plant(const ident::frequency::Response& response,
+                               const ident::frequency::Plant& fit) {
+  sim::MeasuredPlant out;
+  out.period = response.sample_time;
+  const ident::frequency::Line* before = nullptr;
+  std::complex<double> ratio_before;
+  const auto model = [&](double omega) {
+    return ident::frequency::sampled_response(fit, omega, response.sample_time);
+  };
+  for (const ident::frequency::Line& line : response.lines) {
+    if (!line.determined()) continue;
+    const std::complex<double> ratio = line.plant / model(line.omega);
+    if (before != nullptr) {
+      const int parts = static_cast<int>(std::ceil(std::log(line.omega / before->omega) / std::log(kClose)));
+      for (int i = 1; i < parts; ++i) {
+        const double share = static_cast<double>(i) / parts;
+        const double omega = before->omega * std::pow(line.omega / before->omega, share);
+        out.omega.push_back(omega);
+        out.response.push_back(model(omega) * ((1.0 - share) * ratio_before + share * ratio));
+        out.half_width.push_back((1.0 - share) * before->half_width + share * line.half_width);
+      }
+    }
+    out.omega.push_back(line.omega);
+    out.response.push_back(line.plant);
+    out.half_width.push_back(line.half_width);
+    before = &line;
+    ratio_before = ratio;
+  }
+  return out;
+}
+
+/// Whether the rule is violated first near resonance and anti-resonance.
+bool limited_by_resonance(const report::FrequencyAxis& a) {
+  if (!a.fit.resonance || a.proposed.limit == sim::LoopLimit::kMeasured) return false;
+  const double low = a.fit.antiresonance ? a.fit.antiresonance->value : a.fit.resonance->value;
+  return a.proposed.limit_at > 0.7 * low && a.proposed.limit_at < 1.4 * a.fit.resonance->value;
+}
+
+std::vector<std::string> warnings_of(const report::FrequencyAxis& a) {
+  std::vector<std::string> out;
+  const ident::frequency::Response& r = a.response;
+  if (r.units < static_cast<std::size_t>(kFewUnits))
+    out.push_back(fmt::format("intervals rest on {} independent parts: record more strokes", r.units));
+  if (a.fit.excess > kMisses)
+    out.push_back(fmt::format(
+        "the model misses the lines by {} times their noise: there is more in them than its structure has (look at "
+        "the picture); the intervals are widened by that",
+        ident::digits(a.fit.excess, 2)));
+  const auto unsure = std::count_if(r.lines.begin(), r.lines.end(),
+                                    [](const ident::frequency::Line& l) { return !l.determined(); });
+  if (unsure > 0)
+    out.push_back(fmt::format(
+        "{} of {} lines are not determined: noise is larger than what the excitation moves there; they are "
+        "used for nothing",
+        unsure, r.lines.size()));
+  if (!r.period)
+    out.emplace_back(
+        "the excitation has no period: lines are means over bands, and a resonance narrower than a band is drawn too low "
+        "(stribeck excite --method multisine)");
+  if (a.fit.plant.mass > 0.0 && !a.units.physical())
+    out.push_back(fmt::format("force is in {} and position in {}: the mass is in these units", a.units.force,
+                              a.units.position));
+  return out;
+}
+
+std::optional<sim::MeasuredGains> present_gains(const MachineDescription& machine, const std::string& axis) {
+  for (const auto& [name, a] : as_machine(machine).axes) {
+    if (name == axis) return sim::MeasuredGains{a.commissioning.mass, a.commissioning.omega, {}};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptions& options,
+                                   const std::optional<sim::MeasuredGains>& present) {
+  report::FrequencyAxis out;
+  out.name = axis.axis;
+  out.sources = axis.sources;
+  if (!axis.records.empty())
+    out.units = report::ShownUnits(axis.records.front().force_unit, axis.records.front().position_unit);
+  ident::frequency::ResponseOptions how;
+  if (!options.period.empty())
+    how.period = option_si("--period", options.period, quantity("s", "s").positive());
+  out.response = ident::frequency::estimate(axis.records, how);
+  out.fit = ident::frequency::fit_plant(out.response);
+  out.plant = dense_plant(out.response, out.fit.plant);
+  out.rule = {options.phase_margin * kPi / 180.0, std::pow(10.0, options.gain_margin / 20.0)};
+  const double mass = out.fit.mass.value;
+  out.proposed = sim::propose_loop(out.plant, mass, out.rule);
+  out.resonance_limits = limited_by_resonance(out);
+  if (out.resonance_limits)
+    out.with_notch =
+        sim::propose_notch(out.plant, mass, out.rule, out.fit.resonance->value, kDrift, out.proposed.omega);
+  if (present && out.units.physical()) {
+    out.present = present;
+    out.present_margins = sim::measured_margins(out.plant, *present);
+  }
+  out.warnings = warnings_of(out);
+  for (const std::string& note : axis.notes) out.warnings.push_back(note);
+  return out;
+}
+
+report::FrequencyReportInput frequency_of_logs(const std::vector<std::string>& files, const LogOptions& log,
+                                               const FrequencyOptions& options) {
+  report::FrequencyReportInput out;
+  if (!files.front().ends_with(".toml")) {
+    out.axes.push_back(frequency_of(read_axis(files, log), options, std::nullopt));
+    return out;
+  }
+  const MachineDescription machine = read_description(files.front());
+  const std::vector<std::string> logs(files.begin() + 1, files.end());
+  if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
+  for (const LogsOfAxis& one : logs_by_axis(machine, logs, log))
+    out.axes.push_back(
+        frequency_of(read_axis(one.logs, one.options), options, present_gains(machine, one.axis)));
+  if (out.axes.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log.axis));
+  return out;
+}
+
+}  // namespace stribeck::workflow
