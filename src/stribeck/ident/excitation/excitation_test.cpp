@@ -333,5 +333,39 @@ TEST(Excitation, GcodeRepeatsTheTable) {
   EXPECT_THAT([&] { as_gcode(pulses, "x", "table"); }, ThrowsMessage<Refused>(HasSubstr("open loop")));
 }
 
+TEST(Multisine, RepeatsWithItsPeriodAndNeverReversesWhileItIsMeasured) {
+  MultisineDesign design;
+  design.repeats = 2;
+  const Limits limits{-0.075, 0.075, 10e-3, 0.2, 10480.0};
+  const double T = 5e-3;
+  const Excitation e = design_multisine(limits, {57650.0, 1000.0, 0.0}, T, design);
+  const std::size_t period = 400;  // 2 s
+  // In the middle of every stroke the increments repeat, and they have one sign.
+  std::size_t measured = 0;
+  for (std::size_t k = 1; k + period + 1 < e.r.size(); ++k) {
+    const double now = e.r[k + 1] - e.r[k];
+    const double later = e.r[k + period + 1] - e.r[k + period];
+    if (now == 0.0 || std::abs(now - later) > 1e-12) continue;
+    EXPECT_GE(std::abs(now) / T, 1.9e-3);  // half the ride of 4 mm/s, less a rounding of the line's speed
+    EXPECT_LE(std::abs(now) / T, limits.speed);
+    ++measured;
+  }
+  EXPECT_GE(measured, 4 * 3 * period);  // three of four periods of each stroke have a next one
+  for (std::size_t k = 1; k + 1 < e.r.size(); ++k)
+    ASSERT_LE(std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (T * T), limits.acceleration);
+  // The strokes lie about the middle of the travel.
+  const auto [low, high] = std::minmax_element(e.r.begin(), e.r.end());
+  EXPECT_NEAR(*low, -*high, 1e-3);
+  EXPECT_NE(e.says.find("4 strokes at 4.00 mm/s"), std::string::npos) << e.says;
+}
+
+TEST(Multisine, RefusesADriveThatFrictionUsesUp) {
+  EXPECT_THAT(
+      [&] {
+        design_multisine({-0.1, 0.1, 0.01, 0.2, 900.0}, {100.0, 1000.0, 0.0}, 1e-3);
+      },
+      ThrowsMessage<Refused>(HasSubstr("no force is left")));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::excitation::excitation_test

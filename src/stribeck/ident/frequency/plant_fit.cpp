@@ -18,6 +18,7 @@ constexpr int kFolds = 5;
 constexpr std::size_t kFewestLines = 6;
 constexpr double kFarBetter = 0.9;       ///< of the error on held-out lines
 constexpr double kFarAway = 0.5;         ///< the same, for a resonance of which only the beginning is seen
+constexpr double kMore = 3.0;            ///< times the noise: there is more in the lines than one mass
 constexpr double kKnownResonance = 0.1;  ///< relative half width
 constexpr double kBadSquare = 1e30;
 
@@ -379,7 +380,7 @@ PlantFit fit_plant(const Response& response) {
         digits(out.mass.value), digits(out.mass.low()), digits(out.mass.high())));
   }
   for (const Candidate& c : all) out.held_out.push_back(c.held_out);
-  out.beyond = beyond && best->structure == Structure::kRigid;
+  out.beyond = best->structure == Structure::kRigid && (beyond || out.excess > kMore);
   out.reason = choice_in_words(*best, all.front(), data);
   return out;
 }

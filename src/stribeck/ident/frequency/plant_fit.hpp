@@ -62,8 +62,8 @@ struct PlantFit {
   double misfit = 0.0;                            ///< RMS of |G_model/G − 1| over the lines
   double excess = 1.0;           ///< RMS residual over that of the noise; 1: the model is as good as the data
   std::vector<double> held_out;  ///< error on held-out lines of each Structure, in noise; NaN: not fitted
-  bool beyond = false;  ///< two masses are far better, but the lines do not determine their resonance
-  std::string reason;   ///< why this structure
+  bool beyond = false;           ///< one mass is not enough, and the lines determine no resonance
+  std::string reason;            ///< why this structure
 };
 
 PlantFit fit_plant(const Response& response);

@@ -50,8 +50,8 @@ Plot plant_plot(const FrequencyAxis& a, bool phase) {
       phase ? "Plant: phase" : "Plant: gain",
       phase ? "phase [deg]" : fmt::format("gain [dB re 1 {}/{}]", a.units.fine, a.units.force));
   Series band{.label = "95 %", .style = Style::kBand, .color = kBandColor};
-  Series points{.label = "measured", .style = Style::kPoints, .color = kMeasured, .width = 0.7};
-  Series unsure{.label = "not determined", .style = Style::kPoints, .color = "#bbbbbb", .width = 0.7};
+  Series points{.label = "measured", .style = Style::kPoints, .color = kMeasured, .width = 1.2};
+  Series unsure{.label = "not determined", .style = Style::kPoints, .color = "#bbbbbb", .width = 1.2};
   Series fit{.label = "fit", .color = kFitted};
   double before = -180.0;
   for (const Line& l : a.response.lines) {

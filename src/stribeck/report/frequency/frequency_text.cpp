@@ -179,7 +179,7 @@ Table loop_table(const FrequencyAxis& a) {
     std::string notch = "none";
     if (n)
       notch = fmt::format("{} Hz, {} dB, {} Hz wide", significant(n->frequency / kPerTurn, 3),
-                          decimals(in_dB(n->depth), 0),
+                          decimals(-in_dB(n->depth), 0),
                           significant(2.0 * n->damping * n->frequency / kPerTurn, 2));
     const bool s = m.stable;
     t.rows.push_back({{name},

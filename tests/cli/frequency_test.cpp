@@ -1,0 +1,91 @@
+// The frequency response of a virtual axis, through files only: excite, simulate, frequency.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <stribeck/io/file.hpp>
+#include <string>
+
+#include "command.hpp"
+
+namespace stribeck::test::frequency_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// The x axis of the biaxial table with a mode at 35 Hz, resonance at 45.18 Hz, and 2 ms of delay.
+std::string table_with_mode() {
+  std::string text = text_of(kMachine);
+  const auto put = [&](const std::string& before, const std::string& what) {
+    text.insert(text.find(before), what);
+  };
+  put("[axes.x.plant.drive]",
+      "delay_fraction = 0.4\n[axes.x.plant.axial_mode]\nfrequency = \"35 Hz\"\ndamping_ratio = 0.02\n"
+      "table_share = 0.4\n\n");
+  const auto at = text.find("omega = \"40 rad/s\"");
+  return text.replace(at, 18, "omega = \"20 rad/s\"");
+}
+
+bool holds(const nlohmann::json& v, double truth) { return v["low"] <= truth && truth <= v["high"]; }
+
+TEST(Frequency, OfAVirtualAxisIsFoundFromItsLog) {
+  Folder f;
+  io::write_atomically(f / "table.toml", table_with_mode());
+  const Said excite = command(
+      {"excite", f / "table.toml", "--method", "multisine", "--axis", "x", "-o", f / "multisine.csv"});
+  ASSERT_EQ(excite.code, 0) << excite.err;
+  EXPECT_THAT(excite.out, AllOf(HasSubstr("never below 2.00 mm/s"), HasSubstr("abort outside -75 to 75 mm")));
+  ASSERT_EQ(command({"simulate", f / "table.toml", "--reference", f / "multisine.csv", "--axis", "x", "-o",
+                     f / "log.csv"})
+                .code,
+            0);
+  const Said said = command({"frequency", f / "table.toml", f / "log.csv", "--axis", "x", "--json",
+                             f / "f.json", "-o", f / "lines.csv", "--report", f / "page"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto a = nlohmann::json::parse(text_of(f / "f.json"))["axes"][0];
+  EXPECT_EQ(a["structure"], "two-mass-drive");
+  EXPECT_TRUE(holds(a["mass_kg"], 57650.0)) << a["mass_kg"];
+  EXPECT_TRUE(holds(a["resonance_Hz"], 45.1848)) << a["resonance_Hz"];  // 35·√(1 + 0.4/0.6)
+  EXPECT_TRUE(holds(a["antiresonance_Hz"], 35.0)) << a["antiresonance_Hz"];
+  EXPECT_NEAR(a["resonance_Hz"]["value"], 45.1848, 0.45);
+  EXPECT_NEAR(a["antiresonance_Hz"]["value"], 35.0, 0.35);
+  EXPECT_NEAR(a["delay_s"]["value"], 2e-3, 0.5e-3);  // a tenth of a period
+  EXPECT_EQ(a["present"]["omega_rad_per_s"], 20.0);
+  EXPECT_GT(a["with_notch"]["omega_rad_per_s"], a["proposed"]["omega_rad_per_s"]);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("The loop may go to"), HasSubstr("The first resonance is at 45.2"),
+                              HasSubstr("Coulomb friction is no linear response")));
+  EXPECT_THAT(text_of(f / "lines.csv"), HasSubstr("frequency"));
+  EXPECT_THAT(text_of(f / "page/index.html"), HasSubstr("Nyquist plane of the open loop"));
+}
+
+TEST(Frequency, OfALogWithoutExcitationIsRefusedWithTheCure) {
+  Folder f;
+  ASSERT_EQ(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", f / "jog.csv"}).code, 0);
+  ASSERT_EQ(
+      command({"simulate", kMachine, "--reference", f / "jog.csv", "--axis", "x", "-o", f / "log.csv"}).code,
+      0);
+  const Said said = command({"frequency", f / "log.csv", "--json", f / "f.json"});
+  EXPECT_NE(said.code, 0);
+  EXPECT_THAT(said.err, HasSubstr("stribeck excite MACHINE.toml --method multisine"));
+  EXPECT_FALSE(std::filesystem::exists(f / "f.json"));
+}
+
+TEST(Frequency, OfMultisineTakesOneSpeedAndAFrequencyBelowHalfTheRate) {
+  Folder f;
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"excite", kMachine, "--method", "multisine",
+                                   "--axis", "x",      "-o",       f / "m.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Said s = command(words);
+    EXPECT_EQ(s.code, 2);
+    return s.err;
+  };
+  EXPECT_THAT(said({"--speeds", "1 mm/s", "2 mm/s"}), HasSubstr("--speeds"));
+  EXPECT_THAT(said({"--speeds", "9 mm/s"}), HasSubstr("expected at most 6.00 mm/s"));
+  EXPECT_THAT(said({"--highest", "120 Hz"}), HasSubstr("--highest"));
+  EXPECT_FALSE(std::filesystem::exists(f / "m.csv"));
+}
+
+}  // namespace
+}  // namespace stribeck::test::frequency_test
