@@ -104,7 +104,7 @@ void add_runs(py::module_& module) {
       "excite", &excite, py::arg("machine"), py::arg("method"), py::arg("axis"),
       "excite(machine, method, axis, *, periods=None, repeats=None, speeds=None, lead=None, rise=None, known=None)\n--\n\n"
       "Designs a motion or force whose log determines friction and mass of an axis.\n\n"
-      "machine: machine file. method: pulses, ramp (forces), jog, sine, position-sine, constant-acceleration (positions).\n"
+      "machine: machine file. method: pulses, ramp (forces), jog, sine, position-sine, constant-acceleration, multisine (positions).\n"
       "periods, repeats: int. speeds [m/s], lead [m], rise [s]: numbers, or text with a unit. known: axis file.\n"
       "Returns a Result; its log has t [s] and r [m], or f [N] and what the drive takes; log.save() writes it for simulate.\n"
       "Raises InputError for arguments and machine file, Refused where no excitation is safe.");
