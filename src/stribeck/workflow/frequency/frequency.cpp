@@ -13,8 +13,8 @@ namespace stribeck::workflow {
 namespace {
 
 constexpr double kClose = 1.005;  ///< ratio of neighbouring points between lines
-constexpr double kDrift = 0.05;  ///< of a resonance, by workpiece and place
-constexpr double kMisses = 2.0;  ///< a fit that leaves more than this times the noise deserves a warning
+constexpr double kDrift = 0.05;   ///< of a resonance, by workpiece and place
+constexpr double kMisses = 2.0;   ///< a fit that leaves more than this times the noise deserves a warning
 constexpr double kFewUnits = 6.0;
 
 /// Lines that are determined; between them the fit, bent to meet them.
