@@ -170,11 +170,12 @@ struct Friction {
     const double p = (x - place) / place_width;
     return 1.0 + slope * x - warming * (1.0 - std::exp(-t / warming_time)) + place_level * std::exp(-p * p);
   }
-  [[nodiscard]] double of_place(double x, double direction) const {
+  /// Sum of the terms that reverse with the direction (1) or that keep their sign (0).
+  [[nodiscard]] double of_place(double x, double reverses) const {
     double force = 0.0;
     for (std::size_t i = 0; i + 3 < periodic.size(); i += 4) {
-      const double value = periodic[i] * std::sin(2.0 * kPi * x / periodic[i + 1] - periodic[i + 2]);
-      force += periodic[i + 3] != 0.0 ? value * direction : value;
+      if (periodic[i + 3] == reverses)
+        force += periodic[i] * std::sin(2.0 * kPi * x / periodic[i + 1] - periodic[i + 2]);
     }
     return force;
   }
@@ -183,11 +184,10 @@ struct Friction {
     const Branch& branch = middle >= 0.0 ? positive : negative;
     const double speed = std::abs(middle);
     const double scale = level(x, t);
-    const double rest = bristles.step(v, branch.rest(speed) * scale, dt);
+    // A term that reverses with the direction does so over the way of the bristles: the contact carries it too.
+    const double rest = bristles.step(v, branch.rest(speed) * scale + of_place(x, 1.0), dt);
     const double viscous = (middle >= 0.0 ? 1.0 : -1.0) * branch.flow(speed) * scale;
-    // A term that reverses with the direction does so over the way of the bristles.
-    const double direction = std::tanh(middle / 1e-4);
-    return rest + viscous + of_place(x, direction);
+    return rest + viscous + of_place(x, 0.0);
   }
   /// Friction and load at a speed that is held, mean over place, cold.
   [[nodiscard]] double steady(double v) const {
