@@ -39,8 +39,10 @@ struct BristleOptions {
   double level_tolerance = 0.1;          ///< relative
   double load_tolerance = 0.05;          ///< as a share of the level
   double viscous_tolerance = 0.05;       ///< as a share of the level, at the largest speed of the rows used
-  double shift = -0.5;                   ///< of the force, in rows, as in MotionOptions
-  int elements = 4;                      ///< of GMS, 2 … 6; 0: LuGre only
+  /// Speed below which the steady map was not measured [m/s]: a rise of friction towards rest is fitted with the others. 0: none.
+  double unseen_below = 0.0;
+  double shift = -0.5;  ///< of the force, in rows, as in MotionOptions
+  int elements = 4;     ///< of GMS, 2 … 6; 0: LuGre only
 };
 
 struct BristleFit {

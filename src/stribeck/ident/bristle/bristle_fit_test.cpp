@@ -208,6 +208,81 @@ TEST(BristleFit, IntervalsHoldTheTruth) {
   EXPECT_GE(held, 10);
 }
 
+// The mass swings on its bristles by 1.7 rad in a sample: a spline through the samples is not its motion, and twice the noise of
+// the drive is left with it (0.22 N).
+TEST(BristleFit, FewSamplesForASwingOfTheMassOnItsBristles) {
+  Drive d = tool_drive(5e-3);
+  d.mass = 60.0;
+  d.encoder = 1e-8;
+  d.noise_rms = 0.1;
+  d.sigma1 = std::sqrt(d.sigma0 * d.mass);
+  const auto r = test::sine_reference(d.sample_time, 0.005, 1.0, 4);
+  const auto fit = fit_bristle({run_closed(d, d.mass, r, 2)}, known(d), only_lugre());
+  ASSERT_TRUE(fit.determinable) << fit.reason;
+  const Parameter& p = named(fit.lugre_parameters, "sigma0");
+  EXPECT_LT(p.ci_low, d.sigma0);
+  EXPECT_GT(p.ci_high, d.sigma0);
+  EXPECT_LT(fit.models[1].held_out_rms, 1.5 * d.noise_rms);
+}
+
+/// Level 1 N with a rise of 0.5 N within 0.23 mm/s, sampled fast.
+Drive narrow_rise() {
+  Drive d;
+  d.mass = 70.0;
+  d.sample_time = 2e-4;
+  d.encoder = 1e-10;
+  d.noise_rms = 0.03;
+  d.noise_time = 1.4e-3;
+  d.force_per_volt = 1.0;
+  d.volts = 100.0;
+  d.bits = 0.0;
+  d.friction.positive.eta0 = 1.0;
+  d.friction.positive.eta1 = 19.0;
+  d.friction.positive.gaussians.push_back({0.5, 0.0, 0.23e-3});
+  d.friction.negative = d.friction.positive;
+  d.friction.negative.eta0 = -1.0;
+  d.friction.negative.gaussians[0].a = -0.5;
+  d.friction.velocity_range = {-0.1, 0.1};
+  d.sigma0 = 2.4e5;
+  d.sigma1 = 3900.0;
+  d.damping_velocity = 0.8e-3;
+  return d;
+}
+
+friction::AxisModel without_rise(const Drive& d) {
+  auto model = known(d);
+  auto& map = std::get<friction::Gaussian<double>>(model.friction.steady);
+  map.positive.gaussians.clear();
+  map.negative.gaussians.clear();
+  return model;
+}
+
+log::Record narrow_sine(const Drive& d) {
+  return run_closed(d, d.mass, test::sine_reference(d.sample_time, 0.02, 1.5, 2), 1);
+}
+
+// The first guess leads to 5.5 times the stiffness, which leaves eight tenths of what static friction leaves. Without the rise
+// σ0 is a third too high at the right minimum.
+TEST(BristleFit, AWrongFirstGuessIsLeft) {
+  const Drive d = narrow_rise();
+  const auto fit = fit_bristle({narrow_sine(d)}, without_rise(d), only_lugre());
+  EXPECT_LT(named(fit.lugre_parameters, "sigma0").value / d.sigma0, 1.6);
+  EXPECT_LT(fit.models[1].held_out_rms, 0.3 * fit.models[0].held_out_rms);
+}
+
+// The slowest rows of the map were at 1 mm/s.
+TEST(BristleFit, ARiseThatTheMapHasNotSeenIsANuisance) {
+  const Drive d = narrow_rise();
+  BristleOptions options = only_lugre();
+  options.unseen_below = 1e-3;
+  const auto fit = fit_bristle({narrow_sine(d)}, without_rise(d), options);
+  const Parameter& p = named(fit.lugre_parameters, "sigma0");
+  EXPECT_LT(p.ci_low, d.sigma0);
+  EXPECT_GT(p.ci_high, d.sigma0);
+  EXPECT_LT(p.ci_high / p.ci_low, 1.5);
+  EXPECT_NEAR(fit.break_away / (1.5 / d.sigma0), 1.0, 0.15);
+}
+
 TEST(BristleFit, SumOfElementsWithinFivePercent) {
   const Drive d = tool_drive(5e-3);
   Springs s;

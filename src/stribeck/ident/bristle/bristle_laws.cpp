@@ -11,12 +11,23 @@ namespace {
 constexpr int kIterations = 40;
 constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
+constexpr double kWideSwing = 0.3;  ///< [rad] in a sample; less: a spline through the ticks is the motion
+constexpr int kMostTurns = 6;
+constexpr double kSettled = 1e-3;  ///< of ln σ0
+constexpr double kPoor = 0.4;      ///< share of the static residual that is left: other starts are tried
+constexpr double kClearly = 0.7;   ///< less by this factor: the other start is right
 constexpr std::size_t kFewRows = 20;
+constexpr std::size_t kMostRowsForStarts = 20'000;  ///< one fit alone takes long
 constexpr std::size_t kMostRows = 6'000;
 constexpr std::size_t kFewPieces = 40;
 /// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
 constexpr double kFadingSpread = 1.5;
+/// Prior of a rise that the steady map has not seen: ln of a share of the level (0.2), and ln of its width over the slowest speed of the map.
+constexpr double kRiseHeight = -1.6;
+constexpr double kRiseSpread = 1.0;
+constexpr double kRiseWidth = -1.0;
+constexpr double kRiseWidthSpread = 0.7;
 
 Prior common_prior(const Given& given, const Rows& rows, int own) {
   const Index n = own + kCommon + rows.path.starts;
@@ -25,6 +36,10 @@ Prior common_prior(const Given& given, const Rows& rows, int own) {
   prior.sd(own + kMass) = given.options.mass_tolerance.value_or(given.open ? 0.05 : 0.005);
   prior.sd(own + kLoad) = given.options.load_tolerance;
   prior.sd(own + kViscous) = given.options.viscous_tolerance;
+  prior.mean(own + kRise) = kRiseHeight;
+  prior.sd(own + kRise) = kRiseSpread;
+  prior.mean(own + kWidth) = kRiseWidth;
+  prior.sd(own + kWidth) = kRiseWidthSpread;
   return prior;
 }
 
@@ -33,7 +48,9 @@ Prior common_prior(const Given& given, const Rows& rows, int own) {
 std::vector<Index> free_of(const Given& given, const Prior& prior, int own) {
   std::vector<Index> all;
   for (Index i = 0; i < prior.mean.size(); ++i) {
-    if (given.open || i != own + kMass) all.push_back(i);
+    if (!given.open && i == own + kMass) continue;
+    if (given.options.unseen_below <= 0.0 && (i == own + kRise || i == own + kWidth)) continue;
+    all.push_back(i);
   }
   return all;
 }
@@ -43,9 +60,15 @@ Solution solved(const Rows& rows, const Model& model, const VectorXd& from, cons
   return solve(model, {&from, &free, &rows.every_row, &prior, rows.noise}, iterations);
 }
 
+/// Phase by which the mass swings on its bristles in one sample [rad].
+double swing_of(const Given& given, double break_away) {
+  return given.records->front().sample_time * std::sqrt(given.level / break_away / given.known->mass);
+}
+
 void cut(const Given& given, double break_away, Rows& rows) {
-  rows.path =
-      cut_path(*given.records, given.data, *given.known, {break_away, given.options.shift, given.open});
+  const double swing = swing_of(given, break_away);
+  rows.path = cut_path(*given.records, given.data, *given.known,
+                       {break_away, given.options.shift, given.open, swing});
   // Six thousand rows tell a stiffness to a part in a hundred; all of a long log take as long as all other steps together.
   if (rows.path.rows.size() > kMostRows) {
     BristlePath part = part_of(rows.path, kMostRows);
@@ -53,6 +76,7 @@ void cut(const Given& given, double break_away, Rows& rows) {
     if (part.pieces.size() >= kFewPieces) rows.path = std::move(part);
   }
   rows.setting.path = &rows.path;
+  rows.setting.unseen = given.options.unseen_below;
   rows.setting.scales.break_away = break_away;
   rows.setting.fastest = 1e-12;
   for (const PathStep& step : rows.path.steps)
@@ -125,6 +149,36 @@ Solution solve_lugre(const Given& given, const Fitted& f, Rows& rows) {
   return best;
 }
 
+double rms_of(const Model& model, const VectorXd& p) {
+  VectorXd e;
+  model.evaluate(p, e, nullptr, false);
+  return std::sqrt(e.squaredNorm() / static_cast<double>(std::max<Index>(1, e.size())));
+}
+
+/// The motion between the ticks is that of the law found so far; in turns, until the stiffness stays. A motion that describes the
+/// force worse than the spline is not taken.
+Solution solve_swinging(const Given& given, const Fitted& f, Rows& rows) {
+  const auto model = lugre_model(rows.setting);
+  Solution at = f.solution;
+  const BristlePath spline = rows.path;
+  const double noise = rows.noise;
+  const double before = rms_of(*model, at.p);
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    const double stiffness = at.p(0);
+    model->follow(at.p, *given.known, rows.path);
+    rows.path.whitening.clear();
+    weigh(given, *model, at.p, rows);
+    Solution next = solved(rows, *model, VectorXd(at.p), f.free, f.prior, kIterations);
+    if (!std::isfinite(next.cost)) break;
+    at = std::move(next);
+    if (std::abs(at.p(0) - stiffness) < kSettled) break;
+  }
+  if (rms_of(*model, at.p) < before) return at;
+  rows.path = spline;
+  rows.noise = noise;
+  return f.solution;
+}
+
 Prior gms_prior(const Given& given, const Rows& rows, int own) {
   const int N = given.options.elements;
   const Index damping = gms_damping(N);
@@ -142,9 +196,8 @@ Prior gms_prior(const Given& given, const Rows& rows, int own) {
   return prior;
 }
 
-}  // namespace
-
-std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugre) {
+/// The fit that begins at one break-away distance.
+std::string fit_from(const Given& given, double guess, Rows& rows, Fitted& lugre) {
   constexpr int kOwn = LuGreCase::kMostOwn;
   lugre.own = kOwn;
   guess = std::clamp(guess, std::max(0.5 * given.quantum, 1e-6 * given.stroke), given.stroke);
@@ -160,6 +213,40 @@ std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugr
     if (std::abs(change) < 0.3 || pass + 1 == kPasses) break;
     guess = std::clamp(guess * std::exp(-change), std::max(0.1 * given.quantum, 1e-7 * given.stroke),
                        given.stroke);
+  }
+  if (swing_of(given, guess) > kWideSwing) lugre.solution = solve_swinging(given, lugre, rows);
+  return {};
+}
+
+/// What LuGre leaves of the residual of static friction after reversals, RMS.
+double share_left(const Given& given, const Rows& rows, const Fitted& lugre) {
+  VectorXd e, plain;
+  lugre_model(rows.setting)->evaluate(lugre.solution.p, e, nullptr, false);
+  static_model(rows.setting)->evaluate(fit_static(given, rows).solution.p, plain, nullptr, false);
+  double left = 0.0, all = 0.0;
+  for (std::size_t k = 0; k < rows.path.rows.size(); ++k) {
+    if (!rows.path.rows[k].turning) continue;
+    left += e(static_cast<Index>(k)) * e(static_cast<Index>(k));
+    all += plain(static_cast<Index>(k)) * plain(static_cast<Index>(k));
+  }
+  return all > 0.0 ? std::sqrt(left / all) : 1.0;
+}
+
+}  // namespace
+
+std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugre) {
+  const std::string why = fit_from(given, guess, rows, lugre);
+  if (!why.empty()) return why;
+  double least = share_left(given, rows, lugre);
+  if (least > kPoor && rows.path.rows.size() < kMostRowsForStarts) {
+    // The first guess may lie beside a wrong minimum: one break-away distance is tried far on either side of it.
+    double best = guess;
+    for (const double times : {16.0, 4.0, 1.0 / 4.0, 1.0 / 16.0}) {
+      if (!fit_from(given, times * guess, rows, lugre).empty()) continue;
+      const double left = share_left(given, rows, lugre);
+      if (left < kClearly * least) least = left, best = times * guess;
+    }
+    fit_from(given, best, rows, lugre);
   }
   finish(given, rows, *lugre_model(rows.setting), 1, lugre);
   return {};

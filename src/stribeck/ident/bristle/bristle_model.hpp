@@ -3,13 +3,14 @@
 ///
 /// A case names the law, its own parameters scaled to about one, and the mean force over a sub-step. The laws themselves
 /// are those of friction/, evaluated on jets. The own parameters are followed by the common ones: factor of each level less 1,
-/// mass less 1, load and viscous force as shares of the level, then the unknown starts.
+/// mass less 1, load and viscous force as shares of the level, the unseen rise, then the unknown starts.
 ///
 /// Inside ident only: includes Eigen.
 /// Real time: no.
 
 #include <Eigen/Core>
 #include <memory>
+#include <stribeck/friction/axis_model.hpp>
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/lugre.hpp>
 #include <stribeck/ident/bristle/bristle_path.hpp>
@@ -97,6 +98,8 @@ struct StaticCase {
   static constexpr int kMostOwn = 0;
   template <class T>
   struct Law {
+    struct State {};
+    State state{};
     void start(const T&, double) {}
     void settle(const T&, double) {}
     T advance(const PathStep& step, const T& level) { return level * T(step.direction); }
@@ -107,7 +110,9 @@ struct StaticCase {
   }
 };
 
-enum Common { kForward, kBackward, kMass, kLoad, kViscous, kCommon };
+/// kRise, the logarithm of a share of the level at rest, and kWidth, a logarithm too, are a rise towards rest that the steady map has not seen:
+/// level + rise·exp(−(v/w)²).
+enum Common { kForward, kBackward, kMass, kLoad, kViscous, kRise, kWidth, kCommon };
 
 /// Everything that does not depend on the law.
 struct Setting {
@@ -115,6 +120,8 @@ struct Setting {
   Scales scales;
   double mass = 0.0;
   double load = 0.0;
+  double unseen =
+      0.0;  ///< speed below which the steady map was not measured, w = unseen·exp(kWidth) [m/s]; 0: seen to rest
   double fastest = 1.0;  ///< speed at which the viscous parameter equals the force [m/s]
 };
 
@@ -132,6 +139,10 @@ class Model {
   [[nodiscard]] VectorXd force() const;
   /// Residuals [N] of all rows: modelled less measured force, and their derivatives.
   virtual void evaluate(const VectorXd& p, VectorXd& e, MatrixXd* jacobian, bool white = true) const = 0;
+  /// Lays the motion between the ticks of `path` anew, which is path(): that of the mass on its bristles with the parameters p, under the
+  /// held force. Each sample begins with the velocity that leads to the next measured position. A sample for which none is found
+  /// keeps its motion.
+  virtual void follow(const VectorXd& p, const friction::AxisModel& known, BristlePath& path) const = 0;
 
  protected:
   Model(const Setting& setting, int own) : setting_(&setting), own_(own) {}

@@ -14,6 +14,7 @@ constexpr double kForgotten = 12.0;
 constexpr double kNear = 8.0;
 constexpr double kTurning = 5.0;
 constexpr double kStep = 0.1;
+constexpr double kSwing = 0.3;  ///< [rad] in a sub-step
 constexpr std::size_t kMostSteps = 8;
 /// Noise of D²x allowed after the window, as a share of the swing of friction.
 constexpr double kNoiseShare = 0.01;
@@ -181,7 +182,8 @@ void add_sample(const Course& c, const friction::AxisModel& known, std::size_t i
   sample.first = steps.size();
   sample.settled = settled_at(c, known, k);
   const auto fine = static_cast<std::size_t>(std::ceil(c.travel(k) / (kStep * c.options.break_away)));
-  sample.count = sample.settled ? 1 : std::clamp<std::size_t>(fine, 1, kMostSteps);
+  const auto swings = static_cast<std::size_t>(std::ceil(c.options.swing / kSwing));
+  sample.count = sample.settled ? 1 : std::clamp<std::size_t>(std::max(fine, swings), 1, kMostSteps);
   double before = 0.0;
   for (std::size_t s = 0; s < sample.count; ++s) {
     const double from = static_cast<double>(s) / static_cast<double>(sample.count);
@@ -198,14 +200,8 @@ void add_sample(const Course& c, const friction::AxisModel& known, std::size_t i
     step.direction = direction;
     step.late = 0.5 * (to * to - from * from);
     step.early = (to - from) - step.late;
-    const double v = direction * std::max(direction * step.v, kSlowest);
     step.x = c.x[k] + 0.5 * (before + after);
-    const auto p = known.friction.parts(v, step.x);
-    step.level = p.level;
-    piece.given[i] += step.early * (p.viscous + p.additive);
-    piece.given[i + 1] += step.late * (p.viscous + p.additive);
-    piece.speed[i] += step.early * step.v;
-    piece.speed[i + 1] += step.late * step.v;
+    lay_step(known, step.x, step.v, i, piece, step);
     steps.push_back(step);
     before = after;
   }
@@ -230,6 +226,20 @@ void add_rows(const Course& c, const std::vector<double>& force, const std::vect
   }
 }
 
+/// Positions at the ticks, and the force that the drive holds between them.
+void add_hold(const Course& c, PathPiece& piece) {
+  const double rows = -c.options.shift - 0.5;
+  const double whole = std::floor(rows);
+  piece.late = rows - whole;
+  const auto last = static_cast<std::ptrdiff_t>(c.rows()) - 1;
+  // One force more, the one before the first tick.
+  for (std::size_t i = 0; i <= piece.force.size(); ++i) {
+    const auto from = static_cast<std::ptrdiff_t>(piece.begin + i) - 1 - static_cast<std::ptrdiff_t>(whole);
+    piece.held.push_back(c.record.f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(from, 0, last))]);
+    if (i < piece.force.size()) piece.at.push_back(c.x[piece.begin + i]);
+  }
+}
+
 PathPiece empty_piece(std::size_t record, const Span& span, bool unknown_start) {
   PathPiece piece;
   piece.record = static_cast<int>(record);
@@ -244,6 +254,19 @@ PathPiece empty_piece(std::size_t record, const Span& span, bool unknown_start) 
 }
 
 }  // namespace
+
+void lay_step(const friction::AxisModel& known, double x, double v, std::size_t i, PathPiece& piece,
+              PathStep& step) {
+  step.x = x;
+  step.v = v;
+  const double to = step.direction;
+  const auto p = known.friction.parts(to * std::max(to * v, kSlowest), x);
+  step.level = p.level;
+  piece.given[i] += step.early * (p.viscous + p.additive);
+  piece.given[i + 1] += step.late * (p.viscous + p.additive);
+  piece.speed[i] += step.early * v;
+  piece.speed[i + 1] += step.late * v;
+}
 
 void filter_like(const BristlePath& path, bool white, std::size_t n, const double* column, double* out,
                  std::vector<double>& work) {
@@ -316,6 +339,7 @@ BristlePath cut_path(const std::vector<log::Record>& records, const BristleData&
     const std::vector<char> wanted = wanted_rows(c);
     for (const Span& span : spans_of(c, wanted)) {
       PathPiece piece = empty_piece(r, span, !c.free_of_turns(span.begin));
+      add_hold(c, piece);
       if (piece.unknown_start) ++path.starts;
       double direction = motion.direction[span.begin];
       for (std::size_t i = 0; i + 1 < piece.force.size(); ++i)

@@ -6,6 +6,8 @@
 /// D²x is the second difference over T². The relation is exact under a zero-order hold: friction enters by its
 /// mean over two samples under a triangle, not by its value at the tick. The position between ticks is a
 /// cubic spline through the measured one, after a window of fourth order (2K − K²) where the encoder is coarse.
+/// Where the mass swings on its bristles within a few samples, a spline is not its motion: there the motion between two ticks is that
+/// of the fitted law under the held force (Model::follow), and the measured positions hold at the ticks only.
 /// A sub-step is short compared with the break-away distance. `early` and `late` are its shares of the triangles of
 /// the tick before it and of the tick after it.
 ///
@@ -52,6 +54,9 @@ struct PathPiece {
   std::vector<double> force;         ///< mean of the two held forces [N]
   std::vector<double> given;         ///< J of viscous and additive parts [N]
   std::vector<double> speed;         ///< J of v [m/s]
+  std::vector<double> at;            ///< position of each tick [m]
+  std::vector<double> held;          ///< force from each tick to the next, late by the shift [N]
+  double late = 0.0;                 ///< share of a sample for which the force before `held` goes on
   std::vector<std::size_t> rows;     ///< ticks, counted from begin, whose residual counts in the fit
 };
 
@@ -94,9 +99,15 @@ struct CutOptions {
   double break_away = 0.0;  ///< [m]
   double shift = -0.5;      ///< of the force, as in MotionOptions [rows]
   bool whole = false;       ///< every row, not only those near reversals
+  double swing = 0.0;       ///< phase by which the mass swings on its bristles in one sample [rad]
 };
 BristlePath cut_path(const std::vector<log::Record>& records, const BristleData& data,
                      const friction::AxisModel& known, const CutOptions& options);
+
+/// Level, direction and place of a step with the velocity `v` that begins at x, by the steady map; its shares are given.
+/// Adds what is not the bristle's to the J of sample i.
+void lay_step(const friction::AxisModel& known, double x, double v, std::size_t i, PathPiece& piece,
+              PathStep& step);
 
 /// First estimate of the break-away distance g/σ0 [m]: the place where friction crosses zero after a reversal; without
 /// reversals, from the stiffness of a motion that never slides. NaN when nothing moves.

@@ -28,11 +28,14 @@ Interval log_interval(double value, double half) { return {value * std::exp(-hal
 /// g/σ0 or g/Σk; `slope` holds the derivatives of the logarithm of the stiffness.
 void set_break_away(const Given& given, double stiffness, const VectorXd& slope, Fitted& f) {
   const VectorXd& p = f.solution.p;
-  const double forward = 0.5 * given.data.level[0] * (1.0 + p(f.own + kForward));
-  const double backward = 0.5 * given.data.level[1] * (1.0 + p(f.own + kBackward));
+  const double rise = given.options.unseen_below > 0.0 ? given.level * std::exp(p(f.own + kRise)) : 0.0;
+  const double to[2] = {1.0 + p(f.own + kForward), 1.0 + p(f.own + kBackward)};
+  const double forward = 0.5 * (given.data.level[0] + rise) * to[0];
+  const double backward = 0.5 * (given.data.level[1] + rise) * to[1];
   VectorXd g = -slope;
-  g(f.own + kForward) += 0.5 * given.data.level[0] / (forward + backward);
-  g(f.own + kBackward) += 0.5 * given.data.level[1] / (forward + backward);
+  g(f.own + kForward) += forward / to[0] / (forward + backward);
+  g(f.own + kBackward) += backward / to[1] / (forward + backward);
+  g(f.own + kRise) += 0.5 * rise * (to[0] + to[1]) / (forward + backward);
   f.half = f.spread.half_width(g);
   f.break_away = (forward + backward) / stiffness;
 }

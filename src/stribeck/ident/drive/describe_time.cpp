@@ -12,10 +12,11 @@
 namespace stribeck::ident::drive {
 namespace {
 
-constexpr std::size_t kFewestForDrift = 500;  // rows
-constexpr double kWorthSaying = 0.02;         // of the friction
-constexpr double kExactShift = 0.02;          // [rows] half width that moves nothing
-constexpr double kMostApart = 4.0;            // ratio of the ends of an interval that still tells something
+constexpr std::size_t kFewestForDrift = 500;      // rows
+constexpr double kWorthSaying = 0.02;             // of the friction
+constexpr double kExactShift = 0.02;              // [rows] half width that moves nothing
+constexpr std::size_t kMostRowsForRise = 20'000;  // a longer fit takes minutes
+constexpr double kMostApart = 4.0;  // ratio of the ends of an interval that still tells something
 
 /// Widens an interval to both sides by how far the value moves with the shift.
 Interval widened(double value, Interval own, const std::vector<double>& moved) {
@@ -45,6 +46,52 @@ void widen(std::vector<Parameter>& parameters, const std::vector<const std::vect
     p.ci_low = wide.low, p.ci_high = wide.high;
     p.identifiable = p.identifiable && wide.high < kMostApart * wide.low;
   }
+}
+
+/// The same parameter of another fit: the interval reaches to the ends of its interval too.
+void reach(Interval& own, double value, const Interval& other) {
+  if (!(other.low > 0.0) || !(other.high > other.low) || !(own.low > 0.0)) return;
+  own.low = std::min({own.low, other.low, value});
+  own.high = std::max({own.high, other.high, value});
+}
+
+/// Below the slowest rows the friction may rise, and the map does not know it. LuGre is fitted a second time with such a rise as a
+/// nuisance parameter; where that describes the reversals better, its values are possible too.
+void reach_beside_unseen_rise(bristle::BristleFit& fit, const std::vector<log::Record>& records,
+                              const friction::AxisModel& known, bristle::BristleOptions options,
+                              double slowest) {
+  if (!std::holds_alternative<friction::LuGre<double>>(fit.best) || fit.rows > kMostRowsForRise) return;
+  options.elements = 0;
+  options.unseen_below = slowest;
+  bristle::BristleFit risen;
+  try {
+    risen = bristle::fit_bristle(records, known, options);
+  } catch (const Refused&) {
+    return;
+  }
+  if (risen.lugre_parameters.empty() || risen.models.size() < 2 || fit.models.size() < 2) return;
+  if (!(risen.models[1].held_out_rms < fit.models[1].held_out_rms)) return;
+  for (std::size_t i = 0; i < std::min(fit.lugre_parameters.size(), risen.lugre_parameters.size()); ++i) {
+    Parameter& p = fit.lugre_parameters[i];
+    Interval wide{p.ci_low, p.ci_high};
+    reach(wide, risen.lugre_parameters[i].value,
+          {risen.lugre_parameters[i].ci_low, risen.lugre_parameters[i].ci_high});
+    p.ci_low = wide.low, p.ci_high = wide.high;
+    p.identifiable = p.identifiable && (p.name != "sigma0" || wide.high < kMostApart * wide.low);
+  }
+  reach(fit.break_away_interval, risen.break_away, risen.break_away_interval);
+}
+
+/// Whether the break-away distance is still told; a note where it is not.
+bool told_beside_unseen_rise(const bristle::BristleFit& fit, Notes& notes) {
+  if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
+    notes.cannot_tell.push_back(text(
+        "pre-sliding is not determinable from this log: friction may rise below the slowest rows, and its break-away distance may "
+        "then be anything from %.3g to %.3g um; add slow jogs",
+        1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high));
+    return false;
+  }
+  return true;
 }
 
 void add_place_stiffness(Result& result, const std::vector<log::Record>& records, double shift) {
@@ -133,6 +180,10 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
       return;
     }
   }
+  options.shift = log.shift;
+  reach_beside_unseen_rise(fit, closed, known, options,
+                           std::max(found.rows.grid[0].low, found.rows.grid[1].low));
+  if (!told_beside_unseen_rise(fit, notes)) return;
   const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);
   result.friction.dynamics = fit.best;
   result.model += gms ? " + gms" : " + lugre";
