@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <stribeck/ident/drive/describe.hpp>
+#include <stribeck/ident/drive/map/level_drift.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <string>
@@ -24,7 +25,11 @@ constexpr double kMostUnseen =
 class Description {
  public:
   Description(const Found& found, const DriveFitOptions& options, Notes& notes)
-      : found_(found), options_(options), notes_(notes), terms_(found.intervals.linear) {}
+      : found_(found),
+        options_(options),
+        notes_(notes),
+        terms_(found.intervals.linear),
+        drift_(found.log, found.rows, found.choice.map.fit, found.intervals.residual) {}
 
   Result write() {
     write_head();
@@ -89,7 +94,10 @@ class Description {
   }
   /// Standard error of the friction at a speed.
   [[nodiscard]] double curve_error(const Figure& figure, int s, double speed) const {
-    return std::hypot(level_error(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
+    const double noise =
+        std::hypot(level_error(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
+    // The drift is no noise: its whole distance stands beside the half width of the rest.
+    return noise + std::abs(figure.value) * drift_.at(s, speed) / found_.intervals.factor;
   }
   void write_points();
 
@@ -97,6 +105,7 @@ class Description {
   const DriveFitOptions& options_;
   Notes& notes_;
   std::size_t terms_;
+  LevelDrift drift_;
   std::array<bool, map::kSides> at_rest_seen_{};  ///< by the rows of each direction
   bool said_slowest_ = false;
   Result result_;
