@@ -14,8 +14,8 @@
 #include <filesystem>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/gcode/child_process.hpp>
 #include <stribeck/io/gcode/interpreter.hpp>
+#include <stribeck/io/process/child_process.hpp>
 #include <string_view>
 
 namespace stribeck::io {

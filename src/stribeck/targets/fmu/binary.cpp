@@ -10,8 +10,8 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
-#include <stribeck/io/gcode/child_process.hpp>
 #include <stribeck/io/printable.hpp>
+#include <stribeck/io/process/child_process.hpp>
 #include <stribeck/targets/fmu/binary.hpp>
 
 namespace stribeck::targets {

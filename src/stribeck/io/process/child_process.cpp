@@ -8,13 +8,14 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <stribeck/io/gcode/child_process.hpp>
+#include <stribeck/io/process/child_process.hpp>
 
 namespace stribeck::io {
 namespace {
 
 /// In the child, where only functions that are safe in signal handlers may be called. Returns the error of what failed.
-int become(char* const* argv, const ChildProcess::Files& files, pid_t parent, rlim_t processor_seconds) {
+int become(char* const* argv, const ChildProcess::Files& files, pid_t parent, rlim_t processor_seconds,
+           const char* folder) {
   if (::setpgid(0, 0) != 0 || ::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return errno;
   // The parent may have ended before.
   if (::getppid() != parent) return ESRCH;
@@ -26,8 +27,9 @@ int become(char* const* argv, const ChildProcess::Files& files, pid_t parent, rl
   struct sigaction usual {};
   usual.sa_handler = SIG_DFL;
   ::sigaction(SIGPIPE, &usual, nullptr);
-  const int nothing = ::open("/dev/null", O_RDONLY);
-  if (nothing < 0 || ::dup2(nothing, STDIN_FILENO) < 0 || ::dup2(files.out, STDOUT_FILENO) < 0 ||
+  if (*folder != '\0' && ::chdir(folder) != 0) return errno;
+  const int in = files.in >= 0 ? files.in : ::open("/dev/null", O_RDONLY);
+  if (in < 0 || ::dup2(in, STDIN_FILENO) < 0 || ::dup2(files.out, STDOUT_FILENO) < 0 ||
       ::dup2(files.err, STDERR_FILENO) < 0 ||
       (files.inherited >= 0 && ::fcntl(files.inherited, F_SETFD, 0) != 0)) {
     return errno;
@@ -39,7 +41,7 @@ int become(char* const* argv, const ChildProcess::Files& files, pid_t parent, rl
 }  // namespace
 
 ChildProcess::ChildProcess(const std::vector<std::string>& words, const Files& files,
-                           double processor_seconds) {
+                           double processor_seconds, const std::string& folder) {
   std::vector<char*> argv;
   for (const std::string& w : words) argv.push_back(const_cast<char*>(w.c_str()));
   argv.push_back(nullptr);
@@ -53,7 +55,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const Files& f
   const pid_t parent = ::getpid();
   id_ = ::fork();
   if (id_ == 0) {
-    const int error = become(argv.data(), files, parent, limit);
+    const int error = become(argv.data(), files, parent, limit, folder.c_str());
     const ssize_t ignored = ::write(said[1], &error, sizeof error);
     ::_exit(ignored == sizeof error ? 127 : 126);
   }
@@ -70,9 +72,17 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const Files& f
 }
 
 ChildProcess::~ChildProcess() {
-  if (id_ <= 0) return;
+  if (id_ > 0) static_cast<void>(end());
+}
+
+bool ChildProcess::has_ended() const {
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(id_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+}
+
+int ChildProcess::end() {
   ::kill(-id_, SIGKILL);
-  static_cast<void>(wait());
+  return wait();
 }
 
 int ChildProcess::wait() {
