@@ -24,6 +24,31 @@ int substeps_of(const Drives& drives) {
 
 }  // namespace
 
+template <std::size_t N>
+JudgedRuns<N>::JudgedRuns(const Machine& machine, const std::vector<std::size_t>& axes, double v_max)
+    : drives_(machine, axes, v_max),
+      range_(std::numeric_limits<double>::infinity()),
+      substeps_(substeps_of(drives_)) {
+  for (const std::size_t i : axes) range_ = std::min(range_, machine.axes[i].second.plant.converter.range);
+}
+
+template <std::size_t N>
+RobustRun JudgedRuns<N>::run(const AnyController<N>& controller, const Route<N>& route, std::uint64_t seed,
+                             std::uint32_t trial, std::vector<ContourSample>* seen) {
+  RobustRun r;
+  StatusCounter status;
+  r.metrics = drives_.run<N>(controller, route, {substeps_, true, true}, seed, trial, seen, &status);
+  r.limited = status.count(Status::kOutputLimited) / static_cast<double>(N * route.points.size());
+  r.lost = !(r.metrics.max_contour_error <= kLost * route.size) ||
+           (r.limited > kMostLimited && r.metrics.input_variation > kMostShaking * range_);
+  return r;
+}
+
+template class JudgedRuns<1>;
+template class JudgedRuns<2>;
+template class JudgedRuns<3>;
+template class JudgedRuns<5>;
+
 class MachineRuns::Loops {
  public:
   Loops() = default;
@@ -56,20 +81,10 @@ class MachineRuns::LoopsOf : public Loops {
   [[nodiscard]] std::size_t size() const override { return controllers_.size(); }
 
   [[nodiscard]] std::vector<RobustRun> run(const Machine& machine, std::uint32_t trial) const override {
-    Drives drives(machine, axes_, 1.05 * fastest_);
-    double range = std::numeric_limits<double>::infinity();
-    for (const std::size_t i : axes_) range = std::min(range, machine.axes[i].second.plant.converter.range);
-    const plant::Fidelity fidelity{substeps_of(drives), true, true};
+    JudgedRuns<N> runs(machine, axes_, 1.05 * fastest_);
     std::vector<RobustRun> all(controllers_.size());
-    for (std::size_t i = 0; i < controllers_.size(); ++i) {
-      const Route<N>& route = *routes_[i];
-      StatusCounter status;
-      RobustRun& r = all[i];
-      r.metrics = drives.run<N>(controllers_[i], route, fidelity, seed_, trial, nullptr, &status);
-      r.limited = status.count(Status::kOutputLimited) / static_cast<double>(N * route.points.size());
-      r.lost = !(r.metrics.max_contour_error <= kLost * route.size) ||
-               (r.limited > kMostLimited && r.metrics.input_variation > kMostShaking * range);
-    }
+    for (std::size_t i = 0; i < controllers_.size(); ++i)
+      all[i] = runs.run(controllers_[i], *routes_[i], seed_, trial);
     return all;
   }
 

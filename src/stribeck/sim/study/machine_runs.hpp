@@ -26,6 +26,23 @@ struct RobustRun {
   bool lost = false;
 };
 
+/// Drives of one machine, for runs that are judged as those of MachineRuns: with any controller, also one that is no law of Stribeck.
+template <std::size_t N>
+class JudgedRuns {
+ public:
+  /// v_max [m/s] bounds the tables of the friction curves.
+  JudgedRuns(const Machine& machine, const std::vector<std::size_t>& axes, double v_max);
+
+  /// Null for no trace.
+  RobustRun run(const AnyController<N>& controller, const Route<N>& route, std::uint64_t seed,
+                std::uint32_t trial, std::vector<ContourSample>* seen = nullptr);
+
+ private:
+  Drives drives_;
+  double range_;  ///< smallest of the converters [V]
+  int substeps_;
+};
+
 class MachineRuns {
  public:
   /// knowledge is that of the nominal machine, for its axes.
