@@ -75,6 +75,7 @@ int parse_and_run(int argc, const char* const* argv) {
   Action action;
   for (const auto add_verb : kVerbs) add_verb(app, action);
   add_reference(app, action);
+  add_board_host(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

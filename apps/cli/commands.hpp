@@ -25,15 +25,17 @@ using Action = std::function<int()>;
 /// Adds a verb to the command, with the action to run when it is chosen.
 using AddVerb = void(CLI::App& app, Action& action);
 AddVerb add_compare, add_identify, add_excite, add_simulate, add_reproduce, add_verify, add_export,
-    add_evaluate, add_health, add_tune, add_init, add_machine, add_study, add_commission, add_serve,
-    add_frequency;
+    add_evaluate, add_health, add_tune, add_init, add_machine, add_study, add_bench, add_commission,
+    add_serve, add_frequency;
 /// All verbs, in the order of --help. A new verb is declared above and entered here.
-inline constexpr std::array<AddVerb*, 16> kVerbs{add_compare, add_identify, add_init,       add_machine,
-                                                 add_excite,  add_simulate, add_reproduce,  add_verify,
-                                                 add_export,  add_evaluate, add_health,     add_frequency,
-                                                 add_tune,    add_study,    add_commission, add_serve};
+inline constexpr std::array<AddVerb*, 17> kVerbs{
+    add_compare,   add_identify, add_init,   add_machine,    add_excite, add_simulate,
+    add_reproduce, add_verify,   add_export, add_evaluate,   add_health, add_frequency,
+    add_tune,      add_study,    add_bench,  add_commission, add_serve};
 /// Not in --help: tools/make-reference calls it.
 AddVerb add_reference;
+/// Not in --help: `bench` starts it to run a shared object.
+AddVerb add_board_host;
 
 /// A word, quoted as a shell needs it.
 std::string shell_quoted(std::string_view word);
