@@ -16,6 +16,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/compare.hpp>
+#include <stribeck/workflow/board/entry.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <stribeck/workflow/study/study_file.hpp>
@@ -90,6 +91,16 @@ std::string study_page() {
                  "Paths count from the folder of the file. [Guide](../guides/study.md). {}",
                  kHowToRead)) +
          io::markdown_by_table(io::keys_of<workflow::StudyFile>(), 2);
+}
+
+std::string board_page() {
+  return page(
+             "Entry files of the board",
+             fmt::format(
+                 "What `bench ENTRY.toml` takes: somebody's identification or controller. Paths count from the folder "
+                 "of the file. [Protocol](../board.md). {}",
+                 kHowToRead)) +
+         io::markdown_by_table(io::keys_of<workflow::BoardEntry>(), 2);
 }
 
 std::string side_page() {
@@ -196,6 +207,7 @@ void add_reference(CLI::App& app, Action& action) {
       write("axis-file.md", axis_page());
       write("controller-file.md", controller_page());
       write("study-file.md", study_page());
+      write("board-entry.md", board_page());
       write("side-files.md", side_page());
       write("parameters.md", parameters_page());
       write("verbs.md", verbs_page(command));

@@ -60,7 +60,8 @@ std::size_t IdentificationRow::failed() const { return count_of(failures); }
 std::size_t ControlRow::failed() const { return count_of(failures); }
 
 std::string board_in_words(const BoardResult& r) {
-  return fmt::format("{} machines of two axes, drawn with seed {}", r.machines.size(), r.seed);
+  return fmt::format("{} machine{} of two axes, drawn with seed {}", r.machines.size(),
+                     r.machines.size() == 1 ? "" : "s", r.seed);
 }
 
 std::vector<std::string> board_motions(const BoardResult& r) {

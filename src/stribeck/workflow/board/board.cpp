@@ -100,6 +100,7 @@ class Board {
         identifiers_.push_back({{e.name, e.label, e.source, true}, nullptr, &e});
       } else {
         controllers_.push_back(contestant(e, o_.host));
+        controllers_.back().answer_seconds = o_.answer_seconds;
       }
     }
     check();
@@ -110,6 +111,8 @@ class Board {
 
  private:
   void check() const;
+  /// A reason without the folder of the work, whose name differs from run to run.
+  [[nodiscard]] std::string told(std::string reason) const;
   [[nodiscard]] Judged judged(const Identifier& who, const BoardLogs& logs, std::uint32_t machine,
                               std::size_t axis, const std::vector<std::string>& files) const;
   /// The answer of a built-in method: that which is judged, or computed for the controllers alone.
@@ -155,6 +158,13 @@ void Board::check() const {
     refuse_option("--only", "no entry is left (leave out --no-built-in, or give an entry)");
 }
 
+std::string Board::told(std::string reason) const {
+  const std::string folder = workspace_.path() + "/";
+  for (std::size_t at = reason.find(folder); at != std::string::npos; at = reason.find(folder, at))
+    reason.erase(at, folder.size());
+  return reason;
+}
+
 Judged Board::judged(const Identifier& who, const BoardLogs& logs, std::uint32_t machine, std::size_t axis,
                      const std::vector<std::string>& files) const {
   const auto& [name, truth] = machines_[machine].machine.axes[axis];
@@ -167,7 +177,7 @@ Judged Board::judged(const Identifier& who, const BoardLogs& logs, std::uint32_t
   } catch (const std::runtime_error& e) {
     // What refuses, fails or answers nonsense: a result, not an error of the board.
     j.answer.reset();
-    j.failure = e.what();
+    j.failure = told(e.what());
   }
   return j;
 }
@@ -224,7 +234,10 @@ void Board::run_controllers(OfMachine& out, const std::vector<BoardLogs>& logs, 
   out.control =
       std::make_shared<BoardControl>(board, std::move(knowledge), std::move(files), o_.seed, machine);
   for (std::size_t travel = 0; travel < board_travels().size(); ++travel) {
-    for (const BoardController& c : controllers_) out.runs.push_back(out.control->run(c, travel));
+    for (const BoardController& c : controllers_) {
+      out.runs.push_back(out.control->run(c, travel));
+      out.runs.back().failure = told(out.runs.back().failure);
+    }
   }
   if (!o_.cost) out.control.reset();
 }

@@ -28,6 +28,8 @@ struct BoardOptions {
   std::string folder;             ///< keeps logs, models and answers; empty: a temporary one
   std::vector<std::string> host;  ///< program that runs a shared object, before its file
   double identifier_seconds = 60.0;
+  double answer_seconds =
+      5.0;  ///< most time that a controller may take for a period; four times as long for the first answer
 };
 
 /// progress(done, all) may be called from any thread, one call at a time.

@@ -113,6 +113,8 @@ struct BoardControl::Parts {
     }
     OutsideProgram program{c.words, {}, {board.machine.sample_time, {}}};
     program.limits.folder = c.folder;
+    program.limits.answer = c.answer_seconds;
+    program.limits.first_answer = 4.0 * c.answer_seconds;
     for (const std::size_t i : kBothAxes)
       program.setup.axes.push_back(told(*knowledge[i].whole, board.machine.axes[i].second, model_files[i]));
     // A handle of the program that never runs itself: each run begins with its copy().

@@ -26,6 +26,7 @@ struct BoardController {
   std::string folder{};
   std::string source{};
   bool outside = false;
+  double answer_seconds = 5.0;
 };
 
 const std::vector<sim::Travel>& board_travels();

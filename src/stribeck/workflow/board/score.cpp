@@ -19,9 +19,11 @@ std::optional<StatedPoint> stated_at(const std::vector<StatedPoint>& curve, doub
   for (std::size_t i = 1; i < curve.size(); ++i) {
     const StatedPoint& a = curve[i - 1];
     const StatedPoint& b = curve[i];
+    if (v == a.velocity) return a;
+    if (v == b.velocity) return b;
     // Friction jumps at zero: a stretch across it says nothing of the speeds inside.
     if (v < a.velocity || v > b.velocity || (a.velocity < 0.0 && b.velocity > 0.0)) continue;
-    const double share = b.velocity > a.velocity ? (v - a.velocity) / (b.velocity - a.velocity) : 0.0;
+    const double share = (v - a.velocity) / (b.velocity - a.velocity);
     return StatedPoint{v, a.low + share * (b.low - a.low), a.high + share * (b.high - a.high)};
   }
   return {};
