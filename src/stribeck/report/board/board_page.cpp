@@ -12,13 +12,13 @@ namespace {
 std::string color_of(const BoardEntrant& e, std::size_t position) { return controller_color(e.id, position); }
 
 Cell name_cell(const BoardEntrant& e, std::size_t position) {
-  return {clean_text(e.id) + (e.outside ? " *" : ""), "",
+  return {fmt::format("{}. {}", position + 1, clean_text(e.id)) + (e.outside ? " *" : ""), "",
           clean_text(e.label) + (e.source.empty() ? "" : " — " + clean_text(e.source)), false,
           color_of(e, position)};
 }
 
-Cell figure_cell(const sim::Confident& c, bool best = false) {
-  return {board_number(c.value), "", board_interval(c), best};
+Cell figure_cell(const sim::Confident& c, bool best = false, std::string_view infinite = "failed") {
+  return {board_number(c.value, infinite), "", board_interval(c, infinite), best};
 }
 
 /// Medians as points with whiskers, one place for each entry; what failed is left out.
@@ -27,6 +27,7 @@ Plot medians(const std::vector<Row>& rows, Get&& get, const std::string& title, 
   Plot p;
   p.title = title;
   p.description = "median over the machines with its 95 % confidence, " + title;
+  p.x_label = "place in the table";
   p.y_label = y_label;
   p.log_y = true;
   p.legend = Legend::kNone;
@@ -43,16 +44,16 @@ Plot medians(const std::vector<Row>& rows, Get&& get, const std::string& title, 
     whisker.y = {std::isfinite(c.low) && c.low > 0.0 ? c.low : c.value,
                  std::isfinite(c.high) ? c.high : c.value};
     whisker.color = color;
-    whisker.width = 3.0;
+    whisker.width = 2.0;
     p.series.push_back(std::move(whisker));
     Series point;
     point.x = {x};
     point.y = {c.value};
     point.style = Style::kPoints;
     point.color = color;
-    point.width = 1.2;
+    point.width = 5.0;
     p.series.push_back(std::move(point));
-    p.x_tics.push_back({x, clean_text(row.entrant.id)});
+    p.x_tics.push_back({x, std::to_string(place)});
   }
   p.x_range = Range{0.4, static_cast<double>(place) + 0.6};
   return p;
@@ -112,11 +113,11 @@ void add_control(Page& page, const BoardResult& r) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const ControlRow& row = rows[i];
       t.rows.push_back({name_cell(row.entrant, i),
-                        figure_cell(row.max_error.median, i == 0),
-                        figure_cell(row.max_error.p99),
-                        figure_cell(row.rms.median),
-                        figure_cell(row.rms.p99),
-                        figure_cell(row.input_variation.median),
+                        figure_cell(row.max_error.median, i == 0, "lost"),
+                        figure_cell(row.max_error.p99, false, "lost"),
+                        figure_cell(row.rms.median, false, "lost"),
+                        figure_cell(row.rms.p99, false, "lost"),
+                        figure_cell(row.input_variation.median, false, "lost"),
                         {std::to_string(row.lost)},
                         {std::to_string(row.failed())}});
     }

@@ -3,6 +3,7 @@
 
 #include <stribeck/report/board/board_report.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stribeck::report {
@@ -11,10 +12,10 @@ namespace stribeck::report {
 std::string board_in_words(const BoardResult& result);
 /// Motions in their order.
 std::vector<std::string> board_motions(const BoardResult& result);
-/// A value, "none" where it is infinite because runs failed or lost the path, a dash where it is not known.
-std::string board_number(double value);
+/// A value; where it is infinite what that means, "failed" or "lost"; a dash where it is not known.
+std::string board_number(double value, std::string_view infinite = "failed");
 /// "2.1–3.4"; empty where neither end is known. An end that is not known is a question mark.
-std::string board_interval(const sim::Confident& c);
+std::string board_interval(const sim::Confident& c, std::string_view infinite = "failed");
 /// Share of the true values that the intervals hold; "none" where none are stated.
 std::string covered_in_words(const IdentificationRow& row);
 /// Failures with their reasons, a sentence for each entry and reason.

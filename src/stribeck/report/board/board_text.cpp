@@ -10,6 +10,7 @@
 namespace stribeck::report {
 namespace {
 
+constexpr std::string_view kLostWord = "lost";
 constexpr std::size_t kName = 17;
 constexpr std::size_t kNumber = 9;
 constexpr std::size_t kInterval = 15;
@@ -72,15 +73,16 @@ std::vector<std::string> board_motions(const BoardResult& r) {
   return all;
 }
 
-std::string board_number(double value) {
-  if (std::isinf(value)) return "none";
+std::string board_number(double value, std::string_view infinite) {
+  if (std::isinf(value)) return std::string(infinite);
   if (!std::isfinite(value)) return "–";
   return significant(value, 3);
 }
 
-std::string board_interval(const sim::Confident& c) {
+std::string board_interval(const sim::Confident& c, std::string_view infinite) {
   if (std::isnan(c.low) && std::isnan(c.high)) return {};
-  return fmt::format("{}–{}", board_number(c.low), std::isnan(c.high) ? "?" : board_number(c.high));
+  return fmt::format("{}–{}", board_number(c.low, infinite),
+                     std::isnan(c.high) ? "?" : board_number(c.high, infinite));
 }
 
 std::string covered_in_words(const IdentificationRow& row) {
@@ -147,12 +149,12 @@ std::string text_table(const BoardResult& r) {
     for (const ControlRow& row : r.control) {
       if (row.motion != motion) continue;
       text += line_of({{entrant_of(row.entrant), kName},
-                       {board_number(row.max_error.median.value), kNumber},
-                       {board_interval(row.max_error.median), kInterval},
-                       {board_number(row.max_error.p99.value), kNumber},
-                       {board_number(row.rms.median.value), kNumber},
-                       {board_number(row.rms.p99.value), kNumber},
-                       {board_number(row.input_variation.median.value), kNumber},
+                       {board_number(row.max_error.median.value, kLostWord), kNumber},
+                       {board_interval(row.max_error.median, kLostWord), kInterval},
+                       {board_number(row.max_error.p99.value, kLostWord), kNumber},
+                       {board_number(row.rms.median.value, kLostWord), kNumber},
+                       {board_number(row.rms.p99.value, kLostWord), kNumber},
+                       {board_number(row.input_variation.median.value, kLostWord), kNumber},
                        {std::to_string(row.lost), kNumber},
                        {std::to_string(row.failed()), kNumber}});
     }
