@@ -312,7 +312,7 @@ TEST_F(DamagedLogs, NoLogs) {
                                      9)),
             "accepted");
   EXPECT_NE(refusal("{\"name\": \"x\", \"version\": 1}").find("no SINUMERIK capture"), std::string::npos);
-  EXPECT_NE(refusal("<html><body><p>404</p></body></html>").find("no SINUMERIK trace"), std::string::npos);
+  EXPECT_NE(refusal("<html><body><p>404</p></body></html>").find("is a page of HTML"), std::string::npos);
   EXPECT_NE(refusal("Dear all,\n\nplease find the log attached.\n"), "accepted");
 }
 

@@ -11,11 +11,13 @@ namespace {
 constexpr int kIterations = 40;
 constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
-constexpr double kWideSwing = 0.3;  ///< [rad] in a sample; less: a spline through the ticks is the motion
+constexpr double kWideSwing = 0.5;  ///< [rad] in a sample; less: a spline through the ticks is the motion
 constexpr int kMostTurns = 6;
 constexpr double kSettled = 1e-3;  ///< of ln σ0
-constexpr double kPoor = 0.4;      ///< share of the static residual that is left: other starts are tried
-constexpr double kClearly = 0.7;   ///< less by this factor: the other start is right
+constexpr double kMostMoved =
+    0.1;  ///< of ln σ0: the spline is wrong by a few percent; by more, law and motion confirm each other
+constexpr double kPoor = 0.4;     ///< share of the static residual that is left: other starts are tried
+constexpr double kClearly = 0.7;  ///< less by this factor: the other start is right
 constexpr std::size_t kFewRows = 20;
 constexpr std::size_t kMostRowsForStarts = 20'000;  ///< one fit alone takes long
 constexpr std::size_t kMostRows = 6'000;
@@ -68,7 +70,7 @@ double swing_of(const Given& given, double break_away) {
 void cut(const Given& given, double break_away, Rows& rows) {
   const double swing = swing_of(given, break_away);
   rows.path = cut_path(*given.records, given.data, *given.known,
-                       {break_away, given.options.shift, given.open, swing});
+                       {break_away, given.options.shift, given.open, swing > kWideSwing ? swing : 0.0});
   // Six thousand rows tell a stiffness to a part in a hundred; all of a long log take as long as all other steps together.
   if (rows.path.rows.size() > kMostRows) {
     BristlePath part = part_of(rows.path, kMostRows);
@@ -173,7 +175,7 @@ Solution solve_swinging(const Given& given, const Fitted& f, Rows& rows) {
     at = std::move(next);
     if (std::abs(at.p(0) - stiffness) < kSettled) break;
   }
-  if (rms_of(*model, at.p) < before) return at;
+  if (rms_of(*model, at.p) < before && std::abs(at.p(0) - f.solution.p(0)) < kMostMoved) return at;
   rows.path = spline;
   rows.noise = noise;
   return f.solution;
