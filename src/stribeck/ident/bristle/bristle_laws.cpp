@@ -16,8 +16,8 @@ constexpr int kMostTurns = 6;
 constexpr double kSettled = 1e-3;  ///< of ln σ0
 constexpr double kMostMoved =
     0.1;  ///< of ln σ0: the spline is wrong by a few percent; by more, law and motion confirm each other
-constexpr double kPoor = 0.4;     ///< share of the static residual that is left: other starts are tried
-constexpr double kClearly = 0.7;  ///< less by this factor: the other start is right
+constexpr double kPoor = 0.4;         ///< share of the static residual that is left: other starts are tried
+constexpr double kClearlyLess = 0.7;  ///< less by this factor: the other start is right
 constexpr std::size_t kFewRows = 20;
 constexpr std::size_t kMostRowsForStarts = 20'000;  ///< one fit alone takes long
 constexpr std::size_t kMostRows = 6'000;
@@ -246,7 +246,7 @@ std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugr
     for (const double times : {16.0, 4.0, 1.0 / 4.0, 1.0 / 16.0}) {
       if (!fit_from(given, times * guess, rows, lugre).empty()) continue;
       const double left = share_left(given, rows, lugre);
-      if (left < kClearly * least) least = left, best = times * guess;
+      if (left < kClearlyLess * least) least = left, best = times * guess;
     }
     fit_from(given, best, rows, lugre);
   }

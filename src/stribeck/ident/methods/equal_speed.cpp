@@ -16,7 +16,7 @@ namespace {
 constexpr double kOneSpeed = 0.05;   // share by which forward and backward speeds of a pair may differ
 constexpr double kConstant = 0.001;  // probability below which half sums do not agree
 constexpr std::size_t kFewestPairs = 60;
-constexpr double kSlowest = 0.02;  // share of the largest speed at which the bins begin
+constexpr double kSlowestOfEqual = 0.02;  // share of the largest speed at which the bins begin
 
 struct Row {
   int record;
@@ -44,9 +44,9 @@ std::vector<Row> rows_of(const std::vector<log::Record>& records, const EqualSpe
   std::vector<Row> kept;
   for (Row& row : rows) {
     const double share = std::abs(row.v) / top;
-    if (share < kSlowest) continue;
-    const int bin =
-        std::min(options.bins - 1, static_cast<int>((share - kSlowest) / (1.0 - kSlowest) * options.bins));
+    if (share < kSlowestOfEqual) continue;
+    const int bin = std::min(options.bins - 1, static_cast<int>((share - kSlowestOfEqual) /
+                                                                (1.0 - kSlowestOfEqual) * options.bins));
     row.bin = static_cast<std::size_t>(bin + (row.v > 0.0 ? 0 : options.bins));
     kept.push_back(row);
   }
