@@ -82,16 +82,15 @@ void reach_beside_unseen_rise(bristle::BristleFit& fit, const std::vector<log::R
   reach(fit.break_away_interval, risen.break_away, risen.break_away_interval);
 }
 
-/// Whether the break-away distance is still told; a note where it is not.
+/// Whether the break-away distance is still told; a note where it is not. The law stays in the model: it predicts the reversals of these
+/// logs, and a step in its place would be worse.
 bool told_beside_unseen_rise(const bristle::BristleFit& fit, Notes& notes) {
-  if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
-    notes.cannot_tell.push_back(text(
-        "pre-sliding is not determinable from this log: friction may rise below the slowest rows, and its break-away distance may "
-        "then be anything from %.3g to %.3g um; add slow jogs",
-        1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high));
-    return false;
-  }
-  return true;
+  if (!(fit.break_away_interval.high > kMostApart * fit.break_away_interval.low)) return true;
+  notes.cannot_tell.push_back(text(
+      "the stiffness of pre-sliding: friction may rise below the slowest rows, and the break-away distance may then be anything from "
+      "%.3g to %.3g um; the model keeps %.3g um, with which it predicts the reversals of this log; add slow jogs",
+      1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high, 1e6 * fit.break_away));
+  return false;
 }
 
 void add_place_stiffness(Result& result, const std::vector<log::Record>& records, double shift) {
@@ -183,18 +182,19 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   options.shift = log.shift;
   reach_beside_unseen_rise(fit, closed, known, options,
                            std::max(found.rows.grid[0].low, found.rows.grid[1].low));
-  if (!told_beside_unseen_rise(fit, notes)) return;
+  const bool told = told_beside_unseen_rise(fit, notes);
   const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);
   result.friction.dynamics = fit.best;
   result.model += gms ? " + gms" : " + lugre";
   for (Parameter p : gms ? fit.gms_parameters : fit.lugre_parameters) {
     // The ringing after pulses determines the stiffness, but hardly the damping (bristle_fit.hpp).
     if (open && p.name != "sigma0" && p.name != "stiffness") p.identifiable = false;
+    if (!told) p.identifiable = false;
     result.parameters.push_back(std::move(p));
   }
   result.break_away_distance = fit.break_away;
   result.parameters.push_back({"break_away_distance", fit.break_away, "m", "um", fit.break_away_interval.low,
-                               fit.break_away_interval.high, true});
+                               fit.break_away_interval.high, told});
   for (Candidate c : fit.models) {
     c.name = "after reversals: " + c.name;
     result.models.push_back(std::move(c));

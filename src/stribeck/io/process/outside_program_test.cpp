@@ -14,7 +14,7 @@
 namespace stribeck::io::outside_program_test {
 namespace {
 
-using test::Folder;
+using stribeck::test::Folder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
