@@ -108,7 +108,7 @@ void add_excite(CLI::App& app, Action& action) {
       ->check(whole_from(1, 1000));
   verb->add_option(
           "--speeds", o->what.speeds,
-          "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit. Of multisine one, that of the ride; left out: 0.4 of the limit, or less")
+          "Speeds of jog, e.g. \"0.1 mm/s\" \"2 mm/s\"; left out: those of the thesis up to the axis's limit. Of multisine one, that of its strokes; left out: 0.4 of the limit, or less")
       ->type_name("SPEED");
   verb->add_option("--period", o->what.period,
                    "Period of multisine; its first line has two turns in it (left out: 2 s)")

@@ -64,6 +64,11 @@ int init(InitCommand o) {
   (void)option_si("--sample-time", o.draft.sample_time, quantity("s", "ms").positive());
   if (o.draft.name.find_first_of("\"\\\n") != std::string::npos)
     refuse_option("--name", "expected a name without quotes and backslashes");
+  for (auto axis = o.draft.axes.begin(); axis != o.draft.axes.end(); ++axis) {
+    if (std::find(o.draft.axes.begin(), axis, *axis) != axis)
+      refuse_option("--axes",
+                    fmt::format("got {} twice, expected another name for each axis", io::in_quotes(*axis)));
+  }
   take_values(o);
   if (!o.common.quiet && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) ask(o.draft);
   io::write_atomically(o.output, draft_text(o.draft));

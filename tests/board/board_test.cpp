@@ -124,6 +124,11 @@ TEST(Board, TheWrongSignOfFrictionComesLast) {
 
 TEST(Board, AControllerThatFailsIsARowWithItsReason) {
   const Folder f;
+  // As an entry file may name it; at the command it is refused before anything runs.
+  BoardEntry missing = entry_of("--controller", "python3 no-such-program");
+  missing.command = missing.name = "no-such-program";
+  EXPECT_THAT([] { entry_of("--controller", "no-such-program x"); },
+              ::testing::ThrowsMessage<io::InputError>(HasSubstr("\"no-such-program\": no such program")));
   BoardOptions o = one_machine(
       {program(f, "crash", controller("pd(1.0, t) if n < 9 else os.abort()")),
        program(f, "hang", controller("pd(1.0, t) if n < 9 else time.sleep(60)")),
@@ -131,7 +136,7 @@ TEST(Board, AControllerThatFailsIsARowWithItsReason) {
        program(f, "quits", controller("pd(1.0, t) if n < 9 else sys.exit(3)")),
        program(f, "closes", controller("os.close(1) or os.close(0) or time.sleep(60)")),
        program(f, "mute", "import time\ntime.sleep(60)\n"), program(f, "huge", controller("'1e300 -1e300'")),
-       entry_of("--controller", "no-such-program"), program(f, "sound", controller("pd(1.0, t)"))});
+       missing, program(f, "sound", controller("pd(1.0, t)"))});
   o.answer_seconds = 0.4;
   const auto r = run_board(o);
   const auto reason = [&](const char* id) { return row_of(r, id).failures.front(); };
@@ -315,9 +320,10 @@ TEST(Board, RefusesEntriesThatMeanNothing) {
   refused(head + "name = \"h\"\ncommand = \"a\"\n", "is the name of an entry that is built in");
   refused(head + "name = \"mine\"\ncommand = \"'a\"\n", "a quote is not closed");
   refused(head + "name = \"mine\"\nshared_object = \"none.so\"\n", "there is no file");
-  BoardOptions twice = one_machine({entry_of("--controller", "mine"), entry_of("--controller", "mine")});
+  BoardOptions twice =
+      one_machine({entry_of("--controller", "python3 mine.py"), entry_of("--controller", "python3 mine.py")});
   EXPECT_THROW(static_cast<void>(run_board(twice)), io::InputError);
-  BoardOptions unknown = one_machine({entry_of("--controller", "mine")}, {"auti"});
+  BoardOptions unknown = one_machine({entry_of("--controller", "python3 mine.py")}, {"auti"});
   try {
     static_cast<void>(run_board(unknown));
     ADD_FAILURE();

@@ -59,6 +59,36 @@ TEST(Frequency, OfAVirtualAxisIsFoundFromItsLog) {
   EXPECT_THAT(text_of(f / "page/index.html"), HasSubstr("Nyquist plane of the open loop"));
 }
 
+// A log of another machine, or with another scale: margins of the gains in the file would be those of a loop that does not exist.
+TEST(Frequency, WhatContradictsTheMachineFileIsSaidFirst) {
+  Folder f;
+  ASSERT_EQ(command({"excite", kMachine, "--method", "multisine", "--axis", "x", "-o", f / "m.csv"}).code, 0);
+  ASSERT_EQ(
+      command({"simulate", kMachine, "--reference", f / "m.csv", "--axis", "x", "-o", f / "log.csv"}).code,
+      0);
+  const Said scale = command({"frequency", kMachine, f / "log.csv", "--gain", "5 N/V"});
+  ASSERT_EQ(scale.code, 0) << scale.err;
+  EXPECT_THAT(scale.out + scale.err,
+              AllOf(HasSubstr("contradicts the machine file"),
+                    HasSubstr("margins of the gains in the machine file are not given")));
+  EXPECT_EQ(scale.out.find("The present"), std::string::npos);
+  std::string other = text_of(kMachine);
+  const auto put = [&](const std::string& from, const std::string& to) {
+    for (auto at = other.find(from); at != std::string::npos; at = other.find(from, at + to.size()))
+      other.replace(at, from.size(), to);
+  };
+  put("[axes.x", "[axes.a");
+  put("[axes.y", "[axes.b");
+  put("sample_time = \"5 ms\"", "sample_time = \"2 ms\"");
+  io::write_atomically(f / "other.toml", other);
+  const Said stranger = command({"frequency", f / "other.toml", f / "log.csv", "--axis", "a"});
+  EXPECT_THAT(stranger.out + stranger.err, HasSubstr("axis")) << stranger.code;
+  EXPECT_EQ(stranger.out.find("The present"), std::string::npos);
+  const Said period = command({"frequency", kMachine, f / "log.csv", "--period", "2.003 s"});
+  EXPECT_EQ(period.code, 1);
+  EXPECT_THAT(period.err, HasSubstr("the period that was given does not fit"));
+}
+
 TEST(Frequency, OfALogWithoutExcitationIsRefusedWithTheCure) {
   Folder f;
   ASSERT_EQ(command({"excite", kMachine, "--method", "jog", "--axis", "x", "-o", f / "jog.csv"}).code, 0);

@@ -54,6 +54,10 @@ TEST(OwnMachine, InitWritesAFileThatMachineReads) {
                             "x.limits.speed=6 kg", "-o", f / "bad.toml"});
   EXPECT_EQ(bad.code, 2);
   EXPECT_THAT(bad.err, HasSubstr("x.limits.speed"));
+  const Said twice = command(
+      {"init", "--name", "mine", "--axes", "x", "x", "--sample-time", "1 ms", "-o", f / "twice.toml"});
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("--axes: got \"x\" twice"));
 }
 
 TEST(OwnMachine, IsExcitedWithoutATruthAndSimulatedOnlyWithOne) {

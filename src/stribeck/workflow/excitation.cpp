@@ -70,7 +70,7 @@ ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, 
   design.periods = o.periods.value_or(design.periods);
   design.repeats = o.repeats.value_or(design.repeats);
   if (o.speeds.size() > 1)
-    refuse_option("--speeds", fmt::format("got {} speeds, --method multisine rides at one", o.speeds.size()));
+    refuse_option("--speeds", fmt::format("got {} speeds, --method multisine takes one", o.speeds.size()));
   if (!o.speeds.empty())
     design.speed = travel_si("--speeds", o.speeds.front(), quantity("m/s", "mm/s").positive(), rotary);
   if (!o.period.empty()) design.period = option_si("--period", o.period, quantity("s", "s").positive());

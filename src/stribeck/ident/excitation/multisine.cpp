@@ -1,4 +1,4 @@
-// Many frequencies at once, on a ride at constant speed.
+// Many frequencies at once, on a stroke at constant speed.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace {
 constexpr double kOfHalfRate = 0.8;  ///< highest line, as a share of half the sampling frequency
 constexpr double kHighest = 400.0;   ///< [Hz]
 constexpr double kSpacing = 1.04;    ///< ratio of neighbouring lines, where the harmonics are close enough
-constexpr double kOfSpeed = 0.4;     ///< speed of the ride, as a share of the limit
-constexpr double kOfRide = 0.5;      ///< speed of the multisine, as a share of that of the ride
+constexpr double kOfSpeed = 0.4;     ///< speed of the stroke, as a share of the limit
+constexpr double kOfStroke = 0.5;    ///< speed of the multisine, as a share of that of the stroke
 constexpr double kOfAcceleration = 0.6;  ///< acceleration of the multisine, as a share of the limit
 constexpr double kOfTravel = 0.9;
 constexpr double kShortestFade = 0.5;  ///< [s]
@@ -90,7 +90,7 @@ Wave wave_of(const Lines& lines, std::size_t rows, double sample_time, std::mt19
 }
 
 /// A stroke from rest to rest at constant speed between two flanks of `flank` seconds.
-struct Ride {
+struct SteadyStroke {
   double speed = 0.0;
   double flank = 0.0;
   double cruise = 0.0;  ///< at constant speed [s]
@@ -108,23 +108,24 @@ double flank_for(double speed, const Limits& limits) {
   return std::max(0.2, limits.acceleration > 0.0 ? 3.0 * speed / limits.acceleration : 0.0);
 }
 
-/// Appends a ride from the last position; `wave` may be empty.
-void append(Excitation& e, const Ride& ride, double direction, const std::vector<double>& wave, double scale,
-            double fade) {
+/// Appends a stroke from the last position; `wave` may be empty.
+void append(Excitation& e, const SteadyStroke& stroke, double direction, const std::vector<double>& wave,
+            double scale, double fade) {
   const double begin = e.r.back();
-  const auto rows = static_cast<std::size_t>(std::ceil(ride.duration() / e.sample_time));
-  const double end = ride.duration() - ride.flank;
+  const auto rows = static_cast<std::size_t>(std::ceil(stroke.duration() / e.sample_time));
+  const double end = stroke.duration() - stroke.flank;
   for (std::size_t k = 1; k <= rows; ++k) {
     const double t = e.sample_time * static_cast<double>(k);
-    double r = begin + direction * ride.at(std::min(t, ride.duration()));
-    if (!wave.empty()) r += scale * smooth(std::min(t - ride.flank, end - t) / fade) * wave[k % wave.size()];
+    double r = begin + direction * stroke.at(std::min(t, stroke.duration()));
+    if (!wave.empty())
+      r += scale * smooth(std::min(t - stroke.flank, end - t) / fade) * wave[k % wave.size()];
     e.r.push_back(r);
   }
   for (double t = 0.0; t < kRest; t += e.sample_time) e.r.push_back(e.r.back());
 }
 
-/// Speed of the ride that was asked for, or the one that limits and travel allow.
-double ride_speed(const Limits& limits, const MultisineDesign& design, double cruise) {
+/// Speed of the stroke that was asked for, or the one that limits and travel allow.
+double stroke_speed(const Limits& limits, const MultisineDesign& design, double cruise) {
   const double room =
       kOfTravel * 2.0 * std::min(limits.travel_max - design.start, design.start - limits.travel_min);
   double speed = design.speed.value_or(kOfSpeed * limits.speed);
@@ -159,7 +160,7 @@ Lines lines_of(const Limits& limits, const MultisineDesign& design, double sampl
                     digits(top), digits(4.0 * design.lowest), digits(0.475 / sample_time)));
   }
   lines.harmonic = harmonics(design.lowest, top, period);
-  const double most = std::min(kOfRide * speed, kReserve * limits.speed - speed);
+  const double most = std::min(kOfStroke * speed, kReserve * limits.speed - speed);
   // The smallest corner with which the acceleration is the limit, not the speed.
   for (double corner = lines.base; corner < 2.0 * kPi * top; corner *= 1.2) {
     lines.shape(corner);
@@ -209,32 +210,32 @@ Excitation design_multisine(const Limits& limits, const RoughDrive& drive, doubl
   const double acceleration = allowed(limits, drive);
   double fade = kShortestFade;
   const double cruise = design.periods * period;
-  Ride ride;
-  ride.speed = ride_speed(limits, design, cruise + 2.0 * fade);
-  const Lines lines = lines_of(limits, design, sample_time, rows, ride.speed, acceleration);
+  SteadyStroke stroke;
+  stroke.speed = stroke_speed(limits, design, cruise + 2.0 * fade);
+  const Lines lines = lines_of(limits, design, sample_time, rows, stroke.speed, acceleration);
 
   std::mt19937_64 random(design.seed);
   std::vector<Wave> waves;
   double scale = 1e300;
-  const double most = std::min(kOfRide * ride.speed, kReserve * limits.speed - ride.speed);
+  const double most = std::min(kOfStroke * stroke.speed, kReserve * limits.speed - stroke.speed);
   for (int i = 0; i < 2 * design.repeats; ++i) {
     waves.push_back(wave_of(lines, rows, sample_time, random));
     scale = std::min({scale, acceleration / waves.back().acceleration, most / waves.back().speed});
   }
-  ride.flank = flank_for(ride.speed, limits);
-  ride.cruise = cruise + 2.0 * fade;
+  stroke.flank = flank_for(stroke.speed, limits);
+  stroke.cruise = cruise + 2.0 * fade;
 
   Excitation e;
   e.method = ExcitationMethod::kMultisine;
   e.sample_time = sample_time;
   e.r.push_back(design.start);
-  Ride first = ride;
-  first.cruise = 0.5 * ride.distance() / ride.speed - ride.flank;
-  if (first.cruise < 0.0) first = {0.5 * ride.distance() / ride.flank, ride.flank, 0.0};
+  SteadyStroke first = stroke;
+  first.cruise = 0.5 * stroke.distance() / stroke.speed - stroke.flank;
+  if (first.cruise < 0.0) first = {0.5 * stroke.distance() / stroke.flank, stroke.flank, 0.0};
   append(e, first, -design.direction, {}, 0.0, fade);
   double direction = design.direction;
   for (const Wave& wave : waves) {
-    append(e, ride, direction, wave.w, scale, fade);
+    append(e, stroke, direction, wave.w, scale, fade);
     direction = -direction;
   }
   stamp(e, e.r.size());
@@ -244,8 +245,8 @@ Excitation design_multisine(const Limits& limits, const RoughDrive& drive, doubl
       "below {} mm/s while it is measured. Determines the frequency response from force to position (stribeck frequency), with it "
       "mass, delay and resonances; of friction only the slope at this speed.",
       e.t.back(), lines.harmonic.size(), digits(lines.harmonic.front() / period),
-      digits(lines.harmonic.back() / period), digits(period), waves.size(), digits(ride.speed * 1e3),
-      digits(ride.distance() * 1e3), digits((ride.speed - most) * 1e3));
+      digits(lines.harmonic.back() / period), digits(period), waves.size(), digits(stroke.speed * 1e3),
+      digits(stroke.distance() * 1e3), digits((stroke.speed - most) * 1e3));
   return e;
 }
 

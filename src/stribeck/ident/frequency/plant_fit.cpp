@@ -376,7 +376,7 @@ PlantFit fit_plant(const Response& response) {
   if (!(out.mass.half_width < 0.5 * out.mass.value)) {
     throw Refused(fmt::format(
         "frequency response: the lines do not determine the mass ({} kg, 95 %: {} to {} kg): what moves the axis is too slow or too weak (record "
-        "a multisine on a ride at constant speed: stribeck excite MACHINE.toml --method multisine)",
+        "a multisine on strokes at constant speed: stribeck excite MACHINE.toml --method multisine)",
         digits(out.mass.value), digits(out.mass.low()), digits(out.mass.high())));
   }
   for (const Candidate& c : all) out.held_out.push_back(c.held_out);

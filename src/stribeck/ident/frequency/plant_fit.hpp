@@ -6,7 +6,7 @@
 ///        · (2ζp·s/ωp + 1)/(s²/ωp² + 2ζp·s/ωp + 1)                           two masses, encoder on the table
 ///   G(z) = sampled V(s)/s·exp(−τ·s) behind a zero-order hold, exact for any τ, also a negative one
 ///
-///   m mass [kg]   c slope of friction at the speed of the ride [N·s/m], may be negative   τ delay beyond the hold [s]
+///   m mass [kg]   c slope of friction at the speed of the strokes [N·s/m], may be negative   τ delay beyond the hold [s]
 ///   ωz anti-resonance, ωp resonance [rad/s]: (ωp/ωz)² − 1 is the mass behind the spring over the mass before it
 ///
 /// Weighted least squares on G_model/G − 1. The model: least error on lines that its fit did not see (every fifth, in turn), and of

@@ -341,10 +341,17 @@ void measure_speed(Response& out, const Plan& plan) {
 }
 
 constexpr const char* kCure =
-    "record a multisine on a ride at constant speed: stribeck excite MACHINE.toml --method multisine";
+    "record a multisine on strokes at constant speed: stribeck excite MACHINE.toml --method multisine";
 
-void refuse_empty_plan(const std::vector<log::Record>& records, const Response& out, const Plan& plan) {
+void refuse_empty_plan(const std::vector<log::Record>& records, const ResponseOptions& options,
+                       const Response& out, const Plan& plan) {
   if (out.segments >= 3) return;
+  if (options.period) {
+    throw Refused(fmt::format(
+        "{}: {} segments of two periods of {:.6g} s lie in its strokes, expected 3 or more: the period that was given does not fit (leave "
+        "it out, and it is sought in the log)",
+        records.front().source, plan.parts.size(), *options.period));
+  }
   throw Refused(fmt::format(
       "{}: the axis stands or reverses in {} of {} rows, and no stretch of motion in one direction is long enough ({} segments, expected "
       "3 or more): friction that changes its sign or holds the axis hides the plant ({})",
@@ -377,7 +384,7 @@ Response estimate(const std::vector<log::Record>& records, const ResponseOptions
   const Plan plan = plan_for(sources, options, out);
   for (const Part& p : plan.parts) out.segments += p.segments.size();
   out.stretches = plan.parts.size();
-  refuse_empty_plan(records, out, plan);
+  refuse_empty_plan(records, options, out, plan);
   const bool by_stretch = out.stretches >= kEnoughStretches;
   out.units = by_stretch ? out.stretches : out.segments;
   measure_speed(out, plan);

@@ -119,7 +119,7 @@ TEST(Response, FindsThePlantWithoutAPeriodToo) {
   p.drive = 1000.0;
   p.noise = 20.0;
   std::vector<double> r = short_multisine(p.period);
-  // A ride that is shaken at random: the increments repeat nowhere.
+  // A stroke that is shaken at random: the increments repeat nowhere.
   std::mt19937_64 random(9);
   std::normal_distribution<double> normal;
   double shake = 0.0;

@@ -1,7 +1,10 @@
 // Time stamps of tables: seconds and nanoseconds in two columns, times since 1970 without a unit, stamps that are no use
 // beside a given sample time.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
@@ -31,6 +34,13 @@ bool join_seconds(Log& log) {
       const std::string stem = name.substr(0, name.size() - seconds.size());
       const Column* part = called(log, stem + std::string(rest));
       if (part == nullptr || part->values.size() != whole.values.size() || whole.values.empty()) continue;
+      for (std::size_t k = 0; k < part->values.size(); ++k) {
+        if (part->values[k] >= 0.0 && part->values[k] < 1e9) continue;
+        throw InputError(
+            {log.source, 0, part->header,
+             fmt::format("got {:.10g} in row {} of the table, expected nanoseconds from 0 to 999999999",
+                         part->values[k], k + 1)});
+      }
       // Seconds since 1970 have too many digits for nanoseconds behind them.
       const double first = whole.values.front();
       std::vector<double> t(whole.values.size());

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <stribeck/io/process/outside_program.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/board/entry.hpp>
@@ -25,6 +28,26 @@ std::string name_from(const std::string& path) {
     }
   }
   return name.empty() ? "entry" : name;
+}
+
+/// A program that cannot be found is a slip of the pen, not an entry that fails.
+void require_program(const std::string& option, const std::string& program) {
+  const auto runs = [](const std::string& path) { return ::access(path.c_str(), X_OK) == 0; };
+  if (program.find('/') != std::string::npos) {
+    if (runs(program)) return;
+  } else {
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path == nullptr ? "" : path);
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      if (runs(folder + "/" + program)) return;
+    }
+  }
+  refuse_option(
+      option,
+      fmt::format(
+          "{}: no such program, or it may not be run (write \"python3 {}\" for a script, ./NAME for a "
+          "program in this folder)",
+          io::in_quotes(program), program));
 }
 
 }  // namespace
@@ -53,8 +76,10 @@ BoardEntry entry_of(const std::string& option, const std::string& text) {
   } else {
     entry.track = option == "--identifier" ? Track::kIdentification : Track::kControl;
     entry.command = text;
+    const std::vector<std::string> words = io::split_command(text, option);
+    if (!words.empty()) require_program(option, words.front());
     // "python3 fit.py" is called fit.
-    for (const std::string& word : io::split_command(text, option)) {
+    for (const std::string& word : words) {
       named = word;
       if (word.find('.') != std::string::npos) break;
     }

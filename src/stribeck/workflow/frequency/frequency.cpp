@@ -90,6 +90,26 @@ std::optional<sim::MeasuredGains> present_gains(const MachineDescription& machin
   return std::nullopt;
 }
 
+/// What the log and the machine file say against each other. Margins of the gains in the file would then be those of another loop: they are not given.
+void doubt_present(const MachineDescription& machine, const LogsOfAxis& logs, report::FrequencyAxis& a) {
+  constexpr double kSamePeriod = 0.01;
+  std::vector<std::string> doubts = logs.notes;
+  if (std::abs(a.response.sample_time / machine.sample_time - 1.0) > kSamePeriod) {
+    doubts.push_back(fmt::format("rows of the log are {:.4g} ms apart, the control period of {} is {:.4g} ms",
+                                 1e3 * a.response.sample_time, machine.name, 1e3 * machine.sample_time));
+  }
+  for (const auto& [name, axis] : machine.axes) {
+    if (name != logs.axis || !a.units.physical()) continue;
+    if (std::string wrong = mass_contradiction(axis, a.fit.mass.low(), a.fit.mass.high()); !wrong.empty())
+      doubts.push_back(std::move(wrong));
+  }
+  if (doubts.empty()) return;
+  a.present.reset();
+  a.present_margins = {};
+  for (std::string& doubt : doubts) doubt += "; margins of the gains in the machine file are not given";
+  a.warnings.insert(a.warnings.begin(), doubts.begin(), doubts.end());
+}
+
 }  // namespace
 
 report::FrequencyAxis frequency_of(const AxisRecords& axis, const FrequencyOptions& options,
@@ -131,9 +151,11 @@ report::FrequencyReportInput frequency_of_logs(const std::vector<std::string>& f
   const MachineDescription machine = read_description(files.front());
   const std::vector<std::string> logs(files.begin() + 1, files.end());
   if (logs.empty()) refuse_option("LOG", "missing, expected logs after the machine file");
-  for (const LogsOfAxis& one : logs_by_axis(machine, logs, log))
+  for (const LogsOfAxis& one : logs_by_axis(machine, logs, log)) {
     out.axes.push_back(
         frequency_of(read_axis(one.logs, one.options), options, present_gains(machine, one.axis)));
+    doubt_present(machine, one, out.axes.back());
+  }
   if (out.axes.empty()) refuse_option("--axis", fmt::format("got {}, of which there is no log", log.axis));
   return out;
 }

@@ -79,6 +79,18 @@ bool has_axis(const io::Log& log, LogOptions options, const std::string& axis) {
   }
 }
 
+/// The axis that a log names in its head where the machine has none of this name; else empty.
+std::string stranger_in(const io::Log& log, const std::vector<std::string>& axes) {
+  for (const auto& [key, value] : log.metadata) {
+    if (key != "axis") continue;
+    const auto same = [&, name = io::lower_case(value)](const std::string& a) {
+      return io::lower_case(a) == name;
+    };
+    if (std::none_of(axes.begin(), axes.end(), same)) return value;
+  }
+  return {};
+}
+
 std::vector<std::string> axes_in(const io::Log& log, const std::string& path, const LogOptions& options,
                                  const std::vector<std::string>& axes) {
   for (const auto& [key, value] : log.metadata) {
@@ -110,7 +122,7 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
   const std::vector<std::string> axes = axes_of(machine);
   std::vector<LogsOfAxis> all;
   for (const auto& [name, axis] : machine.axes) {
-    all.push_back({name, options, {}});
+    all.push_back({name, options, {}, {}});
     all.back().options.axis = name;
     all.back().options.drive = scale_of(axis);
   }
@@ -127,6 +139,11 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
     for (LogsOfAxis& one : all) {
       if (std::find(found.begin(), found.end(), one.axis) == found.end()) continue;
       one.logs.push_back(path);
+      if (const std::string other = stranger_in(log, axes); !other.empty()) {
+        one.notes.push_back(fmt::format(
+            "{} is a log of axis {}, as its head says; {} has no such axis, and it is taken for axis {}",
+            path, other, machine.name, one.axis));
+      }
     }
   }
   std::erase_if(all, [&](const LogsOfAxis& one) {

@@ -21,8 +21,9 @@ namespace stribeck::workflow {
 
 struct LogsOfAxis {
   std::string axis;
-  LogOptions options;             ///< with the axis and its drive
-  std::vector<std::string> logs;  ///< in the order given
+  LogOptions options;                ///< with the axis and its drive
+  std::vector<std::string> logs;     ///< in the order given
+  std::vector<std::string> notes{};  ///< logs that name another axis themselves
 };
 
 /// In the order of the machine's axes, those with logs only; --axis leaves one.
