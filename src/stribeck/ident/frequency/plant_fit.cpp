@@ -100,9 +100,10 @@ struct Data {
   std::vector<double> omega;
   std::vector<Complex> response;
   std::vector<double> sigma;  ///< relative, of the real and of the imaginary part
+  double units = 2.0;         ///< strokes or segments that are independent of each other
 
   [[nodiscard]] Data part(int fold, bool held_out) const {
-    Data out{sample_time, {}, {}, {}};
+    Data out{sample_time, {}, {}, {}, units};
     for (std::size_t i = 0; i < omega.size(); ++i) {
       if ((static_cast<int>(i % kFolds) == fold) != held_out) continue;
       out.omega.push_back(omega[i]);
@@ -270,7 +271,9 @@ Eigen::VectorXd parameter_half_widths(const Data& data, Structure s, double slow
   const double freedom = std::max(1, n - k);
   *excess = std::sqrt(f.squares / freedom);
   const Eigen::MatrixXd covariance = stats::pseudo_inverse(jacobian.transpose() * jacobian);
-  const double factor = stats::student_factor(freedom) * std::max(1.0, *excess);
+  // What friction distorts is common to the lines of a stroke: no more is known of the scatter than the strokes tell.
+  const double independent = std::clamp(data.units - 1.0, 1.0, freedom);
+  const double factor = stats::student_factor(independent) * std::max(1.0, *excess);
   for (int j = 0; j < k; ++j) out[j] = factor * std::sqrt(std::max(0.0, covariance(j, j)));
   return out;
 }
@@ -278,6 +281,7 @@ Eigen::VectorXd parameter_half_widths(const Data& data, Structure s, double slow
 Data data_of(const Response& response) {
   Data data;
   data.sample_time = response.sample_time;
+  data.units = static_cast<double>(response.units);
   for (const Line& line : response.lines) {
     if (!line.determined()) continue;
     data.omega.push_back(line.omega);

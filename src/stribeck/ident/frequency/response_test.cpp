@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <vector>
 
 #include <stribeck/core/scalar.hpp>
@@ -62,6 +63,8 @@ TEST(Response, IntervalsHoldTheTruthInNineteenOfTwentyLogs) {
     antiresonance += fit.antiresonance && within(*fit.antiresonance, p.antiresonance());
     delay += within(fit.delay, p.late * p.period);
   }
+  std::cout << "coverage of 40: mass " << mass << ", resonance " << resonance << ", anti-resonance "
+            << antiresonance << ", delay " << delay << '\n';
   // Of 40 draws at 95 %, 33 or fewer have a probability of 0.3 %.
   EXPECT_GE(mass, 34);
   EXPECT_GE(resonance, 34);
