@@ -271,8 +271,8 @@ Eigen::VectorXd parameter_half_widths(const Data& data, Structure s, double slow
   const double freedom = std::max(1, n - k);
   *excess = std::sqrt(f.squares / freedom);
   const Eigen::MatrixXd covariance = stats::pseudo_inverse(jacobian.transpose() * jacobian);
-  // What friction distorts is common to the lines of a stroke: no more is known of the scatter than the strokes tell.
-  const double independent = std::clamp(data.units - 1.0, 1.0, freedom);
+  // What friction distorts is common to the lines of a stroke: no more is known of the scatter than the strokes tell, each with a real and an imaginary part.
+  const double independent = std::clamp(2.0 * (data.units - 1.0), 1.0, freedom);
   const double factor = stats::student_factor(independent) * std::max(1.0, *excess);
   for (int j = 0; j < k; ++j) out[j] = factor * std::sqrt(std::max(0.0, covariance(j, j)));
   return out;
