@@ -145,12 +145,19 @@ void Page::made(const Made& made) {
 
 void Page::table(const Table& table) {
   tables_.push_back(table);
-  add("<div class=\"scroll\"><table>\n");
+  // On a narrow screen a wide table moves sideways; the keyboard can do that only where the focus can go.
+  add(fmt::format(
+      "<div class=\"scroll\" role=\"group\" tabindex=\"0\" aria-label=\"{}\"><table>\n",
+      table.caption.empty() ? fmt::format("Table {}", tables_.size()) : escape_html(table.caption)));
   if (!table.caption.empty()) add(element("caption", table.caption));
   if (std::any_of(table.columns.begin(), table.columns.end(),
                   [](const Column& c) { return !c.head.empty(); })) {
     add("<thead><tr>");
     for (const Column& c : table.columns) {
+      if (c.head.empty() && c.unit.empty()) {
+        add("<td></td>");  // a head without a word is none
+        continue;
+      }
       add(c.number ? "<th scope=\"col\" class=\"n\">" : "<th scope=\"col\">");
       add(head_markup(c.head));
       if (!c.unit.empty()) add("<span class=\"unit\">" + escape_html(printed_unit(c.unit)) + "</span>");
@@ -255,10 +262,11 @@ std::string Page::html() const {
   out += "<style>\n";
   out += page_style();
   out += dark_colors(body);
-  out += "</style>\n</head>\n<body>\n";
+  out += "</style>\n</head>\n<body>\n<main>\n";
   out += element("h1", title_);
   if (!subtitle_.empty()) out += element("p class=\"subtitle\"", subtitle_);
   out += body;
+  out += "</main>\n";
   if (!script.empty()) out += fmt::format("<script>{}</script>\n", script);
   out += "</body>\n</html>\n";
   return out;

@@ -56,6 +56,18 @@ TEST(Html, TablesAlignNumbersAndMarkTheBest) {
                               "class=\"note\">print 2.00 · ×0.50</span></td>"));
 }
 
+TEST(Html, TheKeyboardAndAScreenReaderReachEverything) {
+  Page page("t");
+  page.table({"", {{"", "", false}, {"max", "µm"}}, {{{"(a)"}, {"1.00"}}}});
+  page.table({"Two <x>", {{"max", "µm"}}, {{{"1.00"}}}});
+  const std::string html = page.html();
+  EXPECT_THAT(html, HasSubstr("<div class=\"scroll\" role=\"group\" tabindex=\"0\" aria-label=\"Table 1\">"));
+  EXPECT_THAT(html, HasSubstr("tabindex=\"0\" aria-label=\"Two &lt;x&gt;\""));
+  EXPECT_THAT(html, HasSubstr("<tr><td></td><th scope=\"col\" class=\"n\">max"));
+  EXPECT_LT(html.find("<main>"), html.find("<h1>"));
+  EXPECT_LT(html.find("1.00"), html.find("</main>"));
+}
+
 TEST(Html, HeadsAreNotBrokenInsideAnAbsoluteValue) {
   Page page("t");
   page.table({"", {{"mean |e| x", "µm"}}, {{{"1.00"}}}});

@@ -39,6 +39,20 @@ std::string timeless(std::string pdf) {
 
 }  // namespace
 
+std::string described(const Plot& plot) {
+  if (!plot.description.empty()) return plot.description;
+  if (!plot.title.empty()) return plot.title;
+  std::string out = plot.y_label.empty() ? "Drawing" : plot.y_label;
+  if (!plot.x_label.empty()) out += " over " + plot.x_label;
+  const char* before = ": ";
+  for (const Series& s : plot.series) {
+    if (s.label.empty()) continue;
+    out += before + s.label;
+    before = ", ";
+  }
+  return out;
+}
+
 std::vector<std::string> render(const std::vector<Plot>& plots, Format format) {
   std::vector<std::string> drawings;
   if (plots.empty()) return drawings;

@@ -88,7 +88,7 @@ struct Ring {
 
 struct Plot {
   std::string title = {};
-  std::string description = {};  ///< for screen readers; empty: the title
+  std::string description = {};  ///< for screen readers; empty: described() finds words
   std::string x_label = {};      ///< with its unit
   std::string y_label = {};
   std::optional<Range> x_range = {};  ///< absent: from the data
@@ -108,6 +108,9 @@ struct Plot {
   std::vector<Series> series = {};
   std::optional<Ring> ring = {};
 };
+
+/// What a screen reader says of the drawing: its description, else its title, else its axes and curves.
+std::string described(const Plot& plot);
 
 enum class Format { kSvg, kPdf, kPng };
 

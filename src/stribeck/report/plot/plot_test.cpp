@@ -73,6 +73,17 @@ TEST(Plot, DrawsEveryStyleWithIdsOfItsOwn) {
   EXPECT_THAT(all[1], HasSubstr("100 %"));
 }
 
+TEST(Plot, AScreenReaderIsAlwaysToldSomething) {
+  Plot p = line_plot();
+  EXPECT_EQ(described(p), "error");
+  p.title = "";
+  EXPECT_EQ(described(p), "error [µm] over time [s]: one");
+  EXPECT_THAT(render({p})[0], HasSubstr("<title>error [µm] over time [s]: one</title>"));
+  EXPECT_EQ(described(Plot{}), "Drawing");
+  p.description = "One turn.";
+  EXPECT_EQ(described(p), "One turn.");
+}
+
 TEST(Plot, SameBytesAgain) {
   EXPECT_EQ(render({line_plot(), line_plot()}), render({line_plot(), line_plot()}));
 }

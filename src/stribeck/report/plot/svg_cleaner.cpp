@@ -116,8 +116,7 @@ class SvgCleaner {
 
   std::string clean(const Plot& plot) {
     find_used();
-    const std::string text =
-        escape_html(clean_text(plot.description.empty() ? plot.title : plot.description));
+    const std::string text = escape_html(clean_text(described(plot)));
     out_ = fmt::format(
         "<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" fill=\"none\" color=\"#000000\" stroke=\"currentColor\" "
         "stroke-linecap=\"round\" stroke-linejoin=\"round\" font-family=\"sans-serif\" data-plot='{3}' role=\"img\" "
