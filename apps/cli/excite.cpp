@@ -13,6 +13,7 @@
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/plan/excitation_plan.hpp>
 #include <stribeck/workflow/run/axis_excitation.hpp>
 
 namespace stribeck::cli {
@@ -28,6 +29,8 @@ struct ExciteCommand {
   std::string axis;
   std::string output;
   std::string gcode;
+  std::vector<std::string> wanted;
+  double minutes = 5.0;
 };
 
 bool is_gcode(const std::string& path) {
@@ -48,7 +51,38 @@ void check_gcode(const ExciteCommand& o) {
   }
 }
 
+/// Chooses the logs by what is wanted, and writes the reference of each into the folder.
+int plan(const ExciteCommand& o) {
+  for (const auto& [given, option] :
+       {std::pair(o.what.periods.has_value(), "--periods"),
+        std::pair(o.what.repeats.has_value(), "--repeats"), std::pair(!o.what.speeds.empty(), "--speeds"),
+        std::pair(!o.what.lead.empty(), "--lead"), std::pair(!o.what.rise.empty(), "--rise"),
+        std::pair(!o.what.period.empty(), "--period"), std::pair(!o.what.highest.empty(), "--highest"),
+        std::pair(!o.gcode.empty(), "--gcode"), std::pair(!o.common.report.empty(), "--report")}) {
+    if (given) refuse_option(option, "does not go with --for, which designs several logs (use --method)");
+  }
+  check_distinct({o.machine, o.what.known}, {o.output, o.common.json});
+  PlanOptions options{o.machine, o.axis, {}, 60.0 * o.minutes, o.what.known};
+  for (const std::string& word : o.wanted) options.wanted.push_back(*enum_value<Wanted>(word));
+  const OutputFolder folder(o.output);
+  const ExcitationPlan plan = plan_excitation(options);
+  std::string files;
+  for (const std::size_t i : plan.chosen) {
+    ExcitationOptions what;
+    what.method = plan.candidates[i].method;
+    if (what.method == ExcitationMethod::kPulses) what.known = o.what.known;
+    const std::string file = fmt::format("{}/{}-{}.csv", o.output, o.axis, enum_name(what.method));
+    const AxisExcitation axis = excite_axis(what, o.machine, o.axis);
+    io::write_csv(file, axis.log);
+    files += fmt::format("{}: it {}.\n", file, fmt::join(axis.notes, "; "));
+  }
+  write_json(o.common.json, to_json(plan), made_from({o.machine, o.what.known}));
+  say(o.common, text_of(plan) + files);
+  return 0;
+}
+
 int excite(const ExciteCommand& o) {
+  if (!o.wanted.empty()) return plan(o);
   check_excitation(o.what);
   check_gcode(o);
   check_distinct({o.machine, o.what.known}, {o.output, o.gcode, o.common.json});
@@ -87,14 +121,21 @@ void add_excite(CLI::App& app, Action& action) {
           "--method", o->method,
           "In open loop (force): pulses, ramp (break-away). In closed loop (position): jog, sine, "
           "position-sine (periodic terms of the screw), constant-acceleration (mass), multisine (frequency response)")
-      ->required()
       ->check(one_of(words_of<ExcitationMethod>()));
   verb->add_option("--axis", o->axis, "Axis of the machine")->required()->type_name("NAME");
   verb->add_option(
           "-o,--output", o->output,
-          "CSV to write, with the columns t, r or t, u, f; G-code if the name ends in .ngc, .nc or .gcode")
+          "CSV to write, with the columns t, r or t, u, f; G-code if the name ends in .ngc, .nc or .gcode; with --for a folder")
       ->required()
-      ->type_name("REF.csv");
+      ->type_name("REF.csv|DIR");
+  verb->add_option(
+          "--for", o->wanted,
+          "In place of --method: what is wanted of the axis (mass, friction, bristles, delay). The methods are tried on a virtual axis, and those that tell it are written")
+      ->delimiter(',')
+      ->check(one_of(words_of<Wanted>()));
+  verb->add_option("--minutes", o->minutes, "With --for: longest time of all logs together")
+      ->check(number_from(0.1, 1000))
+      ->capture_default_str();
   verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
   verb->add_option(
           "--periods", o->what.periods,
@@ -131,9 +172,13 @@ void add_excite(CLI::App& app, Action& action) {
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer(
-      "Example:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv");
+      "Examples:\n  stribeck excite machines/biaxial-table.toml --method sine --axis x -o x-sine.csv\n"
+      "  stribeck excite machines/biaxial-table.toml --for mass,friction,bristles --minutes 5 --axis x -o logs");
   verb->callback([o, &action] {
-    o->what.method = *enum_value<ExcitationMethod>(o->method);
+    if (o->method.empty() == o->wanted.empty())
+      refuse_option("--method",
+                    "expected either --method, or --for with what is wanted (--for mass,friction)");
+    if (!o->method.empty()) o->what.method = *enum_value<ExcitationMethod>(o->method);
     action = [o] { return excite(*o); };
   });
 }

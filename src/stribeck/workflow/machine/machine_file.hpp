@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stribeck/core/field_types.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <string>
 #include <string_view>
@@ -32,6 +33,10 @@ sim::Machine read_virtual_machine(const std::string& file, const std::vector<std
 /// `machine_file` and `axis_file` are for messages and for the note in MachineAxis::truth_from.
 plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
                                  const std::string& machine_file, const std::string& axis_file);
+/// The same of a model that was read or made already.
+plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
+                                 const std::string& machine_file, const std::string& axis_file,
+                                 const sim::AxisFile& model);
 /// Travel in which friction builds up where a model does not say it: usual for ball screws with rolling guides [m].
 inline constexpr double kBreakAway = 5e-6;
 

@@ -49,7 +49,13 @@ std::optional<plant::LostMotion> lost_motion(const sim::AxisFile& file) {
 
 plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
                                  const std::string& machine_file, const std::string& axis_file) {
-  const auto file = io::read_toml<sim::AxisFile>(axis_file);
+  return model_as_truth(axis, name, sample_time, machine_file, axis_file,
+                        io::read_toml<sim::AxisFile>(axis_file));
+}
+
+plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string& name, double sample_time,
+                                 const std::string& machine_file, const std::string& axis_file,
+                                 const sim::AxisFile& file) {
   const sim::NamePlate plate = axis.name_plate();
   if (!(plate.encoder_resolution > 0.0)) {
     throw io::InputError(

@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stribeck/ident/refused.hpp>
+#include <stribeck/report/columns.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/plan/excitation_plan.hpp>
+#include <utility>
+
+namespace stribeck::workflow {
+namespace {
+
+using ident::excitation::ExcitationMethod;
+
+constexpr std::array kMethods{ExcitationMethod::kJog, ExcitationMethod::kSine, ExcitationMethod::kPulses,
+                              ExcitationMethod::kConstantAcceleration, ExcitationMethod::kMultisine};
+constexpr std::array kAll{Wanted::kMass, Wanted::kFriction, Wanted::kBristles, Wanted::kDelay};
+
+/// How far a set of logs is from what is wanted: first how much is missing, then how wide the rest is.
+std::pair<int, double> distance(const ExpectedHalf& e, const std::vector<Wanted>& wanted) {
+  int missing = 0;
+  double wide = 0.0;
+  for (const Wanted w : wanted) {
+    if (!e.good(w)) ++missing;
+    wide += std::isfinite(e[w]) ? std::min(e[w], 1.0) : 2.0;
+  }
+  return {missing, wide};
+}
+
+/// One that has been found good is not given up for a few percent of width.
+bool better(std::pair<int, double> a, double seconds_a, std::pair<int, double> b, double seconds_b) {
+  if (a.first != b.first) return a.first < b.first;
+  if (a.first == 0) return seconds_a < seconds_b;
+  return a.second < b.second;
+}
+
+void choose(ExcitationPlan& plan, const StandIn& axis) {
+  const std::vector<Wanted>& wanted = plan.options.wanted;
+  std::vector<ExcitationMethod> methods;
+  constexpr std::size_t kMostLogs = 3;
+  while (methods.size() < kMostLogs) {
+    std::size_t best = plan.candidates.size();
+    ExpectedHalf best_expected;
+    for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+      const CandidateLog& c = plan.candidates[i];
+      const bool taken = std::find(plan.chosen.begin(), plan.chosen.end(), i) != plan.chosen.end();
+      if (taken || !c.refused.empty() || plan.duration() + c.duration > plan.options.longest) continue;
+      ExpectedHalf expected = c.expected;
+      if (!methods.empty()) {
+        std::vector<ExcitationMethod> more = methods;
+        more.push_back(c.method);
+        expected = axis.together(more);
+      }
+      if (best < plan.candidates.size() &&
+          !better(distance(expected, wanted), c.duration, distance(best_expected, wanted),
+                  plan.candidates[best].duration))
+        continue;
+      best = i;
+      best_expected = expected;
+    }
+    if (best == plan.candidates.size()) return;
+    const auto now = distance(best_expected, wanted);
+    const auto before = distance(plan.together, wanted);
+    if (!methods.empty() && !(now.first < before.first || now.second < 0.8 * before.second)) return;
+    methods.push_back(plan.candidates[best].method);
+    plan.chosen.push_back(best);
+    plan.together = best_expected;
+    if (now.first == 0) return;
+  }
+}
+
+std::string shown(const ExpectedHalf& e, Wanted w) {
+  if (!std::isfinite(e[w])) return "no";
+  return w == Wanted::kDelay ? fmt::format("{:.2g}", e[w]) : fmt::format("{:.2g}", 100.0 * e[w]);
+}
+
+nlohmann::ordered_json json_of(const ExpectedHalf& e) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"mass_percent", number(100.0 * e[Wanted::kMass])},
+          {"friction_percent", number(100.0 * e[Wanted::kFriction])},
+          {"break_away_distance_percent", number(100.0 * e[Wanted::kBristles])},
+          {"delay_periods", number(e[Wanted::kDelay])}};
+}
+
+}  // namespace
+
+double ExcitationPlan::duration() const {
+  double sum = 0.0;
+  for (const std::size_t i : chosen) sum += candidates[i].duration;
+  return sum;
+}
+
+ExcitationPlan plan_excitation(const PlanOptions& given) {
+  ExcitationPlan plan;
+  plan.options = given;
+  if (plan.options.wanted.empty()) plan.options.wanted.assign(kAll.begin(), kAll.end());
+  const MachineDescription machine = read_description(given.machine);
+  const std::size_t axis = axis_index(as_machine(machine), given.machine, given.axis);
+  require_force_limit(machine, given.machine, axis);
+  StandIn stand_in(machine, given.machine, axis, given.known);
+  for (const ExcitationMethod method : kMethods)
+    plan.candidates.push_back(stand_in.log_of(method, given.longest));
+  choose(plan, stand_in);
+  if (plan.chosen.empty()) {
+    std::string why;
+    for (const CandidateLog& c : plan.candidates)
+      why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", enum_name(c.method), c.refused);
+    throw ident::Refused(fmt::format("axis {}: no excitation fits: {}", given.axis, why));
+  }
+  return plan;
+}
+
+std::string text_of(const ExcitationPlan& plan) {
+  report::TextColumn method{"method", "", {}, false};
+  report::TextColumn seconds{"time", "s", {}};
+  report::TextColumn mass{"mass", "+- %", {}};
+  report::TextColumn friction{"friction", "+- %", {}};
+  report::TextColumn bristles{"break-away distance", "+- %", {}};
+  report::TextColumn delay{"delay", "+- periods", {}};
+  const auto add = [&](std::string name, double duration, const ExpectedHalf& e) {
+    method.entries.push_back(std::move(name));
+    seconds.entries.push_back(fmt::format("{:.0f}", duration));
+    mass.entries.push_back(shown(e, Wanted::kMass));
+    friction.entries.push_back(shown(e, Wanted::kFriction));
+    bristles.entries.push_back(shown(e, Wanted::kBristles));
+    delay.entries.push_back(shown(e, Wanted::kDelay));
+  };
+  std::string refused;
+  for (const CandidateLog& c : plan.candidates) {
+    if (c.refused.empty()) {
+      add(std::string(enum_name(c.method)), c.duration, c.expected);
+    } else {
+      refused += fmt::format("Not {}: {}.\n", enum_name(c.method), c.refused);
+    }
+  }
+  std::string together;
+  for (const std::size_t i : plan.chosen)
+    together += (together.empty() ? "" : " + ") + std::string(enum_name(plan.candidates[i].method));
+  if (plan.chosen.size() > 1) add(together, plan.duration(), plan.together);
+  std::string out = fmt::format(
+      "What a log of axis {} is expected to tell (half of the 95 % interval; no: not determined):\n",
+      plan.options.axis);
+  out += report::lay_out({method, seconds, mass, friction, bristles, delay}) + refused;
+  out += fmt::format("Record: {}, {:.0f} s in all.\n", together, plan.duration());
+  for (const Wanted w : plan.options.wanted) {
+    if (plan.together.good(w)) continue;
+    out += std::isfinite(plan.together[w])
+               ? fmt::format("Within {:.0f} s, {} stays wider than asked for.\n", plan.options.longest,
+                             enum_name(w))
+               : fmt::format("Within {:.0f} s, {} stays open.\n", plan.options.longest, enum_name(w));
+  }
+  out +=
+      plan.options.known.empty()
+          ? "This is computed from the rough mass and friction of the machine file; identify, and ask again with --known AXIS.toml.\n"
+          : fmt::format("This is computed from {}.\n", plan.options.known);
+  return out;
+}
+
+nlohmann::ordered_json to_json(const ExcitationPlan& plan) {
+  nlohmann::ordered_json out{{"schema", "stribeck.plan/1"}, {"axis", plan.options.axis}};
+  out["wanted"] = nlohmann::ordered_json::array();
+  for (const Wanted w : plan.options.wanted) out["wanted"].push_back(enum_name(w));
+  out["candidates"] = nlohmann::ordered_json::array();
+  for (const CandidateLog& c : plan.candidates) {
+    out["candidates"].push_back(
+        {{"method", enum_name(c.method)},
+         {"refused", c.refused.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(c.refused)},
+         {"duration_s", c.duration},
+         {"expected", json_of(c.expected)}});
+  }
+  out["chosen"] = nlohmann::ordered_json::array();
+  for (const std::size_t i : plan.chosen) out["chosen"].push_back(enum_name(plan.candidates[i].method));
+  out["duration_s"] = plan.duration();
+  out["expected"] = json_of(plan.together);
+  return out;
+}
+
+}  // namespace stribeck::workflow

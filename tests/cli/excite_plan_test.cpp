@@ -1,0 +1,61 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stribeck/io/test_folder.hpp>
+#include <string>
+#include <tests/cli/command.hpp>
+#include <vector>
+
+namespace stribeck::test::excite_plan_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+void expect_refused(const Said& said, const std::string& what) {
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.err, HasSubstr(what));
+}
+
+std::vector<std::string> excite(std::initializer_list<std::string> more, const std::string& output) {
+  std::vector<std::string> words{"excite", kMachine, "--axis", "x", "-o", output};
+  words.insert(words.end(), more);
+  return words;
+}
+
+TEST(ExcitePlan, WritesTheLogsThatTellWhatIsWanted) {
+  const Folder folder;
+  // Half a minute leaves pulses and constant acceleration.
+  const Said out = command(excite(
+      {"--for", "mass,bristles", "--minutes", "0.5", "--json", folder / "plan.json"}, folder / "logs"));
+  EXPECT_EQ(out.code, 0) << out.err;
+  EXPECT_THAT(out.out, HasSubstr("What a log of axis x is expected to tell"));
+  EXPECT_THAT(out.out, HasSubstr("Not jog: 148 s of motion, more than there is time for."));
+  EXPECT_THAT(text_of(folder / "plan.json"), HasSubstr("\"schema\": \"stribeck.plan/1\""));
+  std::size_t files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder / "logs")) {
+    ++files;
+    EXPECT_THAT(text_of(file.path().string()), HasSubstr("start"));
+  }
+  EXPECT_GE(files, 1u);
+}
+
+TEST(ExcitePlan, RefusesWhatItCannotPlan) {
+  const Folder folder;
+  const std::string out = folder / "logs";
+  expect_refused(command(excite({}, out)),
+                 "--method: expected either --method, or --for with what is wanted");
+  expect_refused(command(excite({"--for", "mass", "--method", "sine"}, out)),
+                 "--method: expected either --method, or --for");
+  expect_refused(command(excite({"--for", "weight"}, out)), "--for: got \"weight\"");
+  expect_refused(command(excite({"--for", "mass", "--periods", "4"}, out)),
+                 "--periods: does not go with --for");
+  expect_refused(command(excite({"--for", "mass", "--minutes", "0"}, out)), "--minutes: got \"0\"");
+  const Said none = command(excite({"--for", "mass", "--minutes", "0.1"}, out));
+  EXPECT_NE(none.code, 0);
+  EXPECT_THAT(none.err, HasSubstr("no excitation fits"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace stribeck::test::excite_plan_test
