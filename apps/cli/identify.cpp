@@ -20,6 +20,7 @@
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
+#include <stribeck/workflow/plan/excitation_plan.hpp>
 
 namespace stribeck::cli {
 namespace {
@@ -137,13 +138,18 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
       io::make_directory(o.output);
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
     }
+    const std::vector<Wanted> open = not_yet(found, machine.axis(one.axis), machine.sample_time);
     json.push_back(to_json(found, axis.axis));
+    json.back()["not_yet"] = nlohmann::ordered_json::array();
+    for (const Wanted w : open) json.back()["not_yet"].push_back(enum_name(w));
     const auto below = [&](const std::string& folder) {
       return folder.empty() ? folder : folder + "/" + one.axis;
     };
     write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
     say(o.common,
-        fmt::format("{}from {}\n{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis)));
+        fmt::format("{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
+                    next_log(open, o.logs.front(), one.axis,
+                             o.output.empty() ? "" : o.output + "/" + one.axis + ".toml")));
   }
   write_json(o.common.json, json, made);
   return 0;

@@ -40,6 +40,25 @@ TEST(ExcitePlan, WritesTheLogsThatTellWhatIsWanted) {
   EXPECT_GE(files, 1u);
 }
 
+TEST(ExcitePlan, IsProposedForWhatALogLeavesOpen) {
+  const Folder folder;
+  // One period of a sine: its force of inertia is small, and a spring would look the same.
+  ASSERT_EQ(command({"excite", kMachine, "--axis", "x", "--method", "sine", "--periods", "1", "-o",
+                     folder / "r.csv", "--quiet"})
+                .code,
+            0);
+  ASSERT_EQ(command({"simulate", kMachine, "--axis", "x", "--reference", folder / "r.csv", "-o",
+                     folder / "log.csv", "--quiet"})
+                .code,
+            0);
+  const Said found = command({"identify", kMachine, folder / "log.csv", "--axis", "x", "-o", folder / "axes",
+                              "--json", folder / "i.json"});
+  ASSERT_EQ(found.code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("plan the next log:\n  stribeck excite " + kMachine + " --axis x --for "));
+  EXPECT_THAT(found.out, HasSubstr(" --known " + folder / "axes/x.toml"));
+  EXPECT_THAT(text_of(folder / "i.json"), HasSubstr("\"not_yet\": [\n"));
+}
+
 TEST(ExcitePlan, RefusesWhatItCannotPlan) {
   const Folder folder;
   const std::string out = folder / "logs";

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -113,6 +114,17 @@ ExcitationPlan plan_excitation(const PlanOptions& given) {
     throw ident::Refused(fmt::format("axis {}: no excitation fits: {}", given.axis, why));
   }
   return plan;
+}
+
+std::string next_log(const std::vector<Wanted>& open, const std::string& machine, const std::string& axis,
+                     const std::string& axis_file) {
+  if (open.empty()) return {};
+  std::vector<std::string> words;
+  for (const Wanted w : open) words.emplace_back(enum_name(w));
+  return fmt::format(
+      "To tell {} better, plan the next log:\n  stribeck excite {} --axis {} --for {}{} -o next\n",
+      report::listed(words), machine, axis, fmt::join(words, ","),
+      axis_file.empty() ? "" : " --known " + axis_file);
 }
 
 std::string text_of(const ExcitationPlan& plan) {

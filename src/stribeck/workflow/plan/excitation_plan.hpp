@@ -33,6 +33,10 @@ struct ExcitationPlan {
 
 ExcitationPlan plan_excitation(const PlanOptions& options);
 
+/// The command that plans the logs for what an identification left open, as a sentence; empty: nothing is open.
+std::string next_log(const std::vector<Wanted>& open, const std::string& machine, const std::string& axis,
+                     const std::string& axis_file);
+
 /// As a table with a sentence for what stays open.
 std::string text_of(const ExcitationPlan& plan);
 nlohmann::ordered_json to_json(const ExcitationPlan& plan);

@@ -96,7 +96,9 @@ double half_of_curve(const ident::Result& r, double speed) {
   return std::isfinite(*middle) ? *middle : kInfinite;
 }
 
-ExpectedHalf expected_of(const Identification& found, const AxisDescription& axis, double period) {
+}  // namespace
+
+ExpectedHalf told_by(const Identification& found, const AxisDescription& axis, double period) {
   const ident::Result& r = found.result;
   ExpectedHalf out;
   const double mass = 0.5 * (r.mass_interval.high - r.mass_interval.low) / r.mass;
@@ -108,7 +110,14 @@ ExpectedHalf expected_of(const Identification& found, const AxisDescription& axi
   return out;
 }
 
-}  // namespace
+std::vector<Wanted> not_yet(const Identification& found, const AxisDescription& axis, double period) {
+  const ExpectedHalf told = told_by(found, axis, period);
+  std::vector<Wanted> open;
+  for (const Wanted w : {Wanted::kMass, Wanted::kFriction, Wanted::kBristles}) {
+    if (!told.good(w)) open.push_back(w);
+  }
+  return open;
+}
 
 bool ExpectedHalf::good(Wanted w) const { return (*this)[w] <= kGood[static_cast<std::size_t>(w)]; }
 
@@ -164,7 +173,7 @@ ExpectedHalf StandIn::together(const std::vector<ExcitationMethod>& methods) con
   axis.axis = machine_.axes[axis_].first;
   axis.sources = "logs of the plan";
   try {
-    return expected_of(identify(axis, {}), machine_.axes[axis_].second, machine_.sample_time);
+    return told_by(identify(axis, {}), machine_.axes[axis_].second, machine_.sample_time);
   } catch (const ident::Refused&) {
     return {};
   }

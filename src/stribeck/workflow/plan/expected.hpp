@@ -21,6 +21,7 @@
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <string>
 #include <vector>
@@ -45,6 +46,11 @@ struct ExpectedHalf {
   /// Narrow enough to compensate with.
   [[nodiscard]] bool good(Wanted w) const;
 };
+
+/// What an identification has told, in the same measure.
+ExpectedHalf told_by(const Identification& found, const AxisDescription& axis, double period);
+/// What it leaves too wide to compensate with: mass, friction or bristles. A log without delay shows none, so that the delay is not asked for.
+std::vector<Wanted> not_yet(const Identification& found, const AxisDescription& axis, double period);
 
 /// One method of excitation.
 struct CandidateLog {
