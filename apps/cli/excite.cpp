@@ -30,8 +30,10 @@ struct ExciteCommand {
   std::string output;
   std::string gcode;
   std::vector<std::string> wanted;
-  double minutes = 5.0;
+  std::optional<double> minutes;  ///< absent: kMinutes
 };
+
+constexpr double kMinutes = 5.0;
 
 bool is_gcode(const std::string& path) {
   return path.ends_with(".ngc") || path.ends_with(".nc") || path.ends_with(".gcode");
@@ -58,11 +60,13 @@ int plan(const ExciteCommand& o) {
         std::pair(o.what.repeats.has_value(), "--repeats"), std::pair(!o.what.speeds.empty(), "--speeds"),
         std::pair(!o.what.lead.empty(), "--lead"), std::pair(!o.what.rise.empty(), "--rise"),
         std::pair(!o.what.period.empty(), "--period"), std::pair(!o.what.highest.empty(), "--highest"),
-        std::pair(!o.gcode.empty(), "--gcode"), std::pair(!o.common.report.empty(), "--report")}) {
+        std::pair(!o.gcode.empty(), "--gcode"), std::pair(!o.common.report.empty(), "--report"),
+        std::pair(!o.common.plots.empty(), "--plots")}) {
     if (given) refuse_option(option, "does not go with --for, which designs several logs (use --method)");
   }
   check_distinct({o.machine, o.what.known}, {o.output, o.common.json});
-  PlanOptions options{o.machine, o.axis, {}, 60.0 * o.minutes, o.what.known};
+  const OutputFolder page_folder = check_outputs(o.common);  // the JSON file
+  PlanOptions options{o.machine, o.axis, {}, 60.0 * o.minutes.value_or(kMinutes), o.what.known};
   for (const std::string& word : o.wanted) options.wanted.push_back(*enum_value<Wanted>(word));
   const OutputFolder folder(o.output);
   const ExcitationPlan plan = plan_excitation(options);
@@ -83,6 +87,7 @@ int plan(const ExciteCommand& o) {
 
 int excite(const ExciteCommand& o) {
   if (!o.wanted.empty()) return plan(o);
+  if (o.minutes) refuse_option("--minutes", "goes with --for, which chooses the logs (leave it out)");
   check_excitation(o.what);
   check_gcode(o);
   check_distinct({o.machine, o.what.known}, {o.output, o.gcode, o.common.json});
@@ -133,9 +138,9 @@ void add_excite(CLI::App& app, Action& action) {
           "In place of --method: what is wanted of the axis (mass, friction, bristles, delay). The methods are tried on a virtual axis, and those that tell it are written")
       ->delimiter(',')
       ->check(one_of(words_of<Wanted>()));
-  verb->add_option("--minutes", o->minutes, "With --for: longest time of all logs together")
-      ->check(number_from(0.1, 1000))
-      ->capture_default_str();
+  verb->add_option("--minutes", o->minutes,
+                   fmt::format("With --for: longest time of all logs together (left out: {:g})", kMinutes))
+      ->check(number_from(0.1, 1000));
   verb->add_option("--gcode", o->gcode, "G-code of the same motion (positions only)")->type_name("REF.ngc");
   verb->add_option(
           "--periods", o->what.periods,

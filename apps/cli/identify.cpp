@@ -148,8 +148,8 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     write_page({below(o.common.report), below(o.common.plots)}, found, axis, made);
     say(o.common,
         fmt::format("{}from {}\n{}{}", json.size() > 1 ? "\n" : "", axis.sources, text_of(found, axis.axis),
-                    next_log(open, o.logs.front(), one.axis,
-                             o.output.empty() ? "" : o.output + "/" + one.axis + ".toml")));
+                    next_log(open, shell_quoted(o.logs.front()), shell_quoted(one.axis),
+                             o.output.empty() ? "" : shell_quoted(o.output + "/" + one.axis + ".toml"))));
   }
   write_json(o.common.json, json, made);
   return 0;

@@ -70,6 +70,9 @@ TEST(ExcitePlan, RefusesWhatItCannotPlan) {
   expect_refused(command(excite({"--for", "mass", "--periods", "4"}, out)),
                  "--periods: does not go with --for");
   expect_refused(command(excite({"--for", "mass", "--minutes", "0"}, out)), "--minutes: got \"0\"");
+  expect_refused(command(excite({"--method", "sine", "--minutes", "3"}, out)), "--minutes: goes with --for");
+  expect_refused(command(excite({"--for", "mass", "--plots", folder / "figures"}, out)),
+                 "--plots: does not go with --for");
   const Said none = command(excite({"--for", "mass", "--minutes", "0.1"}, out));
   EXPECT_NE(none.code, 0);
   EXPECT_THAT(none.err, HasSubstr("no excitation fits"));

@@ -73,6 +73,12 @@ void choose(ExcitationPlan& plan, const StandIn& axis) {
   }
 }
 
+/// Its method and why there is no such log; most reasons begin with the method themselves.
+std::string with_name(const CandidateLog& c) {
+  const std::string name(enum_name(c.method));
+  return c.refused.starts_with(name + ": ") ? c.refused : name + ": " + c.refused;
+}
+
 std::string shown(const ExpectedHalf& e, Wanted w) {
   if (!std::isfinite(e[w])) return "no";
   return w == Wanted::kDelay ? fmt::format("{:.2g}", e[w]) : fmt::format("{:.2g}", 100.0 * e[w]);
@@ -109,8 +115,7 @@ ExcitationPlan plan_excitation(const PlanOptions& given) {
   choose(plan, stand_in);
   if (plan.chosen.empty()) {
     std::string why;
-    for (const CandidateLog& c : plan.candidates)
-      why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", enum_name(c.method), c.refused);
+    for (const CandidateLog& c : plan.candidates) why += (why.empty() ? "" : "; ") + with_name(c);
     throw ident::Refused(fmt::format("axis {}: no excitation fits: {}", given.axis, why));
   }
   return plan;
@@ -147,7 +152,7 @@ std::string text_of(const ExcitationPlan& plan) {
     if (c.refused.empty()) {
       add(std::string(enum_name(c.method)), c.duration, c.expected);
     } else {
-      refused += fmt::format("Not {}: {}.\n", enum_name(c.method), c.refused);
+      refused += fmt::format("Not {}.\n", with_name(c));
     }
   }
   std::string together;
@@ -162,9 +167,9 @@ std::string text_of(const ExcitationPlan& plan) {
   for (const Wanted w : plan.options.wanted) {
     if (plan.together.good(w)) continue;
     out += std::isfinite(plan.together[w])
-               ? fmt::format("Within {:.0f} s, {} stays wider than asked for.\n", plan.options.longest,
+               ? fmt::format("Wider than is good enough, within {:.0f} s: {}.\n", plan.options.longest,
                              enum_name(w))
-               : fmt::format("Within {:.0f} s, {} stays open.\n", plan.options.longest, enum_name(w));
+               : fmt::format("Not determined within {:.0f} s: {}.\n", plan.options.longest, enum_name(w));
   }
   out +=
       plan.options.known.empty()

@@ -33,7 +33,8 @@ struct ExcitationPlan {
 
 ExcitationPlan plan_excitation(const PlanOptions& options);
 
-/// The command that plans the logs for what an identification left open, as a sentence; empty: nothing is open.
+/// The command that plans the logs for what an identification left open, as a sentence; empty: nothing is open. The names of files are
+/// printed as they come: quoted for a shell where they have to be.
 std::string next_log(const std::vector<Wanted>& open, const std::string& machine, const std::string& axis,
                      const std::string& axis_file);
 

@@ -20,7 +20,7 @@ namespace {
 
 using ident::excitation::ExcitationMethod;
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = ExpectedHalf::kOpen;
 constexpr std::uint64_t kNoiseSeed = 1;
 /// Half widths that are narrow enough: 2 % of mass, 3 % of friction, 20 % of the break-away distance, a fifth of a period.
 constexpr std::array<double, kWantedCount> kGood{0.02, 0.03, 0.2, 0.2};
@@ -132,7 +132,9 @@ StandIn::StandIn(const MachineDescription& machine, const std::string& file, std
       model_as_truth(a, name, machine.sample_time, file, known.empty() ? file : known, model);
   constexpr double kNoise = 0.02;  // of friction
   constexpr double kCorrelation = 0.02;
-  plant.noise = plant::ForceNoise{kNoise * a.commissioning.friction.middle(), kCorrelation};
+  constexpr double kWhere = 0.1;  // of the speed limit: where friction counts for it
+  const double level = model.model.friction.parts(kWhere * a.limits.speed, 0.0).level;
+  plant.noise = plant::ForceNoise{kNoise * level, kCorrelation};
   a.plant = plant;
 }
 

@@ -35,11 +35,8 @@ inline constexpr std::size_t kWantedCount = 4;
 /// Half of the 95 % interval: of mass, friction and break-away distance as a share of the value, of the delay in control periods.
 /// Infinite: such a log does not determine it.
 struct ExpectedHalf {
-  std::array<double, kWantedCount> half = [] {
-    std::array<double, kWantedCount> none{};
-    none.fill(std::numeric_limits<double>::infinity());
-    return none;
-  }();
+  static constexpr double kOpen = std::numeric_limits<double>::infinity();
+  std::array<double, kWantedCount> half{kOpen, kOpen, kOpen, kOpen};
 
   [[nodiscard]] double operator[](Wanted w) const { return half[static_cast<std::size_t>(w)]; }
   double& operator[](Wanted w) { return half[static_cast<std::size_t>(w)]; }
