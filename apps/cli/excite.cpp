@@ -149,6 +149,13 @@ void add_excite(CLI::App& app, Action& action) {
               kSinePeriods))
       ->check(whole_from(1, 1000));
   verb->add_option(
+          "--strokes", o->what.strokes,
+          fmt::format("Speeds of the strokes that follow a sine, out and back through the travel: they "
+                      "tell a force that belongs to the place from friction over speed (left out: "
+                      "{}; 0: the sine alone, as in the thesis)",
+                      kStrokeSpeeds))
+      ->check(whole_from(0, 10));
+  verb->add_option(
           "--repeats", o->what.repeats,
           "Number of repeats in each direction: ramp (left out: 4), constant-acceleration (left out: 5) or multisine (left out: 4)")
       ->check(whole_from(1, 1000));

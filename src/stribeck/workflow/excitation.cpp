@@ -102,8 +102,9 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   if (o.method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;
     jog.start = middle;
-    jog.speeds =
-        ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog));
+    jog.way = ident::excitation::kSeveralTurns;
+    jog.speeds = ident::excitation::in_mixed_order(
+        ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog)));
     if (!o.speeds.empty()) jog.speeds.clear();
     for (const std::string& speed : o.speeds) {
       jog.speeds.push_back(travel_si("--speeds", speed, quantity("m/s", "mm/s").positive(), axis.rotary));
@@ -134,15 +135,21 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     return {ident::excitation::design_multisine(limits, drive, machine.sample_time,
                                                 multisine_design(o, axis.rotary, middle)),
             {}};
-  const int periods = o.method == ExcitationMethod::kPositionSine ? kPositionPeriods : kSinePeriods;
-  return {workflow::design(as_machine(machine), which, o.method, o.periods.value_or(periods)), {}};
+  if (o.method == ExcitationMethod::kSine) {
+    const sim::Commissioning c = as_machine(machine).axes[which].second.commissioning;
+    ident::excitation::SineDesign sine{c.sine_offset + c.sine_amplitude, c.sine_amplitude, c.sine_frequency,
+                                       o.periods.value_or(kSinePeriods)};
+    sine.strokes = o.strokes.value_or(kStrokeSpeeds);
+    return {ident::excitation::design_sine(limits, machine.sample_time, sine), {}};
+  }
+  return {workflow::design(as_machine(machine), which, o.method, o.periods.value_or(kPositionPeriods)), {}};
 }
 
 /// The option that sets a parameter of a design; empty: there is none.
 std::string option_of(const std::string& parameter, ExcitationMethod method) {
   if (parameter == "period") return method == ExcitationMethod::kMultisine ? "--period" : "--lead";
   if (parameter == "speed") return "--speeds";
-  for (const char* same : {"rise", "speeds", "periods", "repeats", "highest"}) {
+  for (const char* same : {"rise", "speeds", "periods", "strokes", "repeats", "highest"}) {
     if (parameter == same) return std::string("--") + same;
   }
   return {};
@@ -160,6 +167,7 @@ void check_excitation(const ExcitationOptions& o) {
   };
   only(o.periods.has_value(), "--periods",
        {ExcitationMethod::kSine, ExcitationMethod::kPositionSine, ExcitationMethod::kMultisine});
+  only(o.strokes.has_value(), "--strokes", {ExcitationMethod::kSine});
   only(o.repeats.has_value(), "--repeats",
        {ExcitationMethod::kRamp, ExcitationMethod::kConstantAcceleration, ExcitationMethod::kMultisine});
   only(!o.known.empty(), "--known", {ExcitationMethod::kPulses, ExcitationMethod::kRamp});

@@ -12,10 +12,13 @@
 
 namespace stribeck::workflow {
 
+inline constexpr int kStrokeSpeeds = 2;  ///< of the strokes after a sine
+
 /// Texts contain their unit; empty: as in the thesis, within the limits.
 struct ExcitationOptions {
   ident::excitation::ExcitationMethod method = ident::excitation::ExcitationMethod::kJog;
   std::optional<int> periods;       ///< of sine, position-sine, multisine
+  std::optional<int> strokes;       ///< of sine; 0: none
   std::optional<int> repeats;       ///< of ramp, constant-acceleration, multisine
   std::vector<std::string> speeds;  ///< of jog; of multisine one
   std::string lead;                 ///< of the screw: jogs then move by whole turns

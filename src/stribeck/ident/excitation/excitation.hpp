@@ -4,8 +4,9 @@
 ///   pulses  force, open loop: trapezoids in pairs (+, −) of height base·K_u,
 ///           K_u = 1, 1.5, 3, 4, 5, 6, 7, 8, 8.5, 9
 ///   jog     position, closed loop: constant speeds forward and back
-///   sine    position, closed loop: r = r0 − A + A·cos φ, φ' = ω after one second of run-in from rest;
-///           or r = r0 + A·sin φ (Model D)
+///   sine    position, closed loop: r = r0 − A + A·cos φ, φ' = ω after one second of run-in from rest; then, if asked for,
+///           strokes at constant speed, out and back. A sine has one speed at each place, so that alone it takes a force
+///           periodic in position for friction over speed, and a spring for mass; or r = r0 + A·sin φ (Model D)
 ///   ramp    force, open loop: slowly up to beyond break-away, quickly back, in both directions
 ///   constant acceleration   position, closed loop: triangles of speed
 ///   multisine   position, closed loop: strokes at constant speed v, and on them Σ aᵢ/ωᵢ²·cos(ωᵢt + φᵢ), random φᵢ for each stroke,
@@ -43,6 +44,8 @@ namespace stribeck::ident::excitation {
 
 /// Largest number of rows of a design: some hours at the period of a servo loop, a file of about 100 MB.
 inline constexpr std::size_t kMostRows = 2000000;
+/// Way that tells a force periodic in position from a load: several turns of the usual screws [m].
+inline constexpr double kSeveralTurns = 0.1;
 
 /// A parameter of a design that makes no sense or too many rows.
 struct BadDesign : Refused {
@@ -92,12 +95,17 @@ Excitation design_pulses(const Limits& limits, const RoughDrive& drive, double s
 /// Speeds of thesis §2.3.3 and §4.4.1 up to `fastest` [m/s], then each a quarter higher, and `fastest` itself.
 std::vector<double> jog_speeds(double fastest);
 
+/// Not from slow to fast, so that a friction that changes in time is not taken for friction over speed; the fastest and two
+/// others come again at the end, which shows such a change.
+std::vector<double> in_mixed_order(std::vector<double> speeds);
+
 struct JogDesign {
   std::vector<double> speeds = jog_speeds(9.0e-3);  ///< [m/s]
   double start = 0.0;                               ///< [m]
   double direction = 1.0;                           ///< of the first stroke: +1 or −1
   double period =
       0.0;  ///< of a term periodic in position: every stroke is a whole number of it long, where it fits [m]
+  double way = 0.0;  ///< of the fastest speed, where travel and ten seconds suffice [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 /// The fastest speed below the limit that the travel from `start` allows for a second at constant speed [m/s].
@@ -109,6 +117,7 @@ struct SineDesign {
   double frequency = 0.475;  ///< ω [rad/s]
   int periods = 4;
   bool from_middle = false;  ///< r0 + A·sin φ instead
+  int strokes = 0;           ///< speeds of the strokes after a sine that begins at its end
 };
 Excitation design_sine(const Limits& limits, double sample_time, const SineDesign& design = {});
 

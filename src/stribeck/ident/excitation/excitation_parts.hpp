@@ -19,6 +19,23 @@ inline constexpr double kStep = 1e-3;  ///< time step of the prediction [s]
 Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const RoughDrive& easy, bool guess,
                       double sample_time, const PulseDesign& design);
 
+/// A stroke out and back at constant speed, with a short rest after each.
+struct Strokes {
+  double start = 0.0;      ///< [m]
+  double direction = 1.0;  ///< of the first stroke: +1 or −1
+  double speed = 0.0;      ///< [m/s]
+  double ramp = 0.0;       ///< of each flank [s]
+  double flat = 0.0;       ///< at constant speed [s]
+};
+void append(const Strokes& strokes, Excitation& e);
+
+/// Flanks of a stroke with half of the permitted acceleration, and the longest time of constant speed in the room.
+struct Profile {
+  double ramp = 0.0;     ///< [s]
+  double longest = 0.0;  ///< [s]
+};
+Profile profile_of(const Limits& limits, double sample_time, double room, double speed);
+
 /// Refuses limits without speed or travel, and a start outside the travel.
 void check(const Limits& l, double sample_time, double start);
 

@@ -34,6 +34,67 @@ TEST(Excitation, SineIsThePrintedOneFromRest) {
   EXPECT_NEAR(e.t.back(), 4 * 2 * kPi / 0.475 + 0.5, kPeriod);
 }
 
+// The sine stays what it is; then each of the two speeds is held, out and back, over several turns of a screw.
+TEST(Excitation, StrokesAfterASineHoldTheirSpeedWhereTheSineChangesIt) {
+  const Limits axis{-0.4, 0.4, 0.05, 0.5, 0.0};
+  SineDesign design{0.004, 0.002, 10.0, 4};
+  const Excitation alone = design_sine(axis, kPeriod, design);
+  design.strokes = 2;
+  const Excitation e = design_sine(axis, kPeriod, design);
+  ASSERT_GT(e.r.size(), alone.r.size());
+  EXPECT_TRUE(std::equal(alone.r.begin(), alone.r.end(), e.r.begin()));
+  EXPECT_NEAR(e.r.back(), design.start, 1e-12);
+  EXPECT_NEAR(*std::min_element(e.r.begin(), e.r.end()), design.start - 0.095, 1e-3);  // 95 % of 100 mm
+  for (const double v : {0.010, 0.004}) {  // half of the 20 mm/s of the sine, and 0.4 of that
+    for (const double way : {1.0, -1.0}) {
+      double held = 0.0;
+      for (std::size_t k = alone.r.size(); k < e.r.size(); ++k) {
+        const double step = e.r[k] - e.r[k - 1];
+        if (std::abs(step / kPeriod - way * v) < 1e-9) held += std::abs(step);
+      }
+      EXPECT_GT(held, 0.039) << way * v;  // ten seconds of the slower one
+    }
+  }
+  // A travel that is hardly longer than the sine, and no room below it for a stroke at that speed.
+  const Limits narrow{-0.0005, 0.0041, 0.05, 0.5, 0.0};
+  EXPECT_NO_THROW(design_sine(narrow, kPeriod, design));
+  design.strokes = 1;
+  design.amplitude = 1e-5;
+  EXPECT_NO_THROW(design_sine({0.0039, 0.0041, 0.05, 0.5, 0.0}, kPeriod, design));
+}
+
+// Friction that changes in time must not look like friction over speed.
+TEST(Excitation, MixedOrderHasNoTrend) {
+  const std::vector<double> sorted = jog_speeds(0.3);
+  const std::vector<double> mixed = in_mixed_order(sorted);
+  std::vector<double> again = mixed;
+  std::sort(again.begin(), again.end());
+  EXPECT_TRUE(std::includes(again.begin(), again.end(), sorted.begin(), sorted.end()));
+  EXPECT_EQ(mixed.size(), sorted.size() + 3);
+  // Rank correlation with the place in the order; 0.9 and more is what a log is warned of.
+  double xy = 0.0, xx = 0.0;
+  const double middle = 0.5 * (static_cast<double>(sorted.size()) - 1.0);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const auto rank =
+        static_cast<double>(std::lower_bound(sorted.begin(), sorted.end(), mixed[i]) - sorted.begin());
+    const double x = static_cast<double>(i) - middle;
+    xy += x * (rank - middle), xx += x * x;
+  }
+  EXPECT_LT(std::abs(xy / xx), 0.3);
+  EXPECT_EQ(in_mixed_order({0.003, 0.001, 0.002}), (std::vector<double>{0.001, 0.002, 0.003}));
+}
+
+TEST(Excitation, FastestJogGoesSeveralTurns) {
+  JogDesign design;
+  design.speeds = {1e-3, 9e-3};
+  design.way = 0.04;
+  const Excitation e = design_jog(kTable, kPeriod, design);
+  EXPECT_NEAR(*std::max_element(e.r.begin(), e.r.end()), 0.04, 1e-3);
+  design.way = kSeveralTurns;  // more than the travel of 50 mm to that side
+  const Excitation far = design_jog(kTable, kPeriod, design);
+  EXPECT_NEAR(*std::max_element(far.r.begin(), far.r.end()), 0.0475, 1e-3);
+}
+
 // What is asked for is counted before it is filled.
 TEST(Excitation, RefusesWhatWouldTakeForEver) {
   const auto parameter_of = [](auto&& design) -> std::string {

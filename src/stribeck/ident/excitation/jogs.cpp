@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
@@ -11,19 +12,8 @@ namespace {
 
 constexpr double kShortestJog = 1.0;  // of constant speed, without the settling time [s]
 constexpr double kLongestJog = 60.0;  // limit for rounding up to whole periods [s]
+constexpr double kLongestWay = 10.0;  // for the way of the fastest speed [s]
 constexpr double kSettle = 0.5;       // left out by the identification [s]
-
-/// Flanks of a jog, and the longest time of constant speed that the travel allows.
-struct Profile {
-  double ramp = 0.0;
-  double longest = 0.0;
-};
-
-Profile profile_of(const Limits& limits, double sample_time, double room, double v) {
-  const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
-  const double ramp = std::max(4.0 * sample_time, v / a);
-  return {ramp, (0.95 * room - v * ramp) / v};
-}
 
 double room_of(const Limits& limits, const JogDesign& design) {
   return design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
@@ -43,23 +33,50 @@ void check_period(const JogDesign& design, double room, double sample_time) {
   }
 }
 
-/// One speed forward and back, with a short rest after each.
-void append_pair(const JogDesign& design, double v, double ramp, double flat, Excitation& e) {
-  double r = design.start;
-  const auto flank = static_cast<std::size_t>(std::ceil(ramp / e.sample_time));
-  const auto rows = static_cast<std::size_t>(std::ceil(flat / e.sample_time));
-  for (const double direction : {design.direction, -design.direction}) {
+}  // namespace
+
+Profile profile_of(const Limits& limits, double sample_time, double room, double speed) {
+  const double a = limits.acceleration > 0.0 ? 0.5 * limits.acceleration : 10.0 * limits.speed;
+  const double ramp = std::max(4.0 * sample_time, speed / a);
+  return {ramp, (0.95 * room - speed * ramp) / speed};
+}
+
+void append(const Strokes& strokes, Excitation& e) {
+  double r = strokes.start;
+  const auto flank = static_cast<std::size_t>(std::ceil(strokes.ramp / e.sample_time));
+  const auto rows = static_cast<std::size_t>(std::ceil(strokes.flat / e.sample_time));
+  for (const double direction : {strokes.direction, -strokes.direction}) {
     // Speed in the middle of each sample: the flanks then sum up exactly, and the stroke back ends at the start.
     for (std::size_t k = 0; k < rows + 2 * flank; ++k) {
       const double up = (static_cast<double>(k) + 0.5) / static_cast<double>(flank);
       const double down = (static_cast<double>(rows + 2 * flank - k) - 0.5) / static_cast<double>(flank);
-      r += direction * v * std::min({1.0, up, down}) * e.sample_time;
+      r += direction * strokes.speed * std::min({1.0, up, down}) * e.sample_time;
       e.r.push_back(r);
     }
     for (int k = 0; k < 20; ++k) e.r.push_back(r);
   }
 }
-}  // namespace
+
+std::vector<double> in_mixed_order(std::vector<double> speeds) {
+  std::sort(speeds.begin(), speeds.end());
+  const std::size_t n = speeds.size();
+  if (n < 4) return speeds;
+  // Multiples of the golden ratio: any run of consecutive ones is spread over the whole range.
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto place = [](std::size_t i) {
+    const double turns = static_cast<double>(i + 1) * (std::sqrt(5.0) - 1.0) / 2.0;
+    return turns - std::floor(turns);
+  };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  std::vector<double> mixed;
+  for (const std::size_t i : order) mixed.push_back(speeds[i]);
+  for (const std::size_t quarter : {4, 3, 2}) {
+    const double again = speeds[quarter * (n - 1) / 4];
+    if (again != mixed.back()) mixed.push_back(again);
+  }
+  return mixed;
+}
 
 std::vector<double> jog_speeds(double fastest) {
   std::vector<double> speeds;
@@ -99,6 +116,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   e.r.push_back(design.start);
   check_period(design, room, sample_time);
   std::size_t whole_strokes = 0;
+  const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
   for (const double v : design.speeds) {
     if (!(v > 0.0) || v > limits.speed) {
       throw BadDesign(
@@ -109,6 +127,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     // Long enough for the bristle to settle (some tens of micrometres) and to average noise.
     const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
     double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
+    if (v >= fastest) flat = std::max(flat, std::min({longest, design.way / v, kLongestWay}));
     if (design.period > 0.0) {
       // The settling time is added to the whole periods.
       const double settled = flat - std::min(kSettle, 0.3 * flat);
@@ -128,7 +147,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
         static_cast<double>(e.r.size()) + 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time),
         sample_time, fmt::format("jog: {:g} mm/s, with the speeds before it,", v * 1e3),
         "leave out the slowest");
-    append_pair(design, v, ramp, flat, e);
+    append({design.start, design.direction, v, ramp, flat}, e);
   }
   stamp(e, e.r.size());
   check_positions(e, limits);
