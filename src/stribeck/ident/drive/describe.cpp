@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 #include <stribeck/ident/drive/describe.hpp>
-#include <stribeck/ident/drive/map/level_drift.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <string>
@@ -19,6 +18,7 @@ constexpr double kApart = 0.05;      ///< of friction: difference of the directi
 constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
+constexpr double kWorthSlow = 0.02;  ///< of the top speed: a curve that begins below it needs no word
 constexpr double kMostUnseen =
     0.1;  ///< share of a parameter in directions without data, up to which it is identifiable
 
@@ -85,6 +85,7 @@ class Description {
   std::size_t write_branch(std::size_t s, friction::GaussianBranch<double>& branch);
   void write_periodic();
   void write_curve(int s);
+  void keep_told(std::vector<CurvePoint>& points);
   [[nodiscard]] double model_spread(int s, double speed) const;
   /// Standard error of the load where friction is what the load leaves.
   [[nodiscard]] double load_error() const { return found_.load ? found_.load->error : 0.0; }
@@ -97,7 +98,8 @@ class Description {
     const double noise =
         std::hypot(level_error(figure, s), model_spread(s, speed), found_.intervals.misfit.at(s, speed));
     // The drift is no noise: its whole distance stands beside the half width of the rest.
-    return noise + std::abs(figure.value) * drift_.at(s, speed) / found_.intervals.factor;
+    const double unsure = found_.taken_out != nullptr ? found_.taken_out->unsure(s, speed) : 0.0;
+    return noise + std::abs(figure.value) * std::hypot(drift_.at(s, speed), unsure) / found_.intervals.factor;
   }
   void write_points();
 
@@ -367,13 +369,34 @@ void Description::write_curve(int s) {
   const double d = map::kDirection[static_cast<std::size_t>(s)];
   std::vector<double> speeds =
       curve_speeds(found_.rows.grid[static_cast<std::size_t>(s)], std::max(21, options_.curve_points));
-  if (s == 1) std::reverse(speeds.begin(), speeds.end());
+  std::vector<CurvePoint> points;
   for (const double speed : speeds) {
     const Figure own = friction_at(map(), s, speed);
     const double half = found_.intervals.factor * curve_error(own, s, speed);
     const double f = d * own.value;
-    result_.curve.push_back({d * speed, f, f - half, f + half});
+    points.push_back({d * speed, f, f - half, f + half});
   }
+  keep_told(points);
+  if (s == 1) std::reverse(points.begin(), points.end());
+  result_.curve.insert(result_.curve.end(), points.begin(), points.end());
+}
+
+/// The ends of the curve that the data hardly tell are left out, and that is said. Points in ascending speed.
+void Description::keep_told(std::vector<CurvePoint>& points) {
+  const auto [first, last] = told_part(points);
+  const bool metres = result_.position_unit == "m";
+  const auto say = [&](const char* where, const CurvePoint& p) {
+    notes_.cannot_tell.push_back(
+        text("friction %s than %+.3g %s: its half width is more than a fifth of it, and the curve %s there; "
+             "add strokes or jogs at such speeds",
+             where, p.velocity * (metres ? 1e3 : 1.0), metres ? "mm/s" : "rad/s",
+             where[0] == 's' ? "begins" : "ends"));
+  };
+  const bool slowly = std::abs(points[first].velocity) > kWorthSlow * std::abs(points.back().velocity);
+  if (first > 0 && slowly) say("slower", points[first]);
+  if (last < points.size()) say("faster", points[last - 1]);
+  points = std::vector<CurvePoint>(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                   points.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
 void Description::write_points() {

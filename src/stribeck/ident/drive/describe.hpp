@@ -5,6 +5,7 @@
 
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/map/level_drift.hpp>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/result.hpp>
@@ -27,6 +28,7 @@ struct Found {
   const Intervals& intervals;
   std::optional<ToldLoad> load =
       {};  ///< absent: the load of the map is half the sum of the directions, or none
+  const LevelDrift* taken_out = nullptr;  ///< drift of friction that the records had
 };
 
 /// The result without its notes, and without what add_bristle() and warn_of_drift() add.

@@ -130,7 +130,9 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
 struct Fitted {
   Result result;
   double shift = 0.0;
-  double shift_half = 0.0;  ///< of its interval [rows]
+  double shift_half = 0.0;          ///< of its interval [rows]
+  LevelDrift drift;                 ///< of friction over the time of the logs
+  std::vector<log::Record> steady;  ///< the records without that drift; empty where there is none
 };
 
 /// Map and periodic terms.
@@ -355,21 +357,26 @@ Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& o
   return placed;
 }
 
-Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options) {
+/// `taken_out` is the drift that the records had.
+Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options,
+                 const LevelDrift* taken_out) {
   Placed placed = choose_all(records, options);
   const Stage& stage = placed.stage;
   const Judged& judged = *placed.judged;
   Notes& notes = placed.notes;
-  const Found as_friction{stage.log, stage.rows, stage.terms, judged.fit, judged.map, judged.found};
+  const Found as_friction{stage.log,  stage.rows,   stage.terms, judged.fit,
+                          judged.map, judged.found, {},          taken_out};
   const Notes unsaid = notes;
   Fitted out{describe(as_friction, options, notes),
              stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
-             judged.found.factor * judged.found.shift_error};
+             judged.found.factor * judged.found.shift_error,
+             {},
+             {}};
   Result& result = out.result;
   std::optional<ToldLoad> load;
   if (options.dynamics) load = load_of_reversals(result, as_friction);
   const MapChoice choice = load ? with_load(judged.map, load->value) : judged.map;
-  const Found found{stage.log, stage.rows, stage.terms, judged.fit, choice, judged.found, load};
+  const Found found{stage.log, stage.rows, stage.terms, judged.fit, choice, judged.found, load, taken_out};
   if (load) {
     notes = unsaid;
     result = describe(found, options, notes);
@@ -381,29 +388,47 @@ Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& op
   warn_of_drift(found, result.force_unit, notes);
   result.warnings = std::move(notes.warnings);
   result.cannot_tell = std::move(notes.cannot_tell);
+  out.drift = LevelDrift(stage.log, stage.rows, choice.map.fit, judged.found.residual);
+  if (out.drift.found() && taken_out == nullptr)
+    out.steady = at_mean_level(stage.log, out.drift, result.mass, result.load);
   return out;
 }
 
-}  // namespace
-
-Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
-  Fitted found = fit_drive(records, options);
-  Result& result = found.result;
+/// With a shift and without, where periodic terms may be the reason for one.
+Fitted fit_both(std::span<const log::Record> records, const DriveFitOptions& options,
+                const LevelDrift* taken_out) {
+  Fitted found = fit_drive(records, options, taken_out);
+  const Result& result = found.result;
   const bool well_told = found.shift_half < kWellTold && !result.friction.eccentric.empty();
-  if (found.shift == 0.0 || well_told || options.shift || !options.periodic) return std::move(result);
+  if (found.shift == 0.0 || well_told || options.shift || !options.periodic) return found;
   // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the term.
   DriveFitOptions without = options;
   without.search_shift = false;
-  Fitted second = fit_drive(records, without);
+  Fitted second = fit_drive(records, without, taken_out);
   Result& other = second.result;
-  if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms))
-    return std::move(result);
+  if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms)) return found;
   other.warnings.push_back(text(
       "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %.3g %s), and the shift removed is %.3g ms",
       1e3 * std::abs(found.shift), found.shift > 0.0 ? "later" : "earlier", other.held_out_rms,
       result.held_out_rms, other.force_unit.c_str(),
       1e3 * (second.shift == 0.0 ? 0.0 : std::abs(second.shift))));
-  return other;
+  return second;
+}
+
+}  // namespace
+
+Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
+  Fitted found = fit_both(records, options, nullptr);
+  if (found.steady.empty()) return std::move(found.result);
+  // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
+  Fitted level = fit_both(found.steady, options, &found.drift);
+  if (!(level.result.held_out_rms < found.result.held_out_rms)) return std::move(found.result);
+  // The drift that was taken out is still said.
+  for (const std::string& words : found.result.warnings) {
+    if (words.starts_with("friction ") && words.find("warming up or running in") != std::string::npos)
+      level.result.warnings.push_back(words);
+  }
+  return std::move(level.result);
 }
 
 }  // namespace stribeck::ident::drive

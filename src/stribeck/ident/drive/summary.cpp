@@ -100,4 +100,16 @@ std::vector<double> curve_speeds(const map::Grid& grid, int points) {
   return out;
 }
 
+std::pair<std::size_t, std::size_t> told_part(const std::vector<CurvePoint>& points) {
+  constexpr double kMostOfFriction = 0.2;
+  constexpr std::size_t kFewest = 10;
+  const auto told = [&](std::size_t i) {
+    return points[i].ci_high - points[i].ci_low <= 2.0 * kMostOfFriction * std::abs(points[i].friction);
+  };
+  std::size_t first = 0, last = points.size();
+  while (first < last && !told(first)) ++first;
+  while (last > first && !told(last - 1)) --last;
+  return last - first < kFewest ? std::pair{std::size_t{0}, points.size()} : std::pair{first, last};
+}
+
 }  // namespace stribeck::ident::drive

@@ -11,8 +11,11 @@
 /// Inside ident only. Real time: no.
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <stribeck/ident/map/static_fit.hpp>
+#include <stribeck/ident/result.hpp>
+#include <utility>
 #include <vector>
 
 namespace stribeck::ident::drive {
@@ -42,5 +45,9 @@ std::vector<double> shown_speeds(const map::Grid& grid);
 
 /// `points` speeds from the slowest to the fastest, ever closer towards rest [m/s].
 std::vector<double> curve_speeds(const map::Grid& grid, int points);
+
+/// The part of a curve in ascending speed that the data tell, from the first to behind the last of its points: at its ends the half width
+/// is at most a fifth of the friction. The whole curve where fewer than ten points are left.
+std::pair<std::size_t, std::size_t> told_part(const std::vector<CurvePoint>& points);
 
 }  // namespace stribeck::ident::drive

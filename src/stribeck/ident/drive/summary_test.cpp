@@ -72,5 +72,23 @@ TEST(Summary, SpeedsBeginWhereTheDataBeginAndLieCloserTowardsRest) {
   }
 }
 
+// Half widths in percent of the friction; only the ends count.
+TEST(Summary, ACurveEndsWhereTheDataHardlyTellIt) {
+  const auto part_of = [](const std::vector<double>& percent) {
+    std::vector<CurvePoint> points;
+    for (const double p : percent) points.push_back({0.01, -50.0, -50.0 - 0.5 * p, -50.0 + 0.5 * p});
+    return told_part(points);
+  };
+  const std::vector<double> middle{19, 1, 1, 1, 60, 1, 1, 1, 1, 1, 19};
+  std::vector<double> all{900, 21};
+  all.insert(all.end(), middle.begin(), middle.end());
+  all.insert(all.end(), {21, 30, 500});
+  EXPECT_EQ(part_of(all), (std::pair<std::size_t, std::size_t>{2, 13}));
+  EXPECT_EQ(part_of(middle), (std::pair<std::size_t, std::size_t>{0, 11}));
+  // Nine points are no curve.
+  EXPECT_EQ(part_of({30, 1, 1, 1, 1, 1, 1, 1, 1, 1}), (std::pair<std::size_t, std::size_t>{0, 10}));
+  EXPECT_EQ(part_of({}), (std::pair<std::size_t, std::size_t>{0, 0}));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::drive::summary_test

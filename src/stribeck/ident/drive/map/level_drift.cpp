@@ -15,6 +15,7 @@ constexpr double kShareDeviation = 0.3;  ///< prior standard deviation of a shar
 constexpr double kWorthCounting = 0.02;  ///< share of friction, as the warning of a drift has it
 constexpr double kSeen = 2.0;            ///< of the 95 % half width
 constexpr double kAroundSpeed = 0.15;    ///< share of a speed: rows that count as its own
+constexpr double kLowestLevel = 0.5;     ///< of the mean: no axis loses more
 
 /// Columns of one log; the first log has no level of its own.
 constexpr Index kOrders = 3;
@@ -125,12 +126,50 @@ LevelDrift::LevelDrift(const AlignedLog& log, const Rows& rows, const map::Stati
         continue;
       }
       const VectorXd g = mean[s].row(b).transpose() / count[s](b) - whole;
-      bins_[s].push_back({count[s](b), std::abs(g.dot(share)) + uncertainty.half_width(g)});
+      const double half = uncertainty.half_width(g);
+      bins_[s].push_back({count[s](b), std::abs(g.dot(share)) + half, half});
     }
+  }
+  const double over_time = whole.dot(share);
+  for (const std::size_t g : logs.of_record) {
+    Course course{logs.begin[g], logs.end[g], {}};
+    for (Index order = g == 0 ? 1 : 0; order < kOrders; ++order)
+      course.share[static_cast<std::size_t>(order)] = share(column(g, order));
+    course.share[0] -= over_time;
+    courses_.push_back(course);
   }
 }
 
-double LevelDrift::at(int side, double speed) const {
+double LevelDrift::level(const log::Record& record, std::size_t number, std::size_t row) const {
+  if (!found_) return 1.0;
+  const Course& c = courses_[number];
+  double p[kOrders];
+  basis(2.0 * (record.t[row] - c.begin) / (c.end - c.begin) - 1.0, p);
+  return std::max(kLowestLevel, 1.0 + c.share[0] * p[0] + c.share[1] * p[1] + c.share[2] * p[2]);
+}
+
+std::vector<log::Record> at_mean_level(const AlignedLog& log, const LevelDrift& drift, double mass,
+                                       double load) {
+  std::vector<log::Record> out(log.records.begin(), log.records.end());
+  const auto later = static_cast<std::ptrdiff_t>(std::lround(log.shift));
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    const log::Motion& m = log.motions[n];
+    const std::vector<double> force = log::align_force(log.force[n], log.shift);
+    log::Record& r = out[n];
+    for (std::size_t k = 0; k < r.f.size(); ++k) {
+      // The force of row k belongs to the motion of the row that the shift says.
+      const auto of_motion =
+          std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(k) - later, 0, std::ssize(r.f) - 1);
+      const auto i = static_cast<std::size_t>(of_motion);
+      const double friction = force[i] - mass * m.a[i] - load;
+      if (!m.valid(i) || !std::isfinite(friction)) continue;
+      r.f[k] -= friction * (1.0 - 1.0 / drift.level(log.records[n], n, i));
+    }
+  }
+  return out;
+}
+
+double LevelDrift::largest(int side, double speed, double Bin::*what) const {
   if (!found_) return 0.0;
   const auto s = static_cast<std::size_t>(side);
   const map::Grid& grid = grid_[s];
@@ -138,7 +177,7 @@ double LevelDrift::at(int side, double speed) const {
   double most = 0.0;
   for (int b = grid.bin(speed - wide); b <= grid.bin(speed + wide); ++b) {
     const Bin& bin = bins_[s][static_cast<std::size_t>(b)];
-    if (bin.rows > 0.0) most = std::max(most, bin.away);
+    if (bin.rows > 0.0) most = std::max(most, bin.*what);
   }
   return most;
 }

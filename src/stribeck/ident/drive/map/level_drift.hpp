@@ -9,7 +9,8 @@
 /// drift is a speed that comes again at another time. A speed that was run early is then known to have been run cold. The
 /// shares have a prior of 0 ± 0.3, so that speeds in order, which show no drift, give none.
 ///
-/// Used where α or β of a log is more than twice its 95 % half width and more than 2 %; where no drift shows, the intervals stay as they are.
+/// Used where α or β of a log is more than twice its 95 % half width and more than 2 %; where no drift shows, force and intervals stay as they are.
+/// at_mean_level() then takes the drift out of the force, and everything is fitted again.
 /// Not modelled: a level that jumps; viscous friction that drifts otherwise than Coulomb friction.
 /// Inside ident only. Real time: no.
 
@@ -30,16 +31,34 @@ class LevelDrift {
   /// Whether the logs show a drift.
   [[nodiscard]] bool found() const { return found_; }
   /// Largest distance of the friction of the rows around a speed from that of the mean over time, 95 %, as a share of friction.
-  [[nodiscard]] double at(int side, double speed) const;
+  [[nodiscard]] double at(int side, double speed) const { return largest(side, speed, &Bin::away); }
+  /// Half width of what is not known of that distance: what is left once the drift is taken out.
+  [[nodiscard]] double unsure(int side, double speed) const { return largest(side, speed, &Bin::unsure); }
+  /// Level of friction over its mean at a row of a record.
+  [[nodiscard]] double level(const log::Record& record, std::size_t number, std::size_t row) const;
 
  private:
   struct Bin {
     double rows = 0.0;
-    double away = 0.0;  ///< share of friction, not signed
+    double away = 0.0;    ///< share of friction, not signed
+    double unsure = 0.0;  ///< its half width
   };
+  /// Level over its mean less one, as polynomials over the time of a log.
+  struct Course {
+    double begin = 0.0, end = 1.0;  ///< [s]
+    std::array<double, 3> share{};
+  };
+  [[nodiscard]] double largest(int side, double speed, double Bin::*what) const;
+
+  std::vector<Course> courses_;  ///< of each record
   std::array<std::vector<Bin>, map::kSides> bins_;
   std::array<map::Grid, map::kSides> grid_;
   bool found_ = false;
 };
+
+/// The records with the force that they would have at the mean level of friction: what force and acceleration leave of friction
+/// is divided by the level of its time.
+std::vector<log::Record> at_mean_level(const AlignedLog& log, const LevelDrift& drift, double mass,
+                                       double load);
 
 }  // namespace stribeck::ident::drive

@@ -107,6 +107,34 @@ TEST(LevelDrift, ReachesFromTheFrictionOfTheRowsToTheMeanOverTime) {
   EXPECT_GT(widest, 0.02);
 }
 
+// The same log at its mean level: the slow jogs come down, the fast ones go up.
+TEST(LevelDrift, IsTakenOutOfTheForce) {
+  Axis axis = jogs_and_sine(0.15);
+  const Fitted before = fitted(axis);
+  ASSERT_TRUE(before.drift.found());
+  const std::vector<log::Record> level = at_mean_level(axis.log, before.drift, 100.0, 0.0);
+  double mean = 0.0, rows = 0.0;
+  for (const log::Record& r : *axis.records) {
+    for (const double t : r.t) mean += axis.level(t), rows += 1.0;
+  }
+  mean /= rows;
+  for (std::size_t n = 0; n < level.size(); ++n) axis.log.force[n] = axis.log.motions[n].f = level[n].f;
+  const Fitted after = fitted(axis);
+  double worst_before = 0.0, worst_after = 0.0;
+  for (int s = 0; s < map::kSides; ++s) {
+    for (int j = 1; j <= kJogs; ++j) {
+      const double truth = Axis::cold(kSlowest * j) * mean;
+      const auto error = [&](const Fitted& f) {
+        return std::abs(f.choice.map.fit.force(s, kSlowest * j) / truth - 1.0);
+      };
+      worst_before = std::max(worst_before, error(before)), worst_after = std::max(worst_after, error(after));
+      EXPECT_LT(before.drift.unsure(s, kSlowest * j), before.drift.at(s, kSlowest * j));
+    }
+  }
+  EXPECT_GT(worst_before, 0.02);
+  EXPECT_LT(worst_after, 0.5 * worst_before);
+}
+
 TEST(LevelDrift, IsNothingWhereTheLevelStays) {
   const Fitted f = fitted(jogs_and_sine(0.0));
   EXPECT_FALSE(f.drift.found());
