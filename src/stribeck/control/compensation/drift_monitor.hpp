@@ -8,7 +8,10 @@
 ///   shape    λ and χ − 1 of opposite sign, both beyond two standard deviations: no machine changes like that; the map lacks
 ///            the speeds of this motion
 ///
-/// Time counts only while the axis moves. A trend that lowers the level by 2 % within 100 s is reported as warming up.
+/// Time counts only while the axis moves and the level is known to 10 %: the way of the estimate from its start is no trend. A
+/// trend that lowers the level by 2 % within 100 s, and by more than three standard deviations, is reported as falling friction.
+/// The words name no maintenance: in one run a change of the machine looks like an error of the model. A model that was verified
+/// at these speeds, and the trend of repeated tests (ident/health), tell them apart.
 /// Source: none; the limits are Stribeck's own.
 /// Not modelled: the cause (lubrication, preload, covers and temperature look alike in a force). The break-away distance is not
 /// used in the verdict, because a vibrating loop distorts it. An error of the identified model looks like a change.
@@ -41,21 +44,21 @@ constexpr std::string_view describe(DriftVerdict v) noexcept {
     case DriftVerdict::kAsCommissioned:
       return "as commissioned";
     case DriftVerdict::kWarmingUp:
-      return "friction is falling: warming up";
+      return "friction fell during this run, as it does while an axis warms up";
     case DriftVerdict::kMore:
-      return "more friction than in the model: if it was identified at these speeds, watch lubrication and covers";
+      return "more friction than in the model: verify it with a log of these speeds, then compare with earlier tests (stribeck health)";
     case DriftVerdict::kMuchMore:
-      return "much more friction than in the model: identify at these speeds, and if it then stays, check lubrication, covers and preload";
+      return "much more friction than in the model: it does not hold here, or the axis has changed; identify with a log of these speeds";
     case DriftVerdict::kLess:
-      return "less friction than in the model: if it was identified at these speeds, it is warm or preload is going";
+      return "less friction than in the model: verify it with a log of these speeds, then compare with earlier tests (stribeck health)";
     case DriftVerdict::kMuchLess:
-      return "much less friction than in the model: identify at these speeds, and if it then stays, check preload";
+      return "much less friction than in the model: it does not hold here, or the axis has changed; identify with a log of these speeds";
     case DriftVerdict::kMoreViscous:
-      return "friction rises more with speed than in the model: if it was identified at these speeds, it is colder or has another lubricant";
+      return "friction rises more with speed than in the model: verify it with a log of these speeds";
     case DriftVerdict::kLessViscous:
-      return "friction rises less with speed than in the model: if it was identified at these speeds, it is warm or short of lubricant";
+      return "friction rises less with speed than in the model: verify it with a log of these speeds";
     case DriftVerdict::kAnotherMass:
-      return "another mass than at commissioning: a workpiece, or a changed drive";
+      return "another mass than in the model: a workpiece, or a mass that was not well identified";
     case DriftVerdict::kAnotherDelay:
       return "the force acts later or earlier than the axis file says: identify again";
     case DriftVerdict::kAnotherShape:
@@ -93,7 +96,7 @@ class DriftMonitor {
 
   /// One period of `dt` [s].
   static void step(State& s, const FrictionRls::State& a, bool moving, double dt) noexcept {
-    if (!moving) return;
+    if (!moving || !a.informed || level_deviation_of(a) > kUnsure) return;
     const double level = level_of(a);
     s.moved += dt;
     // Until there is enough data, the average over all of it.
@@ -107,9 +110,7 @@ class DriftMonitor {
     d.positive = a.theta[A::kPositive];
     d.negative = a.theta[A::kNegative];
     d.level = level_of(a);
-    d.level_deviation = 0.5 * sqrt(max_of(a.p[A::kPositive][A::kPositive] + a.p[A::kNegative][A::kNegative] +
-                                              2.0 * a.p[A::kPositive][A::kNegative],
-                                          0.0));
+    d.level_deviation = level_deviation_of(a);
     d.viscous = a.theta[A::kViscous];
     d.break_away = (1.0 + d.level) / (1.0 + a.theta[A::kStiffness]) - 1.0;
     d.mass = a.theta[A::kMass];
@@ -127,23 +128,30 @@ class DriftMonitor {
     const bool delay = abs(d.delay) > max_of(period, kSure * d.delay_deviation);
     const bool viscous = abs(d.viscous) > max_of(kViscous, kSure * d.viscous_deviation);
     const bool mass = abs(d.mass) > max_of(kMass, kSure * d.mass_deviation);
-    d.verdict = d.trend * kSlow < -kWarming ? DriftVerdict::kWarmingUp
-                : shape                     ? DriftVerdict::kAnotherShape
-                : d.level > kAct            ? DriftVerdict::kMuchMore
-                : d.level > watch           ? DriftVerdict::kMore
-                : d.level < -kAct           ? DriftVerdict::kMuchLess
-                : d.level < -watch          ? DriftVerdict::kLess
-                : delay                     ? DriftVerdict::kAnotherDelay
-                : viscous && d.viscous > 0  ? DriftVerdict::kMoreViscous
-                : viscous                   ? DriftVerdict::kLessViscous
-                : mass                      ? DriftVerdict::kAnotherMass
-                                            : DriftVerdict::kAsCommissioned;
+    const bool falling = d.trend * kSlow < -max_of(kWarming, kSure * d.level_deviation);
+    d.verdict = falling                    ? DriftVerdict::kWarmingUp
+                : shape                    ? DriftVerdict::kAnotherShape
+                : d.level > kAct           ? DriftVerdict::kMuchMore
+                : d.level > watch          ? DriftVerdict::kMore
+                : d.level < -kAct          ? DriftVerdict::kMuchLess
+                : d.level < -watch         ? DriftVerdict::kLess
+                : delay                    ? DriftVerdict::kAnotherDelay
+                : viscous && d.viscous > 0 ? DriftVerdict::kMoreViscous
+                : viscous                  ? DriftVerdict::kLessViscous
+                : mass                     ? DriftVerdict::kAnotherMass
+                                           : DriftVerdict::kAsCommissioned;
     return d;
   }
 
  private:
   static double level_of(const FrictionRls::State& a) noexcept {
     return 0.5 * (a.theta[FrictionRls::kPositive] + a.theta[FrictionRls::kNegative]);
+  }
+  static double level_deviation_of(const FrictionRls::State& a) noexcept {
+    using A = FrictionRls;
+    return 0.5 * sqrt(max_of(a.p[A::kPositive][A::kPositive] + a.p[A::kNegative][A::kNegative] +
+                                 2.0 * a.p[A::kPositive][A::kNegative],
+                             0.0));
   }
 
   static constexpr double kFast = 10.0;     ///< [s]
