@@ -266,6 +266,13 @@ std::optional<double> rate_of(double value, std::string_view unit, std::string_v
   return si;
 }
 
+/// An acceleration in g: data sheets write it so, and for the units library "g" is a gram.
+std::optional<double> in_g(double value, std::string_view unit, std::string_view expected) {
+  constexpr double kGravity = 9.80665;  // [m/s²]
+  if (expected != "m/s2" || unit != "g") return std::nullopt;
+  return value * kGravity;
+}
+
 std::string_view or_one(std::string_view unit) { return unit.empty() ? std::string_view("1") : unit; }
 
 [[noreturn]] void fail_wrong_dimension(std::string_view got, std::string_view unit, const Quantity& q) {
@@ -331,6 +338,10 @@ double to_si(std::string_view text, const Quantity& expected) {
   }
 
   if (const auto si = rate_of(number.value, unit, expected.unit)) {
+    check_range(*si, expected, text);
+    return *si;
+  }
+  if (const auto si = in_g(number.value, unit, expected.unit)) {
     check_range(*si, expected, text);
     return *si;
   }

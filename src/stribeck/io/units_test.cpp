@@ -57,6 +57,9 @@ TEST(Units, ReadsWhatMachineFilesHold) {
   EXPECT_NEAR(to_si("60 rpm", quantity("rad/s", "rad/s")), 2 * 3.14159265358979323846, 1e-14);
   EXPECT_NEAR(to_si("60 U/min", quantity("rad/s", "rad/s")), 2 * 3.14159265358979323846, 1e-14);
   EXPECT_NEAR(to_si("600 mm/min", kSpeed), 0.01, 1e-17);
+  EXPECT_EQ(to_si("2 g", quantity("m/s2", "mm/s2")),
+            2.0 * 9.80665);  // an acceleration, as data sheets say it
+  EXPECT_EQ(to_si("2 g", quantity("kg", "kg")), 0.002);
   EXPECT_EQ(to_si("20 Hz", quantity("Hz", "Hz")), 20.0);
   EXPECT_EQ(to_si("0.3 V s/rad", quantity("V s/rad", "V s/rad")), 0.3);
 }

@@ -27,18 +27,25 @@ struct AxisLimits {
   [[nodiscard]] double jerk_or_default() const { return jerk ? *jerk : acceleration / kJerkTime; }
 
   static constexpr double kJerkTime = 0.1;  ///< [s]
+  // No axis goes there: what is beyond is a slip of the pen or of the unit.
+  static constexpr double kFarthest = 1e5;   ///< [m]
+  static constexpr double kFastest = 1e4;    ///< [m/s]
+  static constexpr double kSteepest = 1e6;   ///< [m/s²]
+  static constexpr double kStrongest = 1e9;  ///< [N]
 
   static constexpr auto fields() {
-    return std::tuple{field("travel_min", &AxisLimits::travel_min, quantity("m", "mm"), "lowest position"),
-                      field("travel_max", &AxisLimits::travel_max, quantity("m", "mm"), "highest position"),
-                      field("speed", &AxisLimits::speed, quantity("m/s", "mm/s").positive(),
+    return std::tuple{field("travel_min", &AxisLimits::travel_min,
+                            quantity("m", "mm").at_least(-kFarthest).at_most(kFarthest), "lowest position"),
+                      field("travel_max", &AxisLimits::travel_max,
+                            quantity("m", "mm").at_least(-kFarthest).at_most(kFarthest), "highest position"),
+                      field("speed", &AxisLimits::speed, quantity("m/s", "mm/s").positive().at_most(kFastest),
                             "largest speed, both directions"),
-                      field("acceleration", &AxisLimits::acceleration, quantity("m/s2", "mm/s2").positive(),
-                            "largest acceleration"),
+                      field("acceleration", &AxisLimits::acceleration,
+                            quantity("m/s2", "mm/s2").positive().at_most(kSteepest), "largest acceleration"),
                       field("jerk", &AxisLimits::jerk, quantity("m/s3", "mm/s3").positive(),
                             "largest jerk on a part program; left out: the acceleration in 0.1 s")
                           .or_default(),
-                      field("force", &AxisLimits::force, quantity("N", "N").positive(),
+                      field("force", &AxisLimits::force, quantity("N", "N").positive().at_most(kStrongest),
                             "largest force of the drive; left out: what plant.drive makes at the end of "
                             "plant.converter.range")
                           .or_default()};
