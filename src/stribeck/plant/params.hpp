@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 #include <stribeck/friction/model.hpp>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/plant/drive_loop.hpp>
 
 namespace stribeck::plant {
@@ -263,9 +264,10 @@ struct Converter {
 };
 
 struct AxisParams {
-  double mass = 0.0;                    ///< equivalent mass without rotor_inertia [kg]
-  std::optional<double> rotor_inertia;  ///< [kg·m²], adds J·r_g²; needs a drive with a lead
-  double load = 0.0;                    ///< constant force against +x [N]
+  double mass = 0.0;                             ///< equivalent mass without rotor_inertia [kg]
+  std::optional<double> rotor_inertia;           ///< [kg·m²], adds J·r_g²; needs a drive with a lead
+  double load = 0.0;                             ///< constant force against +x [N]
+  std::optional<friction::Unbalance> unbalance;  ///< of a rotary axis
   Drive drive;
   Converter converter;
   Encoder encoder;
@@ -292,6 +294,9 @@ struct AxisParams {
             .or_default(),
         field("load", &AxisParams::load, quantity("N", "N"),
               "constant force against the positive direction, e.g. weight")
+            .or_default(),
+        field("unbalance", &AxisParams::unbalance,
+              "weight of a rotary axis that is not balanced, as a sine of the angle; left out: balanced")
             .or_default(),
         field("drive", &AxisParams::drive, "amplifier and motor"),
         field("converter", &AxisParams::converter, "D/A converter of the control word"),
@@ -331,6 +336,9 @@ struct AxisParams {
   }
   template <class Report>
   void validate(Report&& report) const {
+    if (unbalance && friction.eccentric.size() == friction::kMaxEccentricTerms)
+      report("unbalance",
+             "needs a place among the terms of friction.eccentric, which is full; leave one out");
     if (!friction::has_pre_sliding(friction.dynamics)) {
       report("friction.dynamics",
              "a virtual machine needs lugre or gms: a step of friction at rest cannot be simulated");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stribeck/friction/table.hpp>
 #include <stribeck/friction/test_maps.hpp>
 #include <stribeck/plant/axis.hpp>
@@ -562,6 +563,31 @@ TEST(AxisParams, ComplainAboutWhatCannotBeSimulated) {
   keys.clear();
   both.validate([&](std::string_view key, std::string_view) { keys.emplace_back(key); });
   EXPECT_EQ(keys, (std::vector<std::string>{"axial_mode"}));
+}
+
+// ---- unbalance
+
+// The small pendulum: ω² = M/J about the angle at which it hangs.
+TEST(Unbalance, SwingsAsAPendulum) {
+  AxisParams p = frictionless(2.0);
+  p.unbalance = friction::Unbalance{8.0, 0.3};
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(0.31, kExact, {});
+  constexpr int kQuarter = 157;  // of the period: π/2/√(8/2) s
+  for (int k = 0; k < kQuarter; ++k) axis.step(0.0);
+  EXPECT_NEAR(axis.position(), 0.3, 1e-4);    // half a step of time: 0.25 ms times 0.02 m/s
+  EXPECT_NEAR(axis.velocity(), -0.02, 2e-4);  // A·ω
+  for (int k = 0; k < kQuarter; ++k) axis.step(0.0);
+  EXPECT_NEAR(axis.position(), 0.29, 1e-4);
+}
+
+TEST(Unbalance, IsHeldByTheForceThatItNeeds) {
+  AxisParams p = frictionless(2.0);
+  p.unbalance = friction::Unbalance{8.0, 0.3};
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(1.0, kExact, {});
+  for (int k = 0; k < 50; ++k) axis.step(8.0 * std::sin(0.7) / 10.0);
+  EXPECT_NEAR(axis.position(), 1.0, 1e-6);  // the friction of 1e-6 N
 }
 
 }  // namespace

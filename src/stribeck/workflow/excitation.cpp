@@ -29,9 +29,18 @@ constexpr double kOfIdentified = 1.3;
 /// A virtual machine breaks nothing: 15 % of friction, as in the thesis, where no range says more.
 constexpr double kOfVirtual = 0.85;
 
+/// Adds the unbalance that the machine file knows.
+ident::excitation::Doubt with_unbalance(ident::excitation::Doubt d, const RoughAxis& c, bool expected) {
+  if (!c.unbalance) return d;
+  d.unbalance = expected ? c.unbalance->middle() : c.unbalance->high();
+  d.hangs_at = c.unbalance->hangs_at;
+  return d;
+}
+
 ident::excitation::Doubt doubt_of(const AxisDescription& axis) {
   const RoughAxis& c = axis.commissioning;
-  ident::excitation::Doubt d{c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load};
+  ident::excitation::Doubt d = with_unbalance(
+      {c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load_force()}, c, false);
   if (!axis.plant) return d;
   d.uneven = 1.0;
   if (!c.mass.is_range()) d.mass_low = d.mass_high = c.mass.middle();
@@ -64,6 +73,20 @@ ident::excitation::RoughDrive rough_idea(const friction::AxisModel& model, const
   return ident::excitation::rough_drive(result);
 }
 
+/// The unbalance that was identified: the largest additive term of one turn.
+ident::excitation::Doubt with_identified_unbalance(ident::excitation::Doubt d, const RoughAxis& c,
+                                                   const friction::AxisModel& model) {
+  d = with_unbalance(d, c, false);
+  for (const auto& term : model.friction.eccentric) {
+    const bool turn =
+        term.form == friction::EccentricForm::kAdditive && std::abs(term.period - 2.0 * kPi) < 1e-6;
+    if (!turn) continue;
+    d.unbalance = kOfIdentified * term.amplitude;
+    d.hangs_at = term.phase;
+  }
+  return d;
+}
+
 ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, bool rotary, double middle) {
   ident::excitation::MultisineDesign design;
   design.start = middle;
@@ -80,13 +103,25 @@ ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, 
   return design;
 }
 
+/// Forces in open loop do not hold what a brake holds now.
+void refuse_unsaid_weight(const ExcitationOptions& o, const std::string& name, const AxisDescription& axis) {
+  const bool open = o.method == ExcitationMethod::kPulses || o.method == ExcitationMethod::kRamp;
+  if (!open || !o.known.empty() || !axis.weight_unsaid()) return;
+  throw ident::Refused(fmt::format(
+      "{}: axis {} has a brake, as an axis with a weight has, but the machine file says no weight: without force it may "
+      "fall. Write commissioning.{} (0 {} where nothing pulls), or choose jog, sine and constant-acceleration, which hold the "
+      "position",
+      enum_name(o.method), name, axis.rotary ? "unbalance, or load" : "load", units_of(axis.rotary).force));
+}
+
 ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const MachineDescription& machine,
                                            std::size_t which) {
   const AxisDescription& axis = machine.axes[which].second;
-  const ident::excitation::Limits limits{axis.limits.travel_min, axis.limits.travel_max, axis.limits.speed,
-                                         axis.limits.acceleration, axis.force_limit()};
+  const ident::excitation::Limits limits{axis.limits.travel_min,   axis.limits.travel_max, axis.limits.speed,
+                                         axis.limits.acceleration, axis.force_limit(),     axis.rotary};
   const double middle = 0.5 * (limits.travel_min + limits.travel_max);
   const RoughAxis& rough = axis.commissioning;
+  refuse_unsaid_weight(o, machine.axes[which].first, axis);
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);
   if (!o.known.empty()) {
@@ -97,7 +132,8 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
                                            machine.axes[which].first));
     const friction::AxisModel& model = file.model;
     drive = rough_idea(model, axis.limits);
-    doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load, axis.plant.has_value());
+    doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load_force(), axis.plant.has_value());
+    if (axis.rotary) doubt = with_identified_unbalance(doubt, rough, model);
   }
   if (o.method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;
@@ -185,29 +221,66 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
   const AxisDescription& a = machine.axes[axis].second;
   const RoughAxis& c = a.commissioning;
   const double limit = a.force_limit();
-  const ident::excitation::Doubt expected{c.mass.middle(), c.mass.middle(), c.friction.middle(),
-                                          c.friction.middle(), c.load};
+  const std::string_view unit = units_of(a.rotary).force;
+  const ident::excitation::Doubt expected = with_unbalance(
+      {c.mass.middle(), c.mass.middle(), c.friction.middle(), c.friction.middle(), c.load_force()}, c, true);
   const double needed = ident::excitation::force_needed(e.r, e.sample_time, expected);
   const double most = ident::excitation::force_needed(e.r, e.sample_time, doubt_of(a));
   if (needed > limit) {
     throw ident::Refused(fmt::format(
-        "{}: needs {} N of axis {} with the rough mass and friction, its largest force is {} N (lower "
+        "{}: needs {} {} of axis {} with the rough mass and friction, its largest force is {} {} (lower "
         "limits.acceleration or limits.speed)",
-        enum_name(e.method), ident::digits(needed), machine.axes[axis].first, ident::digits(limit)));
+        enum_name(e.method), ident::digits(needed), unit, machine.axes[axis].first, ident::digits(limit),
+        unit));
   }
-  e.says +=
-      fmt::format(" The drive needs about {} N of its {} N", ident::digits(needed), ident::digits(limit));
+  e.says += fmt::format(" The drive needs about {} {} of its {} {}", ident::digits(needed), unit,
+                        ident::digits(limit), unit);
   e.says += most > limit
                 ? fmt::format(
-                      "; were mass and friction as large as they may be, {} N: it would fall behind, and "
+                      "; were mass and friction as large as they may be, {} {}: it would fall behind, and "
                       "the control's limit of the following error must stop it.",
-                      ident::digits(most))
-                : fmt::format(", {} N in the worst case.", ident::digits(most));
+                      ident::digits(most), unit)
+                : fmt::format(", {} {} in the worst case.", ident::digits(most), unit);
+}
+
+/// The drive must hold what rests on it, before anything moves.
+void check_weight(ident::excitation::Excitation& e, const MachineDescription& machine, std::size_t axis) {
+  const auto& [name, a] = machine.axes[axis];
+  const RoughAxis& c = a.commissioning;
+  const AxisUnits& u = units_of(a.rotary);
+  const double weight = with_unbalance({0.0, 0.0, 0.0, 0.0, c.load_force()}, c, true)
+                            .weight(a.limits.travel_min, a.limits.travel_max);
+  if (weight == 0.0) return;
+  const double limit = a.force_limit();
+  const auto what = [&] {
+    return fmt::format("{} {} of {}", ident::digits(weight), u.force,
+                       c.unbalance ? "unbalance and load" : "load");
+  };
+  if (weight + c.friction.middle() > limit) {
+    throw ident::Refused(fmt::format(
+        "{}: axis {} carries {} and {} {} of friction, more than the largest force of its drive, {} {}: it cannot lift it (check "
+        "commissioning and drive, e.g. gear, lead, peak)",
+        enum_name(e.method), name, what(), ident::digits(c.friction.middle()), u.force, ident::digits(limit),
+        u.force));
+  }
+  const std::optional<double> rated = a.drive ? a.drive->rated() : std::nullopt;
+  if (rated && weight > *rated) {
+    e.says += fmt::format(
+        " Attention: {} is more than the {} {} that the drive gives for long: at rest it becomes hot; hold the axis with its "
+        "brake between runs.",
+        what(), ident::digits(*rated), u.force);
+  }
 }
 
 }  // namespace
 
 namespace {
+
+/// What open loop takes for granted of an axis that turns.
+std::string balanced(const AxisDescription& axis) {
+  if (!axis.rotary || axis.commissioning.unbalance) return {};
+  return "; the table must be balanced, or upright: the machine file says no commissioning.unbalance";
+}
 
 /// To a thousandth of the unit, without a sign before zero.
 double in_units(double metres, const AxisUnits& units) {
@@ -233,12 +306,12 @@ std::vector<std::string> safety_notes(const ident::excitation::SafeExcitation& s
           fmt::format("first moves to {}{}", up ? '+' : '-', name),
           fmt::format("needs free room from {:.6g} to {:.6g} {}{}", in_units(low, u), in_units(high, u),
                       u.travel, open ? ", in the worst case of friction and mass" : ""),
-          fmt::format("abort outside {:.6g} to {:.6g} {}, above {:.6g} {}/s, above {:.6g} {}{}",
-                      a.limits.travel_min * u.per_metre, a.limits.travel_max * u.per_metre, u.travel,
-                      a.limits.speed * u.per_metre, u.travel, a.force_limit(),
-                      a.rotary ? "N m at the table" : "N",
-                      open ? "; open loop, nothing holds the position: keep the emergency stop at hand"
-                           : ", and at the control's limit of the following error")};
+          fmt::format(
+              "abort outside {:.6g} to {:.6g} {}, above {:.6g} {}/s, above {:.6g} {}{}",
+              a.limits.travel_min * u.per_metre, a.limits.travel_max * u.per_metre, u.travel,
+              a.limits.speed * u.per_metre, u.travel, a.force_limit(), a.rotary ? "N m at the table" : "N",
+              open ? balanced(a) + "; open loop, nothing holds the position: keep the emergency stop at hand"
+                   : std::string(", and at the control's limit of the following error"))};
 }
 
 std::string with_notes(std::string gcode, const std::vector<std::string>& notes) {
@@ -254,9 +327,8 @@ ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& o,
                                                   const MachineDescription& machine, std::size_t axis) {
   try {
     ident::excitation::SafeExcitation safe = designed(o, machine, axis);
+    check_weight(safe.excitation, machine, axis);
     if (!safe.excitation.r.empty()) check_force(safe.excitation, machine, axis);
-    if (machine.axes[axis].second.rotary)
-      safe.excitation.says += fmt::format(" Axis {} is {}.", machine.axes[axis].first, kRotaryAsLinear);
     return safe;
   } catch (const ident::excitation::BadDesign& bad) {
     const std::string option = option_of(bad.parameter, o.method);

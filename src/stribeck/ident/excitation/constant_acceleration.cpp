@@ -57,11 +57,13 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
   }
   stamp(e, e.r.size());
   check_positions(e, limits);
+  const Shown u = shown(limits);
   e.says = fmt::format(
-      "constant acceleration: {:.1f} s, {} triangles of speed in each direction, {} mm/s2 up to {} mm/s. "
+      "constant acceleration: {:.1f} s, {} triangles of speed in each direction, {} {}/s2 up to {} {}/s. "
       "Determines the mass, from accelerating against braking at the same speed, whatever the friction; "
       "friction only roughly.",
-      e.t.back(), design.repeats, digits(v / flank * 1e3), digits(v * 1e3));
+      e.t.back(), design.repeats, digits(v / flank * u.per_metre), u.travel, digits(v * u.per_metre),
+      u.travel);
   return e;
 }
 

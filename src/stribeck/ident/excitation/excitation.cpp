@@ -14,8 +14,10 @@ void check(const Limits& l, double sample_time, double start) {
     throw Refused("excitation: limits need a positive speed and a travel whose end is above its start");
   }
   if (start < l.travel_min || start > l.travel_max) {
-    throw Refused(fmt::format("excitation: start at {:g} mm lies outside the travel of {:g} to {:g} mm",
-                              start * 1e3, l.travel_min * 1e3, l.travel_max * 1e3));
+    const Shown u = shown(l);
+    throw Refused(fmt::format("excitation: start at {:g} {} lies outside the travel of {:g} to {:g} {}",
+                              start * u.per_metre, u.travel, l.travel_min * u.per_metre,
+                              l.travel_max * u.per_metre, u.travel));
   }
 }
 
@@ -35,24 +37,26 @@ void stamp(Excitation& e, std::size_t rows) {
 
 void check_positions(const Excitation& e, const Limits& l) {
   const double T = e.sample_time;
+  const Shown u = shown(l);
   for (std::size_t k = 0; k < e.r.size(); ++k) {
     if (e.r[k] < l.travel_min - 1e-9 || e.r[k] > l.travel_max + 1e-9) {
       throw Refused(fmt::format(
-          "{}: would go to {:g} mm at {:.3f} s, travel is {:g} to {:g} mm; move the start or shorten the motion",
-          enum_name(e.method), e.r[k] * 1e3, e.t[k], l.travel_min * 1e3, l.travel_max * 1e3));
+          "{}: would go to {:g} {} at {:.3f} s, travel is {:g} to {:g} {}; move the start or shorten the motion",
+          enum_name(e.method), e.r[k] * u.per_metre, u.travel, e.t[k], l.travel_min * u.per_metre,
+          l.travel_max * u.per_metre, u.travel));
     }
     if (k + 1 < e.r.size() && std::abs(e.r[k + 1] - e.r[k]) / T > l.speed * (1.0 + 1e-6)) {
-      throw Refused(fmt::format("{}: needs {:.4g} mm/s at {:.3f} s, the limit of speed is {:g} mm/s",
-                                enum_name(e.method), std::abs(e.r[k + 1] - e.r[k]) / T * 1e3, e.t[k],
-                                l.speed * 1e3));
+      throw Refused(fmt::format("{}: needs {:.4g} {}/s at {:.3f} s, the limit of speed is {:g} {}/s",
+                                enum_name(e.method), std::abs(e.r[k + 1] - e.r[k]) / T * u.per_metre,
+                                u.travel, e.t[k], l.speed * u.per_metre, u.travel));
     }
     if (k > 0 && k + 1 < e.r.size() && l.acceleration > 0.0) {
       const double a = std::abs(e.r[k + 1] - 2.0 * e.r[k] + e.r[k - 1]) / (T * T);
       // Rounding of positions affects their second difference.
       if (a > l.acceleration * 1.001 + 1e-14 / (T * T)) {
-        throw Refused(
-            fmt::format("{}: needs {:.4g} mm/s2 at {:.3f} s, the limit of acceleration is {:g} mm/s2",
-                        enum_name(e.method), a * 1e3, e.t[k], l.acceleration * 1e3));
+        throw Refused(fmt::format(
+            "{}: needs {:.4g} {}/s2 at {:.3f} s, the limit of acceleration is {:g} {}/s2",
+            enum_name(e.method), a * u.per_metre, u.travel, e.t[k], l.acceleration * u.per_metre, u.travel));
       }
     }
   }

@@ -59,6 +59,7 @@ struct Limits {
   double speed = 0.0;         ///< [m/s]
   double acceleration = 0.0;  ///< [m/s²]
   double force = 0.0;         ///< [N]
+  bool rotary = false;        ///< the axis turns: messages are in deg and N m
 };
 
 /// What is known of the drive before the experiment; within 20 % is good enough.

@@ -3,6 +3,7 @@
 /// Real time: no.
 
 #include <cstddef>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <string>
 
@@ -13,6 +14,17 @@ inline constexpr double kReserve = 0.95;  ///< share of the speed limit that is 
 inline constexpr double kDoubt = 0.85;
 inline constexpr double kRest = 0.15;  ///< pause between motions, after the axis has stopped [s]
 inline constexpr double kStep = 1e-3;  ///< time step of the prediction [s]
+
+/// The units of messages. An axis that turns is carried as one that moves at a radius of 1 m, and read in degrees.
+struct Shown {
+  double per_metre = 1e3;
+  const char* travel = "mm";
+  const char* force = "N";
+  const char* mass = "kg";
+};
+inline Shown shown(const Limits& l) noexcept {
+  return l.rotary ? Shown{180.0 / kPi, "deg", "N m", "kg m2"} : Shown{};
+}
 
 /// Pulses whose length follows from the `easy` drive, which goes farthest; with a `guess` of it nothing is said about pulses that
 /// hardly move the expected one.

@@ -20,16 +20,17 @@ double room_of(const Limits& limits, const JogDesign& design) {
 }
 
 /// Whether two rows of the fastest speed fit into the period, and the period into the travel.
-void check_period(const JogDesign& design, double room, double sample_time) {
+void check_period(const JogDesign& design, const Shown& u, double room, double sample_time) {
   if (!(design.period > 0.0)) return;
   const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
   const double least = 2.0 * fastest * sample_time;
   if (design.period < least || design.period > room) {
     throw BadDesign(
         "period",
-        fmt::format("got {:g} mm, expected between {:g} mm (two rows at the fastest speed) and {:g} mm (the "
+        fmt::format("got {:g} {}, expected between {:g} {} (two rows at the fastest speed) and {:g} {} (the "
                     "available travel)",
-                    design.period * 1e3, least * 1e3, room * 1e3));
+                    design.period * u.per_metre, u.travel, least * u.per_metre, u.travel, room * u.per_metre,
+                    u.travel));
   }
 }
 
@@ -110,19 +111,20 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   check(limits, sample_time, design.start);
   if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
   const double room = room_of(limits, design);
+  const Shown u = shown(limits);
   Excitation e;
   e.method = ExcitationMethod::kJog;
   e.sample_time = sample_time;
   e.r.push_back(design.start);
-  check_period(design, room, sample_time);
+  check_period(design, u, room, sample_time);
   std::size_t whole_strokes = 0;
   const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
   for (const double v : design.speeds) {
     if (!(v > 0.0) || v > limits.speed) {
       throw BadDesign(
           "speeds",
-          fmt::format("jog: speed of {:g} mm/s, expected above 0 and at most the limit of {:g} mm/s", v * 1e3,
-                      limits.speed * 1e3));
+          fmt::format("jog: speed of {:g} {}/s, expected above 0 and at most the limit of {:g} {}/s",
+                      v * u.per_metre, u.travel, limits.speed * u.per_metre, u.travel));
     }
     // Long enough for the bristle to settle (some tens of micrometres) and to average noise.
     const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
@@ -139,26 +141,26 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     }
     if (flat < kShortestJog) {
       throw Refused(fmt::format(
-          "jog: {:g} mm/s has only {:.3g} s of constant speed in the travel; start elsewhere or leave it out",
-          v * 1e3, flat));
+          "jog: {:g} {}/s has only {:.3g} s of constant speed in the travel; start elsewhere or leave it out",
+          v * u.per_metre, u.travel, flat));
     }
     check_rows(
         "speeds",
         static_cast<double>(e.r.size()) + 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time),
-        sample_time, fmt::format("jog: {:g} mm/s, with the speeds before it,", v * 1e3),
+        sample_time, fmt::format("jog: {:g} {}/s, with the speeds before it,", v * u.per_metre, u.travel),
         "leave out the slowest");
     append({design.start, design.direction, v, ramp, flat}, e);
   }
   stamp(e, e.r.size());
   check_positions(e, limits);
   e.says = fmt::format(
-      "jog: {:.1f} s, {} speed{} in both directions, up to {} mm/s. Determines friction at these speeds, "
+      "jog: {:.1f} s, {} speed{} in both directions, up to {} {}/s. Determines friction at these speeds, "
       "the slowest included; says nothing about the mass.",
       e.t.back(), design.speeds.size(), design.speeds.size() == 1 ? "" : "s",
-      digits(1e3 * *std::max_element(design.speeds.begin(), design.speeds.end())));
+      digits(u.per_metre * *std::max_element(design.speeds.begin(), design.speeds.end())), u.travel);
   if (design.period > 0.0) {
-    e.says += fmt::format(" At {} of them the travel is a whole number of turns of {:g} mm.", whole_strokes,
-                          design.period * 1e3);
+    e.says += fmt::format(" At {} of them the travel is a whole number of turns of {:g} {}.", whole_strokes,
+                          design.period * u.per_metre, u.travel);
   }
   return e;
 }

@@ -126,22 +126,24 @@ void append(Excitation& e, const SteadyStroke& stroke, double direction, const s
 
 /// Speed of the stroke that was asked for, or the one that limits and travel allow.
 double stroke_speed(const Limits& limits, const MultisineDesign& design, double cruise) {
+  const Shown u = shown(limits);
   const double room =
       kOfTravel * 2.0 * std::min(limits.travel_max - design.start, design.start - limits.travel_min);
   double speed = design.speed.value_or(kOfSpeed * limits.speed);
   if (design.speed && (*design.speed <= 0.0 || *design.speed > 0.6 * limits.speed)) {
     throw BadDesign(
-        "speed", fmt::format("multisine: got {} mm/s, expected at most {} mm/s, six tenths of the limit: the "
+        "speed", fmt::format("multisine: got {} {}/s, expected at most {} {}/s, six tenths of the limit: the "
                              "excitation comes on top of it",
-                             digits(*design.speed * 1e3), digits(600.0 * limits.speed)));
+                             digits(*design.speed * u.per_metre), u.travel,
+                             digits(0.6 * u.per_metre * limits.speed), u.travel));
   }
   const double most = room / (cruise + flank_for(speed, limits));
   if (design.speed && speed > most) {
     throw BadDesign(
         "speed",
-        fmt::format("multisine: {} mm/s for {:.1f} s needs more than the travel; expected at most {} "
-                    "mm/s, or fewer periods",
-                    digits(speed * 1e3), cruise, digits(most * 1e3)));
+        fmt::format("multisine: {} {}/s for {:.1f} s needs more than the travel; expected at most {} "
+                    "{}/s, or fewer periods",
+                    digits(speed * u.per_metre), u.travel, cruise, digits(most * u.per_metre), u.travel));
   }
   return std::min(speed, most);
 }
@@ -176,9 +178,9 @@ double allowed(const Limits& limits, const RoughDrive& drive) {
     const double left = limits.force - drive.coulomb;
     if (left <= 0.0) {
       throw Refused(
-          fmt::format("multisine: the rough friction is {} N, the largest force of the drive is {} N: no "
+          fmt::format("multisine: the rough friction is {} {}, the largest force of the drive is {} {}: no "
                       "force is left to shake the axis (check commissioning.friction and limits.force)",
-                      digits(drive.coulomb), digits(limits.force)));
+                      digits(drive.coulomb), shown(limits).force, digits(limits.force), shown(limits).force));
     }
     most = std::min(most, kOfAcceleration * left / drive.mass);
   }
@@ -240,13 +242,15 @@ Excitation design_multisine(const Limits& limits, const RoughDrive& drive, doubl
   }
   stamp(e, e.r.size());
   check_positions(e, limits);
+  const Shown u = shown(limits);
   e.says = fmt::format(
-      "multisine: {:.1f} s, {} lines from {} to {} Hz with a period of {} s, on {} strokes at {} mm/s over {} mm; speed never "
-      "below {} mm/s while it is measured. Determines the frequency response from force to position (stribeck frequency), with it "
+      "multisine: {:.1f} s, {} lines from {} to {} Hz with a period of {} s, on {} strokes at {} {}/s over {} {}; speed never "
+      "below {} {}/s while it is measured. Determines the frequency response from force to position (stribeck frequency), with it "
       "mass, delay and resonances; of friction only the slope at this speed.",
       e.t.back(), lines.harmonic.size(), digits(lines.harmonic.front() / period),
-      digits(lines.harmonic.back() / period), digits(period), waves.size(), digits(stroke.speed * 1e3),
-      digits(stroke.distance() * 1e3), digits((stroke.speed - most) * 1e3));
+      digits(lines.harmonic.back() / period), digits(period), waves.size(),
+      digits(stroke.speed * u.per_metre), u.travel, digits(stroke.distance() * u.per_metre), u.travel,
+      digits((stroke.speed - most) * u.per_metre), u.travel);
   return e;
 }
 

@@ -73,9 +73,10 @@ Heights heights_of(const Limits& limits, const RoughDrive& drive, const PulseDes
   if (limits.acceleration > 0.0) h.cap = std::min(h.cap, drive.coulomb + drive.mass * limits.acceleration);
   const double spare = (h.cap - drive.coulomb) / drive.coulomb;
   if (largest > h.cap && spare < kFineness) {
+    const char* unit = shown(limits).force;
     throw Refused(fmt::format(
-        "pulses: the rough friction is {:.4g} N, and the limits of force and acceleration ({:.4g} N) are only {:.2g} % above it: too little for a force in open loop; choose sine and constant-acceleration, then give their result with --known",
-        drive.coulomb, h.cap, 100.0 * spare));
+        "pulses: the rough friction is {:.4g} {}, and the limits of force and acceleration ({:.4g} {}) are only {:.2g} % above it: too little for a force in open loop; choose sine and constant-acceleration, then give their result with --known",
+        drive.coulomb, unit, h.cap, unit, 100.0 * spare));
   }
   if (largest > h.cap) h.squeeze = (h.cap - drive.coulomb) / (largest - drive.coulomb);
   return h;
@@ -162,6 +163,7 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
   Excitation e;
   e.method = ExcitationMethod::kPulses;
   e.sample_time = sample_time;
+  const Shown u = shown(limits);
   const Heights heights = heights_of(limits, drive, design);
   double top = 0.0;
   double farthest = 0.0;
@@ -180,25 +182,28 @@ Excitation pulses_for(const Limits& limits, const RoughDrive& drive, const Rough
   }
   if (moving == 0) {
     throw Refused(fmt::format(
-        "pulses: no pulse from {:g} mm that moves the axis stays within the travel of {:g} to {:g} mm and within {:g} mm/s",
-        design.start * 1e3, limits.travel_min * 1e3, limits.travel_max * 1e3, limits.speed * 1e3));
+        "pulses: no pulse from {:g} {} that moves the axis stays within the travel of {:g} to {:g} {} and within {:g} {}/s",
+        design.start * u.per_metre, u.travel, limits.travel_min * u.per_metre,
+        limits.travel_max * u.per_metre, u.travel, limits.speed * u.per_metre, u.travel));
   }
   if (!slower && !guess && top < kHardlyMoves * limits.speed) {
     throw Refused(
-        fmt::format("pulses: the axis would reach only {:.3g} of {:g} mm/s; the rough mass of {:g} kg or the "
+        fmt::format("pulses: the axis would reach only {:.3g} of {:g} {}/s; the rough {} of {:g} {} or the "
                     "friction is wrong",
-                    top * 1e3, limits.speed * 1e3, drive.mass));
+                    top * u.per_metre, limits.speed * u.per_metre, u.travel,
+                    limits.rotary ? "inertia" : "mass", drive.mass, u.mass));
   }
   stamp(e, e.force.size());
   e.says = fmt::format(
       "pulses: {:.1f} s, {} pulses, {} pairs of them strong enough to move the axis, up to about "
-      "{} mm/s and {} mm from the start. Determines the mass best of all methods, and "
-      "friction up to the speed reached; below about 0.5 mm/s the log shows pre-sliding more than "
+      "{} {}/s and {} {} from the start. Determines the mass best of all methods, and "
+      "friction up to the speed reached; below about {:.2g} {}/s the log shows pre-sliding more than "
       "the steady friction.",
-      e.t.back(), 2 * pairs, moving, digits(top * 1e3), digits(farthest * 1e3));
+      e.t.back(), 2 * pairs, moving, digits(top * u.per_metre), u.travel, digits(farthest * u.per_metre),
+      u.travel, 0.5e-3 * u.per_metre, u.travel);
   if (heights.squeeze < 1.0)
-    e.says += fmt::format(" Forces are reduced to {} N, the limits of force and acceleration.",
-                          digits(heights.cap, 4));
+    e.says += fmt::format(" Forces are reduced to {} {}, the limits of force and acceleration.",
+                          digits(heights.cap, 4), u.force);
   if (slower) e.says += " Speeds are lower than the limit: the travel is short.";
   return e;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/excitation_parts.hpp>
 
 namespace stribeck::ident::excitation {
@@ -12,6 +13,18 @@ constexpr double kBeyond = 1.3;            // peak of a ramp relative to the rou
 constexpr double kBack = 0.2;              // time from the peak to zero [s]
 constexpr double kHardlySlips = 10e-6;     // some bristle lengths [m]
 constexpr double kFewestRampRows = 100.0;  // of a rise; with fewer rows it is no ramp from rest
+
+// A light axis with little friction must be stopped soon after it slips.
+constexpr double kShortestRise = 0.1;  // [s]
+
+/// What to do where the axis would go too far or too fast.
+std::string way_out(const RampDesign& design, double rise) {
+  if (design.rise) return fmt::format("; take a shorter rise (--rise), now {:.3g} s", rise);
+  return fmt::format(
+      ", even with a rise of {:.3g} s; the friction is known too roughly for a force in open loop: take a jog, which begins at "
+      "0.01 mm/s and shows break-away at each reversal, and give its result with --known",
+      rise);
+}
 
 struct Slipped {
   double top = 0.0;     // [m/s]
@@ -45,7 +58,6 @@ Slipped predict_slip(const RoughDrive& easy, double up, double peak, double enou
 Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sample_time,
                        const RampDesign& design) {
   constexpr double kLongestRise = 15.0;  // [s]
-  constexpr double kShortestRise = 1.0;  // [s]
   check(limits, sample_time, design.start);
   if (!(drive.mass > 0.0) || !(drive.coulomb > 0.0) || !(design.rise.value_or(1.0) > 0.0) ||
       design.repeats < 1) {
@@ -54,12 +66,15 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
         "positive");
   }
   const double peak = kBeyond * drive.coulomb;
+  const Shown u = shown(limits);
   if (limits.force > 0.0 && peak > limits.force) {
-    throw Refused(fmt::format("ramp: needs {:.4g} N, the limit of force is {:.4g} N", peak, limits.force));
+    throw Refused(fmt::format("ramp: needs {:.4g} {}, the limit of force is {:.4g} {}", peak, u.force,
+                              limits.force, u.force));
   }
   const RoughDrive easy{drive.mass, kDoubt * drive.coulomb, kDoubt * drive.viscous};
   const double room = std::min(limits.travel_max - design.start, design.start - limits.travel_min);
   double rise = design.rise.value_or(kLongestRise);
+  const double shortest = std::max(kShortestRise, kFewestRampRows * sample_time);
   if (design.rise && rise < kFewestRampRows * sample_time) {
     throw BadDesign(
         "rise",
@@ -72,27 +87,25 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
              fmt::format("ramp: {} ramps in each direction with a rise of {:g} s", design.repeats, rise),
              "a shorter rise or fewer repeats");
   Slipped slipped = predict_slip(easy, kBeyond * rise, peak, 2.0 * room);
-  while (!design.rise && rise > kShortestRise &&
+  while (!design.rise && 0.9 * rise >= shortest &&
          (slipped.top > limits.speed || 1.5 * slipped.travel > room)) {
     rise *= 0.9;
     slipped = predict_slip(easy, kBeyond * rise, peak, 2.0 * room);
   }
   if (slipped.top > limits.speed) {
     throw Refused(fmt::format(
-        "ramp: the axis may reach {:.3g} mm/s after it slips, the limit of speed is {:g} mm/s; take a "
-        "shorter rise, now {:.3g} s",
-        slipped.top * 1e3, limits.speed * 1e3, rise));
+        "ramp: the axis may reach {:.3g} {}/s after it slips, the limit of speed is {:g} {}/s{}",
+        slipped.top * u.per_metre, u.travel, limits.speed * u.per_metre, u.travel, way_out(design, rise)));
   }
   if (1.5 * slipped.travel > room) {
     throw Refused(fmt::format(
-        "ramp: the axis may move {:.3g} mm after it slips, the nearer end of the travel is {:.3g} mm "
-        "away; take a shorter rise, now {:.3g} s",
-        slipped.travel * 1e3, room * 1e3, rise));
+        "ramp: the axis may move {:.3g} {} after it slips, the nearer end of the travel is {:.3g} {} away{}",
+        slipped.travel * u.per_metre, u.travel, room * u.per_metre, u.travel, way_out(design, rise)));
   }
   if (slipped.travel < kHardlySlips) {
     throw Refused(fmt::format(
-        "ramp: the axis would slip by {:.3g} mm only; the rough mass of {:g} kg or the friction is wrong",
-        slipped.travel * 1e3, drive.mass));
+        "ramp: the axis would slip by {:.3g} {} only; the rough {} of {:g} {} or the friction is wrong",
+        slipped.travel * u.per_metre, u.travel, limits.rotary ? "inertia" : "mass", drive.mass, u.mass));
   }
   const double up = kBeyond * rise;
   Excitation e;
@@ -112,10 +125,11 @@ Excitation design_ramp(const Limits& limits, const RoughDrive& drive, double sam
   }
   stamp(e, e.force.size());
   e.says = fmt::format(
-      "ramp: {:.1f} s, {} ramps in each direction, up to {:.4g} N with {:.3g} N/s; after the slip "
-      "the axis moves up to about {:.2g} mm. Determines the force and the distance of break-away; "
+      "ramp: {:.1f} s, {} ramps in each direction, up to {:.4g} {} with {:.3g} {}/s; after the slip "
+      "the axis moves up to about {} {}. Determines the force and the distance of break-away; "
       "does not determine friction at speed or the mass.",
-      e.t.back(), design.repeats, peak, peak / up, slipped.travel * 1e3);
+      e.t.back(), design.repeats, peak, u.force, peak / up, u.force, digits(slipped.travel * u.per_metre, 2),
+      u.travel);
   return e;
 }
 

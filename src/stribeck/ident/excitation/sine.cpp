@@ -98,25 +98,27 @@ Excitation design_sine(const Limits& limits, double sample_time, const SineDesig
   const double way = design.strokes > 0 && !design.from_middle ? append_strokes(design, limits, e) : 0.0;
   stamp(e, e.r.size());
   check_positions(e, limits);
+  const Shown u = shown(limits);
+  const double fastest = design.amplitude * design.frequency;
   if (design.from_middle) {
     e.says = fmt::format(
-        "position sine: {:.1f} s, {} periods, up to {} mm/s over {} mm. Determines Coulomb "
+        "position sine: {:.1f} s, {} periods, up to {} {}/s over {} {}. Determines Coulomb "
         "and viscous friction and terms periodic in position (period, amplitude, phase of this "
         "homing) up to a third of the travel; determines the Stribeck part poorly, and the mass less "
         "well than pulses.",
-        e.t.back(), design.periods, digits(design.amplitude * design.frequency * 1e3),
-        digits(2e3 * design.amplitude));
+        e.t.back(), design.periods, digits(fastest * u.per_metre), u.travel,
+        digits(2.0 * u.per_metre * design.amplitude), u.travel);
     return e;
   }
   e.says = fmt::format(
-      "sine: {:.1f} s, {} periods, up to {} mm/s and {} mm/s2. Determines friction at every speed up to there, "
+      "sine: {:.1f} s, {} periods, up to {} {}/s and {} {}/s2. Determines friction at every speed up to there, "
       "and the mass as well as this acceleration shows it.",
-      e.t.back(), design.periods, digits(design.amplitude * design.frequency * 1e3),
-      digits(design.amplitude * design.frequency * design.frequency * 1e3));
+      e.t.back(), design.periods, digits(fastest * u.per_metre), u.travel,
+      digits(fastest * design.frequency * u.per_metre), u.travel);
   if (way > 0.0)
     e.says += fmt::format(
-        " Then strokes at {} constant speed{}, up to {} mm long: they tell forces that belong to the place from friction over speed.",
-        design.strokes, design.strokes == 1 ? "" : "s", digits(way * 1e3));
+        " Then strokes at {} constant speed{}, up to {} {} long: they tell forces that belong to the place from friction over speed.",
+        design.strokes, design.strokes == 1 ? "" : "s", digits(way * u.per_metre), u.travel);
   return e;
 }
 

@@ -19,7 +19,20 @@ constexpr double kForever = 30.0;        // an axis that still moves then does n
 struct Case {
   double mass = 0.0;
   std::array<double, 2> friction{};  // against motion to −x, to +x
+  double load = 0.0;
+  double unbalance = 0.0;
+  double hangs_at = 0.0;
+
+  [[nodiscard]] double load_at(double x) const {
+    return unbalance == 0.0 ? load : load + unbalance * std::sin(x - hangs_at);
+  }
 };
+
+std::vector<double> angles_of(const Doubt& d) {
+  if (d.unbalance == 0.0) return {0.0};
+  if (d.hangs_at) return {*d.hangs_at};
+  return {0.0, 0.5 * kPi, kPi, 1.5 * kPi};
+}
 
 std::vector<Case> cases_of(const Doubt& d) {
   std::vector<Case> all;
@@ -28,8 +41,10 @@ std::vector<Case> cases_of(const Doubt& d) {
   for (const double mass : {d.mass_low, d.mass_high}) {
     for (const double level :
          {d.friction_low, std::sqrt(d.friction_low * d.friction_high), d.friction_high}) {
-      for (const double s : {1.0, skew, 1.0 / skew})
-        all.push_back({mass, {within(level / s), within(level * s)}});
+      for (const double s : {1.0, skew, 1.0 / skew}) {
+        for (const double angle : angles_of(d))
+          all.push_back({mass, {within(level / s), within(level * s)}, d.load, d.unbalance, angle});
+      }
     }
   }
   return all;
@@ -58,13 +73,13 @@ double used(const Reach& r, double start, const Limits& l) {
                    (start - r.lowest) / std::max(start - l.travel_min, 1e-12), r.speed / l.speed});
 }
 
-Reach play(const std::vector<double>& force, double sample_time, double start, const Case& c, double load) {
+Reach play(const std::vector<double>& force, double sample_time, double start, const Case& c) {
   Reach r{start, start, 0.0, {}};
   Motion m{start, 0.0};
   const int parts = std::max(1, static_cast<int>(std::ceil(sample_time / kFinestStep)));
   const double dt = sample_time / parts;
   const auto hold = [&](double f) {
-    for (int i = 0; i < parts; ++i) m.step(f - load, c, dt);
+    for (int i = 0; i < parts; ++i) m.step(f - c.load_at(m.x), c, dt);
     r.lowest = std::min(r.lowest, m.x);
     r.highest = std::max(r.highest, m.x);
     r.speed = std::max(r.speed, std::abs(m.v));
@@ -76,35 +91,52 @@ Reach play(const std::vector<double>& force, double sample_time, double start, c
 
 }  // namespace
 
-bool Doubt::may_fall() const noexcept { return std::abs(load) >= friction_low; }
+double Doubt::weight(double lowest, double highest) const noexcept {
+  if (unbalance == 0.0) return std::abs(load);
+  if (!hangs_at) return std::abs(load) + unbalance;
+  constexpr int kPlaces = 200;
+  double most = 0.0;
+  for (int i = 0; i <= kPlaces; ++i) {
+    const double x = lowest + (highest - lowest) * i / kPlaces;
+    most = std::max(most, std::abs(load + unbalance * std::sin(x - *hangs_at)));
+  }
+  return most;
+}
+
+bool Doubt::may_fall(const Limits& limits) const noexcept {
+  return weight(limits.travel_min, limits.travel_max) >= friction_low;
+}
 
 Reach reach_of(const std::vector<double>& force, double sample_time, double start, const Doubt& doubt,
                const Limits& limits) {
   Reach all{start, start, 0.0, {}};
   double most = -1.0;
+  const Shown u = shown(limits);
   for (const Case& c : cases_of(doubt)) {
-    const Reach one = play(force, sample_time, start, c, doubt.load);
+    const Reach one = play(force, sample_time, start, c);
     all.lowest = std::min(all.lowest, one.lowest);
     all.highest = std::max(all.highest, one.highest);
     all.speed = std::max(all.speed, one.speed);
     if (const double now = used(one, start, limits); now > most) {
       most = now;
       all.farthest =
-          fmt::format("{} kg with {} N of friction in the positive direction, {} N in the negative",
-                      digits(c.mass), digits(c.friction[1]), digits(c.friction[0]));
+          fmt::format("{} {} with {} {} of friction in the positive direction, {} {} in the negative",
+                      digits(c.mass), u.mass, digits(c.friction[1]), u.force, digits(c.friction[0]), u.force);
     }
   }
   return all;
 }
 
 std::string beyond(const Reach& r, const Limits& l) {
+  const Shown u = shown(l);
   if (r.speed > l.speed * (1.0 + 1e-9)) {
-    return fmt::format("an axis of {} would reach {:.4g} mm/s, the limit of speed is {:.4g} mm/s", r.farthest,
-                       r.speed * 1e3, l.speed * 1e3);
+    return fmt::format("an axis of {} would reach {:.4g} {}/s, the limit of speed is {:.4g} {}/s", r.farthest,
+                       r.speed * u.per_metre, u.travel, l.speed * u.per_metre, u.travel);
   }
   if (r.lowest < l.travel_min || r.highest > l.travel_max) {
-    return fmt::format("an axis of {} would move from {:.4g} to {:.4g} mm, the travel is {:.4g} to {:.4g} mm",
-                       r.farthest, r.lowest * 1e3, r.highest * 1e3, l.travel_min * 1e3, l.travel_max * 1e3);
+    return fmt::format("an axis of {} would move from {:.4g} to {:.4g} {}, the travel is {:.4g} to {:.4g} {}",
+                       r.farthest, r.lowest * u.per_metre, r.highest * u.per_metre, u.travel,
+                       l.travel_min * u.per_metre, l.travel_max * u.per_metre, u.travel);
   }
   return {};
 }
@@ -113,34 +145,41 @@ double force_needed(const std::vector<double>& position, double sample_time, con
   double fastest = 0.0;
   for (std::size_t k = 1; k + 1 < position.size(); ++k)
     fastest = std::max(fastest, std::abs(position[k + 1] - 2.0 * position[k] + position[k - 1]));
-  return doubt.mass_high * fastest / (sample_time * sample_time) + doubt.friction_high + std::abs(doubt.load);
+  const auto [low, high] = std::minmax_element(position.begin(), position.end());
+  const double weight = position.empty() ? std::abs(doubt.load) : doubt.weight(*low, *high);
+  return doubt.mass_high * fastest / (sample_time * sample_time) + doubt.friction_high + weight;
 }
 
 namespace {
 
-void refuse_to_fall(const char* method, const Doubt& doubt) {
-  if (!doubt.may_fall()) return;
+void refuse_to_fall(const char* method, const Doubt& doubt, const Limits& limits) {
+  if (!doubt.may_fall(limits)) return;
+  const Shown u = shown(limits);
   throw Refused(fmt::format(
-      "{}: the axis may fall: its load of {:.4g} N is not below the least friction, {:.4g} N, and forces in open "
+      "{}: the axis may fall: its {} of {:.4g} {} is not below the least friction, {:.4g} {}, and forces in open "
       "loop do not hold it; choose jog and sine for friction, constant-acceleration for the mass: they hold the "
       "position",
-      method, std::abs(doubt.load), doubt.friction_low));
+      method, doubt.unbalance > 0.0 ? "load with the unbalance" : "load",
+      doubt.weight(limits.travel_min, limits.travel_max), u.force, doubt.friction_low, u.force));
 }
 
-void tell(Excitation& e, const Reach& reach, double start) {
+void tell(Excitation& e, const Reach& reach, double start, const Shown& u) {
   // The axis settles a hair below its start.
-  const auto away = [](double distance) { return digits(std::abs(distance) < 1e-9 ? 0.0 : distance * 1e3); };
+  const auto away = [&](double distance) {
+    return digits(std::abs(distance) < 1e-9 ? 0.0 : distance * u.per_metre);
+  };
   e.says += fmt::format(
-      " Worst case of all that is not known: {} mm from the start in the positive direction, {} mm in the "
-      "negative, {} mm/s ({}).",
-      away(reach.highest - start), away(start - reach.lowest), digits(reach.speed * 1e3), reach.farthest);
+      " Worst case of all that is not known: {} {} from the start in the positive direction, {} {} in the "
+      "negative, {} {}/s ({}).",
+      away(reach.highest - start), u.travel, away(start - reach.lowest), u.travel,
+      digits(reach.speed * u.per_metre), u.travel, reach.farthest);
 }
 
 }  // namespace
 
 SafeExcitation design_safe_pulses(const Limits& limits, const RoughDrive& drive, const Doubt& doubt,
                                   double sample_time, const PulseDesign& design) {
-  refuse_to_fall("pulses", doubt);
+  refuse_to_fall("pulses", doubt, limits);
   constexpr int kTries = 16;
   constexpr double kShorter = 0.75;
   std::string why;
@@ -157,30 +196,31 @@ SafeExcitation design_safe_pulses(const Limits& limits, const RoughDrive& drive,
             " Pulses are short, as friction and mass are known roughly: the axis may hardly move. Identify, "
             "then design again with --known, or write ranges for mass and friction.";
       }
-      tell(e, reach, design.start);
+      tell(e, reach, design.start, shown(limits));
       return {std::move(e), reach};
     }
     if (i > 0) asked.speed *= kShorter;
   }
-  throw Refused(
-      "pulses: " + why +
-      "; write ranges for mass and friction, e.g. friction = [\"30 N\", \"50 N\"], after a jog, or choose "
-      "constant-acceleration, jog and sine, which hold the position");
+  const std::string unit = shown(limits).force;
+  throw Refused("pulses: " + why + "; write ranges for mass and friction, e.g. friction = [\"30 " + unit +
+                "\", \"50 " + unit +
+                "\"], after a jog, or choose "
+                "constant-acceleration, jog and sine, which hold the position");
 }
 
 SafeExcitation design_safe_ramp(const Limits& limits, const RoughDrive& drive, const Doubt& doubt,
                                 double sample_time, const RampDesign& design) {
-  refuse_to_fall("ramp", doubt);
+  refuse_to_fall("ramp", doubt, limits);
   Excitation e = design_ramp(limits, drive, sample_time, design);
   const Reach reach = reach_of(e.force, sample_time, design.start, doubt, limits);
   Limits rounded = limits;
   rounded.speed *= kOfPrediction;
   if (const std::string why = beyond(reach, rounded); !why.empty()) {
-    throw Refused(
-        "ramp: " + why +
-        "; write a range for friction, e.g. friction = [\"30 N\", \"50 N\"], after a jog, or give --known");
+    const std::string unit = shown(limits).force;
+    throw Refused("ramp: " + why + "; write a range for friction, e.g. friction = [\"30 " + unit +
+                  "\", \"50 " + unit + "\"], after a jog, or give --known");
   }
-  tell(e, reach, design.start);
+  tell(e, reach, design.start, shown(limits));
   return {std::move(e), reach};
 }
 

@@ -2,13 +2,15 @@
 /// Where a table of forces may take an axis of which friction and mass are known roughly: every combination of the lightest
 /// and the heaviest axis with the least and the most friction, also with more friction in one direction than in the other.
 ///
-///   m·v̇ = f − load − F·sgn v   F the level of friction in the direction of motion; at rest while |f − load| ≤ F
+///   m·v̇ = f − load(x) − F·sgn v   F the level of friction in the direction of motion; at rest while |f − load(x)| ≤ F
+///   load(x) = load + M·sin(x − x0)   M the unbalance of a rotary axis; x0 unknown: four angles, a quarter turn apart
 ///
 /// Viscous friction is left out: without it every axis goes farther and faster.
 ///
 /// Not modelled: elasticity; friction that rises towards rest (it only keeps the axis slower).
 /// Real time: no.
 
+#include <optional>
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <string>
 
@@ -16,15 +18,19 @@ namespace stribeck::ident::excitation {
 
 /// Bounds of mass and friction of an axis before it has moved.
 struct Doubt {
-  double mass_low = 0.0;       ///< [kg]
-  double mass_high = 0.0;      ///< [kg]
-  double friction_low = 0.0;   ///< [N]
-  double friction_high = 0.0;  ///< [N]
-  double load = 0.0;           ///< constant force against +x [N]
-  double uneven = 1.5;         ///< friction of one direction over that of the other, at the most
+  double mass_low = 0.0;             ///< [kg]
+  double mass_high = 0.0;            ///< [kg]
+  double friction_low = 0.0;         ///< [N]
+  double friction_high = 0.0;        ///< [N]
+  double load = 0.0;                 ///< constant force against +x [N]
+  double uneven = 1.5;               ///< friction of one direction over that of the other, at the most
+  double unbalance = 0.0;            ///< largest torque of an unbalance [N m at a radius of 1 m]
+  std::optional<double> hangs_at{};  ///< where it hangs down [rad]; absent: anywhere
 
+  /// Largest weight on these positions [N].
+  [[nodiscard]] double weight(double lowest, double highest) const noexcept;
   /// Without force the axis may not stay where it is.
-  [[nodiscard]] bool may_fall() const noexcept;
+  [[nodiscard]] bool may_fall(const Limits& limits) const noexcept;
 };
 
 /// The farthest of all cases.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/excitation/worst_case.hpp>
 
 namespace stribeck::ident::excitation::worst_case_test {
@@ -93,13 +94,13 @@ TEST(WorstCase, PulsesOfTheThesisStayWhereTheyAreSafe) {
 TEST(WorstCase, NoForcesInOpenLoopOnAnAxisThatMayFall) {
   Doubt vertical = factor_three();
   vertical.load = 176.0;
-  EXPECT_TRUE(vertical.may_fall());
+  EXPECT_TRUE(vertical.may_fall(kBelt));
   EXPECT_THAT([&] { design_safe_pulses(kBelt, kRough, vertical, kPeriod, {}); },
               ThrowsMessage<Refused>(HasSubstr("the axis may fall: its load of 176 N")));
   EXPECT_THAT([&] { design_safe_ramp(kBelt, kRough, vertical, kPeriod, {}); },
               ThrowsMessage<Refused>(HasSubstr("choose jog and sine")));
   vertical.load = 10.0;  // below a third of the friction
-  EXPECT_FALSE(vertical.may_fall());
+  EXPECT_FALSE(vertical.may_fall(kBelt));
 }
 
 // A ramp ends above the expected friction; with a third of it the axis is long under way.
@@ -114,6 +115,41 @@ TEST(WorstCase, ForceOfAClosedLoopIsMassTimesAccelerationAndFriction) {
   Doubt d = factor_three();
   d.load = -30.0;
   EXPECT_NEAR(force_needed(r, kPeriod, d), 135.0 * 2.0 + 120.0 + 30.0, 1e-6);
+}
+
+// Released level with the axis, the heavy side falls a quarter turn: J·v²/2 = M − F·π/2.
+TEST(WorstCase, AnUnbalancedTableFallsAsItsEnergySays) {
+  constexpr double kTorque = 110.0, kFriction = 20.0, kInertia = 10.0;
+  Limits turn{-4.0, 4.0, 10.0, 0.0, 0.0, true};
+  Doubt doubt = certain(kInertia, kFriction);
+  doubt.unbalance = kTorque;
+  doubt.hangs_at = 0.0;
+  const std::vector<double> nothing(3000, 0.0);
+  const Reach r = reach_of(nothing, kPeriod, 0.5 * kPi, doubt, turn);
+  // Fastest a little before the bottom, where the torque is that of friction.
+  const double there = std::asin(kFriction / kTorque);
+  const double square = 2.0 * (kTorque * std::cos(there) - kFriction * (0.5 * kPi - there)) / kInertia;
+  EXPECT_NEAR(r.speed, std::sqrt(square), 0.01 * std::sqrt(square));  // a step of 0.25 ms
+  EXPECT_LT(r.lowest, 0.0);
+  EXPECT_THAT(r.farthest, HasSubstr("10.0 kg m2 with 20.0 N m of friction"));
+  // At the bottom it rests.
+  EXPECT_EQ(reach_of(nothing, kPeriod, 0.0, doubt, turn).speed, 0.0);
+}
+
+TEST(WorstCase, AnUnbalanceCountsWhereTheTravelReachesIt) {
+  Doubt doubt = certain(10.0, 20.0);
+  doubt.unbalance = 110.0;
+  const Limits near_bottom{-0.1, 0.1, 1.0, 0.0, 0.0, true}, wide{-1.0, 1.0, 1.0, 0.0, 0.0, true};
+  EXPECT_TRUE(doubt.may_fall(near_bottom));  // it may hang anywhere
+  doubt.hangs_at = 0.0;
+  EXPECT_FALSE(doubt.may_fall(near_bottom));
+  EXPECT_NEAR(doubt.weight(-0.1, 0.1), 110.0 * std::sin(0.1), 1e-9);
+  EXPECT_TRUE(doubt.may_fall(wide));
+  EXPECT_THAT(
+      [&] {
+        design_safe_pulses(wide, {10.0, 20.0, 0.0}, doubt, kPeriod, {});
+      },
+      ThrowsMessage<Refused>(HasSubstr("load with the unbalance of 92.56 N m")));
 }
 
 }  // namespace

@@ -8,10 +8,13 @@
 namespace stribeck::workflow {
 namespace {
 
-constexpr double kSampledWell = 0.2;  // ω·T
-constexpr double kRipple = 0.15;      // of the friction, by one step of the encoder
-constexpr double kStiff = 80.0;       // [rad/s]
-constexpr double kSlowest = 5.0;      // [rad/s]: below it no loop holds against friction
+constexpr double kSampledWell = 0.2;   // ω·T
+constexpr double kRipple = 0.15;       // of the friction, by one step of the encoder
+constexpr double kStiff = 80.0;        // [rad/s]
+constexpr double kSlowest = 5.0;       // [rad/s]: below it no loop holds against friction
+constexpr double kRippleAtMost = 0.5;  // of the friction, where friction would hold the axis too far off
+constexpr double kOff = 0.005;         // of the travel, by which friction may hold the axis off its reference
+constexpr double kLongestPeriod = 30.0;  // of the sine [s]
 constexpr double kShareOfTravel = 1.0 / 3.0;
 constexpr double kShareOfSpeed = 0.9;
 constexpr double kShareOfAcceleration = 0.5;
@@ -25,8 +28,16 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   const double mass = axis.commissioning.mass.middle();
   const double friction = axis.commissioning.friction.middle();
   const double quiet = step > 0.0 ? kRipple * friction * period / (2.0 * mass * step) : kInfinity;
-  Proposed p{std::min({sampled, quiet, kStiff}), {}};
-  if (p.value == quiet) {
+  const double off = kOff * (axis.limits.travel_max - axis.limits.travel_min);
+  const double firm = std::min(std::sqrt(friction / (mass * off)), quiet * kRippleAtMost / kRipple);
+  Proposed p{std::min({sampled, std::max(quiet, firm), kStiff}), {}};
+  if (p.value == firm) {
+    p.reason = fmt::format(
+        "below it friction alone would hold the axis more than {:.3g} {} off its reference; one step of the encoder "
+        "({:.4g} {}) moves the force by {:.2g} % of the friction",
+        friction / (mass * firm * firm) * units.per_metre, units.travel, step * units.per_metre_fine,
+        units.fine, 100.0 * kRipple * firm / quiet);
+  } else if (p.value == quiet) {
     p.reason = fmt::format(
         "above it one step of the encoder ({:.4g} {}) would move the force by more than {:.0f} % of the friction",
         step * units.per_metre_fine, units.fine, 100.0 * kRipple);
@@ -74,9 +85,13 @@ Proposal propose(const AxisDescription& axis, double sample_time) {
   p.sine_offset = c.sine_offset
                       ? from_file(*c.sine_offset)
                       : Proposed{0.5 * (limits.travel_min + limits.travel_max), "middle of the travel"};
-  p.sine_amplitude = c.sine_amplitude ? from_file(*c.sine_amplitude)
-                                      : Proposed{kShareOfTravel * (limits.travel_max - limits.travel_min),
-                                                 "a third of the travel on both sides of the middle"};
+  const double third = kShareOfTravel * (limits.travel_max - limits.travel_min);
+  const double short_enough = kShareOfSpeed * limits.speed * kLongestPeriod / (2.0 * kPi);
+  p.sine_amplitude =
+      c.sine_amplitude ? from_file(*c.sine_amplitude)
+      : third <= short_enough || c.sine_frequency
+          ? Proposed{third, "a third of the travel on both sides of the middle"}
+          : Proposed{short_enough, fmt::format("a period of {:g} s at this speed", kLongestPeriod)};
   if (c.sine_frequency) {
     p.sine_frequency = from_file(*c.sine_frequency);
     return p;

@@ -6,8 +6,11 @@
 ///   ω ≤ 0.2/T             the loop samples a double pole well
 ///   ω ≤ 0.15·F·T/(2·m·q)  a step q of the encoder, differenced, moves the force by at most 15 % of the friction
 ///   ω ≤ 80 rad/s          elasticity of the drive is not excited
+///   ω ≥ √(F/(m·e))        against friction alone the loop is off by no more than e, 0.5 % of the travel; for this the
+///                         force may move by up to half of the friction with a step of the encoder
 ///   observer pole ω/2
-///   sine: a third of the travel, 90 % of the speed limit, half of the acceleration limit
+///   sine: a third of the travel, 90 % of the speed limit, half of the acceleration limit; where a period would take more
+///         than 30 s, a smaller amplitude
 ///
 /// Real time: no.
 
@@ -48,8 +51,64 @@ class Rough : public FixedVector<double, 2> {
   }
 };
 
+/// What is known of the unbalance of a rotary axis (friction/unbalance.hpp): a torque, or a mass at a distance.
+struct RoughUnbalance {
+  static constexpr double kGravity = 9.80665;  // [m/s²]
+
+  Rough torque;                      ///< [N m]
+  Rough mass;                        ///< [kg]
+  std::optional<double> distance{};  ///< [m]
+  std::optional<double> hangs_at{};  ///< [rad]; left out: at any angle
+
+  static constexpr auto fields() {
+    using I = RoughUnbalance;
+    return std::tuple{
+        field("torque", &I::torque, quantity("N m", "N m").positive(),
+              "largest torque of the weight about the axis; one value (may be wrong by a factor of three "
+              "either way) or a range of two")
+            .or_default(),
+        field("mass", &I::mass, quantity("kg", "kg").positive(),
+              "in place of torque, with distance: what is heavy; one value or a range of two")
+            .or_default(),
+        field("distance", &I::distance, quantity("m", "mm").positive(),
+              "from the axis of rotation to the centre of that mass")
+            .or_default(),
+        field("hangs_at", &I::hangs_at, quantity("rad", "deg"),
+              "angle at which the heavy side hangs down; left out: not known, excitations are safe for any")
+            .or_default()};
+  }
+  template <class Report>
+  void validate(Report&& report) const {
+    if (torque.empty() == mass.empty())
+      report(torque.empty() ? "torque" : "mass",
+             "expected torque, or mass with distance, e.g. torque = \"110 N m\"; one of both");
+    if (mass.empty() == distance.has_value())
+      report("distance",
+             "goes with mass: expected both or none, e.g. mass = \"25 kg\", distance = \"450 mm\"");
+    for (const auto& [key, rough] : {std::pair{"torque", &torque}, std::pair{"mass", &mass}}) {
+      if (rough->empty()) continue;
+      if (const auto what = rough->problem(); !what.empty()) report(key, what);
+    }
+  }
+
+  [[nodiscard]] double middle() const noexcept {
+    return torque.empty() ? per_mass() * mass.middle() : torque.middle();
+  }
+  [[nodiscard]] double low() const noexcept {
+    return torque.empty() ? per_mass() * mass.low() : torque.low();
+  }
+  [[nodiscard]] double high() const noexcept {
+    return torque.empty() ? per_mass() * mass.high() : torque.high();
+  }
+
+ private:
+  [[nodiscard]] double per_mass() const noexcept { return kGravity * distance.value_or(0.0); }
+};
+
 /// What is known of an axis before it is identified: enough to move it and record a log.
 struct RoughAxis {
+  static constexpr double kHeaviest = 1e9;  ///< a slip of the unit beyond [kg]
+
   Rough mass;                                  ///< nominal, from data sheets [kg]
   Rough friction;                              ///< level, from a first push by hand or a slow ramp [N]
   std::optional<double> omega{};               ///< double pole of the position loop while recording [rad/s]
@@ -58,21 +117,27 @@ struct RoughAxis {
   std::optional<double> sine_amplitude{};      ///< [m]
   std::optional<double> sine_frequency{};      ///< [rad/s]
   std::optional<double> encoder_resolution{};  ///< [m]; left out: see AxisDescription
-  double load = 0.0;                           ///< constant force against +x [N]
+  std::optional<double> load{};                ///< constant force against +x [N]; left out: none
+  std::optional<RoughUnbalance> unbalance{};   ///< of a rotary axis; left out: balanced
 
   static constexpr auto fields() {
     using C = RoughAxis;
     return std::tuple{
         field(
-            "mass", &C::mass, quantity("kg", "N s2/mm").positive(),
+            "mass", &C::mass, quantity("kg", "kg").positive().at_most(kHeaviest),
             "nominal equivalent mass with the reflected rotor, from data sheets; one value (may be wrong by a "
             "factor of three either way) or a range of two"),
         field(
-            "friction", &C::friction, quantity("N", "N").positive(),
+            "friction", &C::friction, quantity("N", "N").positive().at_most(sim::AxisLimits::kStrongest),
             "rough level of friction, from a slow ramp of force; one value (may be wrong by a factor of three "
             "either way) or a range of two"),
-        field("load", &C::load, quantity("N", "N"),
-              "constant force against the positive direction, e.g. weight less counterbalance")
+        field(
+            "load", &C::load, quantity("N", "N"),
+            "constant force against the positive direction, e.g. weight less counterbalance; left out: none")
+            .or_default(),
+        field(
+            "unbalance", &C::unbalance,
+            "weight of a rotary axis that is not balanced and not upright, e.g. a trunnion; left out: balanced")
             .or_default(),
         field("omega", &C::omega, quantity("rad/s", "rad/s").positive(),
               "double pole of the position loop while recording; left out: from period, encoder and friction")
@@ -100,6 +165,8 @@ struct RoughAxis {
     if (const auto what = mass.problem(); !what.empty()) report("mass", what);
     if (const auto what = friction.problem(); !what.empty()) report("friction", what);
   }
+
+  [[nodiscard]] double load_force() const noexcept { return load.value_or(0.0); }
 };
 
 /// A rotary axis is carried as a linear one at a radius of 1 m: its angle is the travel, its torque the force, its inertia the mass.
@@ -139,6 +206,11 @@ struct AxisDescription {
       report("limits.force", "above what plant.drive makes at the end of plant.converter.range");
     if (drive && drive->peak() && limits.force && *limits.force > *drive->peak())
       report("limits.force", "above the peak of the drive");
+    for (const bool known : {true, false}) {
+      if (rotary || !(known ? commissioning.unbalance.has_value() : plant && plant->unbalance)) continue;
+      report(known ? "commissioning.unbalance" : "plant.unbalance",
+             "belongs to an axis that turns: write rotary = true, or load for a weight along the travel");
+    }
     // Whoever writes the mass of the table alone would get a loop and an excitation for an axis that does not exist.
     const auto rotor = drive ? drive->reflected_mass() : std::nullopt;
     if (rotor && commissioning.mass.high() < *rotor) {
@@ -158,6 +230,10 @@ struct AxisDescription {
   [[nodiscard]] double force_limit() const { return name_plate().force; }
   /// Force per volt of the command [N/V]; 0: not known.
   [[nodiscard]] double force_per_volt() const;
+  /// A brake is there to hold a weight, but the file says no weight: the axis may fall, and nobody knows with which force.
+  [[nodiscard]] bool weight_unsaid() const noexcept {
+    return drive && drive->brake && !commissioning.load && !commissioning.unbalance;
+  }
 };
 
 struct MachineDescription {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stribeck/ident/excitation/worst_case.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
@@ -52,6 +53,18 @@ class Explanation {
     return fmt::format("{} {}", significant(x * u_.per_metre_fine, 3), u_.fine);
   }
 
+  /// What rests on the drive: expected, or the most that may be.
+  [[nodiscard]] double weight(bool expected) const {
+    const RoughAxis& c = a_.commissioning;
+    ident::excitation::Doubt d;
+    d.load = c.load_force();
+    if (c.unbalance) {
+      d.unbalance = expected ? c.unbalance->middle() : c.unbalance->high();
+      d.hangs_at = c.unbalance->hangs_at;
+    }
+    return d.weight(a_.limits.travel_min, a_.limits.travel_max);
+  }
+
   void limits() {
     const sim::AxisLimits& l = a_.limits;
     if (a_.rotary) add("rotary", "yes", std::string(kRotaryInResults));
@@ -78,8 +91,8 @@ class Explanation {
     if (rated) {
       const auto r = a_.drive->radius();
       add(a_.rotary ? "torque at 100 %" : "force at 100 %", force_text(*rated),
-          fmt::format("1 ‰ (CiA 402) is {}; for logs in percent: --gain \"{} N/%\"", force_text(*rated / 1e3),
-                      significant(*rated / 100.0, 6)));
+          fmt::format("1 ‰ (CiA 402) is {}; for logs in percent: --gain \"{} {}/%\"",
+                      force_text(*rated / 1e3), significant(*rated / 100.0, 6), u_.force));
       if (r)
         add("travel per turn",
             fmt::format("{} {} of the motor", significant(2.0 * u_.per_metre * kPi * *r, 6), u_.travel));
@@ -91,10 +104,13 @@ class Explanation {
                          : a_.drive && a_.drive->peak()  ? "peak or limit of the drive"
                          : a_.drive && a_.drive->rated() ? "rated: the file says no peak and no limit"
                                                          : "of the virtual drive";
-      const double spare = force - a_.commissioning.friction.middle() - std::abs(a_.commissioning.load);
-      note += fmt::format("; less friction and load it accelerates by {} {}/s2",
+      const double spare = force - a_.commissioning.friction.middle() - weight(true);
+      note += fmt::format("; less friction and {} it accelerates by {} {}/s2",
+                          a_.commissioning.unbalance ? "unbalance" : "load",
                           significant(spare / a_.commissioning.mass.middle() * u_.per_metre, 3), u_.travel);
-      if (spare < a_.commissioning.mass.middle() * a_.limits.acceleration)
+      if (spare <= 0.0)
+        note += ": it cannot lift it, every excitation is refused";
+      else if (spare < a_.commissioning.mass.middle() * a_.limits.acceleration)
         note += ", which is below the limit of acceleration: lower that";
       add(a_.rotary ? "largest torque" : "largest force", force_text(force), note);
       out_.numbers["largest_force_N"] = force;
@@ -118,11 +134,23 @@ class Explanation {
     const RoughAxis& c = a_.commissioning;
     out_.lines.push_back(rough(mass_word(), c.mass, u_.mass));
     out_.lines.push_back(rough("friction", c.friction, u_.force));
-    falls_ = std::abs(c.load) >= c.friction.low();
-    if (c.load != 0.0) {
-      add("load", fmt::format("{} {}", short_number(c.load), u_.force),
-          falls_ ? "the axis may fall without force: open-loop excitations are refused"
-                 : "friction holds it");
+    falls_ = weight(false) >= c.friction.low() || a_.weight_unsaid();
+    const char* what =
+        falls_ ? "the axis may fall without force: open-loop excitations are refused" : "friction holds it";
+    if (c.load_force() != 0.0)
+      add("load", fmt::format("{} {}", short_number(c.load_force()), u_.force), c.unbalance ? "" : what);
+    if (c.unbalance) {
+      add("unbalance",
+          fmt::format("{} {}{}", significant(c.unbalance->middle(), 3), u_.force,
+                      c.unbalance->hangs_at
+                          ? fmt::format(", hangs down at {}", travel(*c.unbalance->hangs_at))
+                          : ", hangs down at an angle that is not known"),
+          what);
+    }
+    if (a_.weight_unsaid()) {
+      add("weight", "none said",
+          fmt::format("the brake lets it be expected: write {} of commissioning; until then {}",
+                      a_.rotary ? "unbalance or load" : "load", what));
     }
     if (falls_ && (!a_.drive || !a_.drive->brake))
       add("brake", "none said", "an axis that falls needs one: write brake = true if it has one");
@@ -139,7 +167,7 @@ class Explanation {
     add("sine",
         fmt::format("{} ± {} at {} rad/s", travel(p.sine_offset.value), travel(p.sine_amplitude.value),
                     significant(p.sine_frequency.value, 3)),
-        p.sine_frequency.reason);
+        p.sine_amplitude.reason + "; " + p.sine_frequency.reason);
     add("to excite",
         falls_ ? "jog, sine, position-sine, constant-acceleration"
                : "jog, sine, constant-acceleration; then pulses --known",
@@ -177,8 +205,10 @@ class Explanation {
     }
     parts.push_back(fmt::format("{} {}, {} {}", a_.rotary ? "table" : "axis", out_.name,
                                 short_number(a_.commissioning.mass.middle()), u_.mass));
-    if (a_.commissioning.load != 0.0)
-      parts.push_back(fmt::format("load {} {}", short_number(a_.commissioning.load), u_.force));
+    if (const double load = a_.commissioning.load_force(); load != 0.0)
+      parts.push_back(fmt::format("load {} {}", short_number(load), u_.force));
+    if (const auto& unbalance = a_.commissioning.unbalance)
+      parts.push_back(fmt::format("unbalance {} {}", significant(unbalance->middle(), 3), u_.force));
     out_.drawing = report::joined(parts, " -- ") +
                    fmt::format("   |{} … {}|", travel(a_.limits.travel_min), travel(a_.limits.travel_max));
   }

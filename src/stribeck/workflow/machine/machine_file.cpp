@@ -12,7 +12,9 @@
 namespace stribeck::workflow {
 namespace {
 
+/// What is heavy in an unbalance, and its distance, are a mass and a length on a rotary axis too.
 void set_rotary(io::Node& node) {
+  if (node.key == "unbalance") return;
   node.rotary = true;
   for (io::Node& child : node.children) set_rotary(child);
 }

@@ -321,5 +321,102 @@ TEST(MachineFile, AnIdentifiedMassMayContradictIt) {
   EXPECT_THAT(mass_contradiction(a, 1.2, 2.7), HasSubstr("contradicts the machine file"));
 }
 
+std::string trunnion(const std::string& known, const std::string& brake = "false") {
+  return R"(name = "t"
+sample_time = "1 ms"
+[axes.a]
+rotary = true
+[axes.a.limits]
+travel_min = "-110 deg"
+travel_max = "30 deg"
+speed = "15 rpm"
+acceleration = "300 deg/s2"
+[axes.a.drive]
+rated_torque = "4.8 N m"
+gear = 120
+brake = )" +
+         brake + "\n[axes.a.commissioning]\nmass = \"11 kg m2\"\nfriction = \"60 N m\"\n" + known + "\n";
+}
+
+TEST(MachineFile, AnUnbalanceIsATorqueOrAMassAtADistance) {
+  const auto known = [](const std::string& text) {
+    return parse_description(trunnion(text), "t.toml").axes.front().second.commissioning.unbalance;
+  };
+  const auto torque = known(R"(unbalance = { torque = "110 N m", hangs_at = "10 deg" })");
+  ASSERT_TRUE(torque);
+  EXPECT_EQ(torque->middle(), 110.0);
+  EXPECT_EQ(torque->high(), 330.0);  // one value may be wrong by a factor of three
+  EXPECT_NEAR(*torque->hangs_at, kPi / 18.0, 1e-12);
+  const auto mass = known(R"(unbalance = { mass = ["20 kg", "30 kg"], distance = "450 mm" })");
+  ASSERT_TRUE(mass);
+  EXPECT_NEAR(mass->high(), 30.0 * 9.80665 * 0.45, 1e-9);
+  EXPECT_FALSE(mass->hangs_at.has_value());
+  const auto refuses = [](const std::string& text) { parse_description(text, "t.toml"); };
+  EXPECT_THAT([&] { refuses(trunnion(R"(unbalance = { mass = "20 kg" })")); },
+              ThrowsMessage<io::InputError>(HasSubstr("distance = \"450 mm\"")));
+  EXPECT_THAT([&] { refuses(trunnion(R"(unbalance = { hangs_at = "3 deg" })")); },
+              ThrowsMessage<io::InputError>(HasSubstr("expected torque, or mass with distance")));
+}
+
+TEST(MachineFile, AnUnbalanceBelongsToAnAxisThatTurns) {
+  std::string text = io::read_file(kExamples + "gantry.toml");
+  const auto at = text.find("[axes.x.commissioning]");
+  ASSERT_NE(at, std::string::npos);
+  text.insert(text.find('\n', at) + 1, "unbalance = { torque = \"5 N m\" }\n");
+  EXPECT_THAT([&] { parse_description(text, "g.toml"); },
+              ThrowsMessage<io::InputError>(HasSubstr("write rotary = true, or load")));
+}
+
+TEST(MachineFile, ABrakeWithoutAWeightIsAQuestion) {
+  const auto axis = [](const std::string& known, const char* brake) {
+    return parse_description(trunnion(known, brake), "t.toml").axes.front().second;
+  };
+  EXPECT_TRUE(axis("", "true").weight_unsaid());
+  EXPECT_FALSE(axis("", "false").weight_unsaid());
+  EXPECT_FALSE(axis("load = \"0 N m\"", "true").weight_unsaid());
+  EXPECT_FALSE(axis("unbalance = { torque = \"110 N m\" }", "true").weight_unsaid());
+}
+
+TEST(MachineFile, LimitsHaveOrdersOfMagnitude) {
+  const auto refuses = [](const std::string& from, const std::string& to) {
+    std::string text = trunnion("");
+    text.replace(text.find(from), from.size(), to);
+    return [text] { parse_description(text, "t.toml"); };
+  };
+  EXPECT_THAT(refuses("\"15 rpm\"", "\"1e300 rpm\""),
+              ThrowsMessage<io::InputError>(AllOf(HasSubstr("1e300 rpm"), HasSubstr("at most"))));
+  EXPECT_THAT(refuses("\"300 deg/s2\"", "\"1e30 deg/s2\""),
+              ThrowsMessage<io::InputError>(HasSubstr("axes.a.limits.acceleration")));
+}
+
+// A printer: 10 µm, 1.1 kg, 5 N over 220 mm. By the encoder alone the loop would be at 34 rad/s, where friction holds the axis
+// 3.9 mm off.
+TEST(MachineFile, ALightAxisGetsALoopThatHoldsItAgainstFriction) {
+  AxisDescription a;
+  a.limits = {0.0, 0.22, 0.3, 5.0, {}, 60.0};
+  a.commissioning.mass = 1.1;
+  a.commissioning.friction = 5.0;
+  a.commissioning.encoder_resolution = 10e-6;
+  const Proposed omega = propose(a, 1e-3).omega;
+  EXPECT_NEAR(omega.value, std::sqrt(5.0 / (1.1 * 1.1e-3)), 1e-9);
+  EXPECT_THAT(omega.reason, HasSubstr("friction alone would hold the axis more than 1.1 mm off"));
+  // A heavy axis with a fine encoder keeps what that allows.
+  a.commissioning.mass = 100.0;
+  a.commissioning.friction = 60.0;
+  a.commissioning.encoder_resolution = 1e-6;
+  EXPECT_NEAR(propose(a, 1e-3).omega.value, 0.15 * 60.0 * 1e-3 / (2.0 * 100.0 * 1e-6), 1e-9);
+}
+
+// 3 m at 10 mm/s: a third of the travel would take 700 s a period.
+TEST(MachineFile, ASlowAxisOfLongTravelGetsAShortSine) {
+  AxisDescription a;
+  a.limits = {0.0, 3.0, 0.010, 0.1, {}, 1e4};
+  a.commissioning.mass = 1e3;
+  a.commissioning.friction = 100.0;
+  const Proposal p = propose(a, 1e-3);
+  EXPECT_NEAR(2.0 * kPi / p.sine_frequency.value, 30.0, 1e-9);
+  EXPECT_NEAR(p.sine_amplitude.value * p.sine_frequency.value, 0.9 * 0.010, 1e-12);
+}
+
 }  // namespace
 }  // namespace stribeck::workflow::machine_file_test
