@@ -221,5 +221,46 @@ TEST(OwnMachine, IsSimulatedAsItsIdentifiedModel) {
   EXPECT_THAT(delayed.err, HasSubstr("delay: got 30 ms, expected at most 16 ms"));
 }
 
+// Of a trunnion behind a worm gear: 10.4 kg m2, 110 N m out of balance, which hangs down at 12 degrees.
+TEST(OwnMachine, ATrunnionIsIdentifiedWithItsUnbalance) {
+  Folder f;
+  const std::string table = std::string(STRIBECK_SOURCE_DIR) + "/examples/own-machine/trunnion-virtual.toml";
+  for (const std::string method : {"pulses", "ramp"}) {
+    const Said refused = command({"excite", table, "--axis", "a", "--method", method, "-o", f / "no.csv"});
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err, HasSubstr("the axis may fall: its load with the unbalance of 132.4 N m"));
+  }
+  for (const std::string method : {"sine", "constant-acceleration", "position-sine"}) {
+    const std::string motion = f / (method + ".csv");
+    const Said made = command({"excite", table, "--axis", "a", "--method", method, "-o", motion});
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_THAT(made.out, HasSubstr(" N m of its 1440 N m"));
+    const Said run =
+        command({"simulate", table, "--axis", "a", "--reference", motion, "-o", f / (method + "-log.csv")});
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+  const Said found = command({"identify", f / "constant-acceleration-log.csv", f / "position-sine-log.csv",
+                              "--axis", "a", "-o", f / "a.toml", "--json", f / "a.json"});
+  ASSERT_EQ(found.code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("kg m2"));
+  EXPECT_THAT(found.out, HasSubstr("the heavy side hangs down at"));
+  const auto json = nlohmann::json::parse(text_of(f / "a.json"));
+  const auto parameter = [&](const std::string& name) {
+    for (const auto& p : json["parameters"]) {
+      if (p["name"] == name) return p;
+    }
+    return nlohmann::json();
+  };
+  const auto mass = parameter("mass");
+  EXPECT_LE(mass["ci95"][0].get<double>(), 10.4);
+  EXPECT_GE(mass["ci95"][1].get<double>(), 10.4);
+  // 3 %: the interval of a log of half a minute.
+  EXPECT_NEAR(parameter("unbalance")["value"].get<double>(), 110.0, 3.3);
+  EXPECT_THAT(text_of(f / "a.toml"), HasSubstr("rotary = true"));
+  EXPECT_THAT(text_of(f / "a.toml"), HasSubstr("\"additive\""));
+  const Said good = command({"verify", f / "a.toml", f / "sine-log.csv"});
+  EXPECT_EQ(good.code, 0) << good.out << good.err;
+}
+
 }  // namespace
 }  // namespace stribeck::test::machine_test

@@ -108,6 +108,7 @@ struct Result {
   std::string model;  ///< as text for people: the name of `steady` and of further parts, " + periodic", …
   std::string force_unit = "N";                                  ///< unit of every force here
   std::string position_unit = "m";                               ///< "m" or "rad"
+  bool rotary = false;                                           ///< positions are arcs at a radius of 1 m
   double mass = 0.0;                                             ///< [kg]
   Interval mass_interval;                                        ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]

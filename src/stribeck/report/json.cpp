@@ -177,7 +177,7 @@ nlohmann::ordered_json to_json(const sim::CompareResult& result, std::string_vie
 }
 
 nlohmann::ordered_json to_json(const ident::Result& result, std::string_view axis) {
-  const ShownUnits units = units_of(result);
+  const ShownUnits units{result.force_unit, result.position_unit};
   // A key with a unit, and the way out where that unit does not hold.
   const auto put = [](Json& out, std::string_view name, std::string_view unit, bool holds, const Json& scaled,
                       const Json& plain) {

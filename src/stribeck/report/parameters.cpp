@@ -89,9 +89,17 @@ std::optional<Range> close_range(const std::vector<Series>& series, double room)
 
 }  // namespace
 
-ShownUnits units_of(const ident::Result& result) { return {result.force_unit, result.position_unit}; }
+ShownUnits units_of(const ident::Result& result) {
+  const ShownUnits units{result.force_unit, result.position_unit};
+  return result.rotary && units.physical() ? ShownUnits::turning() : units;
+}
 
 ShownParameter shown(const ident::Parameter& p, const ShownUnits& units) {
+  if (units.in_degrees()) {
+    const auto [unit, factor] = ShownUnits::degrees_of(p.unit);
+    // What has no length in it keeps its unit for people, e.g. ms.
+    if (unit != p.unit) return {factor * p.value, factor * p.ci_low, factor * p.ci_high, std::string(unit)};
+  }
   const std::string unit(units.chosen(
       p.unit, units.physical() ? io::shown_unit(p.value, {p.unit, p.shown}) : std::string_view(p.shown)));
   const io::Conversion to_shown = io::conversion(p.unit, unit);

@@ -1,4 +1,6 @@
+#include <array>
 #include <cctype>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/shown_units.hpp>
 #include <stribeck/report/text.hpp>
 #include <utility>
@@ -17,6 +19,39 @@ ShownUnits::ShownUnits(std::string force_unit, std::string position_unit)
     per_mass = 1.0;
   }
   mass = linear_ ? named("N s2/mm") : named("N s2/m");
+}
+
+ShownUnits ShownUnits::turning() {
+  ShownUnits u;
+  u.in_degrees_ = true;
+  u.force = "N m";
+  u.position = "deg";
+  u.fine = "arcsec";
+  u.velocity = "deg/s";
+  u.mass = "kg m2";
+  u.per_position = u.per_velocity = kDegrees;
+  u.per_fine = 3600.0 * kDegrees;
+  u.per_mass = 1.0;
+  return u;
+}
+
+std::pair<std::string_view, double> ShownUnits::degrees_of(std::string_view si) noexcept {
+  struct Pair {
+    std::string_view si, shown;
+    double factor;
+  };
+  static constexpr std::array<Pair, 8> kPairs{{{"N", "N m", 1.0},
+                                               {"kg", "kg m2", 1.0},
+                                               {"m", "deg", kDegrees},
+                                               {"m/s", "deg/s", kDegrees},
+                                               {"m/s2", "deg/s2", kDegrees},
+                                               {"N s/m", "N m s/deg", 1.0 / kDegrees},
+                                               {"N/m", "N m/deg", 1.0 / kDegrees},
+                                               {"N/s", "N m/s", 1.0}}};
+  for (const Pair& p : kPairs) {
+    if (p.si == si) return {p.shown, p.factor};
+  }
+  return {si, 1.0};
 }
 
 std::string ShownUnits::named(std::string_view unit) const {

@@ -7,6 +7,7 @@
 #include <stribeck/core/fields.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace stribeck::report {
 
@@ -14,10 +15,18 @@ class ShownUnits {
  public:
   ShownUnits() = default;
   ShownUnits(std::string force_unit, std::string position_unit);
+  /// Of an axis that turns and is carried as a linear one at a radius of 1 m: deg, N m, kg m2. Not for keys of JSON, which
+  /// keep the units of the linear one.
+  static ShownUnits turning();
 
   /// Whether force is in N and position in m: names of units then hold literally.
-  [[nodiscard]] bool physical() const noexcept { return force == "N" && linear_; }
+  [[nodiscard]] bool physical() const noexcept { return linear_ && (force == "N" || in_degrees_); }
   [[nodiscard]] bool linear() const noexcept { return linear_; }
+
+  /// Such an axis, in degrees.
+  [[nodiscard]] bool in_degrees() const noexcept { return in_degrees_; }
+  /// The unit in degrees and its factor, of an SI unit of the linear axis.
+  static std::pair<std::string_view, double> degrees_of(std::string_view si) noexcept;
 
   /// A unit with N, m and kg replaced: "N s/m" → "A s/rad".
   [[nodiscard]] std::string named(std::string_view unit) const;
@@ -36,6 +45,7 @@ class ShownUnits {
 
  private:
   bool linear_ = true;
+  bool in_degrees_ = false;
   std::string base_ = "m";
 };
 

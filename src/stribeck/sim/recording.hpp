@@ -30,6 +30,7 @@ struct Recording {
   std::vector<double> scale{};  ///< second encoder, on the table [m]; empty: none there
   std::vector<double> u;        ///< voltage commanded to the converter [V]
   std::vector<double> f;        ///< force commanded to the drive [N]
+  bool rotary = false;          ///< positions are arcs at a radius of 1 m
 
   /// Ends after so many rows.
   void cut(std::size_t rows) {

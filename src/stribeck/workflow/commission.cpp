@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
@@ -10,6 +11,8 @@
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/identify.hpp>
+#include <stribeck/workflow/judge/diagnosis.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <utility>
 
 namespace stribeck::workflow {
@@ -20,8 +23,8 @@ ident::excitation::Excitation design(const sim::Machine& machine, std::size_t ax
                                      ident::excitation::ExcitationMethod method, int periods,
                                      const std::optional<ident::excitation::RoughDrive>& known) {
   const sim::MachineAxis& a = machine.axes[axis].second;
-  const ident::excitation::Limits limits{a.limits.travel_min, a.limits.travel_max, a.limits.speed,
-                                         a.limits.acceleration, a.force_limit()};
+  const ident::excitation::Limits limits{a.limits.travel_min,   a.limits.travel_max, a.limits.speed,
+                                         a.limits.acceleration, a.force_limit(),     a.rotary};
   const sim::Commissioning& c = a.commissioning;
   if (method == ExcitationMethod::kPulses) {
     ident::excitation::PulseDesign pulses;
@@ -54,9 +57,12 @@ ident::excitation::Excitation design(const sim::Machine& machine, std::size_t ax
 
 sim::Recording play(const sim::Machine& machine, std::size_t axis, const std::vector<double>& reference,
                     const std::vector<double>& force, std::uint64_t seed) {
-  if (!reference.empty()) return sim::record_closed_loop(machine, axis, reference, seed);
-  const auto& limits = machine.axes[axis].second.limits;
-  return sim::record_open_loop(machine, axis, force, 0.5 * (limits.travel_min + limits.travel_max), seed);
+  const sim::MachineAxis& a = machine.axes[axis].second;
+  const double middle = 0.5 * (a.limits.travel_min + a.limits.travel_max);
+  sim::Recording recording = reference.empty() ? sim::record_open_loop(machine, axis, force, middle, seed)
+                                               : sim::record_closed_loop(machine, axis, reference, seed);
+  recording.rotary = a.rotary;
+  return recording;
 }
 
 io::Log as_log(const sim::Recording& recording) {
@@ -76,6 +82,7 @@ io::Log as_log(const sim::Recording& recording) {
   add("scale", "mm", recording.scale, 1e-3);
   add("u", "V", recording.u, 1.0);
   add("f", "N", recording.f, 1.0);
+  if (recording.rotary) log.metadata.emplace_back(kRotaryKey, kRotaryAsLinear);
   return log;
 }
 
@@ -87,6 +94,7 @@ ident::log::Record as_record(const sim::Recording& recording, const std::string&
   record.r = recording.r;
   record.x = recording.x;
   record.f = recording.f;
+  record.rotary = recording.rotary;
   record.loop = recording.r.empty() ? ident::log::Loop::kOpen : ident::log::Loop::kClosed;
   return record;
 }
@@ -114,7 +122,8 @@ Needs Needs::of(const std::vector<sim::ControllerSpec>& controllers) {
 
 namespace {
 
-/// What a slow jog in closed loop tells of an axis: half the sum and half the difference of its force in both directions.
+/// What a jog in closed loop tells of an axis: half the sum and half the difference of its force in both directions. Of a rotary
+/// axis, whose weight follows the angle, the largest of these sums.
 struct Held {
   double load = 0.0;      ///< [N]
   double friction = 0.0;  ///< [N]
@@ -123,15 +132,50 @@ struct Held {
   [[nodiscard]] bool falls() const { return std::abs(load) >= 0.5 * friction; }
 };
 
+Held held_by_place(const sim::Recording& log, double step) {
+  constexpr int kPlaces = 12;
+  const auto [low, high] = std::minmax_element(log.r.begin(), log.r.end());
+  struct Place {
+    std::array<double, 2> sum{}, rows{};
+  };
+  std::array<Place, kPlaces> places{};
+  for (std::size_t k = 0; k + 1 < log.r.size(); ++k) {
+    const double moved = log.r[k + 1] - log.r[k];
+    if (std::abs(moved) < step) continue;
+    const int at = std::min(kPlaces - 1, static_cast<int>(kPlaces * (log.r[k] - *low) / (*high - *low)));
+    Place& place = places[static_cast<std::size_t>(at)];
+    place.sum[moved > 0.0] += log.f[k];
+    place.rows[moved > 0.0] += 1.0;
+  }
+  Held held;
+  double friction = 0.0, counted = 0.0;
+  for (const Place& p : places) {
+    if (p.rows[0] == 0.0 || p.rows[1] == 0.0) continue;
+    const double up = p.sum[1] / p.rows[1], down = p.sum[0] / p.rows[0];
+    held.load = std::max(held.load, 0.5 * std::abs(up + down));
+    friction += 0.5 * std::abs(up - down);
+    counted += 1.0;
+  }
+  held.friction = counted > 0.0 ? friction / counted : 0.0;
+  return held;
+}
+
 Held hold(const sim::Machine& machine, std::size_t axis, std::uint64_t seed) {
   const sim::AxisLimits& l = machine.axes[axis].second.limits;
-  const ident::excitation::Limits limits{l.travel_min, l.travel_max, l.speed, l.acceleration,
-                                         machine.axes[axis].second.force_limit()};
+  const ident::excitation::Limits limits{l.travel_min,
+                                         l.travel_max,
+                                         l.speed,
+                                         l.acceleration,
+                                         machine.axes[axis].second.force_limit(),
+                                         machine.axes[axis].second.rotary};
   ident::excitation::JogDesign jog;
   jog.start = 0.5 * (limits.travel_min + limits.travel_max);
-  jog.speeds = {0.1 * ident::excitation::fastest_jog(limits, machine.sample_time, jog)};
+  const double fastest = ident::excitation::fastest_jog(limits, machine.sample_time, jog);
+  const bool rotary = machine.axes[axis].second.rotary;
+  jog.speeds = {rotary ? fastest : 0.1 * fastest};
   const auto e = ident::excitation::design_jog(limits, machine.sample_time, jog);
   const sim::Recording log = play(machine, axis, e.r, {}, seed);
+  if (rotary) return held_by_place(log, 0.999 * jog.speeds.front() * machine.sample_time);
   double sum[2] = {0.0, 0.0};
   double rows[2] = {0.0, 0.0};
   const double step = 0.999 * jog.speeds.front() * machine.sample_time;
@@ -171,6 +215,45 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
   return result;
 }
 
+bool is_unbalance(const friction::Eccentric<double>& term) {
+  return term.form == friction::EccentricForm::kAdditive && std::abs(term.period - 2.0 * kPi) < 1e-6;
+}
+
+/// The whole drive; of a rotary axis with what its unbalance makes, see judge/diagnosis.hpp.
+ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
+  if (!records.front().rotary) return ident::drive::identify_drive(records, {});
+  AxisRecords axis;
+  axis.records = records;
+  axis.rotary = true;
+  return diagnosed(axis,
+                   [](const AxisRecords& a) {
+                     Identification found;
+                     found.result = ident::drive::identify_drive(a.records, {});
+                     return found;
+                   })
+      .result;
+}
+
+/// The records without the unbalance that the whole drive has shown: jogs by direction would take it for friction.
+std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records,
+                                         const ident::Result& whole) {
+  for (const auto& term : whole.friction.eccentric) {
+    if (!is_unbalance(term)) continue;
+    for (ident::log::Record& r : records) {
+      for (std::size_t k = 0; k < r.f.size(); ++k) r.f[k] -= term.amplitude * std::sin(r.x[k] - term.phase);
+    }
+  }
+  return records;
+}
+
+/// Of the terms over position only the unbalance, which is a weight and no friction.
+void keep_unbalance_only(friction::Model& model, const ident::Result& whole, bool keep_others) {
+  if (!keep_others) model.eccentric = {};
+  for (const auto& term : whole.friction.eccentric) {
+    if (is_unbalance(term)) model.eccentric.push_back(term);
+  }
+}
+
 /// One axis while its logs are recorded and its models identified.
 class Run {
  public:
@@ -194,6 +277,7 @@ class Run {
   }
   friction::AxisModel keep(const char* kind, const Records& records, const ident::Result& result) {
     CommissionedModel m{kind, {}, result};
+    m.result.rotary = records.front().rotary;
     for (const ident::log::Record& r : records) m.sources.push_back(r.source);
     require_determined(result, records.front().source);
     out_.models.push_back(std::move(m));
@@ -227,16 +311,19 @@ CommissionedAxis Run::in_closed_loop() {
   const ident::log::Record turns = add(ExcitationMethod::kPositionSine, kPositionPeriods);
   jogs();
   const ident::log::Record triangles = add(ExcitationMethod::kConstantAcceleration);
-  const ident::Result whole = ident::drive::identify_drive({triangles, turns, jogs()}, {});
+  const ident::Result whole = whole_drive({triangles, turns, jogs()});
   sim::AxisKnowledge& knows = out_.knowledge;
   knows.eccentric = keep("eccentric", {triangles, turns, jogs()}, whole);
   knows.whole = knows.eccentric;
+  const Records steady = balanced({jogs()}, whole);
   if (needs_.conventional) {
-    knows.conventional = keep("conventional", {jogs(), triangles, turns}, jogged({jogs()}, whole, false));
-    knows.conventional->friction.eccentric = {};
+    knows.conventional = keep("conventional", {jogs(), triangles, turns}, jogged(steady, whole, false));
+    keep_unbalance_only(knows.conventional->friction, whole, false);
   }
-  if (needs_.gaussian)
-    knows.gaussian = keep("gaussian", {jogs(), triangles, turns}, jogged({jogs()}, whole, true));
+  if (needs_.gaussian) {
+    knows.gaussian = keep("gaussian", {jogs(), triangles, turns}, jogged(steady, whole, true));
+    keep_unbalance_only(knows.gaussian->friction, whole, true);
+  }
   return std::move(out_);
 }
 
@@ -250,7 +337,7 @@ CommissionedAxis Run::by_pulses() {
     // With bristles and the sine in the fit, pulses determine the mass; without them it is some per cent too low.
     const Records records{strong, add(ExcitationMethod::kPositionSine, kPositionPeriods)};
     const ident::log::Record& turns = records.back();
-    const ident::Result whole = ident::drive::identify_drive(records, {});
+    const ident::Result whole = whole_drive(records);
     knows.eccentric = keep("eccentric", records, whole);
     if (by_jogs) knows.whole = knows.eccentric;
     if (needs_.conventional && by_jogs) {
@@ -267,8 +354,7 @@ CommissionedAxis Run::by_pulses() {
     const Records records{strong, add(ExcitationMethod::kSine, kSinePeriods)};
     if (needs_.gaussian)
       knows.gaussian = keep("gaussian", records, ident::methods::identify_velocity_map(records));
-    if (needs_.whole && !by_jogs)
-      knows.whole = keep("whole", records, ident::drive::identify_drive(records, {}));
+    if (needs_.whole && !by_jogs) knows.whole = keep("whole", records, whole_drive(records));
   }
   return std::move(out_);
 }
@@ -300,8 +386,18 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
     // encoder, everything is recorded in closed loop.
     const bool closed = machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
                         hold(machine, axis, seed).falls();
-    CommissionedAxis out = closed ? run.in_closed_loop() : run.by_pulses();
-    run.find_lost_motion(out);
+    if (!closed) {
+      try {
+        CommissionedAxis out = run.by_pulses();
+        run.find_lost_motion(out);
+        return out;
+      } catch (const ident::Refused&) {
+        // Pulses that do not move this axis enough, or not safely, are no reason to refuse it: closed loop moves it in any case.
+      }
+    }
+    Run anew(machine, axis, needs, seed);
+    CommissionedAxis out = anew.in_closed_loop();
+    anew.find_lost_motion(out);
     return out;
   } catch (const ident::Refused& e) {
     throw ident::Refused(fmt::format("axis {}: {}", machine.axes[axis].first, e.what()));

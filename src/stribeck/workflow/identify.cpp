@@ -19,6 +19,7 @@
 #include <stribeck/workflow/judge/diagnosis.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -341,6 +342,7 @@ class RecordsOfAxis {
       if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
     }
     LoggedAxis logged = logged_axis(log, options_);
+    if (axis_.rotary) std::erase(logged.notes, kRotaryNote);  // said of the first log
     notes.insert(notes.end(), logged.notes.begin(), logged.notes.end());
     axis_.rotary = axis_.rotary || logged.rotary;
     ident::log::Conditioned clean = condition_axis(std::move(logged), log.source, options_);
@@ -391,6 +393,7 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
   Identification found =
       diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
   ident::Result& result = found.result;
+  result.rotary = axis.rotary;
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   if (!axis.encoders.empty()) found.lost_motion = ident::lost_motion::identify(axis.encoders);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
@@ -417,13 +420,34 @@ std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::stri
   return {std::move(axis), std::move(found)};
 }
 
+namespace {
+
+/// Whether friction opposes the motion: with the wrong sign of the force it would drive it.
+bool takes_energy(const ident::Result& result) {
+  double work = 0.0;
+  for (const ident::CurvePoint& p : result.curve) work += p.velocity * p.friction;
+  return work > 0.0;
+}
+
+}  // namespace
+
 void require_determined(const ident::Result& result, const std::string& source) {
   const bool metres = result.position_unit == "m";
-  const double scale = metres ? 1e-3 : 1.0;
-  const std::string unit = result.force_unit + (metres ? " s2/mm" : " s2/" + result.position_unit);
+  const bool mass = metres && result.force_unit == "N";
+  const double scale = metres && !mass ? 1e-3 : 1.0;
+  const std::string unit = mass     ? std::string(result.rotary ? "kg m2" : "kg")
+                           : metres ? result.force_unit + " s2/mm"
+                                    : result.force_unit + " s2/" + result.position_unit;
   if (!std::isfinite(result.mass)) {
     throw ident::Refused(
         fmt::format("{}: these data do not give a mass: force and motion do not belong together", source));
+  }
+  if (!(result.mass > 0.0) && takes_energy(result)) {
+    throw ident::Refused(fmt::format(
+        "{}: the mass comes out as {:.4g} {}, expected above 0; the sign of the force is right, as friction opposes the motion: a "
+        "force that changes with position (a spring or balance, the unbalance of an axis that turns) looks like a mass on one "
+        "sine; add constant-acceleration or jogs to the same call",
+        source, scale * result.mass, unit));
   }
   if (!(result.mass > 0.0)) {
     throw ident::Refused(

@@ -12,9 +12,10 @@ namespace stribeck::ident::drive {
 namespace {
 
 constexpr std::size_t kShownResiduals = 4000;
-constexpr double kMostHalf = 1e12;   ///< in SI: a wider interval is none
-constexpr double kVagueShift = 0.3;  ///< [rows] half width of a shift that is worth a word
-constexpr double kApart = 0.05;      ///< of friction: difference of the directions that is worth a word
+constexpr double kMostHalf = 1e12;    ///< in SI: a wider interval is none
+constexpr double kVagueShift = 0.3;   ///< [rows] half width of a shift that is worth a word
+constexpr double kApart = 0.05;       ///< of friction: difference of the directions that is worth a word
+constexpr double kWorthRise = 0.005;  // of the Coulomb force: less is rounding, and has no Stribeck speed
 constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
 constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
@@ -149,7 +150,8 @@ void Description::write_summary(int s) {
   const std::string tail = std::string("_") + map::kSideName[side];
   const double d = map::kDirection[side];
   add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s), true);
-  const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s);
+  const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
+                     summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
   const bool seen_at_rest = slow_enough(s, rises ? summary.stribeck_speed : std::nullopt);
   at_rest_seen_[side] = seen_at_rest;
   add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
@@ -172,10 +174,12 @@ bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed
   if (grid.low <= slow) return true;
   if (said_slowest_) return false;
   said_slowest_ = true;
+  const bool turns = found_.log.records.front().rotary;
+  const double scale = turns ? 180.0 / kPi : metres ? 1e3 : 1.0;
+  const char* unit = turns ? "deg/s" : metres ? "mm/s" : "rad/s";
   notes_.cannot_tell.push_back(text(
       "static friction: nothing slower than %.3g %s was used, and the friction may rise below it: add jogs at %.2g %s and slower",
-      grid.low * (metres ? 1e3 : 1.0), metres ? "mm/s" : "rad/s", 0.2 * grid.low * (metres ? 1e3 : 1.0),
-      metres ? "mm/s" : "rad/s"));
+      grid.low * scale, unit, 0.2 * grid.low * scale, unit));
   return false;
 }
 
@@ -185,7 +189,15 @@ void Description::write_speeds(int s) {
   const bool metres = result_.position_unit == "m";
   for (const double speed : shown_speeds(found_.rows.grid[side])) {
     const Figure f = friction_at(map(), s, speed);
-    add(text("friction_at_%+.3g_%s", d * speed * (metres ? 1e3 : 1.0), metres ? "mm_per_s" : "rad_per_s"),
+    const bool turns = found_.log.records.front().rotary;
+    add(text("friction_at_%+.3g_%s",
+             d * speed *
+                 (turns    ? 180.0 / kPi
+                  : metres ? 1e3
+                           : 1.0),
+             turns    ? "deg_per_s"
+             : metres ? "mm_per_s"
+                      : "rad_per_s"),
         d * f.value, "N", "N", curve_error(f, s, speed), true);
   }
 }

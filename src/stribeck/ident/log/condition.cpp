@@ -210,6 +210,7 @@ void hand_over(Table m, const RawLog& raw, Conditioned& out) {
   record.loop = raw.loop;
   record.force_unit = raw.force_unit;
   record.position_unit = raw.position_unit;
+  record.rotary = raw.rotary;
   constexpr unsigned kNotFitted = kSignUnsure | kAtLimit | kRepairedRow;
   if (std::any_of(m.mark.begin(), m.mark.end(), [](std::uint8_t k) { return (k & kNotFitted) != 0; })) {
     record.skip.resize(m.mark.size());

@@ -41,6 +41,7 @@ struct Record {
   std::vector<std::uint8_t> skip;  ///< 1: the row is not fitted (sign of the force unsure, …); may be empty
   std::string force_unit = "N";
   std::string position_unit = "m";
+  bool rotary = false;  ///< positions are arcs at a radius of 1 m
 };
 
 /// All reasons why a record cannot be identified, one sentence each with place, value found and value expected; empty for a

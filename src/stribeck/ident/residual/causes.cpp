@@ -23,10 +23,13 @@ constexpr double kSure = 2.0;         // half widths of 95 %
 constexpr double kWorthForce = 0.05;  // of friction
 constexpr double kWorthLevel = 0.08;  // of friction, change along the travel
 constexpr double kTold = 0.05;        // share of a column that the other columns do not explain
-constexpr double kLeastTurn = 0.7;    // rad of travel, to tell sine and cosine from a straight line
-constexpr std::size_t kPlaces = 60;   // along the travel
-constexpr double kTight = 0.15;       // of friction
-constexpr double kWidestSpot = 0.2;   // of the travel
+// Sine and cosine of a part of a turn are mostly a constant and a straight line, which friction and mass have too; the half width
+// says what is left. A sine of position leaves 1e-5, with strokes of constant acceleration 2e-2.
+constexpr double kToldOfAngle = 0.005;
+constexpr double kLeastTurn = 0.7;   // rad of travel, to tell sine and cosine from a straight line
+constexpr std::size_t kPlaces = 60;  // along the travel
+constexpr double kTight = 0.15;      // of friction
+constexpr double kWidestSpot = 0.2;  // of the travel
 constexpr std::size_t kFewestRows = 200;
 
 constexpr std::size_t kKnots = 7;  // of speed, each direction
@@ -34,7 +37,7 @@ constexpr double kApart = 0.02;    // of the top speed, between knots
 
 using Columns = std::vector<std::function<double(const Row&)>>;
 
-/// Least squares of the residual on columns, those of the model first.
+/// Least squares of the residual, or of the whole force, on columns, those of the model first.
 struct Fit {
   MatrixXd X;
   VectorXd theta, left;
@@ -86,7 +89,7 @@ double told_of(const MatrixXd& products, Index j) {
   return std::max(0.0, 1.0 - with.dot(stats::pseudo_inverse(among) * with));
 }
 
-Fit fit(const Rows& rows, const Columns& columns) {
+Fit fit(const Rows& rows, const Columns& columns, double Row::*target = &Row::e) {
   Fit out;
   const auto n = static_cast<Index>(rows.rows.size());
   const auto p = static_cast<Index>(columns.size());
@@ -97,7 +100,7 @@ Fit fit(const Rows& rows, const Columns& columns) {
   for (Index i = 0; i < n; ++i) {
     const Row& r = rows.rows[static_cast<std::size_t>(i)];
     for (Index j = 0; j < p; ++j) out.X(i, j) = columns[static_cast<std::size_t>(j)](r);
-    e(i) = r.e;
+    e(i) = r.*target;
     record.push_back(r.record);
     at.push_back(r.at);
   }
@@ -147,18 +150,21 @@ void find_spring(const Rows& rows, Diagnosis& out) {
 }
 
 void find_unbalance(const Rows& rows, Diagnosis& out) {
-  if (rows.position_unit != "rad" || rows.high - rows.low < kLeastTurn) return;
+  if (!rows.turns() || rows.high - rows.low < kLeastTurn) return;
   Columns columns = model_columns(rows);
   const std::size_t at = columns.size();
   columns.emplace_back([](const Row& r) { return std::sin(r.x); });
   columns.emplace_back([](const Row& r) { return std::cos(r.x); });
-  const Fit f = fit(rows, columns);
+  // A large one bends the map that was fitted without it, and no free friction takes its Gaussians back; then the whole force
+  // on the same columns leaves less.
+  Fit f = fit(rows, columns);
+  if (Fit whole = fit(rows, columns, &Row::f); whole.square < f.square) f = std::move(whole);
   const double sine = f.theta(static_cast<Index>(at)), cosine = f.theta(static_cast<Index>(at) + 1);
   const double size = std::hypot(sine, cosine);
   const double half = std::max(f.half[at], f.half[at + 1]);
   if (size < kSure * half || size < kWorthForce * rows.friction) return;
-  if (std::min(f.told[at], f.told[at + 1]) < kTold) return;
-  out.unbalance = Unbalance{sine, cosine, half};
+  if (std::min(f.told[at], f.told[at + 1]) < kToldOfAngle) return;
+  out.unbalance = Unbalance{sine, cosine, half, f.half.front()};
 }
 
 /// Friction that differs along the travel, and no period; takes it off.
@@ -238,6 +244,11 @@ void find_causes(const Rows& given, Diagnosis& out) {
   Rows rows = given;
   find_unbalance(rows, out);
   if (!out.unbalance) find_spring(rows, out);
+  if (out.spring && rows.turns()) {
+    out.cannot_tell.emplace_back(
+        "whether the force that grows with the angle is a spring or the unbalance of the axis: add a position-sine and "
+        "strokes of constant acceleration");
+  }
   find_level(rows, out);
   find_tight_spot(rows, out);
 }

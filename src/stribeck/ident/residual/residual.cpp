@@ -43,6 +43,7 @@ class Collector {
     mass_ = std::isfinite(result.mass) ? result.mass : 0.0;
     rows_.force_unit = result.force_unit;
     rows_.position_unit = result.position_unit;
+    rows_.rotary = !records.empty() && records.front().rotary;
     for (const log::Record& r : records) add(r);
   }
 
@@ -95,8 +96,8 @@ class Collector {
       if (k % step != 0) continue;
       if (rows_.rows.empty()) rows_.low = rows_.high = m.x[k];
       rows_.low = std::min(rows_.low, m.x[k]), rows_.high = std::max(rows_.high, m.x[k]);
-      rows_.rows.push_back(
-          {number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k], v, m.a[k], e, v > 0.0 ? 1.0 : -1.0});
+      rows_.rows.push_back({number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k], v, m.a[k], e,
+                            v > 0.0 ? 1.0 : -1.0, m.f[k]});
     }
     first_stretch_ += last + 1;
     left.push_back(std::move(one));

@@ -58,6 +58,7 @@ struct Unbalance {
   double sine = 0.0;        ///< [N]
   double cosine = 0.0;      ///< [N]
   double half_width = 0.0;  ///< 95 %, of the amplitude [N]
+  double mass = 0.0;        ///< half width of the mass beside it, 95 % [kg]
 };
 
 struct Diagnosis {

@@ -3,6 +3,7 @@
 /// Real time: no.
 
 #include <cstddef>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <string>
@@ -29,6 +30,7 @@ struct Row {
   double a = 0.0;   ///< [m/s²]
   double e = 0.0;   ///< residual behind the low-pass [N]
   double sign = 1.0;
+  double f = 0.0;  ///< force behind the low-pass [N]
 };
 
 struct Rows {
@@ -39,13 +41,20 @@ struct Rows {
   double friction = 0.0;  ///< RMS [N]
   std::string force_unit;
   std::string position_unit;
+  bool rotary = false;  ///< positions are arcs at a radius of 1 m
 
+  /// Whether the position is an angle in radians.
+  [[nodiscard]] bool turns() const noexcept { return rotary || position_unit == "rad"; }
   [[nodiscard]] double middle() const noexcept { return 0.5 * (low + high); }
   /// −1 … 1 over the travel.
   [[nodiscard]] double along(const Row& r) const noexcept { return (r.x - middle()) / (0.5 * (high - low)); }
   /// Position as people read it.
-  [[nodiscard]] double shown(double x) const noexcept { return position_unit == "m" ? 1e3 * x : x; }
-  [[nodiscard]] const char* shown_unit() const noexcept { return position_unit == "m" ? "mm" : "rad"; }
+  [[nodiscard]] double shown(double x) const noexcept {
+    return rotary ? x * 180.0 / kPi : position_unit == "m" ? 1e3 * x : x;
+  }
+  [[nodiscard]] const char* shown_unit() const noexcept {
+    return rotary ? "deg" : position_unit == "m" ? "mm" : "rad";
+  }
 };
 
 // lines.cpp

@@ -136,6 +136,13 @@ TEST(Residual, FindsAnUnbalancedArm) {
   EXPECT_NEAR(std::hypot(d.unbalance->sine, d.unbalance->cosine), 38.0, 1.0);
   EXPECT_NEAR(std::atan2(-d.unbalance->cosine, d.unbalance->sine), 0.4, 0.05);
   EXPECT_FALSE(d.spring);
+  // An axis that is carried at a radius of 1 m is told by its record.
+  r.position_unit = "m";
+  r.force_unit = "N";
+  EXPECT_FALSE(diagnose({r}, truth()).unbalance);
+  r.rotary = true;
+  ASSERT_TRUE(diagnose({r}, truth()).unbalance);
+  EXPECT_GT(diagnose({r}, truth()).unbalance->mass, 0.0);
 }
 
 TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {

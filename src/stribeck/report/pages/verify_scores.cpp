@@ -86,7 +86,7 @@ Json replay_json(const ident::replay::Replay& r, const ShownUnits& u, bool force
     if (!holds) out[name] = number_or_null(value);
   };
   if (force) {
-    put("force_rms", "N", u.force == "N", r.force_rms, 1.0);
+    put("force_rms", "N", u.force == "N" || u.in_degrees(), r.force_rms, 1.0);
     out["force_relative_percent"] = number_or_null(100.0 * r.force_relative);
   }
   put("velocity_rms", "mm_per_s", u.linear(), r.velocity_rms, 1e3);
@@ -132,7 +132,10 @@ Json controller_json(const std::optional<ident::replay::ControllerCheck>& check)
 
 }  // namespace
 
-ShownUnits units_of(const VerifiedPart& part) { return {part.record.force_unit, part.record.position_unit}; }
+ShownUnits units_of(const VerifiedPart& part) {
+  const ShownUnits units{part.record.force_unit, part.record.position_unit};
+  return part.record.rotary && units.physical() ? ShownUnits::turning() : units;
+}
 
 bool has_closed(const VerifiedPart& part) {
   return std::any_of(part.models.begin(), part.models.end(),

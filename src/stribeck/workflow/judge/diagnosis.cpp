@@ -70,15 +70,31 @@ void write_spring(const ident::residual::Spring& s, const ident::residual::Quali
       ringing(q)));
 }
 
-void write_unbalance(const ident::residual::Unbalance& u, ident::Result& r) {
+/// A mass that was fitted after a force was taken off knows nothing of the error of that force.
+void widen_mass(double half_width, ident::Result& r) {
+  if (!std::isfinite(r.mass) || !std::isfinite(half_width)) return;
+  r.mass_interval.low = std::min(r.mass_interval.low, r.mass - half_width);
+  r.mass_interval.high = std::max(r.mass_interval.high, r.mass + half_width);
+  for (ident::Parameter& p : r.parameters) {
+    if (p.name != "mass") continue;
+    p.ci_low = std::min(p.ci_low, r.mass_interval.low);
+    p.ci_high = std::max(p.ci_high, r.mass_interval.high);
+  }
+}
+
+void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
   const double size = std::hypot(u.sine, u.cosine);
   const double phase = std::atan2(-u.cosine, u.sine);
+  const double turn = std::min(kPi, u.half_width / size);
   r.parameters.push_back({"unbalance", size, "N", "N", size - u.half_width, size + u.half_width, true});
+  r.parameters.push_back({"unbalance_hangs_at", phase, "m", "mm", phase - turn, phase + turn, true});
+  widen_mass(u.mass, r);
   const bool room = r.friction.eccentric.size() < friction::kMaxEccentricTerms;
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
   r.warnings.push_back(fmt::format(
-      "a force of {:.3g} {} (95 %: ±{:.2g}) follows the sine of the angle, zero at {:.3g} rad: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
-      size, r.force_unit, u.half_width, phase,
+      "a force of {:.3g} {} (95 %: ±{:.2g}) follows the sine of the angle, the heavy side hangs down at {:.3g} {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
+      size, rotary ? "N m" : r.force_unit, u.half_width, rotary ? phase * 180.0 / kPi : phase,
+      rotary ? "deg" : "rad",
       room ? "; it stands among the periodic terms, with one turn as its period" : ""));
 }
 
@@ -98,6 +114,8 @@ void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all
   if (more.unbalance && all.unbalance) {
     all.unbalance->sine += more.unbalance->sine;
     all.unbalance->cosine += more.unbalance->cosine;
+    all.unbalance->half_width = more.unbalance->half_width;
+    all.unbalance->mass = more.unbalance->mass;
   }
   if (more.unbalance && !all.unbalance) all.unbalance = more.unbalance;
 }
@@ -123,7 +141,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     d = std::move(left);
   }
   if (taken.spring) write_spring(*taken.spring, d.quality, found.result);
-  if (taken.unbalance) write_unbalance(*taken.unbalance, found.result);
+  if (taken.unbalance) write_unbalance(*taken.unbalance, axis.rotary, found.result);
   found.quality = std::move(d.quality);
   ident::Result& r = found.result;
   r.warnings.insert(r.warnings.end(), d.warnings.begin(), d.warnings.end());

@@ -111,8 +111,10 @@ LoggedAxis logged_axis(const io::Log& log, const LogOptions& options) {
     out.notes.push_back(fmt::format(
         "--lead converts the positions; the force keeps the drive of the machine file, whose turn is {} of travel",
         six_digits(options.drive.lead)));
-  out.rotary = options.drive.rotary || (motion.rotary && lead_used);
-  if (out.rotary) out.notes.emplace_back(kRotaryAsLinear);
+  const bool told = std::any_of(log.metadata.begin(), log.metadata.end(),
+                                [](const auto& entry) { return entry.first == kRotaryKey; });
+  out.rotary = options.drive.rotary || (told && !motion.angle) || (motion.rotary && lead_used);
+  if (out.rotary) out.notes.emplace_back(kRotaryNote);
   if (!options.lead.empty() && !lead_used)
     refuse_option(
         "--lead",

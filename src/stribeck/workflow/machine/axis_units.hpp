@@ -29,8 +29,14 @@ constexpr const AxisUnits& units_of(bool rotary) noexcept { return rotary ? kRot
 /// Said wherever results of a rotary axis are shown in the units of a linear one.
 inline constexpr std::string_view kRotaryAsLinear =
     "a rotary axis: angles are taken as arcs at a radius of 1 m, so that N stands for N m, kg for kg m2 and mm for mrad";
+/// Key of a log whose positions are such arcs.
+inline constexpr const char* kRotaryKey = "rotary";
 /// The same beside a value.
 inline constexpr std::string_view kRotaryInResults =
-    "logs and results take angles as arcs at a radius of 1 m: N stands for N m, kg for kg m2 and mm for mrad";
+    "axis files, JSON and simulated logs take angles as arcs at a radius of 1 m: N stands for N m, kg for kg m2 and mm for mrad";
+/// The same beside a result, whose table is in degrees.
+inline constexpr std::string_view kRotaryNote =
+    "a rotary axis: its table is in deg, N m and kg m2; axis file and JSON take angles as arcs at a radius of 1 m, so that N "
+    "stands for N m, kg for kg m2 and mm for mrad";
 
 }  // namespace stribeck::workflow

@@ -13,7 +13,8 @@ AxisRun run_axis(const sim::Machine& machine, const std::string& file, const std
   AxisRun run{machine.name, axis, seed, play(machine, index, given.r, given.force, seed), {}, {}};
   run.end_stop = cut_at_end_stop(run.recording, machine.axes[index].second.limits);
   run.log = as_log(run.recording);
-  run.log.metadata = {{"machine", machine.name}, {"axis", axis}, {"seed", std::to_string(seed)}};
+  run.log.metadata.insert(run.log.metadata.begin(),
+                          {{"machine", machine.name}, {"axis", axis}, {"seed", std::to_string(seed)}});
   return run;
 }
 
