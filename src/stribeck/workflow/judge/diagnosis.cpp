@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include <stribeck/core/numbers.hpp>
@@ -70,16 +71,20 @@ void write_spring(const ident::residual::Spring& s, const ident::residual::Quali
       ringing(q)));
 }
 
+void widen(std::string_view name, double half_width, ident::Result& r) {
+  for (ident::Parameter& p : r.parameters) {
+    if (p.name != name) continue;
+    p.ci_low = std::min(p.ci_low, p.value - half_width);
+    p.ci_high = std::max(p.ci_high, p.value + half_width);
+  }
+}
+
 /// A mass that was fitted after a force was taken off knows nothing of the error of that force.
 void widen_mass(double half_width, ident::Result& r) {
   if (!std::isfinite(r.mass) || !std::isfinite(half_width)) return;
   r.mass_interval.low = std::min(r.mass_interval.low, r.mass - half_width);
   r.mass_interval.high = std::max(r.mass_interval.high, r.mass + half_width);
-  for (ident::Parameter& p : r.parameters) {
-    if (p.name != "mass") continue;
-    p.ci_low = std::min(p.ci_low, r.mass_interval.low);
-    p.ci_high = std::max(p.ci_high, r.mass_interval.high);
-  }
+  widen("mass", half_width, r);
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
@@ -89,6 +94,7 @@ void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Re
   r.parameters.push_back({"unbalance", size, "N", "N", size - u.half_width, size + u.half_width, true});
   r.parameters.push_back({"unbalance_hangs_at", phase, "m", "mm", phase - turn, phase + turn, true});
   widen_mass(u.mass, r);
+  widen("load", u.half_width, r);  // over part of a turn an error of the weight looks like a load
   const bool room = r.friction.eccentric.size() < friction::kMaxEccentricTerms;
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
   r.warnings.push_back(fmt::format(

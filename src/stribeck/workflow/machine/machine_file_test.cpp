@@ -359,7 +359,7 @@ TEST(MachineFile, AnUnbalanceIsATorqueOrAMassAtADistance) {
 }
 
 TEST(MachineFile, AnUnbalanceBelongsToAnAxisThatTurns) {
-  std::string text = io::read_file(kExamples + "gantry.toml");
+  std::string text = io::read_text(kExamples + "gantry.toml");
   const auto at = text.find("[axes.x.commissioning]");
   ASSERT_NE(at, std::string::npos);
   text.insert(text.find('\n', at) + 1, "unbalance = { torque = \"5 N m\" }\n");
