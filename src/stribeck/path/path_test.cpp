@@ -148,6 +148,22 @@ TEST(SpeedLaw, BeginsAndEndsAtRestWithoutAStep) {
   }
 }
 
+TEST(SpeedLaw, RunInCoversHalfOfWhatItsEndSpeedWould) {
+  // 2 s to 0.3 m/s, 3 s at it, 2 s to rest: the blend is symmetric about its middle, where it is half as fast.
+  const SpeedLaw law{0.3, 2.0, 0.9};
+  EXPECT_NEAR(law.duration(), 7.0, 1e-15);
+  EXPECT_NEAR(law.at(1.0).speed, 0.15, 1e-15);
+  EXPECT_NEAR(law.at(2.0).s, 0.3, 1e-15);
+  EXPECT_NEAR(law.at(3.5).s, 0.75, 1e-15);
+  EXPECT_NEAR(law.at(5.0).s, 1.2, 1e-15);
+  EXPECT_NEAR(law.at(6.0).s + law.at(1.0).s, 1.5, 1e-15);
+  const SpeedLaw::Point end = law.at(7.5);
+  EXPECT_NEAR(end.s, 1.5, 1e-15);
+  EXPECT_EQ(end.speed, 0.0);
+  EXPECT_EQ(end.acceleration, 0.0);
+  EXPECT_EQ(law.at(3.0).acceleration, 0.0);
+}
+
 TEST(Curve, LapOfACircleIsItsCircumference) {
   EXPECT_NEAR(lap_length(Curve{Shape::kCircle, 10e-3}), 2 * kPi * 10e-3, 1e-15);
   // SciPy quad of the stretch of the eight: 60.97223470105 mm for R = 10 mm (lemniscate of Gerono).

@@ -83,6 +83,31 @@ TEST(Zpetc, AnswersADisturbanceAsItsDoublePoleSays) {
   }
 }
 
+TEST(Zpetc, BeginsAsIfTheMotionHadAlwaysHadItsFirstAcceleration) {
+  for (const auto preview : {Preview::kExtrapolated, Preview::kDelayed}) {
+    ZpetcParams p;
+    p.preview = preview;
+    const Zpetc<1> law(p, test::masses<1>(1e-3));
+    Zpetc<1>::State long_ago;
+    Zpetc<1>::State now;
+    for (int k = -9; k < 3; ++k) {
+      const double t = 1e-3 * k;
+      path::PathPoint<1> r;
+      r.position = {{0.1 + 0.02 * t + 0.5 * 3.0 * t * t}};
+      r.velocity = {{0.02 + 3.0 * t}};
+      r.acceleration = {{3.0}};
+      // The axis is where the law wants it, so that no error of the sample before is missed: two periods behind where the law waits
+      // for the samples to come, and in both cases a quarter of aT² ahead, by the mean over neighbours.
+      const double behind = preview == Preview::kDelayed ? 2e-3 * (0.02 + 3.0 * t) - 6e-6 : 0.0;
+      const Vec<double, 1> x{{r.position[0] - behind + 0.75e-6}};
+      const double force = law.step(long_ago, r, x)[0];
+      if (k < 0) continue;
+      // Sums of 0.1 m over squares of 1 ms
+      EXPECT_NEAR(law.step(now, r, x)[0], force, 1e-6) << k;
+    }
+  }
+}
+
 TEST(Zpetc, StandsStillWhereThePathDoes) {
   for (const auto preview : {Preview::kExtrapolated, Preview::kDelayed}) {
     ZpetcParams p;
