@@ -148,8 +148,9 @@ class Mechanics {
 
  private:
   /// Kutta's third order is stable to a decay of 2.51 per step; the velocity may grow a little within the
-  /// period.
+  /// period. Where it grows more, steps are divided.
   static constexpr double kStableStep = 2.3;
+  static constexpr double kUnstableStep = 2.5;
   static constexpr double kNear = 1.0 / 40;  ///< change of velocity within a step, as a share of the velocity
   static constexpr double kMostSubsteps = 16384.0;
 
@@ -163,12 +164,13 @@ class Mechanics {
   }
 
   /// Sub-steps for a period of dt [s].
-  [[nodiscard]] int count(double dt, int substeps) const noexcept {
-    double decay = friction_.law().rate_bound(std::abs(y_[1]), parts(map_, y_[1], y_[0]).level) * dt;
+  [[nodiscard]] int count(double dt, int substeps) noexcept {
+    level_ = parts(map_, y_[1], y_[0]).level;
+    double decay = friction_.law().rate_bound(std::abs(y_[1]), level_) * dt;
     if constexpr (kLost) {
       const double v = y_[kTable + 1];
-      decay = std::max(decay,
-                       table_friction_.law().rate_bound(std::abs(v), parts(map_, v, y_[kTable]).level) * dt);
+      table_level_ = parts(map_, v, y_[kTable]).level;
+      decay = std::max(decay, table_friction_.law().rate_bound(std::abs(v), table_level_) * dt);
     }
     const double steps = decay * (1.0 / kStableStep);
     // A run that has diverged (NaN) keeps the given number, so that a search for a stable number can see the
@@ -177,12 +179,25 @@ class Mechanics {
     return static_cast<int>(std::min(steps, kMostSubsteps)) + 1;
   }
 
+  /// Decay of friction within a sub-step of h [s] that begins with these accelerations, at the level of the period's start.
+  [[nodiscard]] double decay(const StateVector& rates, double h) const noexcept {
+    const double reach = std::abs(y_[1]) + h * std::abs(rates[1]);
+    double most = friction_.law().rate_bound(reach, level_) * h;
+    if constexpr (kLost) {
+      const double table_reach = std::abs(y_[kTable + 1]) + h * std::abs(rates[kTable + 1]);
+      most = std::max(most, table_friction_.law().rate_bound(table_reach, table_level_) * h);
+    }
+    return most;
+  }
+
   void substep(const Held& held, double h) noexcept {
     const double before = y_[1];
     [[maybe_unused]] double table_before = 0.0;
     if constexpr (kLost) table_before = y_[kTable + 1];
     const auto near = friction::near_or_itself(map_, before);
     const StateVector k1 = derivative(near, y_, held);
+    // A large force reaches a speed that the count for the whole period did not know of.
+    if (const double most = decay(k1, h); most > kUnstableStep) return divide(held, h, most);
     // While the velocity stays within half a cell of the table, the cell of the first stage serves all stages.
     if (std::abs(k1[1]) * h < kNear * std::abs(before)) {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(near, y, held); });
@@ -196,6 +211,12 @@ class Mechanics {
         table_friction_.settle(&y_[kTableFriction], table_before, v, parts(map_, v, y_[kTable]));
       }
     }
+  }
+
+  /// A sub-step in so many parts that each is stable.
+  void divide(const Held& held, double h, double decay_in_h) noexcept {
+    const int parts = static_cast<int>(std::min(decay_in_h * (1.0 / kStableStep), kMostSubsteps)) + 1;
+    for (int i = 0; i < parts; ++i) substep(held, h / parts);
   }
 
   void set(const AxisParams& p) noexcept {
@@ -288,6 +309,8 @@ class Mechanics {
   double level_share_ = 1.0;
   double viscous_share_ = 1.0;
   double stiffness_share_ = 1.0;
+  double level_ = 1.0;  ///< of friction at the start of the period [N]
+  double table_level_ = 1.0;
   double mass_ = 1.0;
   double inverse_mass_ = 1.0;
   double gain_ = 0.0;
