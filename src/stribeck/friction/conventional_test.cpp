@@ -33,6 +33,15 @@ TEST(Conventional, WithoutStribeckPartTheLevelIsCoulombAtEveryVelocity) {
   EXPECT_NEAR(steady_force(map, -4e-3), -1255.38 - 105.54 * 4.0, 1e-9);
 }
 
+TEST(Conventional, ScaledByAFactorEveryForceIs) {
+  // As a machine that is warm has it: Coulomb, static and viscous friction all together.
+  const auto map = table_4_2_x(1.0);
+  const auto warm = map.scaled(0.4);
+  for (const double v : {1e-6, 3e-4, 2e-3, 0.5})
+    EXPECT_NEAR(steady_force(warm, v), 0.4 * steady_force(map, v), 1e-9);
+  EXPECT_EQ(Conventional<double>({10.0, 0.0, {}}).scaled(3.0).parts(1.0, 0.0).level, 30.0);
+}
+
 TEST(Conventional, MirrorsUnderSignOfVelocityForOddShape) {
   const auto map = table_4_2_x(1.0);
   for (const double v : {1e-5, 3e-4, 2e-3}) EXPECT_EQ(steady_force(map, -v), -steady_force(map, v));

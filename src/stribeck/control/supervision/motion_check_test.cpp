@@ -52,6 +52,17 @@ struct Axis {
   }
 };
 
+TEST(MotionCheck, AForceThatTurnsEachPeriodPushesNothing) {
+  // It moves no mass, so that an encoder at rest is right.
+  const MotionCheck check(limits());
+  MotionCheck::State s;
+  for (int k = 0; k < 2000; ++k) {
+    MotionCheck::Motion m;
+    m.force = k % 2 == 0 ? 200.0 : -200.0;
+    ASSERT_EQ(check.step(s, m), Fault::kNone) << k;
+  }
+}
+
 TEST(MotionCheck, SoundAxesAcceleratedAndBrakedAsHardAsTheyCanDoNotTrip) {
   const MotionCheck check(limits());
   for (const double force : {70.0, 120.0, 250.0}) {

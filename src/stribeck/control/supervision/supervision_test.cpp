@@ -291,11 +291,14 @@ TEST(Supervisor, TheStopTimeOfASoundAxisCountsFromTheFirstBadSampleToo) {
 
 TEST(Supervisor, WhatWasLearnedSecondsAgoIsKeptOverAFault) {
   Loop run(Observer::kDisturbance, true);
-  // The first axis moves in the negative direction alone at first.
+  // The first axis moves in the negative direction alone at first, the second one in the positive direction.
   std::vector<double> history;
+  std::vector<double> of_second;
+  const auto& second = run.state->law.compensation[1].adaptation.theta[FrictionRls::kPositive];
   for (int k = 0; k < 3600; ++k) {
     run.step();
     history.push_back(run.state->law.compensation[0].adaptation.theta[FrictionRls::kNegative]);
+    of_second.push_back(second);
   }
   run.added = kNan;
   run.go(20);
@@ -310,6 +313,8 @@ TEST(Supervisor, WhatWasLearnedSecondsAgoIsKeptOverAFault) {
   ASSERT_NE(when, history.end());
   EXPECT_GE(history.end() - when, 1000);
   EXPECT_LE(history.end() - when, 2010);
+  EXPECT_NE(second, 0.0);
+  EXPECT_EQ(second, of_second[static_cast<std::size_t>(when - history.begin())]);
   const auto recalled = s.theta;
   run.go(1);
   for (std::size_t i = 0; i < FrictionRls::kCount; ++i) EXPECT_EQ(s.theta[i], recalled[i]);
