@@ -129,15 +129,22 @@ PathPoint<N> straight(const MotionFrame<N>& frame, typename MotionFrame<N>::Stat
 }
 
 TEST(MotionFrame, AnExactCornerAtSpeedTurnsTheTangentAtOnceAndKeepsTheNormalAcrossTheCorner) {
-  // Within the x-y plane; z has nothing to do with the corner, and neither has its normal, whatever the angle.
-  for (const double degrees : {30.0, 59.0, 61.0, 90.0, 135.0, 179.0}) {
-    const MotionFrame<3> frame(kPeriod, 1e-5, 15.0);
-    typename MotionFrame<3>::State s;
-    const auto before = straight<3>(frame, s, {{1.0, 0.0, 0.0}});
-    const double a = degrees * kPi / 180.0;
-    const auto after = straight<3>(frame, s, {{std::cos(a), std::sin(a), 0.0}});
-    // The part of each normal along z stays what it was; that across z turns with the corner.
-    for (std::size_t i = 1; i < 3; ++i) EXPECT_NEAR(after.frame[i][2], before.frame[i][2], 1e-9) << degrees;
+  // What lies along the axis of the corner has nothing to do with it, whatever the angle: within the x-y plane, and within planes that
+  // lie askew to the normals.
+  for (const double tilt : {0.0, 0.4, 1.2}) {
+    for (const double degrees : {30.0, 59.0, 61.0, 90.0, 110.0, 135.0, 179.0}) {
+      const MotionFrame<3> frame(kPeriod, 1e-5, 15.0);
+      typename MotionFrame<3>::State s;
+      const auto before = straight<3>(frame, s, {{1.0, 0.0, 0.0}});
+      const double a = degrees * kPi / 180.0;
+      const auto after =
+          straight<3>(frame, s, {{std::cos(a), std::sin(a) * std::cos(tilt), std::sin(a) * std::sin(tilt)}});
+      // From 120 degrees on normals are kept as near as can be, which is another rotation.
+      if (tilt > 0.0 && degrees > 120.0) continue;
+      const Vec<double, 3> axis{{0.0, -std::sin(tilt), std::cos(tilt)}};
+      for (std::size_t i = 1; i < 3; ++i)
+        EXPECT_NEAR(dot(after.frame[i], axis), dot(before.frame[i], axis), 1e-9) << degrees << ' ' << tilt;
+    }
   }
 }
 

@@ -11,6 +11,24 @@ namespace {
 
 constexpr double kPeriod = 5e-3;
 
+TEST(DriftMonitor, BreakAwayIsTheLevelOverTheStiffness) {
+  using A = FrictionRls;
+  A::State a;
+  a.theta[A::kPositive] = 0.4;
+  a.theta[A::kNegative] = 0.2;
+  a.theta[A::kStiffness] = 0.625;
+  a.deviation[A::kStiffness] = 0.1;
+  const auto d = DriftMonitor::report({}, a, kPeriod);
+  // 1.3 times the level over 1.625 times the stiffness: a fifth less distance. A stiffness that is a little higher shortens it further.
+  EXPECT_NEAR(d.level, 0.3, 1e-12);
+  EXPECT_NEAR(d.break_away, -0.2, 1e-12);
+  const double step = 1e-6;
+  A::State b = a;
+  b.theta[A::kStiffness] += step;
+  const double slope = (DriftMonitor::report({}, b, kPeriod).break_away - d.break_away) / step;
+  EXPECT_NEAR(d.break_away_deviation, -slope * 0.1, 1e-6);
+}
+
 TEST(DriftMonitor, SaysWhatChangedOnceItIsSure) {
   using A = FrictionRls;
   const auto verdict = [](std::initializer_list<std::pair<std::size_t, double>> theta, double deviation) {
