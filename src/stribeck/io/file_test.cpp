@@ -9,6 +9,7 @@
 #include <fstream>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/write_at_once.hpp>
 
 namespace stribeck::io::file_test {
 namespace {
@@ -86,6 +87,20 @@ TEST_F(Files, WrittenTogetherAppearTogether) {
   EXPECT_THAT(names_in(folder_), ElementsAre("a", "c", "made"));
   EXPECT_EQ(read_text(path("a")), "new");
   EXPECT_EQ(::access(path("made/b").c_str(), X_OK), 0);
+}
+
+TEST_F(Files, AtOnceIsAtOnceInsideThoseWrittenTogether) {
+  WriteTogether all;
+  write_atomically(path("a"), "late");
+  {
+    const WriteAtOnce at_once;
+    write_atomically(path("b"), "at once");
+    EXPECT_EQ(read_text(path("b")), "at once");
+  }
+  write_atomically(path("c"), "late");
+  EXPECT_THAT(names_in(folder_), ElementsAre("b"));
+  all.commit();
+  EXPECT_THAT(names_in(folder_), ElementsAre("a", "b", "c"));
 }
 
 TEST_F(Files, LinksAreFollowedToWhatIsNotThereYet) {

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/write_at_once.hpp>
 #include <system_error>
 #include <utility>
 
@@ -51,6 +52,16 @@ std::string temporary_in(const std::string& folder) {
                               std::to_string(count++) + std::string(kSuffix)))
       .string();
 }
+
+/// The names in a folder reach the disk. Some file systems cannot be asked for that, which is no failure of the write.
+void sync_folder(const std::string& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+bool at_once = false;  // see WriteAtOnce
 
 /// What a killed program has left: temporary files that nobody holds locked.
 void remove_abandoned(const std::string& folder) {
@@ -183,13 +194,7 @@ void WriteTogether::commit() {
     if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(folder);
   }
   pending_.clear();
-  for (const std::string& folder : folders) {
-    // The names reach the disk. Some file systems cannot be asked for that, which is no failure of the write.
-    const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0) continue;
-    ::fsync(fd);
-    ::close(fd);
-  }
+  for (const std::string& folder : folders) sync_folder(folder);
 }
 
 void write_atomically(const std::string& path, std::string_view bytes, FileIs what) {
@@ -205,11 +210,20 @@ void write_atomically(const std::string& path, std::string_view bytes, FileIs wh
     if (error != 0) fail(path, error);
     return;
   }
+  if (at_once) {
+    WriteTogether::Pending file(path, bytes, what == FileIs::kProgram);
+    file.finish();
+    return sync_folder(folder_of(file.target()));
+  }
   WriteTogether alone;
   WriteTogether& all = *WriteTogether::current_;
   all.pending_.emplace_back(path, bytes, what == FileIs::kProgram);
   alone.commit();
 }
+
+WriteAtOnce::WriteAtOnce() noexcept : before_(std::exchange(at_once, true)) {}
+
+WriteAtOnce::~WriteAtOnce() { at_once = before_; }
 
 void WriteTogether::remove_at_end_if_empty(std::vector<std::string> folders) {
   if (current_ == nullptr) return remove_if_empty(folders);
