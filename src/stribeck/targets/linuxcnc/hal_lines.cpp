@@ -6,6 +6,7 @@
 #include <capi/parameters.hpp>
 #include <stribeck/control/compensation/compensation_settings.hpp>
 #include <stribeck/control/supervision/limits.hpp>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/targets/linuxcnc/hal_lines.hpp>
 
 namespace stribeck::targets::linuxcnc {
@@ -78,6 +79,14 @@ std::string supervision_lines(const std::string& name, const sim::MachineAxis& a
          (omega < kUsual ? setp(name, "supervision.following_error", axis.limits.speed / omega)
                          : std::string()) +
          (step > 0.0 ? setp(name, "encoder_resolution", step) : std::string());
+}
+
+double initial_value(std::string_view parameter) {
+  stribeck_parameter p;
+  for (std::uint32_t i = 0; stribeck_controller_parameter(i, &p) == STRIBECK_OK; ++i) {
+    if (hal_name(p.name) == parameter) return p.value;
+  }
+  return kNaN;
 }
 
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {

@@ -15,6 +15,9 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
                              const std::string& feedforward);
 /// Supervision of everything (docs/guides/faults.md), within the limits that the machine file has for this axis; omega of its loop [rad/s].
 std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis, double omega);
+/// What a parameter of a controller is before it is set, by its name in HAL ("friction.conventional.alpha0"); NaN: absent, or no such
+/// parameter. A controller refuses a parameter of a kind that is not chosen unless it has this value.
+double initial_value(std::string_view parameter);
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis);
 std::string setp(const std::string& component, std::string_view parameter, double value,
                  std::string_view word = {});
