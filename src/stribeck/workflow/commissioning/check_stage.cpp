@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include <stribeck/report/text.hpp>
+#include <stribeck/workflow/commissioning/parts.hpp>
+#include <stribeck/workflow/commissioning/sign.hpp>
+
+namespace stribeck::workflow::commissioning {
+namespace {
+
+constexpr double kFirstMove = 0.05e-3;   // [m]
+constexpr double kFirstTime = 0.2;       // of it [s]
+constexpr double kSignFerror = 0.08e-3;  // the controller stops there [m]
+constexpr double kWeakest = 0.25;        // first force, as a share of the least friction
+constexpr double kMostOfForce = 0.5;     // of the largest force of the drive
+constexpr double kSettle = 0.1;          // [s]
+
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+std::string text_of(double value) { return fmt::format("{:.9g}", value); }
+
+/// Forces with which the sign is tried, the smallest first; a drive with a loop of its own is tried once.
+std::vector<double> forces_to_try(const RunningAxis& a) {
+  if (!a.takes_force) return {0.0};
+  std::vector<double> out;
+  const double most = std::min(1.5 * a.rough.friction.high(), kMostOfForce * a.force_limit);
+  for (double f = kWeakest * a.rough.friction.low(); f < most; f *= 2.0) out.push_back(f);
+  out.push_back(most);
+  return out;
+}
+
+/// Little force on every axis, and a little more on one: nobody knows the sign of the others either. The machine is off.
+void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double force) {
+  for (const RunningAxis& a : work.axes.axes) {
+    Values values{{a.controller + ".feedforward", "0"},
+                  {a.controller + ".observer", "0"},
+                  {a.controller + ".adaptation.enabled", "0"}};
+    const double own = &a == &tried ? force : forces_to_try(a).front();
+    if (a.takes_force)
+      values.emplace_back(a.controller + ".force-limit", text_of(std::abs(a.rough.load) + own));
+    changed.set(values);
+    tighten(work, changed, a, kSignFerror);
+  }
+}
+
+/// Moves one axis with little force and records it.
+SignTest try_sign(Work& work, ChangedValues& changed, const RunningAxis& a, double force) {
+  RunningMachine& machine = work.machine;
+  machine.switch_off();
+  weaken(work, changed, a, force);
+  machine.switch_on();
+  machine.sleep(kSettle);
+  const std::string file = fmt::format("{}/sign-{}.log", work.folder, a.name);
+  machine.begin_record(work.axes.sampler, file);
+  machine.sleep(kSettle);
+  std::string stopped;
+  try {
+    jog(work, a, kFirstMove / kFirstTime, kFirstMove);
+    machine.sleep(kSettle);
+  } catch (const Stopped& e) {
+    stopped = e.what();
+  }
+  machine.end_record();
+  const auto rows = read_record(work.axes, file);
+  const auto at = static_cast<std::size_t>(&a - work.axes.axes.data());
+  const SignTest test = judge_sign(rows[at], a.resolution);
+  if (stopped.empty() && test.sign == Sign::kRight) {
+    try {
+      jog(work, a, kFirstMove / kFirstTime, -kFirstMove);
+    } catch (const Stopped&) {
+      // It was stopped at the small force; what it has shown holds.
+    }
+  }
+  machine.switch_off();
+  static_cast<void>(machine.state());  // its messages are known
+  return test;
+}
+
+io::Json find_sign(Work& work, ChangedValues& changed, const RunningAxis& a) {
+  SignTest test;
+  double force = 0.0;
+  for (const double f : forces_to_try(a)) {
+    force = f;
+    test = try_sign(work, changed, a, f);
+    if (test.sign != Sign::kNotSeen) break;
+  }
+  const std::string with =
+      a.takes_force ? fmt::format(" with at most {} N", report::significant(force, 3)) : "";
+  if (test.sign == Sign::kWrong)
+    throw Stopped(fmt::format(
+        "axis {}: it moves against its command: {} um{}, {} um at the farthest. The sign of the force or of the encoder is wrong "
+        "(change one of the two: the scale of the drive's output, or of the encoder)",
+        a.name, report::significant(1e6 * test.moved, 3), with, report::significant(1e6 * test.farthest, 3)));
+  if (test.sign == Sign::kNotSeen)
+    throw Stopped(fmt::format(
+        "axis {}: it did not move{} (moved {} um, expected more than {} um): look at brake, enable of the drive, emergency stop and "
+        "encoder",
+        a.name, with, report::significant(1e6 * test.moved, 3), report::significant(1e6 * test.needed, 3)));
+  work.found(fmt::format("axis {}: force and encoder have the same sign: {} um{}, {} um at the farthest",
+                         a.name, report::significant(1e6 * test.moved, 3), with,
+                         report::significant(1e6 * test.farthest, 3)));
+  return {{"axis", a.name},
+          {"moved_um", 1e6 * test.moved},
+          {"farthest_um", 1e6 * test.farthest},
+          {"force_N", force}};
+}
+
+void home_all(Work& work) {
+  RunningMachine& machine = work.machine;
+  machine.switch_on();
+  machine.sleep(kSettle);
+  static_cast<void>(machine.state());  // messages of the tries before
+  if (!machine.state().homed()) {
+    work.ask("Homes all joints, as the INI file says.");
+    machine.home();
+    for (double waited = 0.0; !machine.state().homed(); waited += kSettle) {
+      const MachineState state = machine.state();
+      if (const std::string why = trouble(work, state); !why.empty()) {
+        machine.stop();
+        throw Stopped(why);
+      }
+      if (waited > 600.0) throw Stopped("homing has not ended");
+      machine.sleep(kSettle);
+    }
+  }
+  for (const RunningAxis& a : work.axes.axes) {
+    const double at = machine.state().joints.at(static_cast<std::size_t>(a.joint)).position * work.axes.unit;
+    if (at < a.limits.travel_min || at > a.limits.travel_max)
+      throw Stopped(fmt::format("axis {}: it is at {} mm, outside of its travel (move it inside by hand)",
+                                a.name, report::significant(1e3 * at, 5)));
+  }
+}
+
+}  // namespace
+
+io::Json check(Work& work) {
+  for (const RunningAxis& a : work.axes.axes)
+    work.found(fmt::format("axis {}: joint {}, controller {}, travel {} to {} mm, up to {} mm/s and {} mm/s2",
+                           a.name, a.joint, a.controller, report::significant(1e3 * a.limits.travel_min, 6),
+                           report::significant(1e3 * a.limits.travel_max, 6),
+                           report::significant(1e3 * a.limits.speed, 4),
+                           report::significant(1e3 * a.limits.acceleration, 4)));
+  for (const std::string& text : work.axes.warnings) work.found("warning: " + text);
+  work.ask(
+      "Keep the emergency stop within reach. Switches the machine off and on and moves each axis by 0.05 mm, first with a force that "
+      "is less than its friction, then with more, until the encoder shows the direction.");
+  ChangedValues changed(work.machine, work.folders.path(kForAWhile));
+  io::Json axes = io::Json::array();
+  for (const RunningAxis& a : work.axes.axes) axes.push_back(find_sign(work, changed, a));
+  changed.give_back();
+  home_all(work);
+  return {{"axes", axes}};
+}
+
+}  // namespace stribeck::workflow::commissioning

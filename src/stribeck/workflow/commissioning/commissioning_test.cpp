@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stribeck/io/test_folder.hpp>
+#include <stribeck/workflow/commissioning/commissioning.hpp>
+#include <stribeck/workflow/commissioning/test_machine.hpp>
+
+namespace stribeck::workflow::commissioning::commissioning_test {
+namespace {
+
+constexpr const char* kMachine = R"(
+name = "a table"
+sample_time = "1 ms"
+[axes.x.limits]
+travel_min = "-50 mm"
+travel_max = "50 mm"
+speed = "100 mm/s"
+acceleration = "1000 mm/s2"
+force = "1000 N"
+[axes.x.commissioning]
+mass = "100 kg"
+friction = "120 N"
+encoder_resolution = "100 nm"
+)";
+
+struct Session {
+  test::Folder folder;
+  FakeMachine machine;
+  Options options;
+  std::vector<std::string> said;
+  bool agrees = true;
+
+  Session() {
+    options.machine = folder.write("machine.toml", kMachine);
+    options.ini = folder.write("mill.ini", "[HAL]\nHALFILE = mill.hal\n");
+    options.output = folder / "out";
+    options.stage = "check";
+  }
+  Outcome go() {
+    Dialogue dialogue;
+    dialogue.say = [this](const std::string& text) { said.push_back(text); };
+    dialogue.agree = [this](const std::string&) { return agrees; };
+    return run(machine, options, dialogue);
+  }
+  /// Why it stops; empty: it does not.
+  std::string stops() {
+    try {
+      go();
+      return {};
+    } catch (const Stopped& e) {
+      return e.what();
+    }
+  }
+  [[nodiscard]] bool done(const std::string& stage) const {
+    return std::filesystem::exists(options.output + '/' + stage);
+  }
+  [[nodiscard]] long asked(const std::string& what) const {
+    return std::count_if(machine.log.begin(), machine.log.end(),
+                         [&](const std::string& line) { return line.starts_with(what); });
+  }
+};
+
+TEST(Commissioning, CheckFindsTheSign) {
+  Session s;
+  EXPECT_EQ(s.stops(), "");
+  EXPECT_TRUE(s.done("check"));
+  EXPECT_LT(s.machine.farthest, 0.06e-3);
+  EXPECT_TRUE(s.machine.on);
+}
+
+TEST(Commissioning, WrongSignIsFoundBeforeATenthOfAMillimetre) {
+  for (const double friction : {40.0, 100.0, 400.0}) {
+    Session s;
+    s.machine.sign = -1.0;
+    s.machine.friction = friction;
+    EXPECT_NE(s.stops().find("moves against its command"), std::string::npos) << friction;
+    EXPECT_LT(s.machine.farthest, 0.1e-3) << friction;
+    EXPECT_FALSE(s.machine.on);
+    EXPECT_FALSE(s.done("check"));
+  }
+}
+
+TEST(Commissioning, ValuesAreGivenBack) {
+  Session s;
+  const auto before = s.machine.values;
+  s.go();
+  EXPECT_EQ(s.machine.values, before);
+  s.machine.sign = -1.0;
+  s.stops();
+  EXPECT_EQ(s.machine.values, before);
+}
+
+TEST(Commissioning, ValuesOfACommandThatWasKilledAreGivenBack) {
+  Session s;
+  std::filesystem::create_directory(s.options.output);
+  s.folder.write("out/changed-for-a-while.json",
+                 R"([{"name": "ax.x.ferror-limit", "before": "1", "now": "0.08"},
+                     {"name": "ax.x.omega", "before": "5", "now": "7"}])");
+  s.machine.values["ax.x.ferror-limit"] = "0.08";
+  s.go();
+  EXPECT_EQ(s.machine.values["ax.x.ferror-limit"], "1");
+  EXPECT_EQ(s.machine.values["ax.x.omega"], "300") << "somebody else has set it since";
+}
+
+TEST(Commissioning, AnAxisThatDoesNotMoveIsSaid) {
+  Session s;
+  s.machine.stiffness = 2e9;
+  s.machine.friction = 1e6;
+  EXPECT_NE(s.stops().find("it did not move"), std::string::npos);
+}
+
+TEST(Commissioning, NothingMovesWithoutConsent) {
+  Session s;
+  s.agrees = false;
+  EXPECT_NE(s.stops().find("not agreed"), std::string::npos);
+  EXPECT_TRUE(s.machine.log.empty() || s.asked("jog") + s.asked("on") + s.asked("home") == 0);
+}
+
+TEST(Commissioning, LimitsOfLinuxCncBeyondTheMachineAreRefused) {
+  Session s;
+  s.machine.keys["JOINT_0 MAX_LIMIT"] = {"60"};
+  EXPECT_NE(s.stops().find("[JOINT_0]MAX_LIMIT is 60"), std::string::npos);
+  EXPECT_EQ(s.asked("jog"), 0);
+}
+
+TEST(Commissioning, AnotherServoPeriodIsRefused) {
+  Session s;
+  s.machine.keys["EMCMOT SERVO_PERIOD"] = {"2000000"};
+  EXPECT_NE(s.stops().find("SERVO_PERIOD is 2 ms"), std::string::npos);
+}
+
+TEST(Commissioning, HomesWhereItIsNotHomed) {
+  Session s;
+  s.machine.is_homed = false;
+  s.go();
+  EXPECT_EQ(s.asked("home"), 1);
+}
+
+TEST(Commissioning, MovesGrowThreefold) {
+  Session s;
+  s.go();
+  s.options.stage = "moves";
+  s.machine.log.clear();
+  EXPECT_EQ(s.stops(), "");
+  std::vector<double> distances;
+  for (const std::string& line : s.machine.log) {
+    if (line.starts_with("jog ") && std::stod(line.substr(4)) > 0.0)
+      distances.push_back(std::stod(line.substr(4)));
+  }
+  ASSERT_GE(distances.size(), 5U);
+  EXPECT_DOUBLE_EQ(distances.front(), 0.05);
+  for (std::size_t i = 1; i < distances.size(); ++i) EXPECT_LE(distances[i], 3.001 * distances[i - 1]);
+  EXPECT_LE(distances.back(), 15.001);
+}
+
+TEST(Commissioning, MovesStopAtAnObstacleAndAtAMessage) {
+  Session s;
+  s.go();
+  s.options.stage = "moves";
+  s.machine.blocked_at = 0.3e-3;
+  EXPECT_NE(s.stops().find("axis x: "), std::string::npos);
+  EXPECT_LT(s.machine.farthest, 0.31e-3);
+  EXPECT_EQ(s.machine.values["ax.x.ferror-limit"], "1") << "given back";
+  EXPECT_FALSE(s.done("moves"));
+
+  Session other;
+  other.go();
+  other.options.stage = "moves";
+  other.machine.message_after = "joint 0 following error";
+  EXPECT_NE(other.stops().find("joint 0 following error"), std::string::npos);
+  EXPECT_GE(other.asked("stop"), 1);
+}
+
+TEST(Commissioning, FrictionOfAnotherSizeThanTheFileSaysStopsIt) {
+  Session s;
+  s.machine.friction = 380.0;  // three times 120 N are 360 N, and the fake has viscous friction
+  s.go();
+  s.options.stage = "moves";
+  EXPECT_NE(s.stops().find("The scale of the force or the machine file is wrong"), std::string::npos);
+}
+
+TEST(Commissioning, AStageNeedsThoseBeforeIt) {
+  Session s;
+  s.options.stage = "record";
+  EXPECT_NE(s.stops().find("needs check first"), std::string::npos);
+  EXPECT_TRUE(s.machine.log.empty() || s.asked("jog") == 0);
+}
+
+}  // namespace
+}  // namespace stribeck::workflow::commissioning::commissioning_test
