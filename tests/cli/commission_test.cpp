@@ -220,5 +220,25 @@ TEST(Commission, RefusesWhatIsThere) {
   EXPECT_THAT(stages.run().err, HasSubstr("is no state of stribeck commission"));
 }
 
+TEST(Commission, OptionsOfARunningMachineAreForItAlone) {
+  const Folder folder;
+  const auto refused = [&](std::vector<std::string> more, const char* why) {
+    std::vector<std::string> words{"commission", kMachine, "-o", folder / "out"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Said said = command(words);
+    EXPECT_EQ(said.code, 2);
+    EXPECT_THAT(said.err, HasSubstr(why));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  };
+  refused({}, "--logs: or --linuxcnc is missing");
+  refused({"--logs", folder / "logs", "--linuxcnc", "mill.ini"}, "--linuxcnc: and --logs exclude each other");
+  refused({"--logs", folder / "logs", "--stage", "check"}, "--stage: belongs to --linuxcnc");
+  refused({"--logs", folder / "logs", "--yes"}, "--yes: belongs to --linuxcnc");
+  refused({"--logs", folder / "logs", "--undo"}, "--undo: belongs to --linuxcnc");
+  refused({"--linuxcnc", "mill.ini", "--gain", "3 N/V"}, "belong to --logs");
+  refused({"--linuxcnc", folder / "none.ini", "--yes"}, "none.ini");
+  refused({"--linuxcnc", "mill.ini", "--stage", "chekc"}, "check");
+}
+
 }  // namespace
 }  // namespace stribeck::test::commission_test
