@@ -106,7 +106,7 @@ struct JogDesign {
   double direction = 1.0;                           ///< of the first stroke: +1 or −1
   double period =
       0.0;  ///< of a term periodic in position: every stroke is a whole number of it long, where it fits [m]
-  double way = 0.0;  ///< of the fastest speed, where travel and ten seconds suffice [m]
+  double way = 0.0;  ///< of the fastest speed without a period, where travel and ten seconds suffice [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 /// The fastest speed below the limit that the travel from `start` allows for a second at constant speed [m/s].

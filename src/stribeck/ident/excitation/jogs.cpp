@@ -129,7 +129,8 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     // Long enough for the bristle to settle (some tens of micrometres) and to average noise.
     const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
     double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
-    if (v >= fastest) flat = std::max(flat, std::min({longest, design.way / v, kLongestWay}));
+    if (v >= fastest && !(design.period > 0.0))
+      flat = std::max(flat, std::min({longest, design.way / v, kLongestWay}));
     if (design.period > 0.0) {
       // The settling time is added to the whole periods.
       const double settled = flat - std::min(kSettle, 0.3 * flat);
