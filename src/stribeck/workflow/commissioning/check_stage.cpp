@@ -46,13 +46,44 @@ void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double
   }
 }
 
+/// An axis with a wrong sign may oscillate in its bristles, or run away, as soon as its loop is closed: faults of its supervision.
+void refuse_unrest(Work& work) {
+  constexpr int kWrongSign = 105;
+  constexpr int kOscillation = 109;
+  for (const RunningAxis& a : work.axes.axes) {
+    for (const HalItem& p : work.machine.pins(a.controller + ".fault")) {
+      const int fault = std::atoi(p.value.c_str());
+      if (p.name != a.controller + ".fault" || (fault != kWrongSign && fault != kOscillation)) continue;
+      work.machine.switch_off();
+      throw Stopped(fmt::format(
+          "axis {}: it does not come to rest in its loop, although with little force (fault {} of {}). The sign of the force or of the "
+          "encoder is wrong (change one of the two: the scale of the drive's output, or of the encoder)",
+          a.name, fault, a.controller));
+    }
+  }
+}
+
+/// Switches on with little force, and records what moves.
+void switch_on_weak(Work& work) {
+  work.machine.begin_record(work.axes.sampler, work.folder + "/on.log");
+  std::string refused;
+  try {
+    work.machine.switch_on();
+  } catch (const MachineError& e) {
+    refused = e.what();
+  }
+  work.machine.sleep(kSettle);
+  work.machine.end_record();
+  refuse_unrest(work);
+  if (!refused.empty()) throw MachineError(refused);
+}
+
 /// Moves one axis with little force and records it.
 SignTest try_sign(Work& work, ChangedValues& changed, const RunningAxis& a, double force) {
   RunningMachine& machine = work.machine;
   machine.switch_off();
   weaken(work, changed, a, force);
-  machine.switch_on();
-  machine.sleep(kSettle);
+  switch_on_weak(work);
   const std::string file = fmt::format("{}/sign-{}.log", work.folder, a.name);
   machine.begin_record(work.axes.sampler, file);
   machine.sleep(kSettle);
@@ -67,6 +98,7 @@ SignTest try_sign(Work& work, ChangedValues& changed, const RunningAxis& a, doub
   const auto rows = read_record(work.axes, file);
   const auto at = static_cast<std::size_t>(&a - work.axes.axes.data());
   const SignTest test = judge_sign(rows[at], a.resolution);
+  if (test.sign == Sign::kNotSeen) refuse_unrest(work);
   if (stopped.empty() && test.sign == Sign::kRight) {
     try {
       jog(work, a, kFirstMove / kFirstTime, -kFirstMove);

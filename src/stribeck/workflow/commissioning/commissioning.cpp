@@ -3,7 +3,6 @@
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
@@ -123,15 +122,18 @@ std::vector<std::string> undo(RunningMachine* machine, const std::string& output
   const io::WriteAtOnce at_once;
   std::vector<std::string> done;
   for (const std::string& path : restore_files(output)) done.push_back("given back: " + path);
-  if (machine != nullptr) {
-    for (const char* file : {kForAWhile, kModelValues}) {
-      const std::string path = output + '/' + file;
-      std::error_code ignored;
-      if (!std::filesystem::exists(path, ignored)) continue;
-      if (file == std::string_view(kModelValues)) machine->switch_off();
-      ChangedValues(*machine, path).give_back();
-      done.emplace_back("values of HAL given back; switch the machine on again");
+  for (const char* file : {kForAWhile, kModelValues}) {
+    const std::string path = output + '/' + file;
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) continue;
+    if (machine == nullptr) {
+      // LinuxCNC begins with what its files say.
+      std::filesystem::remove(path, ignored);
+      continue;
     }
+    machine->switch_off();
+    ChangedValues(*machine, path).give_back();
+    done.emplace_back("values of HAL given back; the machine is off");
   }
   // What follows from the files that are no longer there has to be done again.
   std::error_code ignored;

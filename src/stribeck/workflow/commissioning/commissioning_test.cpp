@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/commissioning/commissioning.hpp>
+#include <stribeck/workflow/commissioning/originals.hpp>
 #include <stribeck/workflow/commissioning/test_machine.hpp>
 
 namespace stribeck::workflow::commissioning::commissioning_test {
@@ -185,6 +186,27 @@ TEST(Commissioning, AStageNeedsThoseBeforeIt) {
   s.options.stage = "record";
   EXPECT_NE(s.stops().find("needs check first"), std::string::npos);
   EXPECT_TRUE(s.machine.log.empty() || s.asked("jog") == 0);
+}
+
+TEST(Commissioning, NothingIsOnWhileForcesAreMadeWeak) {
+  Session s;
+  s.machine.on = true;
+  s.go();
+  EXPECT_EQ(s.machine.log.front(), "off");
+}
+
+TEST(Commissioning, UndoGivesBackFilesAndValues) {
+  Session s;
+  std::filesystem::create_directory(s.options.output);
+  replace_files(s.options.output, {{s.options.ini, "changed"}});
+  s.folder.write("out/changed-model.json", R"([{"name": "ax.x.omega", "before": "300", "now": "40"}])");
+  s.machine.values["ax.x.omega"] = "40";
+  s.machine.on = true;
+  EXPECT_EQ(undo(&s.machine, s.options.output).size(), 2U);
+  EXPECT_EQ(test::text_of(s.options.ini), "[HAL]\nHALFILE = mill.hal\n");
+  EXPECT_EQ(s.machine.values["ax.x.omega"], "300");
+  EXPECT_FALSE(s.machine.on);
+  EXPECT_TRUE(undo(&s.machine, s.options.output).empty());
 }
 
 }  // namespace
