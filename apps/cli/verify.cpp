@@ -63,7 +63,7 @@ int run_verify(const VerifyCommand& o) {
 void add_verify(CLI::App& app, Action& action) {
   auto* verb = app.add_subcommand(
       "verify",
-      "Test identified models on logs that were not used to identify them: error of the force, motion in open and closed loop, verdict (exit code 1: not usable)");
+      "Test identified models on logs that were not used to identify them: error of the force, motion in open and closed loop, verdict (exit code 1: no model is shown to be usable)");
   auto o = std::make_shared<VerifyCommand>();
   verb->add_option(
           "files", o->files,

@@ -52,7 +52,10 @@ DriftBand drift_band(const friction::AxisModel& model, const log::Record& record
   const double h = record.sample_time * static_cast<double>(force.factor);
   const std::vector<double> rate = damping(model, record, force, open.measured_velocity);
   std::vector<double> keep(n), push(n);  // of one step: v ← keep·v + push·e
+  double grown = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
+    grown = std::max(0.0, grown - rate[i] * h);
+    band.growth = std::max(band.growth, grown);
     keep[i] = std::exp(-std::clamp(rate[i] * h, -1.0, 50.0));
     push[i] = h / model.mass / (1.0 + std::max(0.0, rate[i] * h));
   }

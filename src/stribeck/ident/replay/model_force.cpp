@@ -1,6 +1,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/log/filter.hpp>
 #include <stribeck/ident/log/motion.hpp>
@@ -27,6 +28,7 @@ constexpr double kFarStep = 10.0;     // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
 constexpr double kWorthGain = 0.98;   // of the error: what a shift beside periodic terms must leave at most
 constexpr double kWholePart = 0.01;
+constexpr double kAtStandstill = 1e-3;  // of the top speed: what a filter leaves of an axis at rest
 constexpr double kWorthPhase = 0.1 * kPi;
 
 Column derivative(const Column& y, double T) {
@@ -67,16 +69,13 @@ class Scored {
   ForceError run() {
     const std::size_t n = record_.x.size();
     if (n < options_.drop + kFewestRows * out_.factor) return std::move(out_);
-    motion_.period = record_.sample_time;
-    motion_.x =
-        log::forward_backward(log::butterworth(kOrder, out_.cut_off * 2.0 * motion_.period), record_.x);
-    motion_.v = derivative(motion_.x, motion_.period);
-    motion_.a = derivative(motion_.v, motion_.period);
+    motion_ = motion_of(record_.x);
     out_.measured = thin(record_.f);
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
-    const Column plain = thin(force_of(model_.friction));
-    std::tie(out_.relative, out_.rms) = error_of(plain);
+    filed_ = force_of(model_.friction, motion_);
+    std::tie(out_.relative, out_.rms) = error_of(thin(filed_));
+    if (options_.of_log) out_.of_log = share_of_log();
     fit_own();
     return std::move(out_);
   }
@@ -98,9 +97,18 @@ class Scored {
     }
   }
 
-  [[nodiscard]] Column force_of(const friction::Model& friction) const {
-    Column f = friction_along(friction, motion_.x, motion_.v, motion_.period, record_.f[0] - model_.load);
-    for (std::size_t k = 0; k < f.size(); ++k) f[k] += model_.mass * motion_.a[k] + model_.load;
+  [[nodiscard]] Filtered motion_of(const Column& x) const {
+    Filtered m;
+    m.period = record_.sample_time;
+    m.x = log::forward_backward(log::butterworth(kOrder, out_.cut_off * 2.0 * m.period), x);
+    m.v = derivative(m.x, m.period);
+    m.a = derivative(m.v, m.period);
+    return m;
+  }
+
+  [[nodiscard]] Column force_of(const friction::Model& friction, const Filtered& m) const {
+    Column f = friction_along(friction, m.x, m.v, m.period, record_.f[0] - model_.load);
+    for (std::size_t k = 0; k < f.size(); ++k) f[k] += model_.mass * m.a[k] + model_.load;
     return f;
   }
 
@@ -139,6 +147,7 @@ class Scored {
     return X;
   }
 
+  [[nodiscard]] double share_of_log() const;
   [[nodiscard]] double far_shift(double from) const;
   [[nodiscard]] OwnFit fit_from(double shift, bool shift_known) const;
   [[nodiscard]] OwnFit best_fit(double expected) const;
@@ -150,15 +159,42 @@ class Scored {
   const log::Record& record_;
   const ForceOptions& options_;
   Filtered motion_;
+  Column filed_;                   ///< force of the model as it stands, at every row [N]
   std::vector<std::size_t> used_;  ///< decimated rows that count
   ForceError out_;
 };
+
+double Scored::share_of_log() const {
+  constexpr double kUniform = 3.4641016151377544;  // width of a uniform distribution of deviation 1
+  const std::size_t n = record_.x.size();
+  std::mt19937_64 random(1);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };
+  const double noise = log::position_noise(record_.x);
+  Column noisy(n), coarse = record_.x, moved(n, 0.0);
+  for (std::size_t k = 0; k < n; ++k) noisy[k] = record_.x[k] + noise * kUniform * uniform();
+  // Every other row from its neighbours, by a cubic.
+  for (std::size_t k = 3; k + 3 < n; k += 2)
+    coarse[k] = (9.0 * (record_.x[k - 1] + record_.x[k + 1]) - record_.x[k - 3] - record_.x[k + 3]) / 16.0;
+  for (std::size_t k = 0; k + 1 < n; ++k) moved[k] = uniform() * (record_.f[k + 1] - record_.f[k]);
+  const Column plain = thin(filed_);
+  double sum = 0.0, ff = 0.0;
+  for (const Column* x : {&noisy, &coarse}) {
+    const Column other = thin(force_of(model_.friction, motion_of(*x)));
+    for (const std::size_t i : used_) sum += std::pow(other[i] - plain[i], 2.0);
+  }
+  const Column late = thin(moved);
+  for (const std::size_t i : used_) {
+    sum += late[i] * late[i];
+    ff += out_.measured[i] * out_.measured[i];
+  }
+  return ff > 0.0 ? std::sqrt(sum / ff) : kNaN;
+}
 
 /// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away.
 double Scored::far_shift(double from) const {
   friction::Model plain = model_.friction;
   plain.eccentric.clear();
-  const Column modelled = force_of(plain);
+  const Column modelled = model_.friction.eccentric.empty() ? filed_ : force_of(plain, motion_);
   const Column model_thin = thin(modelled), slope = thin(derivative(modelled, 1.0));
   double shift = from;
   for (int pass = 0; pass < kFarPasses; ++pass) {
@@ -182,14 +218,18 @@ OwnFit Scored::fit_from(double shift, bool shift_known) const {
   friction::Model friction = model_.friction;
   for (const auto& term : friction.eccentric) fit.phase.push_back(term.phase);
   fit.e.resize(static_cast<Index>(used_.size()));
+  Column whole = filed_, modelled = thin(whole);
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = fit.phase[j];
-    const Column whole = force_of(friction);
-    const Column modelled = thin(whole), measured = thin(log::align_force(record_.f, fit.shift));
+    if (pass > 0 && !fit.phase.empty()) {  // only the phases move the force of the model
+      whole = force_of(friction, motion_);
+      modelled = thin(whole);
+    }
+    const Column measured = thin(log::align_force(record_.f, fit.shift));
     for (std::size_t i = 0; i < used_.size(); ++i)
       fit.e(static_cast<Index>(i)) = measured[used_[i]] - modelled[used_[i]];
     fit.rms = fit.e.norm() / std::sqrt(static_cast<double>(used_.size()));
-    fit.X = regressors(whole, shift_known);
+    if (pass == 0 || !fit.phase.empty()) fit.X = regressors(whole, shift_known);
     if (fit.X.cols() == 0) break;
     fit.step = stats::least_squares(fit.X, fit.e).x;
     if (pass + 1 == kPasses) break;
@@ -231,11 +271,13 @@ void Scored::fit_own() {
   }
   const double shift = given || out_.shifted ? fit.shift : expected;
   out_.measured = thin(log::align_force(record_.f, shift));
-  out_.modelled = thin(force_of(model_.friction));
+  out_.modelled = thin(filed_);
   std::tie(out_.filed_relative, out_.filed_rms) = error_of(out_.modelled);
+  std::tie(out_.own_relative, out_.own_rms) = std::tie(out_.filed_relative, out_.filed_rms);
+  if (fit.phase.empty()) return;
   friction::Model friction = model_.friction;
   for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = phase_used(j);
-  out_.modelled = thin(force_of(friction));
+  out_.modelled = thin(force_of(friction, motion_));
   std::tie(out_.own_relative, out_.own_rms) = error_of(out_.modelled);
 }
 
@@ -295,13 +337,16 @@ std::vector<double> friction_along(const friction::Model& model, std::span<const
   const std::size_t n = x.size();
   std::vector<double> f(n);
   if (n == 0) return f;
+  double top = 0.0;
+  for (const double s : v) top = std::max(top, std::abs(s));
+  const double still = kAtStandstill * top;
   std::visit(
       [&]<class Base, class Law>(const Base& base, const Law& law) {
         const friction::Composed<Base> map{base, model.eccentric, model.places};
         if constexpr (friction::PreSlidingLaw<Law>) {
           typename Law::State state{};
           const auto begin = map.parts(v[0], x[0]);
-          if (v[0] != 0.0) {
+          if (std::abs(v[0]) > still) {
             law.slide(state, v[0] > 0.0 ? begin.level : -begin.level);
           } else {
             law.carry(state, std::clamp(push - begin.additive, -begin.level, begin.level));

@@ -14,6 +14,10 @@
 /// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
 /// least squares on the same rows; amplitudes and everything else stay as they are.
 ///
+/// Not every error is the model's. A right model misses on this record what noise and resolution of the position, the time
+/// between rows and a force that changed anywhere between two of them make: the force under a position with as much noise again,
+/// under every other row, and with the force of a row moved by up to half a row. The sum of the squares is `of_log`.
+///
 /// Rows that the record marks `skip` do not count. Friction without pre-sliding is that of sgn v.
 /// Source: see methods/idim_ls.hpp. Not modelled: a delay that changes. Real time: no.
 /// Errors: Refused for a record with problems().
@@ -39,6 +43,7 @@ struct ForceOptions {
   double row_time = 10e-3;      ///< between decimated rows, at least [s]
   std::size_t drop = 49;        ///< rows at the start
   std::optional<double> shift;  ///< known shift of the force [s]; absent: estimated
+  bool of_log = false;          ///< whether `of_log` is wanted; it costs as much as the rest
 };
 
 /// Phase of one periodic term in this record.
@@ -61,6 +66,7 @@ struct ForceError {
   double shift = kNaN;           ///< s [s]; > 0: the force stands later in the log than its motion
   double shift_half = kNaN;      ///< half width of 95 % [s]
   bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
+  double of_log = kNaN;  ///< largest share of the force that this record makes a right model miss
   std::vector<RecordPhase> phases;
   double cut_off = kNaN;         ///< that was used [Hz]
   double band = kNaN;            ///< up to which the decimated rows are flat [Hz]

@@ -117,6 +117,76 @@ TEST(ForceError, TakesNoSlowPeriodicTermForAShift) {
   }
 }
 
+/// A second of rest in front, as the filters leave it: not quite zero.
+log::Record after_rest(const log::Record& moving, double force) {
+  log::Record r = moving;
+  constexpr int kRest = 3000;
+  for (auto* column : {&r.t, &r.x, &r.f}) column->clear();
+  for (int k = 0; k < kRest; ++k) {
+    r.t.push_back(kT * k);
+    r.x.push_back(0.0123);
+    r.f.push_back(force);
+  }
+  for (std::size_t k = 0; k < moving.x.size(); ++k) {
+    r.t.push_back(kT * static_cast<double>(kRest + static_cast<int>(k)));
+    r.x.push_back(moving.x[k] + 0.0123);
+    r.f.push_back(moving.f[k]);
+  }
+  return r;
+}
+
+// At rest the bristles carry the force of the record. Taken as sliding, they carry the whole friction, and nothing moves that off them:
+// the right model missed 17 % on a log of pulses.
+TEST(ForceError, BeginsAtRestWithTheForceOfTheRecord) {
+  Truth truth;
+  truth.ripple = 0.0;
+  friction::AxisModel model = model_of(truth);
+  model.friction.eccentric.clear();
+  model.friction.dynamics = friction::LuGre<double>{1e8, 0.0, {}};
+  const ForceError e = force_error(model, after_rest(sine_log(truth, -0.5e-3, 0.0), truth.load));
+  EXPECT_LT(e.own_relative, 0.03);  // 0.5 with ±20 N over a fifth of the record
+}
+
+/// Every n-th row.
+log::Record thinned(const log::Record& from, std::size_t n) {
+  log::Record r = from;
+  r.sample_time *= static_cast<double>(n);
+  for (auto* column : {&r.t, &r.x, &r.f}) column->clear();
+  for (std::size_t k = 0; k < from.x.size(); k += n) {
+    r.t.push_back(from.t[k]);
+    r.x.push_back(from.x[k]);
+    r.f.push_back(from.f[k]);
+  }
+  return r;
+}
+
+// What the log makes a right model miss grows with the time between rows and with the noise of the position, and is never much less than
+// what it does miss; a wrong model misses far more than that on a good log.
+TEST(ForceError, TellsWhatTheLogMakesARightModelMiss) {
+  const Truth truth;
+  ForceOptions options;
+  options.of_log = true;
+  double before = 0.0;
+  for (const std::size_t n : {1, 10, 30}) {
+    const ForceError e = force_error(model_of(truth), thinned(sine_log(truth, -0.5e-3, 0.0), n), options);
+    EXPECT_GT(e.of_log, before) << n;
+    EXPECT_LT(e.own_relative, std::max(0.02, 2.0 * e.of_log)) << n;
+    before = e.of_log;
+  }
+  log::Record noisy = sine_log(truth, -0.5e-3, 0.0);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 20e-6);
+  for (double& x : noisy.x) x += normal(random);
+  const ForceError of_noise = force_error(model_of(truth), noisy, options);
+  EXPECT_GT(of_noise.of_log, 0.5 * of_noise.own_relative);
+  EXPECT_LT(of_noise.of_log, 1.5 * of_noise.own_relative);
+  friction::AxisModel wrong = model_of(truth);
+  wrong.friction.steady = friction::Conventional<double>{1.5 * truth.coulomb, truth.viscous, {}};
+  const ForceError missed = force_error(wrong, sine_log(truth, -0.5e-3, 0.0), options);
+  EXPECT_GT(missed.own_relative, 4.0 * missed.of_log);
+  EXPECT_TRUE(std::isnan(force_error(wrong, noisy).of_log));  // not asked for
+}
+
 TEST(ForceError, ShortRecordHasNone) {
   log::Record record = sine_log(Truth{}, 0.0, 0.0);
   for (auto* c : {&record.t, &record.x, &record.f}) c->resize(300);
@@ -140,6 +210,34 @@ TEST(DriftBand, HoldsTheFreeReplay) {
     EXPECT_GT(band.inside, 0.85) << off;  // one path: its rows are not independent
     before = band.end;
   }
+}
+
+// Friction that falls with speed by 4 N per mm/s drives a deviation: 100 kg, 40 1/s. A second in it is e^40.
+TEST(DriftBand, TellsHowMuchADeviationGrows) {
+  Truth truth;
+  truth.ripple = 0.0;
+  const log::Record record = sine_log(truth, -0.5e-3, 0.0);
+  friction::AxisModel model = model_of(truth);
+  model.friction.eccentric.clear();
+  const auto growth = [&] {
+    const OpenLoop measured = not_replayed(record);
+    return drift_band(model, record, force_error(model, record), measured).growth;
+  };
+  EXPECT_LT(growth(), 0.1);
+  // 200 mm/s wide and at the middle of the speeds that the sine has.
+  model.friction.steady =
+      friction::Conventional<double>{20.0, 0.0, friction::Stribeck<double>{420.0, 0.1, 1.0}};
+  EXPECT_GT(growth(), 8.0);
+}
+
+TEST(NotReplayed, HasTheMeasuredCourseAndNoPrediction) {
+  const log::Record record = sine_log(Truth{}, -0.5e-3, 0.0);
+  const OpenLoop measured = not_replayed(record);
+  EXPECT_GT(measured.starts.size(), 5u);
+  EXPECT_EQ(measured.measured_velocity.size(), record.x.size());
+  EXPECT_EQ(measured.free.x.size(), record.x.size());
+  EXPECT_TRUE(std::isnan(measured.free.x[100]));
+  EXPECT_TRUE(std::isnan(measured.restarted.velocity_relative));
 }
 
 const ReplayController kPd{PdLaw{4e5, 12e3, 0.0, 0.0}, {}};

@@ -94,7 +94,7 @@ void keep(const Axis& axis, std::size_t k, const Course& course, const friction:
   constexpr double kFarOff = 1e4;
   const double v = axis.v();
   if (!(std::abs(v) < kFarOff * course.speed) || !std::isfinite(axis.x())) {
-    throw Refused(fmt::format(
+    throw Diverged(fmt::format(
         "{}: the motion of the model diverges from row {} on ({:.3g} m/s): its friction is too small for this force (check the sign of the force, the mass and the units)",
         course.record.source, k + 1, v));
   }
@@ -170,6 +170,28 @@ Start start_of(const log::Record& record, std::size_t row, double noise) {
   return start;
 }
 
+namespace {
+
+/// Starts and measured velocities; nothing is predicted yet.
+OpenLoop course_of(const Course& course) {
+  OpenLoop out;
+  out.measured_velocity = course.v;
+  out.starts = {0};
+  for (const std::size_t k : course.motion.reversals) {
+    if (k > 0 && k < course.v.size() && std::isfinite(course.v[k])) out.starts.push_back(k);
+  }
+  for (Replay* replay : {&out.free, &out.restarted}) {
+    replay->x.assign(course.v.size(), kNaN);
+    replay->v = replay->x;
+    replay->f = course.record.f;
+  }
+  return out;
+}
+
+}  // namespace
+
+OpenLoop not_replayed(const log::Record& record) { return course_of(Course(record)); }
+
 OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& record,
                           const ReplayOptions& options) {
   check(model, record, options);
@@ -181,16 +203,8 @@ OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& r
   const auto force = [&](std::ptrdiff_t k) {
     return record.f[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, std::ssize(record.f) - 1))];
   };
-  OpenLoop out;
-  out.measured_velocity = course.v;
-  out.starts = {0};
-  for (const std::size_t k : course.motion.reversals) {
-    if (k > 0 && k < n && std::isfinite(course.v[k])) out.starts.push_back(k);
-  }
+  OpenLoop out = course_of(course);
   for (Replay* replay : {&out.free, &out.restarted}) {
-    replay->x.resize(n);
-    replay->v.resize(n);
-    replay->f = record.f;
     with_axis(model.mass, model.load, model.friction, course.speed, [&](auto& axis) {
       const Start start = course.first();
       axis.place(start.x, start.v);

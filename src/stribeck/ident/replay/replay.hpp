@@ -19,12 +19,13 @@
 ///
 /// Source: thesis §2.6, figs 2.30 and 2.31; closed loop: Janot, Gautier, Brunot 2019 (see idim_ls.hpp).
 /// Not modelled: elasticity, noise, resolution of the encoder.
-/// Real time: no. Errors: Refused.
+/// Real time: no. Errors: Refused; Diverged where the model runs away.
 
 #include <cstddef>
 #include <limits>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/ident/log/record.hpp>
+#include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/replay_controller.hpp>
 #include <vector>
 
@@ -56,6 +57,14 @@ struct OpenLoop {
   std::vector<std::size_t> starts;        ///< rows at which `restarted` took the measured state
   std::vector<double> measured_velocity;  ///< [m/s]; NaN: not known in this row
 };
+
+/// A replay whose model runs away.
+struct Diverged : Refused {
+  using Refused::Refused;
+};
+
+/// What is measured, and no prediction: its columns and errors are NaN.
+OpenLoop not_replayed(const log::Record& record);
 
 OpenLoop replay_open_loop(const friction::AxisModel& model, const log::Record& record,
                           const ReplayOptions& options = {});

@@ -4,7 +4,7 @@
 /// the closed loop.
 ///
 ///   json   {"schema": "stribeck.verify/1", "axis", "force_unit", "position_unit", "limits_percent": {"good", "usable"},
-///           "verdicts": [{"file", "force_error_percent", "verdict"}], "parts": [{"log", "rows", "duration_s",
+///           "verdicts": [{"file", "force_error_percent", "of_log_percent", "verdict"}], "parts": [{"log", "rows", "duration_s",
 ///           "restarts", "controller": {"command_error_percent", "added_rows_percent", "added_rms_N"} or null, "models":
 ///           [{"file", "force": {…}, "drift": {…}, "open_loop": {"velocity_rms_mm_per_s", "velocity_relative_percent",
 ///           "position_rms_um", "position_max_um", "rows_outside_range"}, "open_loop_free": {the same}, "closed_loop":
@@ -17,6 +17,7 @@
 /// Real time: no.
 /// Errors: io::InputError of files and of gnuplot.
 
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stribeck/ident/replay/drift_band.hpp>
@@ -35,6 +36,8 @@ struct VerifiedModel {
   ident::replay::ForceError force = {};
   ident::replay::DriftBand drift = {};
   std::optional<ident::replay::Replay> closed = {};
+  double travel =
+      std::numeric_limits<double>::quiet_NaN();  ///< of the record [m]: no drift beyond it is a number
 };
 
 /// One record; a log that was cut at gaps has several.
@@ -50,7 +53,8 @@ struct GradeLimits {
   double usable = 15.0;
 };
 
-enum class Grade { kGood, kUsable, kNotUsable };
+/// Undecided: the error is too large, but not larger than what the log makes a right model miss.
+enum class Grade { kGood, kUsable, kUndecided, kNotUsable };
 std::string_view name_of(Grade grade) noexcept;
 
 /// A model on all parts together.
@@ -59,6 +63,7 @@ struct Verdict {
   double error =
       0.0;  ///< share of the force, with shift and phases of each record; without it of the velocity
   bool of_force = true;
+  double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
   Grade grade = Grade::kNotUsable;
 };
 

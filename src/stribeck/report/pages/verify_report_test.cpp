@@ -10,6 +10,7 @@
 namespace stribeck::report::verify_report_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -110,6 +111,41 @@ TEST(VerifyReport, TablesForATerminal) {
   EXPECT_EQ(text_table(deep), text_table(two_models(false)));
   deep.parts[0].models[1].name = "elsewhere/b.toml";
   EXPECT_THAT(text_table(deep), HasSubstr("/a/very/long/way/a.toml"));
+}
+
+// An error that the log explains is no verdict on the model.
+TEST(VerifyReport, LeavesUndecidedWhatTheLogCannotTell) {
+  VerifyReportInput in = two_models(false);
+  for (VerifiedModel& m : in.parts[0].models) m.force.of_log = 0.3;
+  std::vector<Verdict> all = verdicts(in);
+  EXPECT_EQ(all[0].grade, Grade::kGood);
+  EXPECT_EQ(all[1].grade, Grade::kNotUsable);  // √(40² − 30²) = 26 %
+  in.parts[0].models[1].force.of_log = 0.39;
+  all = verdicts(in);
+  EXPECT_EQ(all[1].grade, Grade::kUndecided);
+  EXPECT_NEAR(all[1].of_log, 0.39, 1e-12);
+  EXPECT_THAT(text_table(in), AllOf(HasSubstr("b.toml is undecided: error of the force 40.00 %"),
+                                    HasSubstr("make a right model miss up to 39.00 %")));
+  EXPECT_TRUE(usable(in));
+  in.parts[0].models.erase(in.parts[0].models.begin());
+  EXPECT_FALSE(usable(in));
+  EXPECT_EQ(to_json(in)["verdicts"][0]["verdict"], "undecided");
+  EXPECT_NEAR(to_json(in)["verdicts"][0]["of_log_percent"].get<double>(), 39.0, 1e-9);
+}
+
+TEST(VerifyReport, SaysInWordsWhatIsBeyondTheTravel) {
+  VerifyReportInput in = two_models(false);
+  VerifiedModel& m = in.parts[0].models[0];
+  m.travel = 0.02;
+  m.drift.end = 4e32;
+  const std::string text = text_table(in);
+  EXPECT_THAT(text, AllOf(HasSubstr("0.00100  > travel"), Not(HasSubstr("e+"))));
+  const auto drift = to_json(in)["parts"][0]["models"][0]["drift"];
+  EXPECT_TRUE(drift["expected_mm"].is_null());
+  EXPECT_TRUE(drift["beyond_travel"].get<bool>());
+  // Where no run is left, the force decides alone.
+  m.open.restarted.velocity_relative = test::kNaN;
+  EXPECT_THAT(verify_report(in), HasSubstr("b.toml predicts the velocity"));
 }
 
 TEST(VerifyReport, ComparesTheModels) {

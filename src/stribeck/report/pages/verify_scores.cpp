@@ -39,6 +39,11 @@ struct Pooled {
   }
 };
 
+/// A drift, in words where it is longer than the way that the axis went.
+std::string drift_text(double drift, const VerifiedModel& m, const ShownUnits& u) {
+  return drift > m.travel ? "> travel" : significant(drift * u.per_position, 3);
+}
+
 /// One figure of a model, for the terminal and for the page.
 struct Score {
   std::string group, head, unit;
@@ -64,9 +69,9 @@ std::vector<Score> scores_of(const VerifiedPart& part) {
               {"stroke", "position", u.fine,
                [](M m, U s) { return significant(m.open.restarted.position_rms * s.per_fine, 3); }, nullptr},
               {"free run", "drift", u.position,
-               [](M m, U s) { return significant(m.open.free.position_most * s.per_position, 3); }, nullptr},
+               [](M m, U s) { return drift_text(m.open.free.position_most, m, s); }, nullptr},
               {"free run", "within", "± " + u.position,
-               [](M m, U s) { return significant(m.drift.end * s.per_position, 3); }, nullptr}});
+               [](M m, U s) { return drift_text(m.drift.end, m, s); }, nullptr}});
   if (!has_closed(part)) return all;
   all.push_back({"loop", "force", "%",
                  [](M m, U) { return percent(m.closed ? m.closed->force_relative : kNaN); },
@@ -105,6 +110,7 @@ Json force_json(const ident::replay::ForceError& e) {
   out["filed_error_rms_N"] = number_or_null(e.filed_rms);
   out["own_error_percent"] = number_or_null(100.0 * e.own_relative);
   out["own_error_rms_N"] = number_or_null(e.own_rms);
+  out["of_log_percent"] = number_or_null(100.0 * e.of_log);
   out["shift_ms"] = number_or_null(1e3 * e.shift);
   out["shift_half_width_ms"] = number_or_null(1e3 * e.shift_half);
   out["shift_differs"] = e.shifted;
@@ -171,27 +177,51 @@ std::string model_color(std::size_t i) {
 }
 
 std::string_view name_of(Grade grade) noexcept {
-  return grade == Grade::kGood ? "good" : grade == Grade::kUsable ? "usable" : "not usable";
+  switch (grade) {
+    case Grade::kGood:
+      return "good";
+    case Grade::kUsable:
+      return "usable";
+    case Grade::kUndecided:
+      return "undecided";
+    case Grade::kNotUsable:
+      break;
+  }
+  return "not usable";
 }
+
+namespace {
+
+/// What the log makes a right model miss is no fault of the model.
+Grade grade_of(const Verdict& v, const GradeLimits& limits) {
+  if (!std::isfinite(v.error)) return Grade::kUndecided;
+  if (100.0 * v.error <= limits.good) return Grade::kGood;
+  if (100.0 * v.error <= limits.usable) return Grade::kUsable;
+  const double of_log = std::isfinite(v.of_log) ? v.of_log : 0.0;
+  const double of_model = std::sqrt(std::max(0.0, v.error * v.error - of_log * of_log));
+  return 100.0 * of_model <= limits.usable ? Grade::kUndecided : Grade::kNotUsable;
+}
+
+}  // namespace
 
 std::vector<Verdict> verdicts(const VerifyReportInput& input) {
   std::vector<Verdict> all;
   if (input.parts.empty()) return all;
   for (std::size_t i = 0; i < input.parts.front().models.size(); ++i) {
-    Pooled force, velocity;
+    Pooled force, velocity, of_log;
     for (const VerifiedPart& part : input.parts) {
       if (i >= part.models.size()) continue;
       const VerifiedModel& m = part.models[i];
       force.add(m.force.own_relative, m.force.own_rms, m.force.row.size());
+      of_log.add(m.force.of_log, m.force.of_log * m.force.own_rms / m.force.own_relative, m.force.row.size());
       velocity.add(m.open.restarted.velocity_relative, m.open.restarted.velocity_rms, part.record.x.size());
     }
     Verdict v;
     v.name = input.parts.front().models[i].name;
     v.of_force = std::isfinite(force.share());
     v.error = v.of_force ? force.share() : velocity.share();
-    v.grade = 100.0 * v.error <= input.limits.good     ? Grade::kGood
-              : 100.0 * v.error <= input.limits.usable ? Grade::kUsable
-                                                       : Grade::kNotUsable;
+    if (v.of_force) v.of_log = of_log.share();
+    v.grade = grade_of(v, input.limits);
     all.push_back(std::move(v));
   }
   return all;
@@ -199,10 +229,18 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
 
 bool usable(const VerifyReportInput& input) {
   const std::vector<Verdict> all = verdicts(input);
-  return std::any_of(all.begin(), all.end(), [](const Verdict& v) { return v.grade != Grade::kNotUsable; });
+  return std::any_of(all.begin(), all.end(),
+                     [](const Verdict& v) { return v.grade == Grade::kGood || v.grade == Grade::kUsable; });
 }
 
 std::string sentence(const Verdict& v, const GradeLimits& limits) {
+  if (!std::isfinite(v.error))
+    return v.name + " is undecided: the log is too short to compare forces, and no run in open loop is left.";
+  if (v.grade == Grade::kUndecided) {
+    return fmt::format(
+        "{} is undecided: error of the force {} % (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",
+        v.name, percent(v.error), short_number(limits.good), short_number(limits.usable), percent(v.of_log));
+  }
   return fmt::format("{} is {}: error of the {} {} % (good up to {} %, usable up to {} %).", v.name,
                      name_of(v.grade), v.of_force ? "force" : "velocity", percent(v.error),
                      short_number(limits.good), short_number(limits.usable));
@@ -237,12 +275,13 @@ std::string summary(const VerifiedPart& part) {
   const VerifiedModel* open = nullptr;
   const VerifiedModel* closed = nullptr;
   for (const VerifiedModel& m : part.models) {
+    if (!std::isfinite(m.open.restarted.velocity_relative)) continue;
     if (open == nullptr || m.open.restarted.velocity_relative < open->open.restarted.velocity_relative)
       open = &m;
     if (m.closed && (closed == nullptr || m.closed->force_relative < closed->closed->force_relative))
       closed = &m;
   }
-  if (open == nullptr) return "No model was given.";
+  if (open == nullptr) return "No run in open loop is shown; the warnings say why.";
   const ShownUnits u = units_of(part);
   std::string text = fmt::format(
       "Driven by the measured force and started anew at each of {} reversals, {} predicts the velocity to "
@@ -304,6 +343,7 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
   for (const Verdict& v : verdicts(input)) {
     judged.push_back({{"file", v.name},
                       {"force_error_percent", v.of_force ? number_or_null(100.0 * v.error) : Json(nullptr)},
+                      {"of_log_percent", number_or_null(100.0 * v.of_log)},
                       {"verdict", std::string(name_of(v.grade))}});
   }
   out["verdicts"] = std::move(judged);
@@ -321,7 +361,9 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
       Json model;
       model["file"] = m.name;
       model["force"] = force_json(m.force);
-      model["drift"] = {{"expected_mm", number_or_null(1e3 * m.drift.end)},
+      const bool beyond = m.drift.end > m.travel;
+      model["drift"] = {{"expected_mm", beyond ? Json(nullptr) : number_or_null(1e3 * m.drift.end)},
+                        {"beyond_travel", beyond},
                         {"inside_percent", number_or_null(100.0 * m.drift.inside)}};
       model["open_loop"] = replay_json(m.open.restarted, u, false);
       model["open_loop_free"] = replay_json(m.open.free, u, false);

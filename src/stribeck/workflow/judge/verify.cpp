@@ -28,6 +28,16 @@ struct Model {
   friction::AxisModel model;
 };
 
+constexpr double kMostGrowth = 4.6;  // ln 100: of a deviation in open loop
+constexpr double kMostGain =
+    0.5;  // of a velocity loop in one row: beyond it the loop of a log rings or runs away
+
+/// Force per velocity in the loop of a controller [N·s/m].
+double velocity_gain(const ident::replay::ReplayController& c) {
+  if (const auto* pd = std::get_if<ident::replay::PdLaw>(&c.law)) return pd->damping;
+  return std::get<ident::replay::CascadeLaw>(c.law).velocity_gain;
+}
+
 /// A file of another kind breaks nearly every rule of an axis file, so one message replaces all of them.
 template <class T>
 T read_one(const std::string& path, const std::string& hint) {
@@ -214,8 +224,11 @@ class Verification {
                               std::vector<std::string>& notes) const {
     report::VerifiedModel one;
     one.name = m.file;
+    const auto [low, high] = std::minmax_element(record.x.begin(), record.x.end());
+    one.travel = *high - *low;
     ident::replay::ForceOptions force;
     force.shift = shift;
+    force.of_log = true;
     one.force = ident::replay::force_error(m.model, record, force);
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     const double expected = -0.5 * record.sample_time - m.model.delay;
@@ -225,17 +238,56 @@ class Verification {
       open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
                                kMostGivenShift * record.sample_time) -
                    0.5 * record.sample_time;
-    one.open = ident::replay::replay_open_loop(m.model, record, open);
-    one.drift = ident::replay::drift_band(m.model, record, one.force, one.open);
+    run_open(m, record, open, one, notes);
     // A measured force stands late in the log and acts at once.
     closed.delay = std::max(0.0, open.delay);
-    if (controller_) one.closed = ident::replay::replay_closed_loop(m.model, *controller_, record, closed);
+    if (controller_) run_closed(m, record, closed, one, notes);
     if (const std::size_t outside = one.open.restarted.outside; outside > 0) {
       notes.push_back(
           fmt::format("{}: {} of {} rows are at velocities outside the range of the identified model", m.file,
                       outside, record.x.size()));
     }
     return one;
+  }
+
+  /// The runs in open loop, unless an error of the velocity grows in them so that they tell nothing.
+  static void run_open(const Model& m, const ident::log::Record& record,
+                       const ident::replay::ReplayOptions& options, report::VerifiedModel& one,
+                       std::vector<std::string>& notes) {
+    try {
+      one.open = ident::replay::replay_open_loop(m.model, record, options);
+    } catch (const ident::replay::Diverged& e) {
+      one.open = ident::replay::not_replayed(record);
+      notes.push_back(fmt::format("{}: no run in open loop is shown: {}", m.file, e.what()));
+      return;
+    }
+    one.drift = ident::replay::drift_band(m.model, record, one.force, one.open);
+    if (!(one.drift.growth > kMostGrowth)) return;
+    notes.push_back(fmt::format(
+        "{}: no run in open loop is shown: on this motion friction falls with speed for so long that an error of the velocity grows {}, with a right model too; the error of the force tells",
+        m.file,
+        one.drift.growth > 13.8 ? "more than a million times"
+                                : fmt::format("{:.0f} times", std::exp(one.drift.growth))));
+    one.open = ident::replay::not_replayed(record);
+    one.drift = {};
+  }
+
+  /// The closed loop, unless the rows are too far apart for it.
+  void run_closed(const Model& m, const ident::log::Record& record,
+                  const ident::replay::ReplayOptions& options, report::VerifiedModel& one,
+                  std::vector<std::string>& notes) const {
+    const double gain = velocity_gain(*controller_) * record.sample_time / m.model.mass;
+    if (gain > kMostGain) {
+      notes.push_back(fmt::format(
+          "{}: no closed loop is shown: its velocity loop settles in {:.3g} ms and the rows of {} are {:.3g} ms apart, so that it would ring; record the rows of the control's period",
+          m.file, 1e3 * m.model.mass / velocity_gain(*controller_), record.source, 1e3 * record.sample_time));
+      return;
+    }
+    try {
+      one.closed = ident::replay::replay_closed_loop(m.model, *controller_, record, options);
+    } catch (const ident::replay::Diverged& e) {
+      notes.push_back(fmt::format("{}: no closed loop is shown: {}", m.file, e.what()));
+    }
   }
 
   void note_controller(const ident::log::Record& record, const ident::replay::ControllerCheck& check) {

@@ -232,6 +232,14 @@ class AxisStages {
     const report::Verdict verdict = report::verdicts(judged).front();
     axis_.force_error = 100.0 * verdict.error;
     axis_.verdict = name_of(verdict.grade);
+    if (verdict.grade == report::Grade::kUndecided) {
+      axis_.stage = CommissionStage::kNotVerified;
+      axis_.open.push_back(fmt::format(
+          "{} cannot tell whether the model is right, which is not promoted: noise, resolution and the time between its rows make a right model miss up to {:.3g} % of the force",
+          axis_.held_out, 100.0 * verdict.of_log));
+      record("position-sine");
+      return;
+    }
     if (!report::usable(judged)) {
       axis_.stage = CommissionStage::kRefused;
       axis_.open.push_back(fmt::format("the model fails on {} and is not promoted; expected at most {:g} %",
