@@ -194,7 +194,8 @@ std::vector<Table> without_frozen(std::vector<Table> tables, double longest_hold
       out.push_back(std::move(m));
       continue;
     }
-    const double step = std::max(quantum(y), stats::thinned_quantile(moves, 0.05));
+    const double step =
+        std::max(m.x_step > 0.0 ? m.x_step : quantum(y), stats::thinned_quantile(moves, 0.05));
     const std::vector<std::size_t> runs =
         velocity_only ? equal_runs(m, 5.0 * step) : std::vector<std::size_t>();
     std::size_t from = 0;

@@ -23,6 +23,7 @@ struct Table {
   std::vector<std::size_t> row;    ///< of the log
   std::vector<std::uint8_t> mark;  ///< RowMark
   bool gap_before = false;
+  double x_step = 0.0;   ///< resolution of the motion before the rows were resampled; 0: they were not
   bool counted = false;  ///< the sample time was found by counting rows between coarse stamps
 
   [[nodiscard]] std::size_t rows() const noexcept { return t.size(); }

@@ -15,6 +15,7 @@ Table slice(const Table& m, std::size_t first, std::size_t last) {
   out.run = m.run;
   out.sample_time = m.sample_time;
   out.counted = m.counted;
+  out.x_step = m.x_step;
   const auto cut = [&](const auto& from, auto& to) {
     if (from.empty()) return;
     to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),

@@ -341,6 +341,39 @@ TEST(Condition, JitterIsResampled) {
     EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 5e-7) << k;  // a·T²/8 = 0.3 um
 }
 
+// A computer stamps the rows of a control when they arrive: the stamps shake, the rows do not. Put where the stamps are, a speed of
+// 200 mm/s shakes the position by 40 um, which is no noise that a force could have made.
+TEST(Condition, StampsMayJitterWhereTheRowsDoNot) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-2e-4, 2e-4);
+  RawLog log = logged();
+  for (std::size_t k = 1; k + 2 < log.x.t.size(); ++k) log.x.t[k] += shake(engine);
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "jitter").text, HasSubstr("the motion is that of equally spaced rows"));
+  ASSERT_EQ(c.records.size(), 1U);
+  EXPECT_NEAR(c.records[0].sample_time, 1e-3, 1e-12);
+  EXPECT_EQ(c.records[0].x, log.x.y);
+  EXPECT_EQ(c.records[0].f, log.f.y);
+}
+
+// At rest a coarse position changes by single steps. Resampled, it has values between them, which are no motion.
+TEST(Condition, RestInAResampledLogIsNoFrozenLogger) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> shake(-2e-4, 2e-4);
+  const Axis axis;
+  RawLog log = logged();
+  log.v.y.clear();
+  for (std::size_t k = 0; k < log.x.t.size(); ++k) {
+    log.x.t[k] += shake(engine);
+    log.x.y[k] = 1e-7 * std::round(axis.x(log.x.t[k]) * 1e7);
+    if (k >= 3000 && k < 4000) {  // at rest, one step to and fro every 40 rows, the force as constant
+      log.x.y[k] = log.x.y[2999] + (k / 40 % 2 == 0 ? 0.0 : 1e-7);
+      log.f.y[k] = log.f.y[2999];
+    }
+  }
+  EXPECT_THAT(kinds(condition(log)), Not(Contains("frozen"))) << texts(condition(log));
+}
+
 TEST(Condition, RowAfterTheStopIsLeftOut) {
   RawLog log = logged();
   log.x.t.push_back(log.x.t.back() + 3e-4);

@@ -101,6 +101,7 @@ Table resampled(const Table& m, double T) {
   out.run = m.run;
   out.gap_before = m.gap_before;
   out.sample_time = T;
+  out.x_step = quantum(m.motion());
   const auto n = static_cast<std::size_t>(std::floor((m.t.back() - m.t.front()) / T * (1.0 + 1e-9))) + 1;
   std::size_t hx = 0;
   std::size_t hr = 0;
@@ -279,6 +280,29 @@ Table without_early_last_row(Table part, double T, Notes& notes) {
   return out;
 }
 
+/// Whether rows whose stamps jitter were taken evenly all the same, as by a control whose rows a computer stamps when they arrive. With d
+/// the deviation of the stamps from even ones [rows], second differences tell the share of it that the motion shows:
+///
+///   x[k+1] − 2·x[k] + x[k−1] = β·ẋ[k]·(d[k+1] − 2·d[k] + d[k−1]) + …        β = 0 even, β = 1 taken at the stamps
+bool taken_evenly(const Table& part) {
+  constexpr double kMostOff = 1.0;   // rows: beyond it rows may be missing
+  constexpr double kCertain = 0.15;  // two standard errors of β
+  const std::vector<double>& y = part.motion();
+  const double T = (part.t.back() - part.t.front()) / static_cast<double>(part.rows() - 1);
+  if (part.rows() < kFewestRows || largest_off_line(part.t) > kMostOff * T) return false;
+  double uy = 0.0, uu = 0.0, yy = 0.0;
+  for (std::size_t k = 1; k + 1 < part.rows(); ++k) {
+    const double bend = (part.t[k + 1] - part.t[k]) - (part.t[k] - part.t[k - 1]);
+    const double u = 0.5 * (y[k + 1] - y[k - 1]) * bend / T;
+    const double seen = (y[k + 1] - y[k]) - (y[k] - y[k - 1]);
+    uy += u * seen, uu += u * u, yy += seen * seen;
+  }
+  if (!(uu > 0.0)) return false;
+  const double share = uy / uu;
+  const double left = std::max(0.0, yy - share * uy) / static_cast<double>(part.rows());
+  return share < 0.5 && 2.0 * std::sqrt(left / uu) < kCertain;
+}
+
 /// Makes the steps equal: rounded stamps are put on a line, rows at uneven times are resampled.
 Table with_equal_steps(Table part, double T, Notes& notes) {
   double worst = 0.0;
@@ -302,6 +326,16 @@ Table with_equal_steps(Table part, double T, Notes& notes) {
                     "{:.6g} s assumed",
                     step, 100.0 * step / mean, part.sample_time),
         {step, part.sample_time});
+    return part;
+  }
+  if (taken_evenly(part) && notes.wanted("jitter")) {
+    restamp(part);
+    notes.add(
+        "jitter", part, where, true,
+        fmt::format("the time stamps jitter by up to {:.3g} % of a step, but the motion is that of equally "
+                    "spaced rows: rows of {:.6g} s assumed",
+                    100.0 * worst, part.sample_time),
+        {worst});
     return part;
   }
   notes.add("jitter", part, where, true,
