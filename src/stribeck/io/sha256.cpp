@@ -30,19 +30,31 @@ void take_in(State& state, const unsigned char* block) {
     for (std::size_t k = 0; k < 4; ++k) w[i] = (w[i] << 8) | block[4 * i + k];
   }
   for (std::size_t i = 16; i < kRounds; ++i) {
-    const std::uint32_t a = w[i - 15];
-    const std::uint32_t b = w[i - 2];
-    w[i] = w[i - 16] + (std::rotr(a, 7) ^ std::rotr(a, 18) ^ (a >> 3)) + w[i - 7] +
-           (std::rotr(b, 17) ^ std::rotr(b, 19) ^ (b >> 10));
+    const std::uint32_t far = w[i - 15];
+    const std::uint32_t near = w[i - 2];
+    w[i] = w[i - 16] + (std::rotr(far, 7) ^ std::rotr(far, 18) ^ (far >> 3)) + w[i - 7] +
+           (std::rotr(near, 17) ^ std::rotr(near, 19) ^ (near >> 10));
   }
-  State s = state;
-  for (std::size_t i = 0; i < kRounds; ++i) {
-    const std::uint32_t first = s[7] + (std::rotr(s[4], 6) ^ std::rotr(s[4], 11) ^ std::rotr(s[4], 25)) +
-                                ((s[4] & s[5]) ^ (~s[4] & s[6])) + kRoots[i] + w[i];
-    const std::uint32_t second = (std::rotr(s[0], 2) ^ std::rotr(s[0], 13) ^ std::rotr(s[0], 22)) +
-                                 ((s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]));
-    s = {first + second, s[0], s[1], s[2], s[3] + first, s[4], s[5], s[6]};
+  // Eight rounds a turn: the eight words keep their places, and only their names go round.
+  auto [a, b, c, d, e, f, g, h] = state;
+  const auto turn = [&](const std::uint32_t& p, const std::uint32_t& q, const std::uint32_t& r,
+                        std::uint32_t& t, const std::uint32_t& u, const std::uint32_t& v,
+                        const std::uint32_t& x, std::uint32_t& y, std::size_t i) {
+    y += (std::rotr(u, 6) ^ std::rotr(u, 11) ^ std::rotr(u, 25)) + ((u & v) ^ (~u & x)) + kRoots[i] + w[i];
+    t += y;
+    y += (std::rotr(p, 2) ^ std::rotr(p, 13) ^ std::rotr(p, 22)) + ((p & q) ^ (p & r) ^ (q & r));
+  };
+  for (std::size_t i = 0; i < kRounds; i += 8) {
+    turn(a, b, c, d, e, f, g, h, i);
+    turn(h, a, b, c, d, e, f, g, i + 1);
+    turn(g, h, a, b, c, d, e, f, i + 2);
+    turn(f, g, h, a, b, c, d, e, i + 3);
+    turn(e, f, g, h, a, b, c, d, i + 4);
+    turn(d, e, f, g, h, a, b, c, i + 5);
+    turn(c, d, e, f, g, h, a, b, i + 6);
+    turn(b, c, d, e, f, g, h, a, i + 7);
   }
+  const State s{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < state.size(); ++i) state[i] += s[i];
 }
 

@@ -13,6 +13,7 @@ constexpr int kStartIterations = 10;
 constexpr int kPasses = 4;
 constexpr double kWideSwing = 0.5;  ///< [rad] in a sample; less: a spline through the ticks is the motion
 constexpr int kMostTurns = 6;
+constexpr double kSameCut = 0.3;   ///< of ln σ0: the pieces need not be cut anew
 constexpr double kSettled = 1e-3;  ///< of ln σ0
 constexpr double kMostMoved =
     0.1;  ///< of ln σ0: the spline is wrong by a few percent; by more, law and motion confirm each other
@@ -132,22 +133,33 @@ Prior lugre_prior(const Given& given, const Rows& rows, int own) {
   return prior;
 }
 
-/// First fits the stiffness alone, which gives the scale of the noise; then everything, from several fading velocities.
-Solution solve_lugre(const Given& given, const Fitted& f, Rows& rows) {
+/// First fits the stiffness alone, which gives the scale of the noise; then everything, from several fading velocities. Which one
+/// leads to the least shows on a part of many reversals.
+Solution start_lugre(const Given& given, const Fitted& f, Rows& rows) {
   const auto model = lugre_model(rows.setting);
   std::vector<Index> first = f.free;
   first.erase(first.begin() + 1, first.begin() + 3);
   rows.noise = 0.05 * rows.setting.scales.level;
   const Solution coarse = solved(rows, *model, f.prior.mean, first, f.prior, kIterations);
   weigh(given, *model, coarse.p, rows);
+  Rows part;
+  Fitted few;
+  const bool in_part = lay_part(rows, f, part, few);
+  const Fitted& law = in_part ? few : f;
+  const Rows& on = in_part ? part : rows;
+  const auto started = lugre_model(on.setting);
+  const Index count = in_part ? few.own + kCommon : coarse.p.size();
   Solution best;
   for (const double fading : {-2.5, -1.0, 0.5}) {
-    VectorXd from = coarse.p;
+    VectorXd from = coarse.p.head(count);
     from(2) = fading;
-    Solution s = solved(rows, *model, from, f.free, f.prior, kFoldIterations);
+    Solution s = solved(on, *started, from, law.free, law.prior, kFoldIterations);
     if (s.cost < best.cost) best = std::move(s);
   }
-  if (std::isfinite(best.cost)) best = solved(rows, *model, VectorXd(best.p), f.free, f.prior, kIterations);
+  if (!in_part || !std::isfinite(best.cost)) return best;
+  VectorXd whole = coarse.p;
+  whole.head(count) = best.p;
+  best.p = std::move(whole);
   return best;
 }
 
@@ -209,10 +221,15 @@ std::string fit_from(const Given& given, double guess, Rows& rows, Fitted& lugre
       return "only " + std::to_string(rows.path.rows.size()) + " rows lie near its reversals";
     lugre.prior = lugre_prior(given, rows, kOwn);
     lugre.free = free_of(given, lugre.prior, kOwn);
-    lugre.solution = solve_lugre(given, lugre, rows);
+    lugre.solution = start_lugre(given, lugre, rows);
+    const bool last = pass + 1 == kPasses;
+    if (std::isfinite(lugre.solution.cost) && (last || std::abs(lugre.solution.p(0)) < kSameCut)) {
+      lugre.solution = solved(rows, *lugre_model(rows.setting), VectorXd(lugre.solution.p), lugre.free,
+                              lugre.prior, kIterations);
+    }
     if (!std::isfinite(lugre.solution.cost)) return "no stiffness describes its reversals";
     const double change = lugre.solution.p(0);
-    if (std::abs(change) < 0.3 || pass + 1 == kPasses) break;
+    if (std::abs(change) < kSameCut || last) break;
     guess = std::clamp(guess * std::exp(-change), std::max(0.1 * given.quantum, 1e-7 * given.stroke),
                        given.stroke);
   }

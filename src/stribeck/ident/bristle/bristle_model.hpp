@@ -49,12 +49,37 @@ struct Bristle {
   }
 };
 
+/// Value without its derivatives.
+inline double value_of(double value) { return value; }
+template <class Jet>
+double value_of(const Jet& jet) {
+  return jet.a;
+}
+
+/// LuGre along a path. The step is that of friction/lugre.hpp for a velocity without derivatives, which takes a third of the products.
+template <class T>
+struct LuGreBristle : Bristle<friction::LuGre<T>, T> {
+  T advance(const PathStep& step, const T& level) {
+    using std::exp;
+    const friction::LuGre<T>& lugre = this->law;
+    const T before = this->state.z;
+    const T y = lugre.sigma0 * (std::abs(step.v) * step.dt) / level;
+    const T decay = exp(-y);
+    const T gain = value_of(y) < 1e-3 ? friction::hold_gain(y) : (1.0 - decay) / y;
+    this->state.z = decay * before + gain * (step.v * step.dt);
+    const T force = lugre.sigma0 * (before + this->state.z) * 0.5;
+    const double fading = lugre.damping_velocity ? step.v / value_of(*lugre.damping_velocity) : 0.0;
+    if (fading * fading > 40.0) return force;
+    return force + lugre.damping(T(step.v)) * (this->state.z - before) * (1.0 / step.dt);
+  }
+};
+
 /// The law's own parameters: ln(σ0·δ/g), σ1 and ln v_d, each in its scale.
 struct LuGreCase {
   static constexpr int kMostOwn = 3;
 
   template <class T>
-  using Law = Bristle<friction::LuGre<T>, T>;
+  using Law = LuGreBristle<T>;
 
   template <class T>
   static Law<T> make(const T* p, int, const Scales& s) {

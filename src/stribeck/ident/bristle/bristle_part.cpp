@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kPartRows = 1500;  // enough to tell the laws apart where they differ at all
 constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than half a second
-constexpr double kClearly = 2.0;         // standard errors
+constexpr std::size_t kFewPartPieces = 8;
+constexpr double kClearly = 2.0;  // standard errors
 
 /// The pieces that `kept` marks, with their steps and rows.
 BristlePath pieces_of(const BristlePath& from, const std::vector<char>& kept) {
@@ -78,23 +79,27 @@ BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t l
   return pieces_of(from, kept);
 }
 
-std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const Fitted& lugre) {
-  if (rows.path.rows.size() < kManyRows) return {};
-  Rows part;
+bool lay_part(const Rows& rows, const Fitted& lugre, Rows& part, Fitted& few) {
+  if (rows.path.rows.size() < kManyRows) return false;
   part.path = part_of(rows.path, kPartRows);
   part.setting = rows.setting;
   part.setting.path = &part.path;
   part.every_row.assign(part.path.rows.size(), 1);
   part.noise = rows.noise;
-  if (part.path.pieces.size() < 8) return {};
-  Fitted few;
   few.own = lugre.own;
   const Index count = few.own + kCommon;
-  few.solution.p = lugre.solution.p.head(count);
   few.prior = {lugre.prior.mean.head(count), lugre.prior.sd.head(count)};
   for (const Index i : lugre.free) {
     if (i < count) few.free.push_back(i);
   }
+  return part.path.pieces.size() >= kFewPartPieces;
+}
+
+std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const Fitted& lugre) {
+  Rows part;
+  Fitted few;
+  if (!lay_part(rows, lugre, part, few)) return {};
+  few.solution.p = lugre.solution.p.head(few.own + kCommon);
   const std::optional<Fitted> gms = fit_gms(given, part, few);
   if (!gms) return {};
   const auto held = [&](const Model& model, const Fitted& f) {

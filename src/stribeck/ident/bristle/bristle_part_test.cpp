@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <stribeck/friction/lugre.hpp>
 #include <stribeck/ident/bristle/bristle_parts.hpp>
 
 namespace stribeck::ident::bristle::bristle_part_test {
@@ -45,6 +46,26 @@ TEST(BristlePart, TakesPairsOfPiecesSpreadEvenly) {
     for (const PathSample& sample : part.pieces[p].samples)
       for (std::size_t j = sample.first; j < sample.first + sample.count; ++j)
         EXPECT_EQ(part.steps[j].v, kept[p]) << p;
+  }
+}
+
+// One step of LuGre along a path is that of friction/lugre.hpp, slow and fast, forward and back, whatever the damping.
+TEST(LuGreBristle, StepsAsTheLaw) {
+  for (const double v : {-0.3, -1e-3, -1e-7, 0.0, 1e-6, 2e-4, 0.05}) {
+    LuGreCase::Law<double> mine;
+    mine.law.sigma0 = 1.5e7;
+    mine.law.sigma1 = 5e5;
+    mine.law.damping_velocity = 3e-4;
+    Bristle<friction::LuGre<double>, double> law{mine.law, {}};
+    mine.start(-0.6, 80.0);
+    law.start(-0.6, 80.0);
+    PathStep step;
+    step.dt = 2e-4;
+    step.v = v;
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(mine.advance(step, 80.0), law.advance(step, 80.0), 1e-9) << v;  // rounding of 80 N
+      EXPECT_NEAR(mine.state.z, law.state.z, 1e-18) << v;
+    }
   }
 }
 

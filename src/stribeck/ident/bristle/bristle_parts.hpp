@@ -90,6 +90,8 @@ BristlePath part_of(const BristlePath& from, std::size_t most);
 /// The pairs with the fewest rows: at least `least_pieces` pieces if there are so many, then about `most` rows. For logs with
 /// jogs so slow that one piece holds more rows than all others together.
 BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t least_pieces);
+/// A part of many reversals with what is known of the law, without the unknown starts. False: the whole is cheap enough.
+bool lay_part(const Rows& rows, const Fitted& lugre, Rows& part, Fitted& few);
 /// GMS as a candidate where a part of many reversals shows clearly that it predicts worse than LuGre: the fit over all of
 /// them, ten times as long as the rest, tells nothing more. Its RMS and error are shares of those of LuGre. Empty: it
 /// must be fitted.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/bristle/bristle_solve.hpp>
 #include <stribeck/ident/stats/least_squares.hpp>
@@ -11,6 +12,9 @@ namespace stribeck::ident::bristle {
 namespace {
 
 constexpr int kFolds = 4;
+/// How far the sum of squares may be from the one that a step promised, as a share of what it promised to take off.
+constexpr double kAsPromised = 0.2;
+constexpr double kHardlyAny = 1e-4;  ///< of the sum of squares: a promise too small to be compared
 /// Fewer stretches do not show their scatter.
 constexpr int kLeastClusters = 8;
 
@@ -227,6 +231,54 @@ double HeldOut::rms() const {
   return n > 0.0 ? std::sqrt(std::accumulate(square.begin(), square.end(), 0.0) / n) : kNaN;
 }
 
+namespace {
+
+/// Residuals and derivatives at the solution of all rows.
+struct Linear {
+  VectorXd e;
+  MatrixXd J;
+};
+
+/// The solution without the rows that are not used, by one step of Gauss and Newton from that of all rows. Empty where the sum of squares
+/// does not fall as the step promises: then it has to be searched.
+std::optional<VectorXd> by_one_step(const Model& model, const Problem& problem, const Linear& at) {
+  const auto n = static_cast<Index>(problem.free->size());
+  const double weight = 1.0 / (problem.noise * problem.noise);
+  MatrixXd A = MatrixXd::Zero(n, n);
+  VectorXd b = VectorXd::Zero(n);
+  const auto cost = [&](const VectorXd& p, const VectorXd& e) {
+    double sum = 0.0;
+    for (Index k = 0; k < e.size(); ++k)
+      sum += (*problem.use)[static_cast<std::size_t>(k)] != 0 ? weight * e(k) * e(k) : 0.0;
+    for (const Index i : *problem.free)
+      sum += std::pow((p(i) - problem.prior->mean(i)) / problem.prior->sd(i), 2.0);
+    return sum;
+  };
+  for (Index k = 0; k < at.e.size(); ++k) {
+    if ((*problem.use)[static_cast<std::size_t>(k)] == 0) continue;
+    A.noalias() += weight * at.J.row(k).transpose() * at.J.row(k);
+    b.noalias() += weight * at.e(k) * at.J.row(k).transpose();
+  }
+  for (Index c = 0; c < n; ++c) {
+    const Index i = (*problem.free)[static_cast<std::size_t>(c)];
+    const double own = std::pow(problem.prior->sd(i), -2.0);
+    A(c, c) += own;
+    b(c) += own * ((*problem.at)(i)-problem.prior->mean(i));
+  }
+  const VectorXd step = stats::solve_full_lu(A, -b);
+  if (!step.allFinite() || step.cwiseAbs().maxCoeff() > 1.0) return {};
+  VectorXd p = *problem.at;
+  for (Index c = 0; c < n; ++c) p((*problem.free)[static_cast<std::size_t>(c)]) += step(c);
+  VectorXd e;
+  model.evaluate(p, e, nullptr);
+  const double before = cost(*problem.at, at.e), after = cost(p, e), promised = -b.dot(step);
+  const double scale = std::max(promised, kHardlyAny * before);
+  if (!(std::abs(before - promised - after) < kAsPromised * scale)) return {};
+  return p;
+}
+
+}  // namespace
+
 HeldOut hold_out(const Model& model, const VectorXd& start, const std::vector<Index>& free,
                  const Prior& prior, double noise, const BristlePath& path) {
   HeldOut out;
@@ -235,13 +287,17 @@ HeldOut hold_out(const Model& model, const VectorXd& start, const std::vector<In
   // Two neighbours stay together, so that every part has both directions.
   const int group = path.stretches >= 2 * kFolds ? 2 : 1;
   const int folds = std::min(kFolds, path.stretches);
+  Linear whole;
+  MatrixXd instruments;
+  sensitivities(model, start, free, -1, whole.e, whole.J, instruments);
   for (int fold = 0; fold < folds && folds > 1; ++fold) {
     std::vector<char> use;
     for (const PathRow& row : path.rows) use.push_back(row.stretch / group % folds == fold ? 0 : 1);
     if (std::count(use.begin(), use.end(), 1) < static_cast<std::ptrdiff_t>(free.size())) continue;
-    const Solution s = solve(model, {&start, &free, &use, &prior, noise}, kFoldIterations);
+    const Problem problem{&start, &free, &use, &prior, noise};
+    const std::optional<VectorXd> near = by_one_step(model, problem, whole);
     VectorXd e;
-    model.evaluate(s.p, e, nullptr, false);
+    model.evaluate(near ? *near : solve(model, problem, kFoldIterations).p, e, nullptr, false);
     for (std::size_t k = 0; k < path.rows.size(); ++k) {
       if (use[k] != 0 || !path.rows[k].turning) continue;
       const auto at = static_cast<std::size_t>(path.rows[k].stretch);
