@@ -212,6 +212,13 @@ void Description::write_shift() {
         "give --force-shift",
         what, 1e3 * half * T, 1e3 * half * T));
   };
+  if (const auto& smoothing = found_.intervals.smoothing) {
+    const double mass = found_.terms.known_mass ? 0.0 : smoothing->moved(0) / found_.fit.mass;
+    notes_.warn(text(
+        "the drive seems to have smoothed the force before it was logged, over about %.2g ms (a filter of first order of this time, or a mean over %.2g ms): the mass comes out %.2g %% or more too %s, and the intervals allow for this part of it only; log the force without the filter",
+        1e3 * T * smoothing->spread(), 1e3 * T * smoothing->spread() * std::sqrt(12.0),
+        100.0 * std::abs(mass), mass < 0.0 ? "small" : "large"));
+  }
   if (!found_.terms.shift) {
     if (half > kVagueShift) say("the force is taken as commanded, but");
     return;

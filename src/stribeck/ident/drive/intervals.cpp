@@ -332,7 +332,7 @@ double Misfit::at(int side, double speed) const {
 double Intervals::error_of(const VectorXd& h) const {
   const double variance =
       std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h), h.dot(folds * h)});
-  return std::hypot(std::sqrt(variance), h.dot(unsettled));
+  return std::hypot(std::sqrt(variance), h.dot(unsettled), h.dot(smoothed));
 }
 
 double Intervals::error_at(std::size_t i) const {
@@ -378,8 +378,12 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   out.folds = choice.joint ? MatrixXd::Zero(size, size) : between_folds(found.held_out, size, out.factor);
   out.unsettled = change_of_fast_rows(log, used, narrow, found, noise, size);
   const auto Q = static_cast<Index>(out.linear);
-  out.unsettled.tail(size - Q) =
-      -map_inverse * bread.moments.bottomLeftCorner(size - Q, Q) * out.unsettled.head(Q);
+  out.smoothed = VectorXd::Zero(size);
+  out.smoothing = find_smoothing(log, rows, terms, fit, out.residual, memory.rows);
+  if (out.smoothing) out.smoothed.head(Q) = out.smoothing->moved;
+  for (VectorXd* moved : {&out.unsettled, &out.smoothed}) {
+    moved->tail(size - Q) = -map_inverse * bread.moments.bottomLeftCorner(size - Q, Q) * moved->head(Q);
+  }
   if (terms.shift) out.shift_error = out.error_at(static_cast<std::size_t>(shift));
   return out;
 }

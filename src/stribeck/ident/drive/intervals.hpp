@@ -15,16 +15,17 @@
 /// A map of few parameters is chosen where noise hides its error. `Misfit` measures that error at each speed, from the mean of
 /// the residual over the rows around it.
 ///
-/// Two further forms ask the data instead of a model of noise: fits without each block of motion (the jackknife), and a fit on
-/// the rows above a fifth of the top speed. Friction that has not settled, or that no term describes, moves the mass there.
+/// A smoothing of the force by the drive (smoothing.hpp) moves the terms by a known amount, which widens them.
 ///
 /// Two further forms ask the data instead of a model of noise: fits without each block of motion (the jackknife), and a fit on
 /// the rows above a fifth of the top speed. Friction that has not settled, or that no term describes, moves the mass there.
 ///
 /// Inside ident only. Real time: no.
 
+#include <optional>
 #include <stribeck/ident/drive/linear_fit.hpp>
 #include <stribeck/ident/drive/map/map_choice.hpp>
+#include <stribeck/ident/drive/smoothing/smoothing.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <vector>
 
@@ -55,11 +56,13 @@ class Misfit {
 struct Intervals {
   std::vector<double> residual;  ///< of each row [N]
   Misfit misfit;
-  MatrixXd long_run;         ///< covariance of linear terms and map
-  MatrixXd stationary;       ///< the same under stationary noise
-  MatrixXd between;          ///< the same from the difference of the records; zero for one record
-  MatrixXd folds;            ///< the same from fits without each block of motion, of the linear terms
-  VectorXd unsettled;        ///< change of θ when only fast rows count, beyond its noise
+  MatrixXd long_run;    ///< covariance of linear terms and map
+  MatrixXd stationary;  ///< the same under stationary noise
+  MatrixXd between;     ///< the same from the difference of the records; zero for one record
+  MatrixXd folds;       ///< the same from fits without each block of motion, of the linear terms
+  VectorXd unsettled;   ///< change of θ when only fast rows count, beyond its noise
+  VectorXd smoothed;    ///< what a smoothing of the force has added to θ
+  std::optional<Smoothing> smoothing;
   std::size_t linear = 0;    ///< terms before those of the map
   double shift_error = 0.0;  ///< standard error of the shift, found or not [rows]; 0: given
   /// Share of each map parameter that lies in directions which the data do not see.

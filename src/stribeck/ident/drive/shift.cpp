@@ -142,6 +142,21 @@ std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
   return best;
 }
 
+double asked_force(const AlignedLog& log, const Terms& terms, const LinearFit& fit, std::size_t record,
+                   std::size_t row) {
+  const double v = log.predicted[record][row];
+  const std::size_t s = v > 0.0 ? 0 : 1;
+  double force =
+      fit.mass * log.motions[record].instrument[row] + map::kDirection[s] * fit.curve[s](std::abs(v));
+  auto j = static_cast<Index>(terms.first_periodic());
+  for (const PeriodicColumns& p : terms.periodic) {
+    const double d = p.form == friction::EccentricForm::kProportional ? map::kDirection[s] : 1.0;
+    force += d * (fit.value(j) * p.sine[record][row] + fit.value(j + 1) * p.cosine[record][row]);
+    j += 2;
+  }
+  return force;
+}
+
 void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const LinearFit& fit) {
   rows.asked_change.assign(rows.size(), 0.0);
   // Neighbouring rows contain the same values in their differences.
@@ -150,20 +165,9 @@ void ask_reference(const AlignedLog& log, Rows& rows, const Terms& terms, const 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto r = static_cast<std::size_t>(rows.record[i]);
     const std::vector<double>& v = log.predicted[r];
-    const std::vector<double>& a = log.motions[r].instrument;
     const std::size_t k = rows.at[i];
     if (v.empty() || k < 2 || k + 2 >= v.size()) continue;
-    const auto at = [&](std::size_t row) {
-      const std::size_t s = v[row] > 0.0 ? 0 : 1;
-      double force = fit.mass * a[row] + map::kDirection[s] * fit.curve[s](std::abs(v[row]));
-      auto j = static_cast<Index>(terms.first_periodic());
-      for (const PeriodicColumns& p : terms.periodic) {
-        const double d = p.form == friction::EccentricForm::kProportional ? map::kDirection[s] : 1.0;
-        force += d * (fit.value(j) * p.sine[r][row] + fit.value(j + 1) * p.cosine[r][row]);
-        j += 2;
-      }
-      return force;
-    };
+    const auto at = [&](std::size_t row) { return asked_force(log, terms, fit, r, row); };
     const bool next =
         i > 0 && i == behind + 1 && rows.record[i - 1] == rows.record[i] && rows.at[i - 1] + 1 == k;
     f = next ? std::array{f[1], f[2], at(k + 1)} : std::array{at(k - 1), at(k), at(k + 1)};

@@ -17,6 +17,10 @@
 
 namespace stribeck::ident::drive {
 
+/// Force that the reference asks for at a row of a record, by the fit [N]. The reference must predict the velocity there.
+double asked_force(const AlignedLog& log, const Terms& terms, const LinearFit& fit, std::size_t record,
+                   std::size_t row);
+
 /// Absent where the best shift lies at the border of the search, or where neither speed nor acceleration changes within bins.
 std::optional<double> find_shift(const AlignedLog& log, const Rows& rows,
                                  const std::optional<double>& known_mass);
