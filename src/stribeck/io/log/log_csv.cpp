@@ -40,8 +40,11 @@ class CsvReader {
     } else {
       drop_text_columns();
     }
-    if (dropped_blank_lines_ > 0) {
-      note("lines without any value were left out: " + std::to_string(dropped_blank_lines_));
+    for (const auto& [what, count] : left_out_) note(what + " were left out: " + std::to_string(count));
+    for (const auto& [first, again] : twice_) {
+      if (!drop_same_times(log_, first, again))
+        fail(0, "columns " + in_quotes(first) + " and " + in_quotes(again) +
+                    " hold different times (rename one)");
     }
     if (!unended.empty()) {
       note("the last row (row " + std::to_string(log_.rows + 1) + ", line " +
@@ -66,14 +69,6 @@ class CsvReader {
     return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
   }
 
-  void add_comment(std::string_view line) {
-    const auto text = trimmed(line.substr(std::min(line.find_first_not_of("#% \t"), line.size())));
-    const auto colon = text.find(':');
-    if (colon == std::string_view::npos || colon == 0) return;
-    log_.metadata.emplace_back(as_utf8(trimmed(text.substr(0, colon))),
-                               as_utf8(trimmed(text.substr(colon + 1))));
-  }
-
   void read_header(std::string_view& body) {
     if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
     for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
@@ -93,7 +88,7 @@ class CsvReader {
       if (trimmed(line).empty()) continue;
       if (is_comment(line)) {
         last_comment = line;
-        add_comment(line);
+        take_comment(line, log_.metadata);
       } else {
         header = line;
       }
@@ -145,8 +140,8 @@ class CsvReader {
       }
       body = rest;
       separator_ = separator_of(header, first_row(rest));
-      const auto names = split(header, separator_);
-      set_columns({names.begin(), names.end()}, line);
+      header_ = trimmed(header);
+      set_columns(names_of_columns(header, separator_, body, log_.notes), line);
     }
     take_units(body);
     decimal_ = decimal_mark(body, separator_);
@@ -194,7 +189,11 @@ class CsvReader {
         header = "column " + std::to_string(i + 1);
         note("column " + std::to_string(i + 1) + " has no name");
       }
-      if (const auto [hit, fresh] = seen.emplace(header, i); !fresh) {
+      const auto [hit, fresh] = seen.emplace(header, i);
+      if (!fresh && is_time_name(header)) {
+        twice_.emplace_back(header, header + " in column " + std::to_string(i + 1));
+        header = twice_.back().second;
+      } else if (!fresh) {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
@@ -275,16 +274,7 @@ class CsvReader {
     }
     if (!utf8) note("text cells are not UTF-8 and are read as Latin-1");
     if (kept == log_.columns.size()) fail(0, why_no_numbers(row_texts_));
-    leave_out_blank_columns();
-  }
-
-  void leave_out_blank_columns() {
-    std::erase_if(log_.columns, [&](const Column& column) {
-      const bool blank = !column.texts.empty() && std::all_of(column.texts.begin(), column.texts.end(),
-                                                              [](const std::string& t) { return t.empty(); });
-      if (blank) note("column " + in_quotes(column.header) + " is blank in every row and was left out");
-      return blank;
-    });
+    drop_blank_columns(log_);
   }
 
   /// Reserves memory, estimated from the length of the first lines.
@@ -303,7 +293,7 @@ class CsvReader {
   const char* after_line_without_row(const char* p, const char* end) {
     const char* const next = end_of_line(p, end);
     const std::string_view line(p, static_cast<std::size_t>(next - p));
-    if (*p == '#' || *p == '%') add_comment(line);
+    if (*p == '#' || *p == '%') take_comment(line, log_.metadata);
     if (!trimmed(line).empty() && *p == '\r') return nullptr;
     return next == end ? end : next + 1;
   }
@@ -333,7 +323,7 @@ class CsvReader {
     const char* const end = p + body.size();
     while (p != end) {
       const char* const line = p;
-      if (*p == '\n' || *p == '\r' || *p == '#' || *p == '%') {
+      if (*p == '\n' || *p == '\r' || *p == '#' || *p == '%' || (*p == '/' && p + 1 != end && p[1] == '/')) {
         if (const char* const next = after_line_without_row(p, end); next != nullptr) {
           p = next;
           continue;
@@ -422,7 +412,16 @@ class CsvReader {
     const std::size_t n = log_.columns.size();
     if (std::all_of(line.begin(), line.end(),
                     [&](char c) { return c == separator_ || is_blank(c) || c == '"'; })) {
-      if (!line.empty()) ++dropped_blank_lines_;
+      if (!line.empty()) ++left_out_["lines without any value"];
+      return skip;
+    }
+    if (line == header_) {
+      ++left_out_["lines that repeat the names of the columns"];
+      return skip;
+    }
+    if ((is_text_.empty() || is_text_[0] == 0) &&
+        below_the_table({start, static_cast<std::size_t>(end - start)}, separator_)) {
+      ++left_out_["lines of text below the table"];
       return skip;
     }
     // A leading separator stands for an empty cell and stays; only blanks around the line are removed.
@@ -486,7 +485,9 @@ class CsvReader {
   char decimal_ = '.';
   std::vector<char> is_text_;  ///< 1 for columns of text; empty when there are none
   std::vector<std::string_view> row_texts_;
-  std::size_t dropped_blank_lines_ = 0;
+  std::string_view header_;
+  std::map<std::string, std::size_t> left_out_;             ///< lines, by what they are
+  std::vector<std::pair<std::string, std::string>> twice_;  ///< times that stand twice
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <limits>
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -347,15 +348,97 @@ std::optional<double> minutes_and_seconds(std::string_view text) {
   return 60.0 * *minute + *second;
 }
 
+std::optional<double> duration(std::string_view text) {
+  text = trimmed(text);
+  const auto blank = text.find(' ');
+  if (blank == std::string_view::npos) return std::nullopt;
+  const auto number = cell_number(text.substr(0, blank), '.');
+  const std::string_view unit = trimmed(text.substr(blank));
+  if (!number || !(*number >= 0.0)) return std::nullopt;
+  if (unit == "sec") return *number;
+  const std::size_t behind = unit.starts_with("days ") ? 5 : unit.starts_with("day ") ? 4 : 0;
+  const auto time = behind > 0 ? time_of_day(unit.substr(behind)) : std::nullopt;
+  return time ? std::optional(86400.0 * *number + *time) : std::nullopt;
+}
+
+std::vector<std::string> names_of_columns(std::string_view header, char separator, std::string_view& body,
+                                          Notes& notes) {
+  const auto groups = split(header, separator);
+  const auto plain = [&] { return std::vector<std::string>(groups.begin(), groups.end()); };
+  const auto blank = [](std::string_view cell) { return unquoted(trimmed(cell)).empty(); };
+  const std::string_view row = first_row(body);
+  const auto cells = split(row, separator);
+  const auto filled = std::count_if(groups.begin(), groups.end(), [&](auto g) { return !blank(g); });
+  const std::size_t last = !cells.empty() && blank(cells.back()) ? cells.size() - 1 : cells.size();
+  if (separator == ' ' || cells.size() != groups.size() || last < 3) return plain();
+  if (filled != 1) return plain();
+  for (std::size_t i = 0; i < last; ++i) {
+    if (blank(cells[i]) || cell_number(cells[i], '.') || cell_number(cells[i], ',')) return plain();
+  }
+  notes.push_back(std::string("the line above the names of the columns is a title and was left out"));
+  body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
+  return {cells.begin(), cells.end()};
+}
+
+bool is_time_name(const std::string& header) {
+  const std::string name = lower_case(header.substr(0, header.find_first_of(" [(")));
+  return name == "time" || name == "timestamp" || name == "zeit" || name == "t";
+}
+
+bool drop_same_times(Log& log, const std::string& first, const std::string& again) {
+  const auto called = [&](const std::string& name) {
+    return std::find_if(log.columns.begin(), log.columns.end(),
+                        [&](const Column& c) { return c.header == name; });
+  };
+  const auto a = called(first), b = called(again);
+  if (a == log.columns.end() || b == log.columns.end()) return true;
+  if (a->texts.empty() && !b->texts.empty() && !read_times_of_day(*b)) return false;
+  if (a->values != b->values || a->texts != b->texts) return false;
+  log.columns.erase(b);
+  return true;
+}
+
+void take_comment(std::string_view line, std::vector<std::pair<std::string, std::string>>& metadata) {
+  const auto text = trimmed(line.substr(std::min(line.find_first_not_of("#% \t"), line.size())));
+  const auto colon = text.find(':');
+  if (colon == std::string_view::npos || colon == 0) return;
+  metadata.emplace_back(as_utf8(trimmed(text.substr(0, colon))), as_utf8(trimmed(text.substr(colon + 1))));
+}
+
+void drop_blank_columns(Log& log) {
+  std::erase_if(log.columns, [&](const Column& column) {
+    const bool blank = !column.texts.empty() && std::all_of(column.texts.begin(), column.texts.end(),
+                                                            [](const std::string& t) { return t.empty(); });
+    if (blank)
+      log.notes.push_back("column " + in_quotes(column.header) + " is blank in every row and was left out");
+    return blank;
+  });
+}
+
+bool below_the_table(std::string_view rest, char separator) {
+  constexpr std::size_t kMostLines = 20;
+  std::size_t lines = 0;
+  while (!rest.empty()) {
+    const std::string_view line = trimmed(take_line(rest));
+    if (line.empty()) continue;
+    const std::string cell = unquoted(line.substr(0, line.find(separator)));
+    const bool word = !cell.empty() && std::isalpha(static_cast<unsigned char>(cell.front())) != 0;
+    const bool digit = std::any_of(cell.begin(), cell.end(), is_digit);
+    if (!word || digit || cell_number(cell, '.') || ++lines > kMostLines) return false;  // nan is a number
+  }
+  return true;
+}
+
 bool read_times_of_day(Column& column) {
   const bool short_times = !column.texts.empty() && minutes_and_seconds(column.texts.front()).has_value();
-  const double whole = short_times ? 3600.0 : 86400.0;
+  const bool durations = !column.texts.empty() && duration(column.texts.front()).has_value();
+  const double whole = durations ? std::numeric_limits<double>::infinity() : short_times ? 3600.0 : 86400.0;
   std::vector<double> values;
   values.reserve(column.texts.size());
   double before = 0.0;
   double last = 0.0;
   for (const std::string& text : column.texts) {
-    const auto t = short_times ? minutes_and_seconds(text) : time_of_day(text);
+    const auto t = durations ? duration(text) : short_times ? minutes_and_seconds(text) : time_of_day(text);
     if (!t) return false;
     if (!values.empty() && *t < last - 0.5 * whole) before += whole;
     last = *t;

@@ -43,6 +43,25 @@ std::optional<double> grouped_number(std::string_view cell);
 /// Whether a comment holds the names of the columns of the row below it: as many cells, half of them numbers. ROS writes "%time,…".
 bool names_in_comment(std::string_view comment, std::string_view row);
 
+/// The names of the columns in a line. Where that is a title with blank cells behind it, the names are in the row below, which leaves
+/// the text.
+std::vector<std::string> names_of_columns(std::string_view header, char separator, std::string_view& body,
+                                          Notes& notes);
+
+/// Whether a column may stand twice: tables that a tool joined have a time each.
+bool is_time_name(const std::string& header);
+/// Leaves out a column of times that are those of another one; false where they differ.
+bool drop_same_times(Log& log, const std::string& first, const std::string& again);
+
+/// "# key: value" becomes metadata.
+void take_comment(std::string_view line, std::vector<std::pair<std::string, std::string>>& metadata);
+
+/// Columns whose cells are blank in every row go.
+void drop_blank_columns(Log& log);
+
+/// Whether a line and all that follow it are no rows: at most twenty, each with words in its first cell ("Min,…").
+bool below_the_table(std::string_view rest, char separator);
+
 /// Units in the row below the names, one for each column, "" where it has none; nothing where the row is another one.
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
                                       Notes& notes);
@@ -59,7 +78,10 @@ std::optional<double> time_of_day(std::string_view text);
 /// Seconds of `01:02.5`, minutes and seconds as a spreadsheet shows short times; without the decimals it may be a time of day.
 std::optional<double> minutes_and_seconds(std::string_view text);
 
-/// Makes a column of times of day, or of minutes and seconds, one of seconds since its first row; false where a cell is none.
+/// Seconds of `0.002 sec`, as MATLAB writes a duration, and of `0 days 00:00:00.002000`, as pandas does.
+std::optional<double> duration(std::string_view text);
+
+/// Makes a column of times of day, durations, or of minutes and seconds, one of seconds since its first row; false where a cell is none.
 /// Past midnight, or a full hour, it goes on.
 bool read_times_of_day(Column& column);
 

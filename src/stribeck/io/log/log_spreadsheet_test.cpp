@@ -33,6 +33,52 @@ TEST(Spreadsheet, UnitsInTheRowBelowTheNames) {
   EXPECT_THAT(other.columns.at(0).values, ElementsAre(0.5, 1.5));
 }
 
+TEST(Spreadsheet, ATitleAboveTheNames) {
+  // The index of a table has no name and is no title.
+  const Log titled =
+      parse("\"Trace\",\"\",\"\",\n\"t\",\"x\",\"f\",\n\"(s)\",\"(mm)\",\"(N)\",\n0,1,2,\n1,2,3,\n");
+  EXPECT_EQ(titled.columns.at(1).header, "x");
+  EXPECT_EQ(titled.columns.at(2).unit_text, "N");
+  EXPECT_EQ(parse(",t_s,x_mm\n0,0.0,1\n1,0.1,2\n").columns.at(1).header, "t_s");
+}
+
+TEST(Spreadsheet, ATimeForEachVariable) {
+  const Log log = parse("Timestamp;x;Timestamp;f\n0;1;0;5\n10;2;10;6\n");
+  ASSERT_EQ(log.columns.size(), 3U);
+  EXPECT_EQ(log.columns.at(2).header, "f");
+  EXPECT_THAT([] { parse("Time;x;Time;f\n0;1;0;5\n10;2;11;6\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("hold different times")));
+  EXPECT_THAT([] { parse("t;x;x\n0;1;0\n10;2;11\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("stands twice")));
+}
+
+TEST(Spreadsheet, LinesBetweenAndBelowTheRows) {
+  const Log log =
+      parse("t_s,x_mm,f_N\n0,1,2\n// door opened\n1,2,3\nt_s,x_mm,f_N\n2,3,4\n\nMin,1,2\nMax,3,4,\n");
+  EXPECT_EQ(log.rows, 3U);
+  EXPECT_THAT(log.columns.at(2).values, ElementsAre(2.0, 3.0, 4.0));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("lines of text below the table were left out: 2")));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("lines that repeat the names of the columns were left out: 1")));
+  // Words above further rows are damage, and so is a cell that was a number.
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\nMin,2\n1,2\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("\"Min\"")));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2\nO.5,2\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("\"O.5\"")));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2\nnan,2\n"); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("finite")));
+}
+
+TEST(Spreadsheet, Durations) {
+  EXPECT_DOUBLE_EQ(*detail::duration("0.002 sec"), 0.002);
+  EXPECT_DOUBLE_EQ(*detail::duration("1 days 00:00:01.500000"), 86401.5);
+  EXPECT_FALSE(detail::duration("0.002"));
+  EXPECT_FALSE(detail::duration("0.002 mm"));
+  EXPECT_FALSE(detail::duration("1 days"));
+  const Log log = parse("Time,x_mm\n5 sec,1\n5.5 sec,2\n6 sec,3\n");
+  EXPECT_THAT(log.columns.at(0).values, ElementsAre(0.0, 0.5, 1.0));
+  EXPECT_EQ(log.columns.at(0).unit_text, "s");
+}
+
 TEST(Spreadsheet, UnitsThatContradictTheNamesAreRefused) {
   EXPECT_THAT([] { parse("t_s,x_mm\ns,m\n0,1\n1,2\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("the row of units says \"m\"")));

@@ -152,7 +152,7 @@ TEST(Log, RefusesWithLineRowAndColumn) {
               HasSubstr("got \"2.5\", expected a number with a decimal comma"));
   EXPECT_THAT(refusal("t;x\n0;1,5\n1;1.234\n2;3\n"), HasSubstr("got \"1.234\", expected a number"));
   EXPECT_THAT(refusal("t,x,t\n0,1,2\n1,2,3\n"),
-              HasSubstr("log.csv:1: column name \"t\" stands twice, for columns 1 and 3"));
+              HasSubstr("log.csv: columns \"t\" and \"t in column 3\" hold different times"));
   EXPECT_THAT(refusal(""), HasSubstr("is empty"));
   EXPECT_THAT(refusal("\n\n# only\n"), HasSubstr("has no header"));
   EXPECT_THAT(refusal("0,1\n1,2\n"), HasSubstr("log.csv:1: has no header"));

@@ -44,6 +44,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"speed", Word::kVelocity},
                             Entry{"geschwindigkeits", Word::kVelocity},
                             Entry{"geschwindigkeit", Word::kVelocity},
+                            Entry{"geschw", Word::kVelocity},
                             Entry{"drehzahl", Word::kVelocity},
                             Entry{"acceleration", Word::kAcceleration},
                             Entry{"beschleunigungs", Word::kAcceleration},
@@ -52,6 +53,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"kraft", Word::kForce},
                             Entry{"effort", Word::kForce},
                             Entry{"torque", Word::kTorque},
+                            Entry{"trq", Word::kTorque},
                             Entry{"drehmoment", Word::kTorque},
                             Entry{"momenten", Word::kTorque},
                             Entry{"moment", Word::kTorque},
@@ -73,6 +75,7 @@ constexpr std::array kWords{Entry{"position", Word::kPosition},
                             Entry{"meas", Word::kActual},
                             Entry{"feedback", Word::kActual},
                             Entry{"fbk", Word::kActual},
+                            Entry{"fb", Word::kActual},
                             Entry{"encoder", Word::kActual},
                             Entry{"commanded", Word::kCommanded},
                             Entry{"command", Word::kCommanded},
@@ -308,6 +311,29 @@ std::optional<NameMeaning> from_words(const std::vector<Word>& words, const std:
   return found;
 }
 
+/// "Position Feedback (PL.FB)": the short name of a signal in brackets behind it. An axis in brackets stays.
+void drop_short_name(std::string& name) {
+  const auto open = name.rfind('(');
+  if (!name.ends_with(')') || open == std::string::npos || open == 0) return;
+  const std::string inside = name.substr(open + 1, name.size() - open - 2);
+  if (inside.empty() || is_axis(inside)) return;
+  name.erase(open);
+  while (name.ends_with(' ')) name.pop_back();
+}
+
+/// "Axis.Act.Pos": what tells actual from commanded belongs to the signal, not to the axis.
+void take_role(std::string& axis, std::string& name) {
+  const auto dot = axis.rfind('.');
+  if (dot == std::string::npos) return;
+  const std::string last = axis.substr(dot + 1);
+  std::vector<Word> words;
+  if (last.empty() || last == "encoder" || !read_words(last, words) ||
+      !std::all_of(words.begin(), words.end(), role))
+    return;
+  name = last + " " + name;
+  axis.erase(dot);
+}
+
 /// Words of all parts; a letter alone, or in front of actual or commanded, may stand for a quantity.
 std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts, const std::string& unit) {
   std::vector<Word> words;
@@ -353,6 +379,7 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   std::string name = lower_case(header);
   if (auto found = cia402(name)) return found;
   if (auto found = sercos(name)) return found;
+  drop_short_name(name);
   std::string axis;
   // "MC_Axis.ActPos", "Main.Axis1.NcToPlc.ActPos": the last part is the signal, what is before it the axis.
   // A topic of ROS, "/joint_states/joint_z/position", is divided by slashes.
@@ -360,6 +387,7 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   if (const auto dot = name.rfind(divider); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
     axis = name.substr(0, dot);
     name.erase(0, dot + 1);
+    if (divider == '.') take_role(axis, name);
   }
   if (auto found = sinamics(name)) {
     found->axis = axis;

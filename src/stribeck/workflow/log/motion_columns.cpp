@@ -160,10 +160,14 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
     const bool counts = is_count(m.from.unit);
-    if ((m.from.unit.empty() || counts) && !base && !columns.mapped(m.what)) {
-      notes.push_back(fmt::format(
-          "column {} {} (give it with --map {}=\"COLUMN UNIT\")", io::in_quotes(header_of(*m.from.column)),
-          counts ? "is in counts and is not used" : "has no unit and is not used", enum_name(m.what)));
+    const bool share = m.from.unit == "%";
+    if ((m.from.unit.empty() || counts || share) && !base && !columns.mapped(m.what)) {
+      notes.push_back(fmt::format("column {} {} (give it with --map {}=\"COLUMN UNIT\")",
+                                  io::in_quotes(header_of(*m.from.column)),
+                                  counts  ? "is in counts and is not used"
+                                  : share ? "is a share of a rated value and is not used"
+                                          : "has no unit and is not used",
+                                  enum_name(m.what)));
       continue;
     }
     convert(log, m);
