@@ -84,14 +84,19 @@ TEST(OwnMachine, AnAxisThatMayFallGetsNoForcesInOpenLoop) {
   }
 }
 
-// The weight that the file keeps quiet about drives the axis into its end.
+// A weight that the file denies drives the axis into its end; where it only keeps quiet, the brake tells.
 TEST(OwnMachine, RunningIntoAnEndStopEndsTheRun) {
   Folder f;
   std::string text = text_of(kVirtual);
   const std::string load = "load = \"176 N\"  # the weight, less the counterbalance\n";
   ASSERT_NE(text.find(load), std::string::npos);
+  std::string denied = text;
+  denied.replace(text.find(load), load.size(), "load = \"0 N\"\n");
   text.erase(text.find(load), load.size());
-  const std::string machine = f.write("quiet.toml", text);
+  const std::string quiet = f.write("quiet.toml", text), machine = f.write("denied.toml", denied);
+  const Said asked = command({"excite", quiet, "--axis", "z", "--method", "pulses", "-o", f / "no.csv"});
+  EXPECT_EQ(asked.code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("Write commissioning.load (0 N where nothing pulls)"));
   ASSERT_EQ(command({"excite", machine, "--axis", "z", "--method", "pulses", "-o", f / "z.csv"}).code, 0);
   const Said run = command({"simulate", machine, "--reference", f / "z.csv", "--axis", "z", "-o",
                             f / "log.csv", "--json", f / "j.json"});
