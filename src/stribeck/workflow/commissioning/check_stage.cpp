@@ -40,7 +40,7 @@ void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double
                   {a.controller + ".adaptation.enabled", "0"}};
     const double own = &a == &tried ? force : forces_to_try(a).front();
     if (a.takes_force)
-      values.emplace_back(a.controller + ".force-limit", text_of(std::abs(a.rough.load) + own));
+      values.emplace_back(a.controller + ".force-limit", text_of(std::abs(a.rough.load_force()) + own));
     changed.set(values);
     tighten(work, changed, a, kSignFerror);
   }

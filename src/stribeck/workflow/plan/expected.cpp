@@ -63,7 +63,7 @@ sim::AxisFile rough_model(const AxisDescription& axis) {
                              : (axis.limits.travel_max - axis.limits.travel_min) / kTurns;
   sim::AxisFile file;
   file.model.mass = axis.commissioning.mass.middle();
-  file.model.load = axis.commissioning.load;
+  file.model.load = axis.commissioning.load_force();
   file.model.friction.steady = map;
   file.model.friction.dynamics = bristles;
   file.model.friction.eccentric.push_back({kScrew * level, turn, 0.5});
