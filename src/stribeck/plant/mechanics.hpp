@@ -165,6 +165,7 @@ class Mechanics {
 
   /// Sub-steps for a period of dt [s].
   [[nodiscard]] int count(double dt, int substeps) noexcept {
+    spare_ = static_cast<int>(kMostSubsteps);
     level_ = parts(map_, y_[1], y_[0]).level;
     double decay = friction_.law().rate_bound(std::abs(y_[1]), level_) * dt;
     if constexpr (kLost) {
@@ -197,7 +198,7 @@ class Mechanics {
     const auto near = friction::near_or_itself(map_, before);
     const StateVector k1 = derivative(near, y_, held);
     // A large force reaches a speed that the count for the whole period did not know of.
-    if (const double most = decay(k1, h); most > kUnstableStep) return divide(held, h, most);
+    if (const double most = decay(k1, h); most > kUnstableStep && spare_ > 0) return divide(held, h, most);
     // While the velocity stays within half a cell of the table, the cell of the first stage serves all stages.
     if (std::abs(k1[1]) * h < kNear * std::abs(before)) {
       y_ = rk3_step(y_, k1, h, [&](const StateVector& y) noexcept { return derivative(near, y, held); });
@@ -213,9 +214,11 @@ class Mechanics {
     }
   }
 
-  /// A sub-step in so many parts that each is stable.
+  /// A sub-step in so many parts that each is stable. A period has kMostSubsteps more of them at most: an axis that leaves all bounds
+  /// would ask for more and more.
   void divide(const Held& held, double h, double decay_in_h) noexcept {
-    const int parts = static_cast<int>(std::min(decay_in_h * (1.0 / kStableStep), kMostSubsteps)) + 1;
+    const int parts = static_cast<int>(std::min(decay_in_h * (1.0 / kStableStep), 1.0 * spare_)) + 1;
+    spare_ -= parts;
     for (int i = 0; i < parts; ++i) substep(held, h / parts);
   }
 
@@ -311,6 +314,7 @@ class Mechanics {
   double stiffness_share_ = 1.0;
   double level_ = 1.0;  ///< of friction at the start of the period [N]
   double table_level_ = 1.0;
+  int spare_ = 0;  ///< sub-steps that may still be added in this period
   double mass_ = 1.0;
   double inverse_mass_ = 1.0;
   double gain_ = 0.0;
