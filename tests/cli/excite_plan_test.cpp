@@ -10,6 +10,7 @@
 namespace stribeck::test::excite_plan_test {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 void expect_refused(const Said& said, const std::string& what) {
@@ -30,7 +31,7 @@ TEST(ExcitePlan, WritesTheLogsThatTellWhatIsWanted) {
       {"--for", "mass,bristles", "--minutes", "0.5", "--json", folder / "plan.json"}, folder / "logs"));
   EXPECT_EQ(out.code, 0) << out.err;
   EXPECT_THAT(out.out, HasSubstr("What a log of axis x is expected to tell"));
-  EXPECT_THAT(out.out, HasSubstr("Not jog: 148 s of motion, more than there is time for."));
+  EXPECT_THAT(out.out, ContainsRegex("Not jog: [0-9]+ s of motion, more than there is time for"));
   EXPECT_THAT(text_of(folder / "plan.json"), HasSubstr("\"schema\": \"stribeck.plan/1\""));
   std::size_t files = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder / "logs")) {
@@ -43,8 +44,8 @@ TEST(ExcitePlan, WritesTheLogsThatTellWhatIsWanted) {
 TEST(ExcitePlan, IsProposedForWhatALogLeavesOpen) {
   const Folder folder;
   // One period of a sine: its force of inertia is small, and a spring would look the same.
-  ASSERT_EQ(command({"excite", kMachine, "--axis", "x", "--method", "sine", "--periods", "1", "-o",
-                     folder / "r.csv", "--quiet"})
+  ASSERT_EQ(command({"excite", kMachine, "--axis", "x", "--method", "sine", "--strokes", "0", "--periods",
+                     "1", "-o", folder / "r.csv", "--quiet"})
                 .code,
             0);
   ASSERT_EQ(command({"simulate", kMachine, "--axis", "x", "--reference", folder / "r.csv", "-o",

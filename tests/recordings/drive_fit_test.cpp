@@ -234,7 +234,8 @@ TEST(DriveFit, UbcIsFrozenAndLate) {
   EXPECT_THAT(words_of(result, "warnings"), Contains(HasSubstr("4.6976 to 4.7936 s")));
   const double rms = result.at("held_out_rms").get<double>();
   EXPECT_LE(rms, 0.040);
-  EXPECT_GE(rms, 0.025);
+  // Below the README's by the drift of the level, which is taken out; a fit of the noise itself would be far below.
+  EXPECT_GE(rms, 0.020);
   EXPECT_NEAR(result.at("mass").get<double>(), 4.0, 0.1);
   const double late = parameter(result, "force_shift") / 3.0 - 0.5;
   EXPECT_GE(late, 1.0);

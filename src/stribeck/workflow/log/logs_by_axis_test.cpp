@@ -146,7 +146,7 @@ TEST(LogsByAxis, ARotaryAxisIsReadInItsOwnDegrees) {
   EXPECT_EQ(plain.runs.front().position_unit, "m");
   EXPECT_NEAR(plain.runs.front().x.y[10], 1.0 * kDegree, 1e-12);
   EXPECT_NEAR(plain.runs.front().f.y[10], 3.0, 1e-12);
-  EXPECT_THAT(plain.notes, ElementsAre(HasSubstr("a rotary axis: angles are taken as arcs")));
+  EXPECT_THAT(plain.notes, ElementsAre(HasSubstr("a rotary axis: its table is in deg, N m and kg m2")));
   axis.drive.emplace();
   axis.drive->rated_torque = 2.0;
   axis.drive->lead = 2.0 * kPi;
