@@ -7,7 +7,7 @@
 /// Real time: no.
 /// Errors: InputError of files.
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
