@@ -53,6 +53,17 @@ std::optional<double> error_of(const bristle::BristleFit& fit, const bristle::Br
   return std::sqrt(1.0 / (1.0 / after - 1.0 / before));
 }
 
+/// Standard error of half the difference of the levels at rest, as the map has it. Between the slowest rows and rest the map may err,
+/// and an error that differs between the directions looks like a load.
+double error_of_levels(const Result& result, double factor) {
+  double sum = 0.0;
+  for (const char* name : {"static_positive", "static_negative"}) {
+    const Parameter* p = result.find(name);
+    if (p != nullptr) sum = std::hypot(sum, 0.5 * (p->ci_high - p->ci_low));
+  }
+  return 0.5 * sum / factor;
+}
+
 struct Search {
   bristle::BristleFit last;
   friction::AxisModel axis;
@@ -99,9 +110,12 @@ std::optional<ToldLoad> load_of_reversals(const Result& result, const Found& fou
     return {};
   }
   if (!s || !s->last.determinable) return {};
-  const std::optional<double> error = error_of(s->last, options, levels_of(s->axis), found.intervals.factor);
-  if (!error || !(std::abs(s->last.load - start.load) > found.intervals.factor * *error)) return {};
-  return ToldLoad{s->last.load, std::hypot(*error, s->step)};
+  const double factor = found.intervals.factor;
+  const std::optional<double> own = error_of(s->last, options, levels_of(s->axis), factor);
+  if (!own) return {};
+  const double error = std::hypot(*own, error_of_levels(result, factor));
+  if (!(std::abs(s->last.load - start.load) > factor * error)) return {};
+  return ToldLoad{s->last.load, std::hypot(error, s->step)};
 }
 
 MapChoice with_load(MapChoice choice, double load) {

@@ -7,7 +7,7 @@
 ///
 /// After a reversal it can. A bristle of stiffness σ0 needs the distance F⁺/σ0 forward and F⁻/σ0 backward, so that both distances
 /// are in proportion only for one c. The bristle is fitted again and again, each time with the load that the fit before asks
-/// for, until it asks for no more.
+/// for, until it asks for no more. F⁺ and F⁻ are those of the map at rest: their intervals are part of that of the load.
 ///
 /// Sign: positive c pushes against forward motion, as in AxisModel. Assumed: pre-sliding is as stiff forward as backward. Source: LuGre,
 /// bristle_fit.hpp. Not modelled: friction that differs by direction together with a stiffness that does.

@@ -29,8 +29,7 @@ test::Drive uneven() {
   return drive;
 }
 
-Result identified(double weight) {
-  const test::Drive drive = uneven();
+Result identified(double weight, const test::Drive& drive = uneven()) {
   log::Record rec =
       test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.01, 1.0, 6.0), 7);
   for (double& f : rec.f) f += weight;
@@ -58,6 +57,15 @@ TEST(LoadOfReversals, InventsNone) {
   const Result r = identified(0.0);
   EXPECT_NEAR(r.load, 0.0, 0.5);
   EXPECT_TRUE(holds(r.find("sigma0"), uneven().sigma0));
+}
+
+// Forward, friction rises towards rest where no row of the map is. After reversals that looks like a load, and the interval of
+// the level at rest says that it need not be one.
+TEST(LoadOfReversals, IsNotTakenFromALevelAtRestThatTheMapDoesNotTell) {
+  test::Drive drive = uneven();
+  drive.friction.positive.gaussians[0] = {10.0, 0.0, 0.05e-3};
+  const Result r = identified(0.0, drive);
+  EXPECT_NEAR(r.load, 0.0, 0.5);
 }
 
 // What slides forward and backward is the same force, whatever the load is called.
