@@ -195,12 +195,13 @@ void find_sampler(RunningMachine& machine, RunningAxes& all) {
     there = samplers(machine);
   }
   std::string lacks;
-  for (const auto& [number, columns] : there) {
+  for (const auto& one : there) {
+    const std::vector<std::string>& columns = one.second;
     const auto missing = std::find_if(needed.begin(), needed.end(), [&](const std::string& s) {
       return std::find(columns.begin(), columns.end(), s) == columns.end();
     });
     if (missing == needed.end()) {
-      all.sampler = number;
+      all.sampler = one.first;
       all.columns = columns;
       return;
     }
