@@ -69,7 +69,10 @@ int plan(const ExciteCommand& o) {
   PlanOptions options{o.machine, o.axis, {}, 60.0 * o.minutes.value_or(kMinutes), o.what.known};
   for (const std::string& word : o.wanted) options.wanted.push_back(*enum_value<Wanted>(word));
   const OutputFolder folder(o.output);
-  const ExcitationPlan plan = plan_excitation(options);
+  const ExcitationPlan plan = [&] {
+    Progress progress("logs tried", o.common.quiet);
+    return plan_excitation(options, [&](std::size_t done, std::size_t all) { progress(done, all); });
+  }();
   std::string files;
   for (const std::size_t i : plan.chosen) {
     ExcitationOptions what;

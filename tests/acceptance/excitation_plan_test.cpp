@@ -12,6 +12,7 @@
 #include <stribeck/workflow/plan/excitation_plan.hpp>
 #include <stribeck/workflow/run/axis_excitation.hpp>
 #include <string>
+#include <vector>
 
 namespace stribeck::test::excitation_plan_test {
 namespace {
@@ -76,7 +77,13 @@ TEST_F(ExcitationPlanTest, SaysWhatStaysOpen) {
   for (const workflow::CandidateLog& c : whole().candidates) {
     if (c.refused.empty()) shortest = std::min(shortest, c.duration);
   }
-  const workflow::ExcitationPlan brief = workflow::plan_excitation({file_, "x", {}, 1.01 * shortest, ""});
+  std::vector<std::size_t> steps;
+  const workflow::ExcitationPlan brief = workflow::plan_excitation({file_, "x", {}, 1.01 * shortest, ""},
+                                                                   [&](std::size_t done, std::size_t all) {
+                                                                     EXPECT_LE(done, all);
+                                                                     steps.push_back(done);
+                                                                   });
+  EXPECT_THAT(steps, testing::ElementsAre(1, 2, 3, 4, 5));  // each method alone; there is no time for two
   EXPECT_EQ(brief.chosen.size(), 1u);
   EXPECT_LE(brief.duration(), 1.01 * shortest);
   const std::string text = workflow::text_of(brief);

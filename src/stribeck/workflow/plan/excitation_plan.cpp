@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/report/columns.hpp>
+#include <stribeck/sim/parallel.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/plan/excitation_plan.hpp>
@@ -38,37 +39,63 @@ bool better(std::pair<int, double> a, double seconds_a, std::pair<int, double> b
   return a.second < b.second;
 }
 
-void choose(ExcitationPlan& plan, const StandIn& axis) {
+constexpr std::size_t kMostLogs = 3;
+/// Logs that are tried at most: each method alone, then beside one, then beside two others.
+constexpr std::size_t kMostTried = 3 * kMethods.size() - 3;
+
+/// The methods that may be added to the chosen ones.
+std::vector<std::size_t> fitting(const ExcitationPlan& plan) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    const CandidateLog& c = plan.candidates[i];
+    const bool taken = std::find(plan.chosen.begin(), plan.chosen.end(), i) != plan.chosen.end();
+    if (!taken && c.refused.empty() && plan.duration() + c.duration <= plan.options.longest) out.push_back(i);
+  }
+  return out;
+}
+
+/// What the chosen logs tell with each of these beside them.
+std::vector<ExpectedHalf> with_each(const ExcitationPlan& plan, const StandIn& axis,
+                                    const std::vector<std::size_t>& more, const Progress& progress) {
+  std::vector<ExpectedHalf> out(more.size());
+  if (plan.chosen.empty()) {
+    for (std::size_t k = 0; k < more.size(); ++k) out[k] = plan.candidates[more[k]].expected;
+    return out;
+  }
+  sim::parallel_for(
+      more.size(), 0, [] { return 0; },
+      [&](int, std::size_t k) {
+        std::vector<ExcitationMethod> methods;
+        for (const std::size_t i : plan.chosen) methods.push_back(plan.candidates[i].method);
+        methods.push_back(plan.candidates[more[k]].method);
+        out[k] = axis.together(methods);
+      },
+      progress);
+  return out;
+}
+
+void choose(ExcitationPlan& plan, const StandIn& axis, const Progress& progress) {
   const std::vector<Wanted>& wanted = plan.options.wanted;
-  std::vector<ExcitationMethod> methods;
-  constexpr std::size_t kMostLogs = 3;
-  while (methods.size() < kMostLogs) {
-    std::size_t best = plan.candidates.size();
-    ExpectedHalf best_expected;
-    for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
-      const CandidateLog& c = plan.candidates[i];
-      const bool taken = std::find(plan.chosen.begin(), plan.chosen.end(), i) != plan.chosen.end();
-      if (taken || !c.refused.empty() || plan.duration() + c.duration > plan.options.longest) continue;
-      ExpectedHalf expected = c.expected;
-      if (!methods.empty()) {
-        std::vector<ExcitationMethod> more = methods;
-        more.push_back(c.method);
-        expected = axis.together(more);
-      }
-      if (best < plan.candidates.size() &&
-          !better(distance(expected, wanted), c.duration, distance(best_expected, wanted),
-                  plan.candidates[best].duration))
-        continue;
-      best = i;
-      best_expected = expected;
+  std::size_t tried = plan.candidates.size();
+  while (plan.chosen.size() < kMostLogs) {
+    const std::vector<std::size_t> more = fitting(plan);
+    const std::vector<ExpectedHalf> expected =
+        with_each(plan, axis, more, [&](std::size_t done, std::size_t) {
+          if (progress) progress(tried + done, kMostTried);
+        });
+    tried += plan.chosen.empty() ? 0 : more.size();
+    const auto seconds = [&](std::size_t k) { return plan.candidates[more[k]].duration; };
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < more.size(); ++k) {
+      if (better(distance(expected[k], wanted), seconds(k), distance(expected[best], wanted), seconds(best)))
+        best = k;
     }
-    if (best == plan.candidates.size()) return;
-    const auto now = distance(best_expected, wanted);
+    if (more.empty()) return;
+    const auto now = distance(expected[best], wanted);
     const auto before = distance(plan.together, wanted);
-    if (!methods.empty() && !(now.first < before.first || now.second < 0.8 * before.second)) return;
-    methods.push_back(plan.candidates[best].method);
-    plan.chosen.push_back(best);
-    plan.together = best_expected;
+    if (!plan.chosen.empty() && !(now.first < before.first || now.second < 0.8 * before.second)) return;
+    plan.chosen.push_back(more[best]);
+    plan.together = expected[best];
     if (now.first == 0) return;
   }
 }
@@ -102,7 +129,7 @@ double ExcitationPlan::duration() const {
   return sum;
 }
 
-ExcitationPlan plan_excitation(const PlanOptions& given) {
+ExcitationPlan plan_excitation(const PlanOptions& given, const Progress& progress) {
   ExcitationPlan plan;
   plan.options = given;
   if (plan.options.wanted.empty()) plan.options.wanted.assign(kAll.begin(), kAll.end());
@@ -110,9 +137,10 @@ ExcitationPlan plan_excitation(const PlanOptions& given) {
   const std::size_t axis = axis_index(as_machine(machine), given.machine, given.axis);
   require_force_limit(machine, given.machine, axis);
   StandIn stand_in(machine, given.machine, axis, given.known);
-  for (const ExcitationMethod method : kMethods)
-    plan.candidates.push_back(stand_in.log_of(method, given.longest));
-  choose(plan, stand_in);
+  plan.candidates = stand_in.logs_of(kMethods, given.longest, [&](std::size_t done, std::size_t) {
+    if (progress) progress(done, kMostTried);
+  });
+  choose(plan, stand_in, progress);
   if (plan.chosen.empty()) {
     std::string why;
     for (const CandidateLog& c : plan.candidates) why += (why.empty() ? "" : "; ") + with_name(c);

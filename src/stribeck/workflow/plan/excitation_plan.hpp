@@ -31,7 +31,8 @@ struct ExcitationPlan {
   [[nodiscard]] double duration() const;
 };
 
-ExcitationPlan plan_excitation(const PlanOptions& options);
+/// `progress`: (done, all) of the logs that are tried, alone and with others.
+ExcitationPlan plan_excitation(const PlanOptions& options, const Progress& progress = {});
 
 /// The command that plans the logs for what an identification left open, as a sentence; empty: nothing is open. The names of files are
 /// printed as they come: quoted for a shell where they have to be.

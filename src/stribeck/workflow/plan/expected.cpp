@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/machine.hpp>
+#include <stribeck/sim/parallel.hpp>
 #include <stribeck/workflow/commission.hpp>
 #include <stribeck/workflow/excitation.hpp>
 #include <stribeck/workflow/identify.hpp>
@@ -138,8 +138,23 @@ StandIn::StandIn(const MachineDescription& machine, const std::string& file, std
   a.plant = plant;
 }
 
-CandidateLog StandIn::log_of(ExcitationMethod method, double longest) {
+std::vector<CandidateLog> StandIn::logs_of(std::span<const ExcitationMethod> methods, double longest,
+                                           const Progress& progress) {
+  std::vector<std::pair<CandidateLog, ident::log::Record>> logs(methods.size());
+  sim::parallel_for(
+      methods.size(), 0, [] { return 0; }, [&](int, std::size_t i) { logs[i] = log_of(methods[i], longest); },
+      progress);
+  std::vector<CandidateLog> out;
+  for (auto& [log, record] : logs) {
+    if (!record.t.empty()) records_[log.method] = std::move(record);
+    out.push_back(std::move(log));
+  }
+  return out;
+}
+
+std::pair<CandidateLog, ident::log::Record> StandIn::log_of(ExcitationMethod method, double longest) const {
   CandidateLog out;
+  ident::log::Record record;
   out.method = method;
   try {
     ExcitationOptions options;
@@ -149,11 +164,11 @@ CandidateLog StandIn::log_of(ExcitationMethod method, double longest) {
     out.duration = e.t.back();
     if (out.duration > longest) {
       out.refused = fmt::format("{:.0f} s of motion, more than there is time for", out.duration);
-      return out;
+      return {out, record};
     }
     const sim::Recording played = play(as_machine(machine_), axis_, e.r, e.force, kNoiseSeed);
-    records_[method] = as_record(played, std::string(enum_name(method)));
-    out.expected = together({method});
+    record = as_record(played, std::string(enum_name(method)));
+    out.expected = told_together({&record});
   } catch (const ident::Refused& why) {
     out.refused = why.what();
   } catch (const sim::Refused& why) {
@@ -161,16 +176,22 @@ CandidateLog StandIn::log_of(ExcitationMethod method, double longest) {
   } catch (const io::InputError& why) {
     out.refused = why.problems().front().message;
   }
-  return out;
+  return {std::move(out), std::move(record)};
 }
 
 ExpectedHalf StandIn::together(const std::vector<ExcitationMethod>& methods) const {
-  AxisRecords axis;
+  std::vector<const ident::log::Record*> records;
   for (const ExcitationMethod m : methods) {
     const auto found = records_.find(m);
     if (found == records_.end()) return {};
-    axis.records.push_back(found->second);
+    records.push_back(&found->second);
   }
+  return told_together(records);
+}
+
+ExpectedHalf StandIn::told_together(const std::vector<const ident::log::Record*>& records) const {
+  AxisRecords axis;
+  for (const ident::log::Record* r : records) axis.records.push_back(*r);
   axis.runs = axis.records.size();
   axis.axis = machine_.axes[axis_].first;
   axis.sources = "logs of the plan";

@@ -15,15 +15,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/ident/excitation/excitation.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace stribeck::workflow {
@@ -57,6 +60,9 @@ struct CandidateLog {
   ExpectedHalf expected;
 };
 
+/// (done, all) of the steps of a plan; from any thread, one call at a time.
+using Progress = std::function<void(std::size_t, std::size_t)>;
+
 /// The virtual axis that stands for a real one, and the logs that it gives.
 class StandIn {
  public:
@@ -64,17 +70,24 @@ class StandIn {
   StandIn(const MachineDescription& machine, const std::string& file, std::size_t axis,
           const std::string& known);
 
-  /// Designs, runs and identifies a log of this method alone; one that takes more than `longest` [s] is refused.
-  CandidateLog log_of(ident::excitation::ExcitationMethod method, double longest);
+  /// Designs, runs and identifies a log of each method alone, on all cores; one that takes more than `longest` [s] is refused.
+  std::vector<CandidateLog> logs_of(std::span<const ident::excitation::ExcitationMethod> methods,
+                                    double longest, const Progress& progress = {});
   /// What several of these logs tell together.
   ExpectedHalf together(const std::vector<ident::excitation::ExcitationMethod>& methods) const;
 
  private:
+  using Records = std::map<ident::excitation::ExcitationMethod, ident::log::Record>;
+  /// The log of one method, and what it tells.
+  std::pair<CandidateLog, ident::log::Record> log_of(ident::excitation::ExcitationMethod method,
+                                                     double longest) const;
+  ExpectedHalf told_together(const std::vector<const ident::log::Record*>& records) const;
+
   MachineDescription machine_;  ///< with the stand-in as plant of the axis
   MachineDescription real_;     ///< without: designs are as careful as for the real axis
   std::size_t axis_;
   std::string known_;
-  std::map<ident::excitation::ExcitationMethod, ident::log::Record> records_;
+  Records records_;
 };
 
 }  // namespace stribeck::workflow
