@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/drive/text.hpp>
@@ -163,6 +164,23 @@ void Description::write_summary(int s) {
   add("viscous" + tail, summary.viscous.value, "N s/m", "N s/mm", error_of(summary.viscous, s), true);
 }
 
+/// Whether a reference asks for constant speeds below `speed` [m/s] for a second and more, one after the other.
+bool asked_slower(std::span<const log::Record> records, double speed) {
+  constexpr double kLongEnough = 1.0;  // [s]
+  constexpr double kSame = 0.02;       // of a speed
+  for (const log::Record& r : records) {
+    double held = 0.0, last = 0.0;
+    for (std::size_t k = 1; k < r.r.size(); ++k) {
+      const double v = (r.r[k] - r.r[k - 1]) / r.sample_time;
+      const bool slow = v != 0.0 && std::abs(v) < speed && std::abs(v - last) <= kSame * std::abs(v);
+      held = slow ? held + r.sample_time : 0.0;
+      last = v;
+      if (held > kLongEnough) return true;
+    }
+  }
+  return false;
+}
+
 /// Whether the slowest rows show the friction at rest: where a Stribeck part was found, most of its rise; where none was, speeds at
 /// which there usually is one. The first direction that does not is noted.
 bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed) {
@@ -177,9 +195,14 @@ bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed
   const bool turns = found_.log.records.front().rotary;
   const double scale = turns ? 180.0 / kPi : metres ? 1e3 : 1.0;
   const char* unit = turns ? "deg/s" : metres ? "mm/s" : "rad/s";
-  notes_.cannot_tell.push_back(text(
-      "static friction: nothing slower than %.3g %s was used, and the friction may rise below it: add jogs at %.2g %s and slower",
-      grid.low * scale, unit, 0.2 * grid.low * scale, unit));
+  notes_.cannot_tell.push_back(
+      text("static friction: nothing slower than %.3g %s was used, and the friction may rise below it: ",
+           grid.low * scale, unit) +
+      (asked_slower(found_.log.records, kMostOfStribeckSpeed * grid.low)
+           ? text(
+                 "slower motion was asked for, but the axis sticks and slips there, or turns before friction has "
+                 "settled; jog over a longer distance, with a stiffer loop")
+           : text("add jogs at %.2g %s and slower", 0.2 * grid.low * scale, unit)));
   return false;
 }
 
@@ -208,9 +231,10 @@ void Description::write_shift() {
   const auto say = [&](const char* what) {
     notes_.cannot_tell.push_back(text(
         "the shift between force and motion: %s any from %.2g ms earlier to %.2g ms later is possible; the "
-        "intervals of mass, friction and pre-sliding allow for it; record the commanded position too, or "
-        "give --force-shift",
-        what, 1e3 * half * T, 1e3 * half * T));
+        "intervals of mass, friction and pre-sliding allow for it; %s, or give --force-shift",
+        what, 1e3 * half * T, 1e3 * half * T,
+        found_.log.records.front().r.empty() ? "record the commanded position too"
+                                             : "a log of excite --method multisine tells it"));
   };
   if (const auto& smoothing = found_.intervals.smoothing) {
     const double mass = found_.terms.known_mass ? 0.0 : smoothing->moved(0) / found_.fit.mass;

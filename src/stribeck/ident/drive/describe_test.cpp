@@ -109,6 +109,12 @@ TEST(Describe, StaticFrictionIsToldBySlowRowsAlone) {
   EXPECT_TRUE(r.find("coulomb_positive")->identifiable);
   EXPECT_THAT(notes.cannot_tell,
               ::testing::ElementsAre(HasSubstr("static friction: nothing slower than 4.89 mm/s was used")));
+  // Slower motion was asked for: more of it does not help.
+  log::Record& record = steps.log.records->front();
+  for (std::size_t k = 0; k < record.t.size(); ++k) record.r.push_back(1e-3 * record.t[k]);
+  Notes stuck;
+  describe(steps.found(), {}, stuck);
+  EXPECT_THAT(stuck.cannot_tell, ::testing::ElementsAre(HasSubstr("the axis sticks and slips there")));
   for (map::Grid& grid : steps.rows.grid) grid.low = 1e-3;
   Notes slow;
   EXPECT_TRUE(describe(steps.found(), {}, slow).find("static_positive")->identifiable);

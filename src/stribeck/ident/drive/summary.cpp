@@ -18,8 +18,23 @@ Figure sum_of(double a, const Figure& x, double b, const Figure& y) {
   return {a * x.value + b * y.value, a * x.slope + b * y.slope};
 }
 
-/// Level at rest and slope of the straight line through the curve.
+/// Whether the map is a straight line and one Stribeck part at most, which fades well within the range: then the line is known.
+bool has_line(const map::StaticFit& map, std::size_t side) {
+  constexpr double kWidest = 0.5;  // of the top speed
+  using Family = map::StaticFit::Family;
+  if (map.family == Family::kSymmetric) return true;
+  if (map.family == Family::kSymmetricStribeck) return map.v0 <= kWidest * std::min(map.top[0], map.top[1]);
+  const map::BranchFit& b = map.branch[side];
+  return b.terms.empty() || (b.centred && b.terms.front().c <= kWidest);
+}
+
+/// Level at rest and slope of the straight line.
 std::array<Figure, 2> line_of(const map::StaticFit& map, int side, const map::Grid& grid) {
+  if (has_line(map, static_cast<std::size_t>(side))) {
+    const double far = 1e3 * grid.high;  // nothing is left of a Stribeck part there
+    const Figure near = friction_at(map, side, far), beyond = friction_at(map, side, 2.0 * far);
+    return {sum_of(2.0, near, -1.0, beyond), sum_of(1.0 / far, beyond, -1.0 / far, near)};
+  }
   const double from = std::max(grid.low, kFaded * grid.high);
   std::array<Figure, 2> out;
   const double middle = 0.5 * (from + grid.high);

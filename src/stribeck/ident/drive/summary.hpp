@@ -1,7 +1,8 @@
 #pragma once
 /// What a person asks of a friction curve, as functions of the map: numbers with their derivatives.
 ///
-///   Coulomb, viscous   intercept and slope of the straight line through the curve above a fifth of the top speed
+///   Coulomb, viscous   intercept and slope of the straight line of the map, where it is one with a Stribeck part or none; else of the
+///                      straight line through the curve above a fifth of the top speed
 ///   static             the curve at rest
 ///   Stribeck speed     where the rise above that line has fallen to 1/e of what it is at rest
 ///   friction           at nine speeds from the slowest to the fastest that was measured, closer towards rest

@@ -26,6 +26,24 @@ TEST(Summary, IsThatOfTheLaw) {
   EXPECT_NEAR(s.stribeck_speed->value, 0.003, 1e-7);  // exp(−(v/c)²) is 1/e at v = c
 }
 
+// A Stribeck part of exponent 1 is not over at a fifth of the top speed: the line through the curve from there on would be too high.
+TEST(Summary, TheLineOfAnExponentialRiseIsThatOfTheLaw) {
+  map::StaticFit fit = with_stribeck();
+  for (map::BranchFit& b : fit.branch) b = {40.0, 50.0, {{12.0, 0.0, 0.1}}, true, 0.0, true};
+  map::StaticFit symmetric;
+  symmetric.family = map::StaticFit::Family::kSymmetricStribeck;
+  symmetric.top = {0.1, 0.1};
+  symmetric.coulomb = 40.0, symmetric.viscous = 500.0, symmetric.rise = 12.0, symmetric.v0 = 0.01;
+  symmetric.exponent = map::Exponent::kOne;
+  for (const map::StaticFit& law : {fit, symmetric}) {
+    const Summary s = summary_of(law, 0, kGrid);
+    EXPECT_NEAR(s.coulomb.value, 40.0, 1e-9);
+    EXPECT_NEAR(s.viscous.value, 500.0, 1e-6);
+    ASSERT_TRUE(s.stribeck_speed);
+    EXPECT_NEAR(s.stribeck_speed->value, 0.01, 1e-7);
+  }
+}
+
 // Each derivative against the difference of the figure when its parameter moves.
 TEST(Summary, DerivativesAreThoseOfTheFigures) {
   const map::StaticFit fit = with_stribeck();
