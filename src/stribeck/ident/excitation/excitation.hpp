@@ -109,6 +109,9 @@ struct JogDesign {
   double way = 0.0;  ///< of the fastest speed without a period, where travel and ten seconds suffice [m]
 };
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
+/// Takes the slowest speeds out until the jogs have at most kMostRows rows, which short periods reach; eight speeds stay. Returns whether
+/// any was taken out.
+bool leave_out_slowest(const Limits& limits, double sample_time, JogDesign& design);
 /// The fastest speed below the limit that the travel from `start` allows for a second at constant speed [m/s].
 double fastest_jog(const Limits& limits, double sample_time, const JogDesign& design = {});
 

@@ -279,6 +279,25 @@ TEST(Excitation, NamesTheLimitThatWouldBreak) {
   EXPECT_THAT([&] { design_sine(gentle, kPeriod); }, ThrowsMessage<Refused>(HasSubstr("acceleration")));
 }
 
+// A linear motor with a period of 62.5 us: all speeds of an axis of 1.5 m/s would take more than two million rows.
+TEST(Excitation, JogsOfAShortPeriodLeaveTheSlowestOut) {
+  const Limits limits{0.0, 1.0, 1.5, 15.0, 900.0};
+  constexpr double kShortest = 62.5e-6;
+  JogDesign jog;
+  jog.start = 0.5;
+  jog.speeds = in_mixed_order(jog_speeds(fastest_jog(limits, kShortest, jog)));
+  const std::size_t all = jog.speeds.size();
+  EXPECT_THROW(design_jog(limits, kShortest, jog), Refused);
+  EXPECT_TRUE(leave_out_slowest(limits, kShortest, jog));
+  EXPECT_LT(jog.speeds.size(), all);
+  EXPECT_GT(*std::min_element(jog.speeds.begin(), jog.speeds.end()), 1e-5);
+  const Excitation e = design_jog(limits, kShortest, jog);
+  EXPECT_LE(e.r.size(), kMostRows);
+  EXPECT_GT(e.r.size(), kMostRows / 2);
+  // A usual period has room for all.
+  EXPECT_FALSE(leave_out_slowest(limits, 1e-3, jog));
+}
+
 TEST(Excitation, JogOfAScrewGoesWholeTurns) {
   JogDesign design;
   design.speeds = {0.1e-3, 1e-3, 9e-3};

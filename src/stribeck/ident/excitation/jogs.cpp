@@ -34,6 +34,34 @@ void check_period(const JogDesign& design, const Shown& u, double room, double s
   }
 }
 
+/// One speed out and back.
+struct Jog {
+  double ramp = 0.0;   ///< [s]
+  double flat = 0.0;   ///< at constant speed [s]
+  bool whole = false;  ///< over whole periods
+};
+Jog jog_of(const Limits& limits, double sample_time, const JogDesign& design, double v) {
+  const auto [ramp, longest] = profile_of(limits, sample_time, room_of(limits, design), v);
+  Jog jog{ramp, std::min(std::max(2.0, 0.2e-3 / v), longest)};
+  const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
+  if (v >= fastest && !(design.period > 0.0))
+    jog.flat = std::max(jog.flat, std::min({longest, design.way / v, kLongestWay}));
+  if (design.period > 0.0) {
+    // The settling time is added to the whole periods.
+    const double settled = jog.flat - std::min(kSettle, 0.3 * jog.flat);
+    const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
+    if (whole <= std::min(longest, kLongestJog)) {
+      jog.flat = whole;
+      jog.whole = true;
+    }
+  }
+  return jog;
+}
+
+double rows_of(double ramp, double flat, double sample_time) {
+  return 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time);
+}
+
 }  // namespace
 
 Profile profile_of(const Limits& limits, double sample_time, double room, double speed) {
@@ -107,6 +135,27 @@ double fastest_jog(const Limits& limits, double sample_time, const JogDesign& de
   return low;
 }
 
+bool leave_out_slowest(const Limits& limits, double sample_time, JogDesign& design) {
+  constexpr std::size_t kFewest = 8;
+  const auto rows = [&] {
+    double sum = 0.0;
+    for (const double v : design.speeds) {
+      const Jog jog = jog_of(limits, sample_time, design, v);
+      sum += rows_of(jog.ramp, jog.flat, sample_time);
+    }
+    return sum;
+  };
+  bool left_out = false;
+  // The rests between the strokes are a small part.
+  constexpr double kOfMost = 0.95;
+  while (design.speeds.size() > kFewest && rows() > kOfMost * static_cast<double>(kMostRows)) {
+    const double slowest = *std::min_element(design.speeds.begin(), design.speeds.end());
+    std::erase(design.speeds, slowest);
+    left_out = true;
+  }
+  return left_out;
+}
+
 Excitation design_jog(const Limits& limits, double sample_time, const JogDesign& design) {
   check(limits, sample_time, design.start);
   if (design.speeds.empty()) throw Refused("jog: no speed is below the limit; give slower ones");
@@ -118,7 +167,6 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   e.r.push_back(design.start);
   check_period(design, u, room, sample_time);
   std::size_t whole_strokes = 0;
-  const double fastest = *std::max_element(design.speeds.begin(), design.speeds.end());
   for (const double v : design.speeds) {
     if (!(v > 0.0) || v > limits.speed) {
       throw BadDesign(
@@ -127,29 +175,16 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
                       v * u.per_metre, u.travel, limits.speed * u.per_metre, u.travel));
     }
     // Long enough for the bristle to settle (some tens of micrometres) and to average noise.
-    const auto [ramp, longest] = profile_of(limits, sample_time, room, v);
-    double flat = std::min(std::max(2.0, 0.2e-3 / v), longest);
-    if (v >= fastest && !(design.period > 0.0))
-      flat = std::max(flat, std::min({longest, design.way / v, kLongestWay}));
-    if (design.period > 0.0) {
-      // The settling time is added to the whole periods.
-      const double settled = flat - std::min(kSettle, 0.3 * flat);
-      const double whole = std::ceil(v * settled / design.period - 1e-9) * design.period / v + kSettle;
-      if (whole <= std::min(longest, kLongestJog)) {
-        flat = whole;
-        ++whole_strokes;
-      }
-    }
+    const auto [ramp, flat, whole] = jog_of(limits, sample_time, design, v);
+    whole_strokes += whole ? 1 : 0;
     if (flat < kShortestJog) {
       throw Refused(fmt::format(
           "jog: {:g} {}/s has only {:.3g} s of constant speed in the travel; start elsewhere or leave it out",
           v * u.per_metre, u.travel, flat));
     }
-    check_rows(
-        "speeds",
-        static_cast<double>(e.r.size()) + 2.0 * (std::ceil(flat / sample_time) + 2.0 * ramp / sample_time),
-        sample_time, fmt::format("jog: {:g} {}/s, with the speeds before it,", v * u.per_metre, u.travel),
-        "leave out the slowest");
+    check_rows("speeds", static_cast<double>(e.r.size()) + rows_of(ramp, flat, sample_time), sample_time,
+               fmt::format("jog: {:g} {}/s, with the speeds before it,", v * u.per_metre, u.travel),
+               "leave out the slowest");
     append({design.start, design.direction, v, ramp, flat}, e);
   }
   stamp(e, e.r.size());
