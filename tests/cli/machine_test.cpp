@@ -84,6 +84,21 @@ TEST(OwnMachine, AnAxisThatMayFallGetsNoForcesInOpenLoop) {
   }
 }
 
+// A virtual axis needs no such care, but what it allows the real one must allow too: the load of 60 N lies between the least friction
+// that the file permits, a third of 100 N, and the 85 % that a virtual one has at least.
+TEST(OwnMachine, WhatMayFallMayNotMoveFreelyOnItsVirtualMachineEither) {
+  Folder f;
+  std::string text = text_of(kVirtual);
+  const std::string load = "load = \"176 N\"  # the weight, less the counterbalance\n";
+  ASSERT_NE(text.find(load), std::string::npos);
+  text.replace(text.find(load), load.size(), "load = \"60 N\"\n");
+  const std::string machine = f.write("lighter.toml", text);
+  const Said pulses = command({"excite", machine, "--axis", "z", "--method", "pulses", "-o", f / "z.csv"});
+  EXPECT_EQ(pulses.code, 1);
+  EXPECT_THAT(pulses.err,
+              HasSubstr("the axis may fall: its load of 60 N is not below the least friction, 33.33 N"));
+}
+
 // A weight that the file denies drives the axis into its end; where it only keeps quiet, the brake tells.
 TEST(OwnMachine, RunningIntoAnEndStopEndsTheRun) {
   Folder f;

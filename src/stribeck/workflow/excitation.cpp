@@ -37,10 +37,15 @@ ident::excitation::Doubt with_unbalance(ident::excitation::Doubt d, const RoughA
   return d;
 }
 
+/// What the machine file leaves open of a real axis.
+ident::excitation::Doubt doubt_of_file(const RoughAxis& c) {
+  return with_unbalance({c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load_force()}, c,
+                        false);
+}
+
 ident::excitation::Doubt doubt_of(const AxisDescription& axis) {
   const RoughAxis& c = axis.commissioning;
-  ident::excitation::Doubt d = with_unbalance(
-      {c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load_force()}, c, false);
+  ident::excitation::Doubt d = doubt_of_file(c);
   if (!axis.plant) return d;
   d.uneven = 1.0;
   if (!c.mass.is_range()) d.mass_low = d.mass_high = c.mass.middle();
@@ -124,6 +129,8 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   refuse_unsaid_weight(o, machine.axes[which].first, axis);
   ident::excitation::RoughDrive drive{rough.mass.middle(), rough.friction.middle(), 0.0};
   ident::excitation::Doubt doubt = doubt_of(axis);
+  // What is refused on the axis is refused on its virtual one.
+  if (const auto real = doubt_of_file(rough); real.may_fall(limits)) doubt = real;
   if (!o.known.empty()) {
     const auto file = io::read_toml<sim::AxisFile>(o.known);
     if (file.rotary.value_or(false) != axis.rotary)
@@ -147,7 +154,13 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
     }
     if (!o.lead.empty())
       jog.period = travel_si("--lead", o.lead, quantity("m", "mm").positive(), axis.rotary);
-    return {ident::excitation::design_jog(limits, machine.sample_time, jog), {}};
+    const bool shorter =
+        o.speeds.empty() && ident::excitation::leave_out_slowest(limits, machine.sample_time, jog);
+    ident::excitation::SafeExcitation e{ident::excitation::design_jog(limits, machine.sample_time, jog), {}};
+    if (shorter)
+      e.excitation.says +=
+          " Slower speeds are left out: at this control period they would take too many rows; give --speeds for those.";
+    return e;
   }
   if (o.method == ExcitationMethod::kPulses) {
     ident::excitation::PulseDesign pulses;
