@@ -88,7 +88,7 @@ void cut_drive_off(std::vector<Table>& tables, Notes& notes) {
       notes.add_range(
           "drive-off", m, 0, begin - 1, true,
           fmt::format(
-              "at standstill the force is {:.3g} and then rises to {:.4g}: the drive is not yet on; rows cut off",
+              "at standstill the force is {:.3g} and then rises to {:.4g}: the drive is not yet on, or nothing is asked of it; rows cut off",
               rest, level),
           {m.t[begin - 1], level, rest});
       const bool gap = m.gap_before;

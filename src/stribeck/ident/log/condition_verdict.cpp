@@ -91,7 +91,10 @@ void judge_presliding(const Coverage& c, const Sampling& s, double resolution, c
   const double coarse = 2.2 * fine;
   constexpr std::size_t kFewestInside = 4;
   const char* const soon = u.turning ? "1 mrad" : "50 um";
-  if (resolution > coarse) {
+  constexpr double kLeastTravel = 5.0;  // of the resolution
+  if (c.x_max - c.x_min < kLeastTravel * resolution) {
+    out.cannot.push_back("pre-sliding: the axis hardly moves in this log");
+  } else if (resolution > coarse) {
     const bool steps = s.x_quantum_large > coarse;
     const bool finer = s.x_quantum_large > 1.5 * s.x_quantum && s.x_quantum > 0.0;
     out.cannot.push_back(fmt::format(

@@ -75,6 +75,11 @@ Wanted choose_rows(Rows& rows) {
   }
   rows.rows = count[0] + count[1];
   rows.both = count[0] >= kFewestRows && count[1] >= kFewestRows;
+  if (stroke < kExcludedNoise * noise) {
+    throw Refused(
+        "the axis hardly moves in this log: its position changes by no more than its noise; move it over its travel in both "
+        "directions");
+  }
   if (rows.rows < 2 * kFewestRows) {
     throw Refused(fmt::format(
         "position map: {} rows of sliding motion, expected at least {}; move over several periods "
