@@ -127,12 +127,13 @@ void complete_times(Log& log, const ReadOptions& options) {
   if (!options.times_needed && !options.sample_time) return;
   if (!options.sample_time) {
     const std::string told = detail::told_sampling(log);
-    throw InputError(
-        Problem{log.source, 0, "",
-                "has no time column" + (told.empty() ? "" : ", its head says " + in_quotes(told)) +
-                    " (give the time between rows with --sample-time \"100 ms\", or put "
-                    "sample_time = \"100 ms\" into " +
-                    log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
+    const std::string example = detail::time_in(told).value_or("100 ms");
+    throw InputError(Problem{log.source, 0, "",
+                             "has no time column" +
+                                 (told.empty() ? "" : ", its head says " + in_quotes(told)) +
+                                 " (give the time between rows with --sample-time \"" + example +
+                                 "\", or put " + "sample_time = \"" + example + "\" into " + log.source +
+                                 ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
   }
   std::vector<double> t(log.rows);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *options.sample_time;

@@ -16,6 +16,17 @@
 namespace stribeck::io::detail {
 namespace {
 
+/// "Nm" and "N m".
+bool same_unit(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  if (!is_unit(a) || !is_unit(b)) return false;
+  try {
+    return conversion(a, b).factor == 1.0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 /// Parses one text.
 class CsvReader {
  public:
@@ -160,7 +171,7 @@ class CsvReader {
     for (std::size_t c = 0; c < units.size(); ++c) {
       Column& column = log_.columns[c];
       if (units[c].empty()) continue;
-      if (!column.unit_text.empty() && !column.unit_assumed && column.unit_text != units[c]) {
+      if (!column.unit_text.empty() && !column.unit_assumed && !same_unit(column.unit_text, units[c])) {
         fail(line, "column " + in_quotes(column.header) + ": the row of units says " + in_quotes(units[c]) +
                        ", the name " + in_quotes(column.unit_text) + " (correct the one that is wrong)");
       }
@@ -182,6 +193,9 @@ class CsvReader {
       note("the names of the columns are not UTF-8 and are read as Latin-1");
       break;
     }
+    const bool slashes = headers.size() > 1 && std::all_of(headers.begin(), headers.end(), [](const auto& h) {
+                           return name_with_unit_after_slash(as_utf8(unquoted(trimmed(h)))).has_value();
+                         });
     std::map<std::string, std::size_t> seen;
     for (std::size_t i = 0; i < headers.size(); ++i) {
       std::string header = as_utf8(unquoted(trimmed(headers[i])));
@@ -197,7 +211,10 @@ class CsvReader {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
-      log_.columns.push_back(column_of(options_.unit_after_blank ? header_of(header) : header, log_.notes));
+      const std::string split = slashes ? name_with_unit_after_slash(header).value_or(header)
+                                : options_.unit_after_blank ? header_of(header)
+                                                            : header;
+      log_.columns.push_back(column_of(split, log_.notes));
       log_.columns.back().header = header;
     }
     // x_mm and x_um: what is left without the unit is no name.

@@ -505,6 +505,28 @@ TEST(LogFormats, UnitsAsMachinesSpellThem) {
   EXPECT_EQ(detail::header_of("in position"), "in position");
 }
 
+TEST(LogFormats, UnitsInHeadsAsToolsWriteThem) {
+  const Log american = parse_log("t (s),x [cnt],torque (lb-in)\n0,1,2\n1,2,3\n2,3,4\n", "a.csv");
+  EXPECT_EQ(american.columns[1].unit_text, "count");
+  EXPECT_NEAR(in_si(american.at("torque"), quantity("N m", "N m"))[0], 2.0 * 0.1129848, 1e-6);
+  // Quantity over unit counts where every column is written so.
+  const Log slashes = parse_log("t/ms;s_ist/mm;v/mm/s;M_ist/Nm\n0;1;2;3\n1;2;3;4\n2;3;4;5\n", "b.csv");
+  EXPECT_EQ(slashes.at("s_ist").unit_text, "mm");
+  EXPECT_EQ(slashes.at("v").unit_text, "mm/s");
+  EXPECT_EQ(slashes.at("M_ist").unit_text, "Nm");
+  EXPECT_EQ(parse_log("t_s,enc/m\n0,1\n1,2\n2,3\n", "c.csv").columns[1].name, "enc/m");
+}
+
+// A side file names the columns, the file has units below its own names: the same unit in two spellings is no contradiction.
+TEST(LogFormats, OneUnitInTwoSpellings) {
+  const Log log = parse_log("a;b;c\n[s];[mm];[Nm]\n0;1;2\n1;2;3\n2;3;4\n", "a.csv",
+                            given({"t s", "x mm", "torque N m"}, 0.0));
+  EXPECT_EQ(log.columns[2].name, "torque");
+  EXPECT_DOUBLE_EQ(in_si(log.columns[2], quantity("N m", "N m"))[1], 3.0);
+  EXPECT_THAT(refusal("a;b\n[s];[mm]\n0;1\n1;2\n2;3\n", given({"t s", "x um"}, 0.0)),
+              HasSubstr("the row of units says \"mm\""));
+}
+
 TEST(LogFormats, EqualNames) {
   const Log log = parse_log(replaced(test::tncscope_sample(), "v ist/Y", "s ist/Y"), "a");
   EXPECT_EQ(log.columns[2].name, "s ist/Y #2");

@@ -82,6 +82,24 @@ std::string told_sampling(const Log& log) {
   return {};
 }
 
+std::optional<std::string> time_in(const std::string& told) {
+  const auto first = told.find_first_of("0123456789");
+  if (first == std::string::npos) return std::nullopt;
+  const auto last = std::min(told.find_first_not_of("0123456789.", first), told.size());
+  const auto number = cell_number(std::string_view(told).substr(first, last - first), '.');
+  const auto letter = std::min(told.find_first_not_of(" \t,;[(", last), told.size());
+  const auto end = std::min(told.find_first_of(" \t,;])", letter), told.size());
+  Notes unused;
+  const std::string unit = plain_unit(told.substr(letter, end - letter), "", unused);
+  if (!number || !(*number > 0.0) || !is_unit(unit)) return std::nullopt;
+  try {
+    static_cast<void>(conversion(unit, "s"));
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+  return fmt::format("{:g} {}", *number, unit);
+}
+
 bool leave_out_coarse_time(Log& log) {
   const int at = time_column(log);
   if (at < 0) return false;

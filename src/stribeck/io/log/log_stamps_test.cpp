@@ -8,6 +8,7 @@
 namespace stribeck::io::log_stamps_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -76,8 +77,9 @@ TEST(LogStamps, AGivenSampleTimeTakesThePlaceOfStampsThatStandStill) {
 }
 
 TEST(LogStamps, TheHeadIsQuotedWhereTheTimeIsMissing) {
-  EXPECT_THAT(refusal("Scope\nSampling cycle;1.000;msec\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
-              HasSubstr("its head says \"Sampling cycle: 1.000;msec\""));
+  EXPECT_THAT(
+      refusal("Scope\nSampling cycle;1.000;msec\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
+      AllOf(HasSubstr("its head says \"Sampling cycle: 1.000;msec\""), HasSubstr("--sample-time \"1 ms\"")));
   EXPECT_THAT(refusal("x_mm,i_A\n0,1\n1,2\n"), HasSubstr("has no time column (give"));
 }
 

@@ -83,7 +83,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kSuffixe
 }};
 
 /// Spellings of units in controls, drives and their tools.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 49> kSpellings{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 52> kSpellings{{
     {"Ampere", "A"},
     {"Aeff", "A"},
     {"Arms", "A"},
@@ -122,6 +122,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 49> kSpellin
     {"pls.", "count"},
     {"qc", "count"},
     {"counts", "count"},
+    {"cnt", "count"},
+    {"cnts", "count"},
+    {"cts", "count"},
     {"Sek", "s"},
     {"sec", "s"},
     {"second", "s"},
@@ -134,6 +137,24 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 49> kSpellin
     {"-", "1"},
     {"Mikrometer", "um"},
 }};
+
+/// Torques with a hyphen, which the library of units takes for a mass at a distance.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTorques{{
+    {"lb-in", "lbf in"},
+    {"lbf-in", "lbf in"},
+    {"in-lb", "lbf in"},
+    {"in-lbf", "lbf in"},
+    {"lb-ft", "lbf ft"},
+    {"lbf-ft", "lbf ft"},
+    {"ft-lb", "lbf ft"},
+    {"ft-lbf", "lbf ft"},
+}};
+
+std::string_view torque_of(std::string_view unit) {
+  const auto found =
+      std::find_if(kTorques.begin(), kTorques.end(), [&](const auto& t) { return t.first == unit; });
+  return found == kTorques.end() ? std::string_view() : found->second;
+}
 
 /// Increments of an encoder, as headers call them.
 bool is_count_word(std::string_view unit) {
@@ -275,13 +296,18 @@ Column column_of(std::string header, Notes& notes) {
     const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
     const bool counts = is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
-    const std::string_view spelled = open == '[' && !scaled && !counts ? spelling_of(inside) : "";
+    std::string_view spelled = open == '[' && !scaled && !counts ? spelling_of(inside) : "";
+    const std::string_view torque = torque_of(inside);
+    if (!torque.empty()) spelled = torque;
     const bool unit = !inside.empty() && !counts && !scaled &&
                       !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
                       is_unit(inside);
     if (dimensionless || unit || counts || scaled || !spelled.empty()) {
       c.name = before.empty() ? header : before;
-      c.unit_text = dimensionless ? "1" : counts ? "count" : unit || scaled ? inside : std::string(spelled);
+      c.unit_text = dimensionless                        ? "1"
+                    : counts                             ? "count"
+                    : torque.empty() && (unit || scaled) ? inside
+                                                         : std::string(spelled);
     } else if (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos) {
       // A number in brackets is an index, r0482[0].
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
@@ -380,9 +406,18 @@ std::string header_of(const std::string& name) {
   const auto blank = text.rfind(' ');
   if (text.empty() || text.back() == ']' || text.back() == ')' || blank == std::string_view::npos)
     return std::string(text);
-  const auto unit = text.substr(blank + 1);
+  auto unit = text.substr(blank + 1);
   if (unit[0] >= '0' && unit[0] <= '9') return std::string(text);
-  if (!is_unit(unit) && !is_count_word(unit)) return std::string(text);
+  if (!is_unit(unit) && !is_count_word(unit) && torque_of(unit).empty()) return std::string(text);
+  // "torque N m": a force before a length belongs to the unit.
+  if (const auto before = text.substr(0, blank).rfind(' '); before != std::string_view::npos) {
+    const auto both = text.substr(before + 1);
+    const auto force = text.substr(before + 1, blank - before - 1);
+    const bool torque =
+        (force == "N" || force == "kN" || force == "mN" || force == "lbf" || force == "ozf") &&
+        (unit == "m" || unit == "mm" || unit == "in" || unit == "ft");
+    if (torque) return std::string(trimmed(text.substr(0, before))) + " [" + std::string(both) + "]";
+  }
   // "x 0.001 mm": a factor has a decimal point or an exponent, for "axis 2 mm" is the column "axis 2".
   if (const auto before = trimmed(text.substr(0, blank)); before.rfind(' ') != std::string_view::npos) {
     const auto at = before.rfind(' ');
@@ -391,6 +426,19 @@ std::string header_of(const std::string& name) {
       return std::string(trimmed(before.substr(0, at))) + " [" + std::string(scaled) + "]";
   }
   return std::string(trimmed(text.substr(0, blank))) + " [" + std::string(unit) + "]";
+}
+
+std::optional<std::string> name_with_unit_after_slash(std::string_view header) {
+  for (auto slash = header.find('/'); slash != std::string_view::npos; slash = header.find('/', slash + 1)) {
+    const auto name = trimmed(header.substr(0, slash));
+    const auto unit = trimmed(header.substr(slash + 1));
+    if (name.empty() || unit.empty()) continue;
+    const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
+    const bool known = (!number && is_unit(unit)) || is_count_word(unit) || !spelling_of(unit).empty() ||
+                       !torque_of(unit).empty();
+    if (known) return std::string(name) + " [" + std::string(unit) + "]";
+  }
+  return std::nullopt;
 }
 
 std::string plain_unit(std::string_view text, std::string_view column, Notes& notes) {

@@ -45,6 +45,9 @@ Column column_of(std::string header, Notes& notes);
 /// "x mm" → "x [mm]"; a text with brackets is unchanged.
 std::string header_of(const std::string& name);
 
+/// "s_ist/mm" → "s_ist [mm]", as ISO 80000-1 writes quantities in the heads of tables; absent where no unit stands behind a slash.
+std::optional<std::string> name_with_unit_after_slash(std::string_view header);
+
 /// A unit as controls spell it ("Ampere", "U/min", "Incr", "dV (Voltage)"), in a spelling that units.hpp knows;
 /// "" and a note when there is none.
 std::string plain_unit(std::string_view text, std::string_view column, Notes& notes);
@@ -152,6 +155,8 @@ void tell_epoch(Log& log);
 
 /// What the head of a file says of the sampling, for a message: "Sampling interval: 1000;us"; "" where it says nothing.
 std::string told_sampling(const Log& log);
+/// The time between rows in such a text, as an example: "1 ms" of "Sampling: 1.000,msec"; absent where there is none.
+std::optional<std::string> time_in(const std::string& told);
 
 /// Leaves out a time column whose stamps stand still in more than a twentieth of the rows; for logs whose sample time is given.
 bool leave_out_coarse_time(Log& log);
