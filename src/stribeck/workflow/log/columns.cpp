@@ -122,6 +122,18 @@ std::string without_unit(const io::Column& c) {
   return same && same->factor == 1.0 ? c.name.substr(0, open) : c.name;
 }
 
+/// "axis_z" and "joint z" have the word z.
+bool has_word(const std::string& name, const std::string& wanted) {
+  const std::string w = lower_case(wanted);
+  const auto part_of_word = [&](std::size_t i) {
+    return i < name.size() && std::isalnum(static_cast<unsigned char>(name[i])) != 0;
+  };
+  for (auto at = name.find(w); at != std::string::npos; at = name.find(w, at + 1)) {
+    if (!(at > 0 && part_of_word(at - 1)) && !part_of_word(at + w.size())) return !w.empty();
+  }
+  return false;
+}
+
 struct Candidate {
   const io::Column* column = nullptr;
   std::string axis;
@@ -200,6 +212,7 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
         keep([&](const Candidate& c) { return !c.axis.empty() && lower_case(axis) == c.axis; });
     if (of_axis.empty())
       of_axis = keep([&](const Candidate& c) { return !c.axis.empty() && same_axis(log, axis, c.axis); });
+    if (of_axis.empty()) of_axis = keep([&](const Candidate& c) { return has_word(c.axis, axis); });
     if (of_axis.empty()) of_axis = keep([](const Candidate& c) { return c.axis.empty(); });
     all = std::move(of_axis);
     if (all.empty()) return nullptr;
@@ -288,9 +301,27 @@ std::optional<NamedColumn> AxisColumns::mapped(LogQuantity what) const {
 
 std::optional<NamedColumn> AxisColumns::find(LogQuantity what) const {
   if (auto named = mapped(what)) return named;
-  const io::Column* c = find_by_name(log_, known_column(what), axis_);
+  // A position that --map names tells how the log calls the axis.
+  std::string axis = axis_;
+  if (const auto position = mapped(LogQuantity::kPosition); position && !axis.empty()) {
+    const auto meaning = meaning_of(without_unit(*position->column), position->column->unit_text);
+    if (meaning && !meaning->axis.empty()) axis = meaning->axis;
+  }
+  const io::Column* c = find_by_name(log_, known_column(what), axis);
   if (c == nullptr) return std::nullopt;
   return NamedColumn{c, c->unit_text};
+}
+
+std::string AxisColumns::of_other_axes(LogQuantity what) const {
+  const KnownColumn& k = known_column(what);
+  std::string list;
+  if (axis_.empty()) return list;
+  for (const Candidate& c : candidates(log_, k, axis_)) {
+    if (c.axis.empty()) continue;
+    list += fmt::format("{}{} is of axis {}", list.empty() ? "" : ", ", io::in_quotes(header_of(*c.column)),
+                        io::in_quotes(c.axis));
+  }
+  return list;
 }
 
 std::vector<std::string> AxisColumns::rescaled() const {

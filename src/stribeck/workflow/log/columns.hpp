@@ -73,6 +73,8 @@ class AxisColumns {
   [[nodiscard]] std::optional<NamedColumn> mapped(LogQuantity what) const;
   /// The same, else found by its name.
   [[nodiscard]] std::optional<NamedColumn> find(LogQuantity what) const;
+  /// The columns that are this quantity of axes with other names, as a sentence; empty: there is none.
+  [[nodiscard]] std::string of_other_axes(LogQuantity what) const;
   /// Columns that --map does not name and whose unit is one of these.
   [[nodiscard]] std::vector<NamedColumn> with_unit_of(const std::vector<std::string_view>& units) const;
   /// Columns whose unit --map replaces by one of another scale, one sentence each.

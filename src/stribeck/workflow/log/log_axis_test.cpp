@@ -210,6 +210,39 @@ TEST(LogAxis, IncrementsOfTheEncoder) {
   EXPECT_NEAR(side.runs[0].r.y[kRow], 0.5 * x_at(), 1e-8);
 }
 
+// Controls call an axis otherwise than the machine file does.
+TEST(LogAxis, AxesThatTheLogCallsOtherwise) {
+  const std::string rockwell =
+      csv("t [s],Axis_Z.ActualPosition [mm],Axis_Z.TorqueReference [N m]", {"t", "x_mm", "torque"});
+  EXPECT_NEAR(axis_of(rockwell, {.axis = "z", .lead = "5 mm"}).x.y[kRow], x_at(), 1e-8);
+  const std::string omron =
+      csv("t [s],MC_Axis000.Act.Pos [mm],MC_Axis000.Act.Trq [N m]", {"t", "x_mm", "torque"});
+  EXPECT_THAT(
+      refusal(omron, {.axis = "z", .lead = "5 mm"}),
+      AllOf(HasSubstr("\"MC_Axis000.Act.Pos [mm]\" is of axis \"mc_axis000\""), HasSubstr("--map x=")));
+  // The position that --map names tells how the log calls the axis: the torque is found by that.
+  const workflow::LogOptions told{.axis = "z", .maps = {"x=MC_Axis000.Act.Pos"}, .lead = "5 mm"};
+  EXPECT_NEAR(axis_of(omron, told).f.y[kRow], axis_of(rockwell, {.axis = "z", .lead = "5 mm"}).f.y[kRow],
+              1e-8);
+}
+
+// "s_ist/mm", as German tables write path and unit.
+TEST(LogAxis, QuantityOverUnit) {
+  const workflow::LoggedAxis axis = workflow::logged_axis(
+      log_of(csv("t/s,s_ist/mm,M_ist/Nm", {"t", "x_mm", "torque"})), {.axis = "z", .lead = "5 mm"});
+  EXPECT_NEAR(axis.runs[0].x.y[kRow], x_at(), 1e-8);
+}
+
+// Galil counts samples of 1/1024 s.
+TEST(LogAxis, ATimeMayHaveAFactor) {
+  const test::Folder folder;
+  const std::string file = folder.write("galil.csv", "TIME,x [mm],f [N]\n0,1,5\n2,2,6\n4,3,7\n");
+  const workflow::LogOptions options{.maps = {"t=TIME 0.25 s"}};
+  const workflow::LoggedAxis axis = workflow::logged_axis(workflow::read_log(file, options), options);
+  ASSERT_EQ(axis.runs.at(0).x.t.size(), 3U);
+  EXPECT_DOUBLE_EQ(axis.runs[0].x.t[2], 1.0);
+}
+
 TEST(LogAxis, RowsAndRuns) {
   const std::string text = csv("t [s],part,x [mm],f [N]", {"t", "part", "x_mm", "f"});
   const ident::log::RawLog one = axis_of(text, {.where = {"part=1"}});

@@ -39,6 +39,17 @@ struct MapFile {
   }
 };
 
+std::string without_last_word(const std::string& text) {
+  const auto blank = text.rfind(' ');
+  return blank == std::string::npos ? text : text.substr(0, blank);
+}
+
+bool is_number(const std::string& word) {
+  double value = 0.0;
+  const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
+  return read.ec == std::errc() && read.ptr == word.data() + word.size();
+}
+
 }  // namespace
 
 std::vector<io::KeyInfo> map_file_keys() { return io::keys_of<MapFile>(); }
@@ -78,9 +89,11 @@ io::Log read_log(const std::string& path, const LogOptions& options) {
     read.sample_time = option_si("--sample-time", options.sample_time, quantity("s", "ms").positive());
   for (const std::string& text : options.maps) {
     if (text.rfind("t=", 0) != 0) continue;
-    // Only the name as it is written; a unit after it is handled later.
-    read.time_column =
-        text.substr(2, text.rfind(' ') == std::string::npos ? std::string::npos : text.rfind(' ') - 2);
+    // Only the name as it is written; a unit after it, with a factor or without, is handled later.
+    std::string name = without_last_word(text.substr(2));
+    const auto blank = name.rfind(' ');
+    if (blank != std::string::npos && is_number(name.substr(blank + 1))) name = without_last_word(name);
+    read.time_column = std::move(name);
   }
   return io::read_log(path, read);
 }

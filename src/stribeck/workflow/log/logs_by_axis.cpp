@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -128,6 +129,15 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
   }
   for (const std::string& path : logs) {
     const io::Log log = read_log(path, options);
+    const std::string other = stranger_in(log, axes);
+    if (!other.empty() && options.axis.empty()) {
+      throw io::InputError(
+          {path, 0, "axis",
+           fmt::format(
+               "the log says that it is of axis {}; {} has {} (give the machine of this log, or take it "
+               "for one of them with --axis {})",
+               other, machine.name, fmt::join(axes, ", "), axes.front())});
+    }
     const std::vector<std::string> found = axes_in(log, path, options, axes);
     if (found.empty()) {
       throw io::InputError(
@@ -139,7 +149,7 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
     for (LogsOfAxis& one : all) {
       if (std::find(found.begin(), found.end(), one.axis) == found.end()) continue;
       one.logs.push_back(path);
-      if (const std::string other = stranger_in(log, axes); !other.empty()) {
+      if (!other.empty()) {
         one.notes.push_back(fmt::format(
             "{} is a log of axis {}, as its head says; {} has no such axis, and it is taken for axis {}",
             path, other, machine.name, one.axis));

@@ -6,7 +6,7 @@
 ///   3. the name of the file: a word in it that is an axis (x-sine-log.csv)
 ///   4. a machine of one axis has no other
 ///
-/// A log that none of these assigns is refused: it is not guessed. Each axis comes with what the machine file says of its drive, for
+/// A log that none of these assigns is refused: it is not guessed. One that says an axis that the machine does not have is refused without --axis. Each axis comes with what the machine file says of its drive, for
 /// logs in volts, amperes, percent of the rated torque or turns of the motor (DriveScale).
 ///
 /// Real time: no.

@@ -70,6 +70,27 @@ TEST(LogsByAxis, RefusesALogThatCouldBeOfAnyAxis) {
 }
 
 // Screw of 10 mm behind a gear of 2, 1.5 N m at 100 %: one turn of the motor is 5 mm, 100 % are 1.5·2π/5e-3 N.
+// Also on a machine of one axis: the log is of another machine, or the name in one of them is wrong.
+TEST(LogsByAxis, RefusesALogThatSaysAnotherAxisUnlessItIsTold) {
+  const Folder folder;
+  const std::string log = folder.write("strut-log.csv", "# axis: l1\n" + kPlain);
+  workflow::MachineDescription single = two_axes();
+  single.axes.resize(1);
+  try {
+    workflow::logs_by_axis(single, {log}, {});
+    FAIL() << "accepted";
+  } catch (const io::InputError& e) {
+    EXPECT_THAT(e.problems().front().text(), AllOf(HasSubstr("strut-log.csv"), HasSubstr("axis l1"),
+                                                   HasSubstr("table has x"), HasSubstr("--axis x")));
+  }
+  workflow::LogOptions told;
+  told.axis = "x";
+  const auto all = workflow::logs_by_axis(single, {log}, told);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_THAT(all.front().logs, ElementsAre(log));
+  EXPECT_THAT(all.front().notes, ElementsAre(HasSubstr("l1")));
+}
+
 TEST(LogsByAxis, TakesTheDriveOfTheMachineFileForUnitsOfTheMotor) {
   const Folder folder;
   workflow::MachineDescription m = two_axes();

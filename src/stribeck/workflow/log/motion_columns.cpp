@@ -56,6 +56,13 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
   const std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
   const std::optional<NamedColumn> v = columns.find(LogQuantity::kVelocity);
   if (!x && !v) {
+    if (const std::string others = columns.of_other_axes(LogQuantity::kPosition); !others.empty()) {
+      throw io::InputError(
+          {columns.log().source, 0, "x",
+           fmt::format("no column for the position of this axis by its name; {} (say which one "
+                       "it is with --map x=\"COLUMN UNIT\")",
+                       others)});
+    }
     throw io::InputError(
         {columns.log().source, 0, "x",
          fmt::format("no column for the position, nor for the velocity; the log has {} (name it with --map "
