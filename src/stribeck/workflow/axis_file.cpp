@@ -16,6 +16,20 @@ friction::AxisModel as_model(const ident::Result& result) {
   return model;
 }
 
+namespace {
+
+/// How the scale of the force is given.
+std::string way_to_newtons(const std::string& unit) {
+  if (unit == "A")
+    return "write torque_constant (and lead) below drive of the machine file, or give --gain, e.g. \"95 N/A\"";
+  if (unit == "%")
+    return "write rated_torque below drive of the machine file, or give --gain, e.g. \"12 N/%\"";
+  if (unit == "V") return "give --gain, e.g. \"1048 N/V\"";
+  return "say what the force is with --map, e.g. percent=\"COLUMN %\" or torque=\"COLUMN N m\", or give --gain";
+}
+
+}  // namespace
+
 friction::AxisModel axis_file_model(const Identification& found, const AxisRecords& axis) {
   const ident::Result& result = found.result;
   if (result.force_unit != "N" || result.position_unit != "m") {
@@ -23,8 +37,9 @@ friction::AxisModel axis_file_model(const Identification& found, const AxisRecor
         "--output",
         fmt::format(
             "an axis file holds newtons and metres, but this log was identified in {} and "
-            "{}; give --gain{}",
-            result.force_unit, result.position_unit,
+            "{}; {}{}",
+            result.force_unit == "units" ? "a force without a unit" : result.force_unit, result.position_unit,
+            way_to_newtons(result.force_unit),
             result.position_unit == "m"
                 ? ""
                 : " and --lead (for a rotary axis an angle, --lead \"360 deg\" where the motor turns the table directly)"));

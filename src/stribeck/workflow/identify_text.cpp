@@ -125,7 +125,7 @@ std::string text_of(const Identification& found, const std::string& axis) {
   const ident::Result& result = found.result;
   std::string out = report::text_table(result, axis);
   if (found.quality && found.quality->rows > 0)
-    out += '\n' + ident::residual::in_words(*found.quality, result.force_unit) + '\n';
+    out += '\n' + ident::residual::in_words(*found.quality, result.rotary ? "N m" : result.force_unit) + '\n';
   if (found.lost_motion) out += report::lost_motion_text(*found.lost_motion);
   for (const ident::Result& other : found.beside) out += report::text_table(other, axis);
   if (result.peaks && found.result.method == Method::kVelocityMap) {
