@@ -23,6 +23,8 @@ constexpr std::size_t kFewRows = 20;
 constexpr std::size_t kMostRowsForStarts = 20'000;  ///< one fit alone takes long
 constexpr std::size_t kMostRows = 6'000;
 constexpr std::size_t kFewPieces = 40;
+constexpr std::size_t kFarTooManyRows = 40'000;  ///< of forty pieces: eight do
+constexpr std::size_t kFewestPieces = 8;
 /// Prior: ln of v_d over the speed δ·√(σ0/m) of a free swing through the break-away distance.
 constexpr double kFading = -1.0;
 constexpr double kFadingSpread = 1.5;
@@ -76,7 +78,14 @@ void cut(const Given& given, double break_away, Rows& rows) {
   if (rows.path.rows.size() > kMostRows) {
     BristlePath part = part_of(rows.path, kMostRows);
     if (part.pieces.size() < kFewPieces) part = shortest_of(rows.path, kMostRows, kFewPieces);
-    if (part.pieces.size() >= kFewPieces) rows.path = std::move(part);
+    const bool enough = part.pieces.size() >= kFewPieces;
+    if ((enough ? part : rows.path).rows.size() > kFarTooManyRows) {
+      // Slow jogs have thousands of rows after each reversal.
+      part = shortest_of(rows.path, kMostRows, kFewestPieces);
+      if (part.pieces.size() >= kFewestPieces) rows.path = std::move(part);
+    } else if (enough) {
+      rows.path = std::move(part);
+    }
   }
   rows.setting.path = &rows.path;
   rows.setting.unseen = given.options.unseen_below;
