@@ -3,12 +3,14 @@
 ///
 ///   p₁ = r + ê + T·ê'                 the tracking error continues as before: ê, ê' by an α-β filter
 ///   p₂ = x + T·v                      the axis continues as over the last period
-///   good    x_k finite, within jump + j·A·T² of p₁ or p₂, and no farther from the last good one than the speed permits
+///   good    x_k finite, within jump + j·A·T² of p₁ or p₂, and no farther from the last good one than three times the speed limit
 ///   else    p₁ replaces it (p₂ where p₁ has been off twice), j ← j + 1, counted; more than n in a row are a fault
 ///
 ///   j samples bridged so far, A T² see limits.hpp. Two predictions, because an axis that is accelerated fully leaves p₁, and p₂ is
-///   off after a small wild sample that was let through. A sample equal to the one before is not good either where a quarter of the
-///   gate was to be moved: no axis stops like that, and dropped samples are bridged.
+///   off after a small wild sample that was let through. A is larger while a large force acts (limits.hpp). A sample equal to the one
+///   before is not good either where p₁ and p₂ both lie a quarter of the gate away, and 1.5 times the greatest of the last second differences:
+///   no axis stops like that, and dropped samples are bridged. p₁ alone says nothing: a reference may leave an axis that friction holds.
+///   Nor do samples beside the turning point of an axis that vibrates.
 ///   doubt ← doubt + 1 for a bridged sample, doubt − 1/4 for a good one: above 20, more than a fifth are bad.
 /// A good sample is passed on unchanged, bit for bit. It is doubtful when it is the first one that lies farther from p₁ than a quarter
 /// of the gate, because a small wild sample looks like that. A second one shows that the axis has left p₁.
@@ -17,6 +19,7 @@
 /// Not modelled: the first two samples, which cannot be compared with anything; wild samples within a quarter of the gate.
 /// Real time: safe.
 
+#include <array>
 #include <cstdint>
 #include <stribeck/control/supervision/fault.hpp>
 #include <stribeck/control/supervision/limits.hpp>
@@ -35,11 +38,15 @@ class EncoderCheck {
     double error_rate = 0.0;  ///< ê' [m/s]
     double reference = 0.0;   ///< prediction of the reference with constant acceleration [m]
     double doubt = 0.0;
-    int off = 0;         ///< good samples in a row for which p₁ was off by more than a quarter of the gate
-    int known = 0;       ///< good samples, up to 2
-    int in_a_row = 0;    ///< bridged samples in a row
-    int same = 0;        ///< samples equal to the one before, in a row
-    bool finite = true;  ///< whether the last sample was finite
+    int off = 0;       ///< good samples in a row for which p₁ was off by more than a quarter of the gate
+    int known = 0;     ///< good samples, up to 2
+    int in_a_row = 0;  ///< bridged samples in a row
+    int same = 0;      ///< samples equal to the one before, in a row
+    // Greatest ones of this window of periods and of the last window.
+    std::array<double, 2> pushed{};  ///< |f − load| [N]
+    std::array<double, 2> bent{};    ///< second difference of good samples [m]
+    int window = 0;                  ///< periods of this window
+    bool finite = true;              ///< whether the last sample was finite
     std::uint32_t bridged = 0;
   };
 
@@ -47,6 +54,7 @@ class EncoderCheck {
   static double step(State& s, const SupervisionLimits& l, double sample, double r, double rate,
                      double acceleration, int periods = 1) noexcept {
     const double t = l.period * periods;
+    turn_window(s, l);
     // A jump of the reference is no motion of the axis.
     if (s.known == 2 && periods == 1 && !(abs(r - s.reference) <= l.noise + kJumps * l.growth))
       s.error = s.used + l.period * s.velocity - l.period * s.error_rate - r;
@@ -56,15 +64,18 @@ class EncoderCheck {
     const double prediction = s.known == 0 ? r : s.off < kLeaves ? along : onward;
     const double growth = l.growth * periods * periods;
     const double gate = l.noise + growth * (1.0 + s.in_a_row);
+    const double reach =
+        l.noise + l.growth_after(max_of(s.pushed[0], s.pushed[1])) * periods * periods * (1.0 + s.in_a_row);
     s.finite = isfinite(sample);
     // An axis may stand still for months.
     s.same = sample == s.raw ? s.same + (s.same < kEnough ? 1 : 0) : 0;
     s.raw = sample;
     const double far = abs(sample - s.good);
-    const bool near = abs(sample - along) <= gate || abs(sample - onward) <= gate;
-    const bool repeated =
-        s.known == 2 && s.same > 0 && abs(prediction - s.used) > kTrusted * (l.noise + growth);
-    const bool slow = s.known == 0 || far <= l.noise + t * l.speed * (1.0 + s.in_a_row);
+    const bool near = abs(sample - along) <= reach || abs(sample - onward) <= reach;
+    const double moves = min_of(abs(along - s.used), abs(onward - s.used));
+    const bool repeated = s.known == 2 && s.same > 0 && moves > kTrusted * (l.noise + growth) &&
+                          moves > kBent * max_of(s.bent[0], s.bent[1]);
+    const bool slow = s.known == 0 || far <= l.noise + kFaster * t * l.speed * (1.0 + s.in_a_row);
     if (s.finite && slow && !repeated && (near || s.known < 2)) {
       believe(s, sample, r, rate, sample - along, gate, t);
       s.doubt = max_of(s.doubt - kRelief, 0.0);
@@ -74,6 +85,9 @@ class EncoderCheck {
     }
     return s.used;
   }
+
+  /// The force of the coming period less the load [N].
+  static void push(State& s, double net) noexcept { s.pushed[0] = max_of(s.pushed[0], abs(net)); }
 
   /// Whether the last sample was bridged.
   [[nodiscard]] static bool bridges(const State& s) noexcept { return s.in_a_row > 0; }
@@ -96,18 +110,31 @@ class EncoderCheck {
   static constexpr double kBeta = 0.25;
   static constexpr double kSmooth = 0.5;
   static constexpr double kTrusted = 0.25;  ///< share of the gate within which a sample corrects p₁
+  static constexpr double kBent = 1.5;      ///< room for a second difference that grows
   static constexpr int kLeaves = 2;         ///< samples beyond that in a row, after which p₁ is not used
   static constexpr double kJumps = 4.0;     ///< size of a jump of the reference, in A·T²
+  static constexpr double kFaster = 2.0;    ///< than overspeed, which motion_check.hpp reports: impossible
   static constexpr double kRelief = 0.25;
   static constexpr double kDoubt = 20.0;
   static constexpr int kEnough = 1000000;
 
+  /// A force shows in the second difference of samples until two periods after its delay; at 50 Hz and above a vibration turns within
+  /// n periods, 10 ms.
+  static void turn_window(State& s, const SupervisionLimits& l) noexcept {
+    if (s.window++ < l.late_periods + l.samples) return;
+    s.window = 1;
+    s.pushed = {0.0, s.pushed[0]};
+    s.bent = {0.0, s.bent[0]};
+  }
+
   static void believe(State& s, double sample, double r, double rate, double miss, double gate,
                       double t) noexcept {
     if (s.known > 0) {
+      const double before = s.velocity;
       // After a bridge the last period is not observed alone, but the mean since the last good sample is.
       s.velocity = (sample - s.good) / (t * (1.0 + s.in_a_row));
       s.smooth = s.known == 1 ? s.velocity : s.smooth + kSmooth * (s.velocity - s.smooth);
+      if (s.known == 2) s.bent[0] = max_of(s.bent[0], t * abs(s.velocity - before));
     }
     // A sample that was only just accepted tells nothing about the motion; two do.
     if (s.known < 2 || (!(abs(miss) <= gate) && s.off >= kLeaves) || !isfinite(miss)) {

@@ -50,6 +50,48 @@ TEST(SupervisionLimits, FollowFromTheAxis) {
   EXPECT_EQ(limits(5e-3).samples, 3);
 }
 
+/// The same axis with 200 N of friction, and commands of at most 20 mm/s²: friction stops it harder than any command.
+SupervisionLimits rough(double period) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  axis.model.friction.steady = friction::Conventional<double>{200.0, 4500.0, {}};
+  axis.encoder_resolution = 1e-7;
+  SupervisionParams p;
+  p.speed_limit = 16e-3;
+  p.acceleration_limit = 0.02;
+  return {p, axis, 800.0, period};
+}
+
+TEST(SupervisionLimits, FrictionThatTurnsOverMovesASoftLoopByLessThanTheFollowingError) {
+  // The machine has a fifth more friction and 0.85 of the mass of its model. At a reversal feed-forward and observer have their old
+  // sign: the loop alone takes twice the friction. Against the limit of an axis that rests: 1/ω of its speed limit is for motion.
+  for (const double omega : {5.0, 10.0, 40.0, 200.0}) {
+    CompensationParams axis;
+    axis.model.mass = 1000.0;
+    axis.model.friction.steady = friction::Conventional<double>{200.0, 4500.0, {}};
+    SupervisionParams p;
+    p.speed_limit = 16e-3;
+    p.omega = omega;
+    const SupervisionLimits l(p, axis, 800.0, 1e-3);
+    const double room = l.following - std::max(20e-3, 1.0 / omega) * 16e-3;
+    double x = 0.0;
+    double v = 0.0;
+    double worst = 0.0;
+    const double dt = 1e-3 / omega;
+    for (int k = 0; k < 20000; ++k) {
+      const double law = -1000.0 * (omega * omega * x + 2.0 * omega * v);
+      v += dt * (law + 2.0 * 1.2 * 200.0) / 850.0;
+      x += dt * v;
+      worst = std::max(worst, x);
+    }
+    EXPECT_LT(worst, room) << omega;
+    // And not by much less: the check is to see what friction does not explain.
+    EXPECT_GT(worst, 0.7 * room) << omega;
+    p.following_error = 1e-3;
+    EXPECT_EQ(SupervisionLimits(p, axis, 800.0, 1e-3).following, 1e-3);
+  }
+}
+
 TEST(SupervisionLimits, WhatNobodyKnowsIsNotChecked) {
   CompensationParams axis;
   axis.model.mass = 1000.0;
@@ -165,6 +207,129 @@ TEST(EncoderCheck, AnAxisThatLeavesItsReferenceIsFollowed) {
     x += 1e-3 * v + 0.5e-6 * a;
     v += 1e-3 * a;
   }
+}
+
+TEST(EncoderCheck, AnAxisThatFrictionStopsHarderThanAnyCommandIsFollowed) {
+  // Out of a slip of 3 mm/s, while the reference creeps on. A fifth more friction and 0.85 of the mass.
+  for (const double period : {1e-3, 5e-3}) {
+    const SupervisionLimits l = rough(period);
+    EncoderCheck::State s;
+    double x = 0.0;
+    double v = 3e-3;
+    const int slides = static_cast<int>(0.1 / period);
+    for (int k = 0; k < 3 * slides; ++k) {
+      const double sample = 1e-7 * std::round(x / 1e-7);
+      const double r = 1e-4 * period * k;
+      ASSERT_EQ(EncoderCheck::step(s, l, sample, r, 1e-4, 0.0), sample) << period << " " << k;
+      const double before = v;
+      if (k > slides) v = std::max(v - period * 1.2 * 200.0 / 850.0, 0.0);
+      x += 0.5 * period * (before + v);
+    }
+    EXPECT_EQ(s.bridged, 0u);
+  }
+}
+
+/// An axis of 850 kg under this force, from rest, for so many periods of 5 ms; returns the samples that were bridged.
+std::uint32_t pushed_by(double force, bool told, EncoderCheck::State& s, double& x) {
+  const SupervisionLimits l = rough(5e-3);
+  double v = 0.0;
+  for (int k = 0; k < 20; ++k) {
+    EncoderCheck::step(s, l, 1e-7 * std::round(x / 1e-7), 0.0, 0.0, 0.0);
+    const double now = k < 5 ? 0.0 : force;
+    if (told) EncoderCheck::push(s, now);
+    const double a = k < 5 ? 0.0 : (force - 200.0) / 850.0;
+    x += 5e-3 * v + 0.5 * 25e-6 * a;
+    v += 5e-3 * a;
+    if (v > 30e-3) break;
+  }
+  return s.bridged;
+}
+
+TEST(EncoderCheck, AForceThatAsksForMoreThanCommandsWidensTheGateWhileItActs) {
+  // 0.7 m/s², where friction that turns over makes 0.6 m/s² and commands four times 0.02 m/s².
+  const double force = 800.0;
+  EncoderCheck::State told, untold;
+  double x = 0.0;
+  double y = 0.0;
+  EXPECT_EQ(pushed_by(force, true, told, x), 0u);
+  EXPECT_GT(pushed_by(force, false, untold, y), 0u);
+  // Once the force has gone for two windows, a sample of twice the gate is wild again.
+  const SupervisionLimits l = rough(5e-3);
+  EncoderCheck::State s;
+  for (int k = 0; k < 20; ++k) {
+    EncoderCheck::step(s, l, 0.0, 0.0, 0.0, 0.0);
+    EncoderCheck::push(s, k < 10 ? force : 0.0);
+  }
+  EncoderCheck::step(s, l, 2.0 * (l.noise + l.growth), 0.0, 0.0, 0.0);
+  EXPECT_EQ(s.bridged, 1u);
+}
+
+TEST(EncoderCheck, AnAxisThatFrictionHoldsWhileItsReferenceLeavesIsNotFrozen) {
+  // A reversal at 1.4 m/s² with an encoder of 1.3 µm and 2 ms: the axis stands for 40 ms and moves by a step now and then.
+  CompensationParams axis;
+  axis.model.mass = 4.3;
+  axis.model.friction.steady = friction::Conventional<double>{40.0, 200.0, {}};
+  axis.encoder_resolution = 1.34e-6;
+  SupervisionParams p;
+  p.speed_limit = 1.0;
+  p.acceleration_limit = 4.8;
+  const SupervisionLimits l(p, axis, 390.0, 2e-3);
+  EncoderCheck::State s;
+  for (int k = -50; k < 20; ++k) {
+    const double t = 2e-3 * k;
+    const double r = -0.7 * t * t;
+    // It follows until it stops, then it creeps: steps of the encoder, and none between them.
+    const double x = k < 0 ? r : 0.0;
+    const double sample = 1.34e-6 * std::round(x / 1.34e-6) - (k > 5 ? 1.34e-6 * (k / 6) : 0.0);
+    ASSERT_EQ(EncoderCheck::step(s, l, sample, r, -1.4 * t, -1.4), sample) << k;
+  }
+}
+
+TEST(EncoderCheck, AVibrationTurnsBetweenTwoEqualSamples) {
+  // 1 µm at 400 Hz, ten samples a period, as a table rings on its axial mode: 6.3 m/s² of 10 m/s² that the force can do. A dropped
+  // sample is bridged again once the axis has moved smoothly for two windows of 10 ms.
+  CompensationParams axis;
+  axis.model.mass = 100.0;
+  axis.model.friction.steady = friction::Conventional<double>{20.0, 200.0, {}};
+  axis.encoder_resolution = 1.8e-8;
+  SupervisionParams p;
+  p.speed_limit = 0.1;
+  const SupervisionLimits l(p, axis, 1000.0, 2.5e-4);
+  EncoderCheck::State s;
+  for (int k = 0; k < 400; ++k) {
+    const double size = std::min({1.0, 0.01 * k, 0.01 * (400 - k)});
+    const double x = size * 1e-6 * std::cos(2.0 * kPi * (k + 0.5) / 10.0);
+    const double sample = 1.8e-8 * std::round(x / 1.8e-8);
+    ASSERT_EQ(EncoderCheck::step(s, l, sample, 0.0, 0.0, 0.0), sample) << k;
+  }
+  // Away at 2 mm/s, 28 steps of the encoder a period.
+  double x = 0.0;
+  double last = 0.0;
+  for (int k = 0; k < 120; ++k) {
+    const double moves = std::min(0.5e-6, 0.025e-6 * k);
+    x += moves;
+    const double sample = k == 119 ? last : 1.8e-8 * std::round(x / 1.8e-8);
+    last = EncoderCheck::step(s, l, sample, x, moves / 2.5e-4, 0.0);
+    ASSERT_EQ(EncoderCheck::bridges(s), k == 119) << k;
+  }
+}
+
+TEST(EncoderCheck, AnAxisThatIsTooFastIsNotImplausible) {
+  // The motion check is to say that it is too fast. Three times the limit is impossible.
+  const SupervisionLimits l = limits();
+  EncoderCheck::State s;
+  double x = 0.0;
+  double v = 0.0;
+  for (int k = 0; v < 60e-3; ++k) {
+    const double sample = 1e-7 * std::round(x / 1e-7);
+    const double used = EncoderCheck::step(s, l, sample, 0.0, 0.0, 0.0);
+    if (v < 2.9 * 16e-3) {
+      ASSERT_EQ(used, sample) << v;
+    }
+    x += 1e-3 * v;
+    v += 0.25e-3;
+  }
+  EXPECT_EQ(EncoderCheck::judge(s, l), Fault::kEncoderImplausible);
 }
 
 TEST(EncoderCheck, AReferenceThatJumpsIsNoMotionOfTheAxis) {

@@ -1,13 +1,18 @@
 #pragma once
 /// Limits of supervision for one axis: the settings, and the values that follow from the axis where nothing is set.
 ///
-///   A      greatest plausible acceleration = min((force limit + friction level + |load|)/m, 4·acceleration limit)
+///   A      greatest usual acceleration = min((force limit + F₀ + |load|)/m, max(4·acceleration limit, 3F₀/m)); for samples that a force
+///          f has just moved, at least 1.5·(|f − load| + F₀)/m
 ///   jump   10 encoder steps + A·T²           how far a sample may lie from its prediction
 ///   n      samples bridged in a row = 10 ms/T, at least 3 and at most 50; one more is a fault
-///   push   max(2·friction level, force limit/4)    a force that friction cannot hold
+///   push   max(2F₀, force limit/4)                 a force that friction cannot hold
 ///   start  max(start share·force limit, 1.25·push)    force in addition to the load until the sign is proven (sign_proof.hpp)
-///   speed  1.5·speed limit; following error 20 ms·speed limit + 100 ms·|ṙ|
+///   speed  1.5·speed limit
+///   following error   e₀ + 100 ms·|ṙ|,   e₀ = max(20 ms, 1/ω)·speed limit + 3F₀/(m·ω²), without ω 20 ms·speed limit
+///   swing  max(force limit/2, min(3F₀, 1.5·force limit))      of an oscillation that is a fault
 ///
+///   F₀ level of friction at rest [N], ω² = k_p of the loop [1/s²]. 3F₀: friction that turns over is 2F₀. The factor 1.5 is for a
+///   model that is off: friction a fourth too small, mass a sixth too large.
 /// A value that depends on an unknown limit is infinite: that check is off.
 /// Source: Stribeck's own; docs/theory/supervision.md derives them.
 /// Real time: configure only. Errors: none.
@@ -49,6 +54,7 @@ struct SupervisionParams {
   std::optional<double> jump{};                ///< [m]
   std::optional<double> push{};                ///< [N]
   std::optional<double> following_error{};     ///< at rest [m]
+  std::optional<double> omega{};               ///< of the position loop [rad/s]
   double following_time = 0.1;                 ///< [s]
   double bridge_time = 10e-3;                  ///< [s]
   double stop_time = 50e-3;                    ///< [s]
@@ -75,8 +81,15 @@ struct SupervisionParams {
               "force that friction cannot hold; left out: twice the level, at least a quarter of the force "
               "limit")
             .or_default(),
-        field("following_error", &P::following_error, quantity("m", "mm").positive(),
-              "largest following error at rest; left out: 20 ms at the speed limit")
+        field(
+            "following_error", &P::following_error, quantity("m", "mm").positive(),
+            "largest following error at rest; left out: 20 ms at the speed limit or what friction and a slow "
+            "loop make")
+            .or_default(),
+        field(
+            "omega", &P::omega, quantity("rad/s", "rad/s").positive(),
+            "square root of the proportional gain of the loop, for the largest following error; left out: in "
+            "the C interface that of the axis, else unknown")
             .or_default(),
         field("following_time", &P::following_time, quantity("s", "ms").not_negative(),
               "by how much the largest following error grows with the speed of the reference")
@@ -108,12 +121,14 @@ struct SupervisionLimits {
   double force = 0.0;           ///< limit [N]
   double noise = 0.0;           ///< part of the jump that does not grow with bridged samples [m]
   double growth = kOff;         ///< A·T², for each period without a good sample [m]
+  double pushed = 0.0;          ///< the same per force [m/N]
   double speed = kOff;          ///< [m/s]
   double level = 0.0;           ///< of friction at rest [N]
   double push = kOff;           ///< [N]
   double start = kOff;          ///< [N]
   double following = kOff;      ///< [m]
   double following_time = 0.0;  ///< [s]
+  double swing = kOff;          ///< [N]
   int samples = 3;              ///< n
   int late_periods = 0;         ///< delay of the force, rounded up
   int stop_periods = 0;
@@ -136,13 +151,16 @@ struct SupervisionLimits {
     saturation_periods = periods(p.saturation_time, 1, 1000000);
     if (checks != Checks::kAll) return;
     level = axis.model.friction.parts(0.0, 0.0).level;
+    const double turned = 2.0 * kModel * level;
     const double physical = (force_limit + level + abs(load)) / mass;
-    const double most =
-        p.acceleration_limit ? min_of(physical, kAcceleration * *p.acceleration_limit) : physical;
-    growth = most * t * t;
+    const double usual =
+        p.acceleration_limit ? max_of(kAcceleration * *p.acceleration_limit, turned / mass) : physical;
+    growth = min_of(physical, usual) * t * t;
+    pushed = kModel / mass * t * t;
     if (p.jump) {
       // The part that grows follows from physics alone; otherwise bridging would not find back.
       growth = min_of(growth, *p.jump);
+      pushed = 0.0;
       noise = *p.jump - growth;
     }
     speed = p.speed_limit ? kSpeed * *p.speed_limit : kOff;
@@ -150,7 +168,19 @@ struct SupervisionLimits {
     push = p.push ? *p.push : known > 0.0 ? known : kOff;
     // Below push, a wrong sign would not be seen.
     if (p.start_share < 1.0) start = max_of(p.start_share * force_limit, kStart * push);
-    following = p.following_error ? *p.following_error : p.speed_limit ? kFollowing * *p.speed_limit : kOff;
+    if (p.following_error) {
+      following = *p.following_error;
+    } else if (p.speed_limit) {
+      following = p.omega ? max_of(kFollowing, 1.0 / *p.omega) * *p.speed_limit +
+                                turned / (mass * *p.omega * *p.omega)
+                          : kFollowing * *p.speed_limit;
+    }
+    if (isfinite(force_limit)) swing = max_of(kSwing * force_limit, min_of(turned, kMostSwing * force_limit));
+  }
+
+  /// A·T² after a force f − load of this size [m].
+  [[nodiscard]] double growth_after(double size) const noexcept {
+    return max_of(growth, pushed * (size + level));
   }
 
   /// Velocities below this are the encoder's own steps [m/s].
@@ -162,6 +192,9 @@ struct SupervisionLimits {
   static constexpr double kSpeed = 1.5;
   static constexpr double kFollowing = 20e-3;
   static constexpr double kStart = 1.25;
+  static constexpr double kModel = 1.5;  ///< acceleration by friction of a machine against that of its model
+  static constexpr double kSwing = 0.5;  ///< of the force limit
+  static constexpr double kMostSwing = 1.5;
 
   [[nodiscard]] int periods(double time, double least, double most) const noexcept {
     return static_cast<int>(clamp_to(std::floor(time / period + 1e-6), least, most));

@@ -9,7 +9,7 @@
 ///   frozen       in a push run, |x − x₀| ≤ 2 steps:   ½·(push/2m)·t² > 20 µm and 20 steps. Friction takes at most half of push.
 ///   overspeed    |v| > speed + 5 steps/T              following error   |e| > limit + time·|ṙ|
 ///   saturated    at the limit for longer than a time  oscillation       twice found (oscillation_guard.hpp) with swings of half the
-///                                                                       force limit
+///                                                                       force limit, and more than friction that turns over explains
 ///   e is the error that the law itself uses: a law that slows the reference down is judged against the slowed reference.
 /// Source: Stribeck's own; docs/theory/supervision.md.
 /// Not modelled: an external force above push, which is taken for a wrong sign or a blocked axis; both are reasons to stop.
@@ -49,7 +49,7 @@ class MotionCheck {
 
   MotionCheck() = default;
   explicit MotionCheck(const SupervisionLimits& l) noexcept : l_(l) {
-    if (isfinite(l.force)) guard_ = OscillationGuard(kSwing * l.force, l.period);
+    if (isfinite(l.swing)) guard_ = OscillationGuard(l.swing, l.period);
   }
 
   Fault step(State& s, const Motion& m) const noexcept {
@@ -71,8 +71,7 @@ class MotionCheck {
   }
 
  private:
-  static constexpr int kSettled = 2;     ///< periods until a force shows in a difference of positions
-  static constexpr double kSwing = 0.5;  ///< of the force limit
+  static constexpr int kSettled = 2;  ///< periods until a force shows in a difference of positions
   static constexpr std::uint32_t kFound = 2;
   static constexpr double kLeastTravel = 5e-6;   ///< against the force [m]
   static constexpr double kLeastSlip = 20e-6;    ///< travel that the encoder must have missed [m]

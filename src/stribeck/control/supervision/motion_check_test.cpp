@@ -166,6 +166,28 @@ TEST(MotionCheck, RegularSwingsOfHalfTheForceAreAnOscillation) {
   EXPECT_FALSE(trips(50.0));
 }
 
+TEST(MotionCheck, HuntingThatFrictionExplainsIsNoOscillation) {
+  // An integrator against friction: the force turns over between the two break-away forces, here 120 N and 140 N of 250 N.
+  CompensationParams axis;
+  axis.model.mass = kMass;
+  axis.model.friction.steady = friction::Conventional<double>{100.0, 4500.0, {}};
+  axis.encoder_resolution = 1e-7;
+  const MotionCheck check(SupervisionLimits({}, axis, 250.0, kPeriod));
+  const auto trips = [&](double amplitude) {
+    MotionCheck::State s;
+    for (int k = 0; k < 5000; ++k) {
+      MotionCheck::Motion m;
+      m.position = 1e-3 * k;
+      m.feedback = amplitude * std::sin(2.0 * kPi * 4.0 * kPeriod * k);
+      if (check.step(s, m) == Fault::kOscillation) return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(trips(120.0));
+  EXPECT_FALSE(trips(140.0));
+  EXPECT_TRUE(trips(200.0));
+}
+
 TEST(SafeStop, BrakesToAStandAndThenHoldsTheLoad) {
   for (const double load : {0.0, 30.0, -30.0}) {
     for (const double v0 : {10e-3, -10e-3}) {

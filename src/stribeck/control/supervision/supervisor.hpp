@@ -109,6 +109,7 @@ class Supervisor {
                             {e.used, e.smooth, law.error[i].e, r.velocity[i], force[i],
                              force[i] - c.friction - c.inertia_force, c.limited, law.bridged[i]}),
             i);
+      EncoderCheck::push(s.axes[i].encoder, force[i] - limits_[i].load);
       if (!law.bridged[i]) SignProof::step(s.axes[i].proof, limits_[i], e.used, e.smooth, force[i]);
     }
     if (s.fault != Fault::kNone) return stopped(s);
