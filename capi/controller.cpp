@@ -149,17 +149,25 @@ stribeck_result start(Controller<N>& c, double period) {
   if constexpr (std::is_same_v<Settings, capi::LearningLaw>)
     c.setup.lap = *std::get<I>(c.settings[0].law).lap;
   double slowest = std::numeric_limits<double>::infinity();
+  double softest = slowest;
   control::Supervision<N> supervision;
   for (std::size_t i = 0; i < N; ++i) {
     const capi::AxisSettings& s = c.settings[i];
     slowest = std::min(slowest, std::sqrt(kp_of(s)));
-    if constexpr (std::is_same_v<Settings, capi::SlidingModeLaw>)
-      slowest =
-          std::min(slowest, std::min(params.lambda[i], params.a[i] > 0.0 ? params.a[i] : params.lambda[i]));
+    softest = std::min(softest, std::sqrt(kp_of(s)));
+    if constexpr (std::is_same_v<Settings, capi::SlidingModeLaw>) {
+      const double a = params.a[i] > 0.0 ? params.a[i] : params.lambda[i];
+      slowest = std::min(slowest, std::min(params.lambda[i], a));
+      softest = std::min(softest, std::sqrt(params.lambda[i] * a));
+    }
     c.setup.compensation[i] = s.compensation;
     c.setup.compensation[i].delay = s.compensation.model.delay;
     c.setup.force_limit[i] = s.force_limit.value_or(std::numeric_limits<double>::infinity());
     supervision[i] = s.supervision;
+  }
+  // Any axis may be moved by the softest of the gains along and across the path.
+  for (control::SupervisionParams& p : supervision) {
+    if (!p.omega) p.omega = softest;
   }
   c.supervisor = control::Supervisor<N>(supervision, c.setup);
   c.drives = control::DriveInterface<N>(c.setup);

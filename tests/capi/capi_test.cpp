@@ -434,6 +434,35 @@ TEST_F(SupervisedAxis, WithoutChecksTheLastForceStaysForEver) {
   EXPECT_EQ(force, before);
 }
 
+TEST_F(SupervisedAxis, TheFollowingErrorFollowsFromGainsAndFriction) {
+  // At rest: 16 mm/s for 20 ms or for 1/omega, and 60 N over 1000 kg·omega².
+  const auto stops_at = [&](double error) {
+    EXPECT_EQ(stribeck_controller_reset(h.c), STRIBECK_OK);
+    const stribeck_axis_input in{0.0, 0.0, 0.0, error};
+    stribeck_result r = STRIBECK_OK;
+    for (int i = 0; i < 5 && r == STRIBECK_OK; ++i) r = stribeck_controller_step(h.c, &in, &force);
+    if (r == STRIBECK_FAULT) {
+      EXPECT_EQ(supervision_of(h.c).fault, STRIBECK_FAULT_FOLLOWING_ERROR);
+    }
+    return r == STRIBECK_FAULT;
+  };
+  configure("all");
+  EXPECT_FALSE(stops_at(0.33e-3));
+  EXPECT_TRUE(stops_at(0.34e-3));
+  h.set("kp", 625.0);
+  configure("all");
+  EXPECT_FALSE(stops_at(0.73e-3));
+  EXPECT_TRUE(stops_at(0.74e-3));
+  h.set("supervision.omega", 10.0);
+  configure("all");
+  EXPECT_FALSE(stops_at(2.19e-3));
+  EXPECT_TRUE(stops_at(2.21e-3));
+  h.set("supervision.following_error", 0.5e-3);
+  configure("all");
+  EXPECT_FALSE(stops_at(0.49e-3));
+  EXPECT_TRUE(stops_at(0.51e-3));
+}
+
 TEST_F(SupervisedAxis, IsToldHowLateTheStepIs) {
   configure("all");
   run(300);
