@@ -90,7 +90,7 @@ std::string axis_control(const Configuration& c) {
     text += fmt::format("net {0}-faulted ax.{0}.faulted => joint.{1}.amp-fault-in\n", a.letter, i);
     text += setp("ax." + a.letter, "position-unit", unit_of(a));
     text += setp("ax." + a.letter, "force-limit", a.machine->force_limit());
-    return text + supervision_lines("ax." + a.letter, *a.machine, c.omega) +
+    return text + supervision_lines("ax." + a.letter, *a.machine) +
            controller_lines("ax." + a.letter, a.model, c.omega, c.feedforward);
   });
   return out + learning(instances(c.axes), instances(c.axes));
@@ -112,7 +112,7 @@ std::string contour_control(const Configuration& c) {
         a.letter, name);
     text += output_lines(a, name);
     text += setp(name, "force-limit", a.machine->force_limit());
-    return text + supervision_lines(name, *a.machine, c.omega) +
+    return text + supervision_lines(name, *a.machine) +
            controller_lines(name, a.model, c.omega, c.feedforward);
   });
   std::vector<std::string> controllers;

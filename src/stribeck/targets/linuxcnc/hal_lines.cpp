@@ -69,15 +69,11 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
          setp(name, "guarded", 1.0) + setp_all(name, value_of(held));
 }
 
-std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis, double omega) {
-  // What is left out suits a loop of this speed; a slower one follows later.
-  constexpr double kUsual = 50.0;  // [rad/s]
+std::string supervision_lines(const std::string& name, const sim::MachineAxis& axis) {
   const double step = axis.name_plate().encoder_resolution;
   return choice(name, "supervision.checks", static_cast<std::size_t>(control::Checks::kAll)) +
          setp(name, "supervision.speed_limit", axis.limits.speed) +
          setp(name, "supervision.acceleration_limit", axis.limits.acceleration) +
-         (omega < kUsual ? setp(name, "supervision.following_error", axis.limits.speed / omega)
-                         : std::string()) +
          (step > 0.0 ? setp(name, "encoder_resolution", step) : std::string());
 }
 

@@ -15,6 +15,7 @@
 #include <stribeck/sim/parallel.hpp>
 #include <stribeck/targets/linuxcnc/axis_lines.hpp>
 #include <stribeck/targets/linuxcnc/configuration.hpp>
+#include <stribeck/targets/linuxcnc/loop_warnings.hpp>
 #include <stribeck/targets/pulse/options.hpp>
 #include <stribeck/targets/target.hpp>
 #include <stribeck/workflow/commission.hpp>
@@ -139,12 +140,10 @@ Exported export_configuration(const ExportRequest& o, const sim::Machine& machin
   const io::OutputFolder folder(o.output);
   const WrittenFolder written = write_folder(o.output, c.comment, files);
   Exported out;
-  out.json = {{"schema", "stribeck.export/1"},
-              {"to", kLinuxCnc.name},
-              {"folder", o.output},
-              {"files", written.files},
-              {"kept", written.kept}};
+  out.json = {{"schema", "stribeck.export/1"}, {"to", kLinuxCnc.name}, {"folder", o.output},
+              {"files", written.files},        {"kept", written.kept}, {"warnings", loop_warnings(c)}};
   out.text = fmt::format("{} files in {}.\n", written.files.size(), o.output);
+  for (const std::string& w : loop_warnings(c)) out.text += fmt::format("warning: {}\n", w);
   if (!written.kept.empty())
     out.text +=
         fmt::format("Kept, because edited since the last export: {} (remove a file to write it anew).\n",
