@@ -124,4 +124,17 @@ Drilled run(const Drill& d) {
   }
 }
 
+sim::LoopMargins margins(const Drill& d) {
+  switch (d.travel.axes()) {
+    case 1:
+      return margins_of<1>(d);
+    case 2:
+      return margins_of<2>(d);
+    case 3:
+      return margins_of<3>(d);
+    default:
+      return margins_of<5>(d);
+  }
+}
+
 }  // namespace stribeck::test

@@ -12,6 +12,7 @@
 #include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/sim/study/loop_margins.hpp>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ struct Drill {
   std::vector<std::size_t> axes;  ///< empty: the first ones
   double duration = 4.0;          ///< of the run, at most [s]
   bool supervised = true;
-  double omega = 0.0;  ///< of a loop slower than the usual following error is meant for [rad/s]; 0: it is not
+  double omega = 0.0;     ///< of the loop, for supervision [rad/s]; 0: not known to it
   double friction = 1.0;  ///< friction and mass of the plant against what controllers know
   double mass = 1.0;
   std::optional<plant::AxialMode> mode;        ///< of the plant; controllers know a rigid axis
@@ -68,6 +69,8 @@ struct Drilled {
 };
 
 Drilled run(const Drill&);
+/// Of its linear loop with the axial modes of the machine, and with the masses that controllers know.
+sim::LoopMargins margins(const Drill&);
 sim::Machine machine_of(const std::string& name);
 /// Every controller of an experiment's first setting on its last travel, which is the fastest.
 std::vector<Drill> drills_of(const std::string& experiment);

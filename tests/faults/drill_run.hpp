@@ -58,6 +58,16 @@ inline std::vector<sim::AxisKnowledge> knowledge_of(const sim::Machine& machine)
   return all;
 }
 
+template <std::size_t N>
+control::Setup<N> setup_of(const Drill& d, const sim::Machine& machine,
+                           const std::vector<std::size_t>& axes) {
+  auto setup = sim::make_setup<N>(machine, knowledge_of(machine), axes, d.controller);
+  if (d.force_limit) {
+    for (std::size_t i = 0; i < N; ++i) setup.force_limit[i] = (*d.force_limit)[i];
+  }
+  return setup;
+}
+
 template <std::size_t N, class Law>
 Vec<double, N> step_of(const Law& law, typename Law::State& s, const std::vector<path::PathPoint<N>>& points,
                        std::size_t k, const path::PathPoint<N>& r, const Vec<double, N>& measured) {
@@ -82,11 +92,8 @@ Drilled run_axes(const Drill& d) {
   spec.axes = d.axes;
   const auto axes = sim::chosen_axes(machine, spec);
   const sim::Route<N> route = sim::sample<N>(d.travel, machine.sample_time);
-  auto setup = sim::make_setup<N>(machine, detail::knowledge_of(machine), axes, d.controller);
+  auto setup = detail::setup_of<N>(d, machine, axes);
   setup.lap = route.lap;
-  if (d.force_limit) {
-    for (std::size_t i = 0; i < N; ++i) setup.force_limit[i] = (*d.force_limit)[i];
-  }
   control::Supervision<N> limits;
   double v_max = 0.0;
   for (std::size_t i = 0; i < N; ++i) {
@@ -94,7 +101,7 @@ Drilled run_axes(const Drill& d) {
     limits[i].checks = d.supervised ? control::Checks::kAll : control::Checks::kNone;
     limits[i].speed_limit = l.speed;
     limits[i].acceleration_limit = l.acceleration;
-    if (d.omega > 0.0) limits[i].following_error = l.speed / d.omega;
+    if (d.omega > 0.0) limits[i].omega = d.omega;
     v_max = std::max(v_max, l.speed);
   }
   const control::Supervisor<N> supervisor(limits, setup);
@@ -152,6 +159,19 @@ Drilled run_axes(const Drill& d) {
       },
       d.controller.law);
   return result;
+}
+
+template <std::size_t N>
+sim::LoopMargins margins_of(const Drill& d) {
+  const sim::Machine machine = d.drawn ? *d.drawn : machine_of(d.machine);
+  sim::CompareSpec spec;
+  spec.travels = {d.travel};
+  spec.axes = d.axes;
+  const auto axes = sim::chosen_axes(machine, spec);
+  sim::DeclaredModes<N> modes;
+  for (std::size_t i = 0; i < N; ++i)
+    modes[i] = d.mode ? d.mode : machine.axes[axes[i]].second.plant.axial_mode;
+  return sim::loop_margins<N>(d.controller.law, detail::setup_of<N>(d, machine, axes), modes);
 }
 
 extern template Drilled run_axes<1>(const Drill&);

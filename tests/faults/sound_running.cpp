@@ -3,7 +3,12 @@
 //
 //   sound_running [--minutes M] [--seed S] [--first N] [--machines N]      M of this process's own time on the processor
 //
-// A stop is a false one unless the same run without supervision goes wrong as well: it leaves its path, or stays at its force limit.
+// A stop is a false one unless the loop is bad by itself:
+//   unstable   the linear loop is, with the axial modes and the real masses of the machine (loop_margins.hpp)
+//   rings      without supervision an axis vibrates for half a second so strongly that the whole force of its drive could not do it to a
+//              rigid axis: friction that falls with speed, or a loop that is nearly unstable, feeds the axial mode
+//   or the same run without supervision goes wrong as well: it leaves its path by a twentieth of its size, stays at its force limit
+//   for 0.4 s, or an axis is faster than 1.5 times its limit
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -134,6 +139,13 @@ sim::ControllerSpec draw_controller(Draw& d, double omega, const sim::Machine& m
   return c;
 }
 
+/// The square root of the proportional gain, as docs/guides/faults.md says.
+double omega_of(const control::LawParams& law, double drawn) {
+  if (const auto* p = std::get_if<control::PidParams>(&law)) return std::sqrt(p->kp[0]);
+  if (const auto* p = std::get_if<control::SlidingModeParams>(&law)) return std::sqrt(p->lambda[0] * p->a[0]);
+  return drawn;
+}
+
 /// A sum of two harmonics on each axis, as fast as the slowest axis may be and as slow as a fiftieth of that.
 template <std::size_t N>
 sim::Travel draw_travel(Draw& d, const sim::Machine& machine) {
@@ -182,8 +194,7 @@ Drill draw_drill(std::uint64_t seed, std::uint64_t number) {
   drill.travel = axes == 1 ? draw_travel<1>(d, m) : axes == 2 ? draw_travel<2>(d, m) : draw_travel<3>(d, m);
   drill.drawn = m;
   drill.duration = kRun;
-  // As export writes it, and docs/guides/faults.md says.
-  if (omega < 50.0) drill.omega = omega;
+  drill.omega = omega_of(drill.controller.law, omega);
   // What controllers believe of the machine is up to a fifth off.
   drill.friction = d.between(0.8, 1.2);
   drill.mass = d.between(0.85, 1.15);
@@ -195,20 +206,65 @@ std::string_view kind_of(const control::LawParams& law) {
   return std::visit([](const auto& p) { return std::decay_t<decltype(p)>::kKind; }, law);
 }
 
-/// Whether the loop is bad by itself: it leaves its path or stays at its limit.
-bool bad_alone(Drill d) {
-  d.supervised = false;
-  const Drilled o = run(d);
+/// Whether the linear loop oscillates by itself. A lighter machine than the model's is more gain.
+bool unstable(const Drill& d) {
+  try {
+    const sim::LoopMargins m = margins(d);
+    return !m.stable || m.gain_up * d.mass < 1.0;
+  } catch (const std::exception&) {
+    return false;  // a law whose answer does not settle says nothing
+  }
+}
+
+/// Whether a run shows an axis that rings on its axial mode: more acceleration than all its force in each of ten spans of 50 ms in a row.
+bool rings(const Drill& d, const Drilled& o) {
+  const auto span = static_cast<std::size_t>(50e-3 / o.period);
+  for (std::size_t i = 0; i < d.travel.axes(); ++i) {
+    const sim::MachineAxis& a = d.drawn->axes[i].second;
+    if (!a.plant.axial_mode) continue;
+    const double level = d.friction * a.plant.friction.parts(0.0, 0.0).level;
+    const double most = (a.force_limit() + level + std::abs(a.plant.load)) / (a.plant.mass * d.mass);
+    std::size_t last = 0;  // tick at which it was last more
+    std::size_t since = 0;
+    for (std::size_t k = 2; k < o.ticks.size(); ++k) {
+      const double second =
+          o.ticks[k].position[i] - 2.0 * o.ticks[k - 1].position[i] + o.ticks[k - 2].position[i];
+      if (!(std::abs(second) > most * o.period * o.period)) continue;
+      if (k - last > span) since = k;
+      last = k;
+      if (k - since >= 10 * span) return true;
+    }
+  }
+  return false;
+}
+
+/// What goes wrong in a run without supervision; empty: nothing.
+std::string_view goes_wrong(const Drill& d, const Drilled& o) {
   double size = 0.0;
   for (std::size_t i = 0; i < d.travel.axes(); ++i) size = std::max(size, 2.0 * o.moved(i, 0.0));
   std::size_t limited = 0;
-  std::size_t longest = 0;
+  const Tick* last = &o.ticks.front();
   for (const Tick& t : o.ticks) {
+    if (!(t.error <= 0.05 * size)) return "leaves its path without supervision as well";
+    for (std::size_t i = 0; i < d.travel.axes(); ++i) {
+      const double moved = std::abs(t.position[i] - last->position[i]);
+      if (moved > 1.5 * d.drawn->axes[i].second.limits.speed * o.period)
+        return "is too fast without supervision as well";
+    }
+    last = &t;
     limited = t.limited ? limited + 1 : 0;
-    longest = std::max(longest, limited);
-    if (!(t.error <= 0.05 * size)) return true;
+    if (static_cast<double>(limited) * o.period > 0.4)
+      return "stays at its force limit without supervision as well";
   }
-  return static_cast<double>(longest) * o.period > 0.4;
+  return "";
+}
+
+/// What is bad about the loop itself; empty: nothing.
+std::string_view fault_of_loop(Drill d) {
+  if (unstable(d)) return "its linear loop is unstable";
+  d.supervised = false;
+  const Drilled alone = run(d);
+  return rings(d, alone) ? "rings on its axial mode" : goes_wrong(d, alone);
 }
 
 int main_with(int argc, char** argv) {
@@ -244,12 +300,11 @@ int main_with(int argc, char** argv) {
     seconds += o.tripped < 0.0 ? static_cast<double>(o.ticks.size()) * o.period : o.tripped;
     bridged += o.bridged;
     if (o.fault == control::Fault::kNone) continue;
-    const bool alone = bad_alone(d);
-    ++(alone ? bad : wrong);
+    const std::string_view why = fault_of_loop(d);
+    ++(why.empty() ? wrong : bad);
     std::cout << "machine " << first + n << ", " << d.travel.axes() << " axes of " << o.period * 1e3
               << " ms, " << kind_of(d.controller.law) << " (" << d.controller.id << "): " << name_of(o.fault)
-              << " after " << o.tripped << " s, "
-              << (alone ? "bad without supervision as well" : "a false stop") << std::endl;
+              << " after " << o.tripped << " s, " << (why.empty() ? "a false stop" : why) << std::endl;
   }
   std::cout << seconds / 3600.0 << " hours on " << n << " machines of seed " << seed << ": " << wrong
             << " false stops, " << bad << " stops of loops that are bad by themselves, " << bridged
