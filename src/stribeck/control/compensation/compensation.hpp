@@ -102,7 +102,8 @@ class Compensation {
                                  params.model.mass, period)
                 : KalmanObserver()),
         feedforward_(params.model.friction, period),
-        adaptation_(params.adaptation, params.model, params.encoder_resolution, params.delay, period) {
+        adaptation_(adaptation_of(params), followed(params), params.encoder_resolution, params.delay,
+                    period) {
     if (params.feedforward == Feedforward::kReversal)
       reversal_ = ReversalFeedforward(params.reversal, params.model.friction, period);
     if (params.guarded)
@@ -227,7 +228,39 @@ class Compensation {
     return DriftMonitor::report(s.drift, s.adaptation, period_);
   }
 
+  /// The same with the disturbance observer that takes the place of a Kalman observer when the loop oscillates.
+  static CompensationParams calmed(CompensationParams p) noexcept {
+    p.observer_pole = disturbance_pole(p);
+    p.observer = Observer::kDisturbance;
+    p.disturbance_density.reset();
+    return p;
+  }
+
  private:
+  /// Whether friction is fed forward over a distance because the model has no pre-sliding.
+  static bool assumes_build_up(const CompensationParams& p) noexcept {
+    return p.feedforward == Feedforward::kReversal && !friction::has_pre_sliding(p.model.friction.dynamics);
+  }
+  /// The model that adaptation compares with the measured motion. Where a build-up is assumed, bristles over the same distance: with a
+  /// step at the reversal, adaptation would take every build-up for a level that has fallen.
+  static friction::AxisModel followed(const CompensationParams& p) noexcept {
+    friction::AxisModel model = p.model;
+    if (!assumes_build_up(p)) return model;
+    const double distance = p.reversal.mean_distance();
+    const double level = model.friction.parts(0.0, 0.0).level;
+    if (distance > 0.0 && level > 0.0)
+      model.friction.dynamics = friction::LuGre<double>{level / distance, 0.0, {}};
+    return model;
+  }
+  static AdaptationParams adaptation_of(const CompensationParams& p) noexcept {
+    AdaptationParams a = p.adaptation;
+    if (assumes_build_up(p)) a.noise_share = max_of(a.noise_share, kAssumedBuildUp);
+    return a;
+  }
+  /// Least noise then, as a share of the level: a distance of half or twice the true one misses a third of the level, as root mean
+  /// square over three distances. A part of it is found as the scale of the stiffness.
+  static constexpr double kAssumedBuildUp = 0.2;
+
   [[nodiscard]] bool follows_adaptation() const noexcept {
     return params_.feedforward == Feedforward::kDynamic || params_.feedforward == Feedforward::kReversal;
   }

@@ -129,5 +129,60 @@ TEST(DynamicCompensation, AnOscillationTakesTheKalmanObserverFirstAndItsEstimate
   EXPECT_EQ(s.guard.trust, 0.5);
 }
 
+/// A model of the axis that knows its level and mass, and nothing of its pre-sliding.
+CompensationParams by_distance(double level, bool adaptive) {
+  CompensationParams p = adapting(level, 3e8);
+  p.model.friction.dynamics = friction::Static{};
+  p.feedforward = Feedforward::kReversal;
+  p.adaptation.enabled = adaptive;
+  return p;
+}
+
+// The axis needs 3.3 um for a reversal, 4 um are assumed. A model that switches at the turn misses twice the level there.
+TEST(ReversalCompensation, WithoutBristlesABuildUpIsNotTakenForALowerLevel) {
+  using A = FrictionRls;
+  const Followed fixed = follow(by_distance(1000.0, false), 1000.0, 3e8, 5e4, 0, 40.0);
+  const Followed adapted = follow(by_distance(1000.0, true), 1000.0, 3e8, 5e4, 0, 40.0);
+  EXPECT_LT(adapted.worst, 1.1 * fixed.worst);
+  const auto& theta = adapted.state.adaptation.theta;
+  for (const auto i : {A::kPositive, A::kNegative}) EXPECT_NEAR(theta[i], 0.0, 0.02);
+  EXPECT_NEAR(theta[A::kMass], 0.0, 0.03);
+  // Not evident, so it is not used.
+  EXPECT_LT(std::abs(theta[A::kDelay]), adapted.state.adaptation.deviation[A::kDelay]);
+}
+
+TEST(ReversalCompensation, WithoutBristlesAWrongLevelIsStillFound) {
+  const Followed fixed = follow(by_distance(1300.0, false), 1000.0, 3e8, 5e4, 0, 40.0);
+  const Followed adapted = follow(by_distance(1300.0, true), 1000.0, 3e8, 5e4, 0, 40.0);
+  EXPECT_LT(adapted.worst, 0.3 * fixed.worst);
+  EXPECT_NEAR(adapted.state.adaptation.theta[FrictionRls::kPositive], 1.0 / 1.3 - 1.0, 0.02);
+}
+
+// Half the distance of the axis is assumed; adaptation finds the rest.
+TEST(ReversalCompensation, WithoutBristlesTheDistanceIsLearned) {
+  CompensationParams params = by_distance(1000.0, true);
+  params.reversal.distance = 1.67e-6;
+  const Followed adapted = follow(params, 1000.0, 3e8, 5e4, 0, 80.0);
+  params.adaptation.enabled = false;
+  const Followed fixed = follow(params, 1000.0, 3e8, 5e4, 0, 80.0);
+  EXPECT_LT(adapted.worst, 0.6 * fixed.worst);
+  EXPECT_NEAR(adapted.state.adaptation.theta[FrictionRls::kStiffness], -0.5, 0.15);
+}
+
+TEST(ReversalCompensation, ADistanceStandsForATable) {
+  ReversalParams p;
+  EXPECT_EQ(p.mean_distance(), 4e-6);
+  p.distance = 2e-6;
+  EXPECT_EQ(p.mean_distance(), 2e-6);
+  // Linear over 6 um; 0.4 at once and the rest from 20 to 40 um.
+  p.build_up.push_back({6e-6, 1.0});
+  EXPECT_NEAR(p.mean_distance(), 3e-6, 1e-18);
+  p.build_up = {};
+  for (const BuildUpPoint& point :
+       {BuildUpPoint{0.0, 0.4}, BuildUpPoint{20e-6, 0.4}, BuildUpPoint{40e-6, 1.0}})
+    p.build_up.push_back(point);
+  EXPECT_NEAR(p.mean_distance(), 18e-6, 1e-18);
+}
+
 }  // namespace
 }  // namespace stribeck::control::compensation_test

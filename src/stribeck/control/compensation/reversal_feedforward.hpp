@@ -70,6 +70,18 @@ struct ReversalParams {
             .or_default()};
   }
 
+  /// ∫(1 − p) ds of a build-up that is given or assumed: d of the exponential that leaves the same impulse at constant speed [m].
+  [[nodiscard]] double mean_distance() const noexcept {
+    if (build_up.empty()) return distance.value_or(kUsualDistance);
+    double sum = 0.0;
+    BuildUpPoint before{0.0, 0.0};
+    for (const auto& point : build_up) {
+      sum += (point.distance - before.distance) * (1.0 - 0.5 * (before.share + point.share));
+      before = point;
+    }
+    return sum;
+  }
+
   template <class Report>
   void validate(Report&& report) const {
     if (build_up.empty()) return;
