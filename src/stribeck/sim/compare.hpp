@@ -150,8 +150,9 @@ struct CompareRow {
   StatusCounter status;               ///< of all trials together
   std::vector<control::Drift> drift;  ///< per axis, at the end of the first trial; empty without adaptation
   int substeps = 0;
-  bool repeatable = true;  ///< false: the loop multiplies every difference (choose_substeps())
-  std::string refused;     ///< why there is no result, and what would help; empty otherwise
+  std::vector<std::size_t> calmed;  ///< axes without the Kalman observer of the controller, see calm()
+  bool repeatable = true;           ///< false: the loop multiplies every difference (choose_substeps())
+  std::string refused;              ///< why there is no result, and what would help; empty otherwise
 };
 
 struct CompareResult {
@@ -180,6 +181,12 @@ control::Feedforward feedforward_with(const ControllerSpec& which, const frictio
 template <std::size_t N>
 control::Setup<N> make_setup(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                              const std::vector<std::size_t>& axes, const ControllerSpec& which);
+
+/// A delay takes the margin of a Kalman observer, also one that the models know: the feed-forward comes earlier by it, the feedback
+/// cannot. Where the loop of a controller that adapts then has a gain margin below 2.5 dB, the axes that are
+/// late begin with the disturbance observer, which the guard would put there after some swings. Returns these axes.
+template <std::size_t N>
+std::vector<std::size_t> calm(control::Setup<N>& setup, const ControllerSpec& which);
 
 /// Whether this controller compensates the lost motion of an axis: where it is known, and the loop closes over the motor.
 bool guides(const MachineAxis& axis, const AxisKnowledge& knowledge, const ControllerSpec& which);

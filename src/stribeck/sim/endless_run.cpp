@@ -25,6 +25,7 @@ class EndlessRunOf final : public EndlessRun {
     for (const std::size_t i : axes) axes_.push_back(machine.axes[i].first);
     const ControllerSpec& controller = spec.controllers.front();
     auto setup = make_setup<N>(machine, knowledge, axes, controller);
+    calm<N>(setup, controller);
     setup.lap = route.lap;
     const int substeps = substeps_for<N>(drives_, setup, controller, route, spec.accuracy);
     law_ = make_controller<N>(controller.law, setup)->copy();

@@ -201,6 +201,21 @@ void note_missing_bristles(const sim::CompareResult& result, const std::vector<s
   }
 }
 
+/// The axes on which a controller goes without its Kalman observer (sim::calm()).
+void note_calmed(const sim::CompareResult& result, const std::vector<std::size_t>& axes,
+                 const Parameters& parameters, std::vector<std::string>& to) {
+  for (const sim::CompareRow& row : result.rows) {
+    if (row.travel != 0) continue;  // gains and delays are the same for all
+    for (const std::size_t i : row.calmed) {
+      const double delay = parameters.knowledge[axes[i]].model(row.controller.friction, result.axes[i]).delay;
+      to.push_back(fmt::format(
+          "axis {}: with a delay of {:.2g} control periods a loop with a Kalman observer is close to oscillating at these gains, so ({}) has a disturbance "
+          "observer there, as (g) has; slower gains bring the other one back",
+          result.axes[i], delay / result.period, row.controller.id));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> check_coverage(sim::CompareResult& result, const std::vector<std::size_t>& axes,
@@ -208,6 +223,7 @@ std::vector<std::string> check_coverage(sim::CompareResult& result, const std::v
   constexpr double kLong = 0.2;  // share of the motion
   std::vector<std::string> all = parameters.assumed;
   note_missing_bristles(result, axes, parameters, all);
+  note_calmed(result, axes, parameters, all);
   if (parameters.axes.empty()) return all;
   for (std::size_t travel = 0; travel < result.spec.travels.size(); ++travel) {
     const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const sim::CompareRow& r) {
