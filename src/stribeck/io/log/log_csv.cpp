@@ -1,7 +1,6 @@
 #include <fast_float/fast_float.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -15,17 +14,6 @@
 
 namespace stribeck::io::detail {
 namespace {
-
-/// "Nm" and "N m".
-bool same_unit(const std::string& a, const std::string& b) {
-  if (a == b) return true;
-  if (!is_unit(a) || !is_unit(b)) return false;
-  try {
-    return conversion(a, b).factor == 1.0;
-  } catch (const InputError&) {
-    return false;
-  }
-}
 
 /// Parses one text.
 class CsvReader {
@@ -193,9 +181,7 @@ class CsvReader {
       note("the names of the columns are not UTF-8 and are read as Latin-1");
       break;
     }
-    const bool slashes = headers.size() > 1 && std::all_of(headers.begin(), headers.end(), [](const auto& h) {
-                           return name_with_unit_after_slash(as_utf8(unquoted(trimmed(h)))).has_value();
-                         });
+    const bool slashes = all_have_unit_after_slash(headers);
     std::map<std::string, std::size_t> seen;
     for (std::size_t i = 0; i < headers.size(); ++i) {
       std::string header = as_utf8(unquoted(trimmed(headers[i])));
@@ -211,9 +197,7 @@ class CsvReader {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
-      const std::string split = slashes ? name_with_unit_after_slash(header).value_or(header)
-                                : options_.unit_after_blank ? header_of(header)
-                                                            : header;
+      const std::string split = with_unit_in_brackets(header, slashes, options_.unit_after_blank);
       log_.columns.push_back(column_of(split, log_.notes));
       log_.columns.back().header = header;
     }

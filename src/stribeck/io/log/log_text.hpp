@@ -47,6 +47,13 @@ std::string header_of(const std::string& name);
 
 /// "s_ist/mm" → "s_ist [mm]", as ISO 80000-1 writes quantities in the heads of tables; absent where no unit stands behind a slash.
 std::optional<std::string> name_with_unit_after_slash(std::string_view header);
+bool all_have_unit_after_slash(const std::vector<std::string>& headers);
+
+/// "x mm" and "x/mm" with the unit in brackets, where the names are written so.
+std::string with_unit_in_brackets(const std::string& header, bool slashes, bool after_blank);
+
+/// "Nm" and "N m" are the same.
+bool same_unit(const std::string& a, const std::string& b);
 
 /// A unit as controls spell it ("Ampere", "U/min", "Incr", "dV (Voltage)"), in a spelling that units.hpp knows;
 /// "" and a note when there is none.

@@ -1,0 +1,307 @@
+// Names and units in the heads of tables, as controls, drives and their tools write them.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/units.hpp>
+#include <utility>
+
+namespace stribeck::io::detail {
+namespace {
+
+/// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
+/// "X1_CurrentFeedback" or "run_a" must not get one.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kSuffixes{{
+    {"s", "s"},
+    {"ms", "ms"},
+    {"us", "us"},
+    {"ns", "ns"},
+    {"m", "m"},
+    {"mm", "mm"},
+    {"um", "um"},
+    {"nm", "nm"},
+    {"N", "N"},
+    {"kN", "kN"},
+    {"V", "V"},
+    {"mV", "mV"},
+    {"A", "A"},
+    {"mA", "mA"},
+    {"Nm", "Nm"},
+    {"mNm", "mNm"},
+    {"W", "W"},
+    {"kW", "kW"},
+    {"rad", "rad"},
+    {"deg", "deg"},
+    {"rev", "rev"},
+    {"rpm", "rpm"},
+    {"pct", "%"},
+    {"percent", "%"},
+    {"permil", "\u2030"},
+    {"counts", "count"},
+    {"incr", "count"},
+    {"Hz", "Hz"},
+    {"kHz", "kHz"},
+    {"kg", "kg"},
+    {"degC", "degC"},
+    {"m_s", "m/s"},
+    {"mm_s", "mm/s"},
+    {"um_s", "um/s"},
+    {"m_min", "m/min"},
+    {"mm_min", "mm/min"},
+    {"m_s2", "m/s2"},
+    {"mm_s2", "mm/s2"},
+    {"m_s3", "m/s3"},
+    {"mm_s3", "mm/s3"},
+    {"rad_s", "rad/s"},
+    {"deg_s", "deg/s"},
+    {"rad_s2", "rad/s2"},
+    {"deg_s2", "deg/s2"},
+    {"N_s", "N/s"},
+    {"N_m", "N m"},
+    {"N_V", "N/V"},
+    {"V_s", "V/s"},
+    {"A_s", "A/s"},
+    {"m_per_s", "m/s"},
+    {"mm_per_s", "mm/s"},
+    {"um_per_s", "um/s"},
+    {"m_per_min", "m/min"},
+    {"mm_per_min", "mm/min"},
+    {"m_per_s2", "m/s2"},
+    {"mm_per_s2", "mm/s2"},
+    {"rad_per_s", "rad/s"},
+    {"deg_per_s", "deg/s"},
+    {"rev_per_s", "rev/s"},
+    {"N_per_V", "N/V"},
+    {"N_per_A", "N/A"},
+}};
+
+/// Spellings of units in controls, drives and their tools.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 52> kSpellings{{
+    {"Ampere", "A"},
+    {"Aeff", "A"},
+    {"Arms", "A"},
+    {"A_rms", "A"},
+    {"A rms", "A"},
+    {"Amp", "A"},
+    {"Volt", "V"},
+    {"Grad", "deg"},
+    {"degree", "deg"},
+    {"degrees", "deg"},
+    {"Grad/s", "deg/s"},
+    {"Grad/min", "deg/min"},
+    {"°", "deg"},
+    {"°/s", "deg/s"},
+    {"°/min", "deg/min"},
+    {"°/s²", "deg/s2"},
+    {"1000 mm/min", "m/min"},
+    {"r/min", "rpm"},
+    {"rev/min", "rpm"},
+    {"Umdr/min", "rpm"},
+    {"U/min", "rpm"},
+    {"RPM", "rpm"},
+    {"Rpm", "rpm"},
+    {"Umdr", "rev"},
+    {"Prozent", "%"},
+    {"percent", "%"},
+    {"Incr", "count"},
+    {"incr", "count"},
+    {"Inkr", "count"},
+    {"Inc", "count"},
+    {"inc", "count"},
+    {"INC", "count"},
+    {"pulse", "count"},
+    {"pulses", "count"},
+    {"pls", "count"},
+    {"pls.", "count"},
+    {"qc", "count"},
+    {"counts", "count"},
+    {"cnt", "count"},
+    {"cnts", "count"},
+    {"cts", "count"},
+    {"Sek", "s"},
+    {"sec", "s"},
+    {"second", "s"},
+    {"seconds", "s"},
+    {"Sekunde", "s"},
+    {"Sekunden", "s"},
+    {"msec", "ms"},
+    {"usec", "us"},
+    {"NM", "N m"},
+    {"-", "1"},
+    {"Mikrometer", "um"},
+}};
+
+/// Torques with a hyphen, which the library of units takes for a mass at a distance.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTorques{{
+    {"lb-in", "lbf in"},
+    {"lbf-in", "lbf in"},
+    {"in-lb", "lbf in"},
+    {"in-lbf", "lbf in"},
+    {"lb-ft", "lbf ft"},
+    {"lbf-ft", "lbf ft"},
+    {"ft-lb", "lbf ft"},
+    {"ft-lbf", "lbf ft"},
+}};
+
+std::string_view torque_of(std::string_view unit) {
+  const auto found =
+      std::find_if(kTorques.begin(), kTorques.end(), [&](const auto& t) { return t.first == unit; });
+  return found == kTorques.end() ? std::string_view() : found->second;
+}
+
+/// Increments of an encoder, as headers call them.
+bool is_count_word(std::string_view unit) {
+  return unit == "counts" || unit == "count" ||
+         std::any_of(kSpellings.begin(), kSpellings.end(),
+                     [&](const auto& s) { return s.first == unit && s.second == "count"; });
+}
+
+/// The plain unit of a spelling of controls; "" for others.
+std::string_view spelling_of(std::string_view unit) {
+  const auto found =
+      std::find_if(kSpellings.begin(), kSpellings.end(), [&](const auto& s) { return s.first == unit; });
+  return found == kSpellings.end() ? std::string_view() : found->second;
+}
+
+/// "0.00029296875 mm": a unit of the size that the number says, e.g. of one count.
+bool is_scaled_unit(std::string_view text) {
+  const auto end = std::min(text.find_first_of(" %"), text.size());
+  const auto unit = trimmed(text.substr(end));
+  const auto factor = cell_number(text.substr(0, end), '.');
+  return factor && *factor > 0.0 && std::isfinite(*factor) && !unit.empty() &&
+         (std::isalpha(static_cast<unsigned char>(unit[0])) != 0 || unit[0] == '%') && is_unit(unit) &&
+         is_unit(text);
+}
+
+}  // namespace
+
+Column column_of(std::string header, Notes& notes) {
+  Column c;
+  c.name = header;
+  for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
+    const auto at = header.rfind(open);
+    if (at == std::string::npos || header.back() != close) continue;
+    const auto inside = std::string(trimmed(std::string_view(header).substr(at + 1, header.size() - at - 2)));
+    const auto before = std::string(trimmed(std::string_view(header).substr(0, at)));
+    // "x (1)" is a second copy of x, not a unit.
+    const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
+    const bool counts = is_count_word(inside);
+    const bool scaled = open == '[' && is_scaled_unit(inside);
+    std::string_view spelled = open == '[' && !scaled && !counts ? spelling_of(inside) : "";
+    const std::string_view torque = torque_of(inside);
+    if (!torque.empty()) spelled = torque;
+    const bool unit = !inside.empty() && !counts && !scaled &&
+                      !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
+                      is_unit(inside);
+    if (dimensionless || unit || counts || scaled || !spelled.empty()) {
+      c.name = before.empty() ? header : before;
+      c.unit_text = dimensionless                        ? "1"
+                    : counts                             ? "count"
+                    : torque.empty() && (unit || scaled) ? inside
+                                                         : std::string(spelled);
+    } else if (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos) {
+      // A number in brackets is an index, r0482[0].
+      notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
+    }
+    c.header = std::move(header);
+    return c;
+  }
+  std::size_t longest = 0;
+  for (const auto& [suffix, unit] : kSuffixes) {
+    if (suffix.size() <= longest || header.size() < suffix.size() + 2) continue;
+    const auto at = header.size() - suffix.size();
+    if (header[at - 1] != '_' || header.compare(at, suffix.size(), suffix) != 0) continue;
+    longest = suffix.size();
+    c.name = header.substr(0, at - 1);
+    c.unit_text = unit;
+    c.unit_assumed = suffix.size() == 1;  // "i_A" may be that of axis A
+  }
+  c.header = std::move(header);
+  return c;
+}
+
+std::string header_of(const std::string& name) {
+  const auto text = trimmed(name);
+  const auto blank = text.rfind(' ');
+  if (text.empty() || text.back() == ']' || text.back() == ')' || blank == std::string_view::npos)
+    return std::string(text);
+  auto unit = text.substr(blank + 1);
+  if (unit[0] >= '0' && unit[0] <= '9') return std::string(text);
+  if (!is_unit(unit) && !is_count_word(unit) && torque_of(unit).empty()) return std::string(text);
+  // "torque N m": a force before a length belongs to the unit.
+  if (const auto before = text.substr(0, blank).rfind(' '); before != std::string_view::npos) {
+    const auto both = text.substr(before + 1);
+    const auto force = text.substr(before + 1, blank - before - 1);
+    const bool torque =
+        (force == "N" || force == "kN" || force == "mN" || force == "lbf" || force == "ozf") &&
+        (unit == "m" || unit == "mm" || unit == "in" || unit == "ft");
+    if (torque) return std::string(trimmed(text.substr(0, before))) + " [" + std::string(both) + "]";
+  }
+  // "x 0.001 mm": a factor has a decimal point or an exponent, for "axis 2 mm" is the column "axis 2".
+  if (const auto before = trimmed(text.substr(0, blank)); before.rfind(' ') != std::string_view::npos) {
+    const auto at = before.rfind(' ');
+    const auto scaled = text.substr(at + 1);
+    if (before.substr(at + 1).find_first_of(".eE") != std::string_view::npos && is_scaled_unit(scaled))
+      return std::string(trimmed(before.substr(0, at))) + " [" + std::string(scaled) + "]";
+  }
+  return std::string(trimmed(text.substr(0, blank))) + " [" + std::string(unit) + "]";
+}
+
+std::optional<std::string> name_with_unit_after_slash(std::string_view header) {
+  for (auto slash = header.find('/'); slash != std::string_view::npos; slash = header.find('/', slash + 1)) {
+    const auto name = trimmed(header.substr(0, slash));
+    const auto unit = trimmed(header.substr(slash + 1));
+    if (name.empty() || unit.empty()) continue;
+    const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
+    const bool known = (!number && is_unit(unit)) || is_count_word(unit) || !spelling_of(unit).empty() ||
+                       !torque_of(unit).empty();
+    if (known) return std::string(name) + " [" + std::string(unit) + "]";
+  }
+  return std::nullopt;
+}
+
+std::string plain_unit(std::string_view text, std::string_view column, Notes& notes) {
+  std::string unit = as_utf8(unquoted(trimmed(text)));
+  // TwinCAT adds the quantity: "dV (Voltage)", "(None)".
+  if (!unit.empty() && unit.back() == ')') {
+    const auto open = unit.rfind('(');
+    if (open != std::string::npos && (open == 0 || unit[open - 1] == ' ')) {
+      unit = std::string(trimmed(std::string_view(unit).substr(0, open)));
+    }
+  }
+  // The Greek letter replaces the micro sign.
+  for (auto at = unit.find("\u03BC"); at != std::string::npos; at = unit.find("\u03BC")) {
+    unit.replace(at, 2, "\u00B5");
+  }
+  if (unit.empty()) return unit;
+  if (const auto plain = spelling_of(unit); !plain.empty()) return std::string(plain);
+  const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
+  if ((!number || unit == "1") && is_unit(unit)) return unit;
+  notes.push_back("column " + in_quotes(column) + ": unit " + in_quotes(unit) + " is not known");
+  return {};
+}
+
+std::string with_unit_in_brackets(const std::string& header, bool slashes, bool after_blank) {
+  if (slashes) return name_with_unit_after_slash(header).value_or(header);
+  return after_blank ? header_of(header) : header;
+}
+
+bool same_unit(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  if (!is_unit(a) || !is_unit(b)) return false;
+  try {
+    return conversion(a, b).factor == 1.0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+bool all_have_unit_after_slash(const std::vector<std::string>& headers) {
+  return headers.size() > 1 && std::all_of(headers.begin(), headers.end(), [](const std::string& h) {
+           return name_with_unit_after_slash(as_utf8(unquoted(trimmed(h)))).has_value();
+         });
+}
+
+}  // namespace stribeck::io::detail
