@@ -199,7 +199,7 @@ bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed
       text("static friction: nothing slower than %.3g %s was used, and the friction may rise below it: ",
            grid.low * scale, unit) +
       (asked_slower(found_.log.records, kMostOfStribeckSpeed * grid.low)
-           ? text(
+           ? std::string(
                  "slower motion was asked for, but the axis sticks and slips there, or turns before friction has "
                  "settled; jog over a longer distance, with a stiffer loop")
            : text("add jogs at %.2g %s and slower", 0.2 * grid.low * scale, unit)));
