@@ -38,4 +38,9 @@ struct Unbalance {
   }
 };
 
+/// Whether a term of an axis file is an unbalance: additive, one turn long.
+inline bool is_unbalance(const Eccentric<double>& term) noexcept {
+  return term.form == EccentricForm::kAdditive && abs(term.period - 2.0 * kPi) < 1e-6;
+}
+
 }  // namespace stribeck::friction

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include <stribeck/core/scalar.hpp>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/least_squares_a.hpp>
@@ -215,10 +215,6 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
   return result;
 }
 
-bool is_unbalance(const friction::Eccentric<double>& term) {
-  return term.form == friction::EccentricForm::kAdditive && std::abs(term.period - 2.0 * kPi) < 1e-6;
-}
-
 /// The whole drive; of a rotary axis with what its unbalance makes, see judge/diagnosis.hpp.
 ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
   if (!records.front().rotary) return ident::drive::identify_drive(records, {});
@@ -238,7 +234,7 @@ ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
 std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records,
                                          const ident::Result& whole) {
   for (const auto& term : whole.friction.eccentric) {
-    if (!is_unbalance(term)) continue;
+    if (!friction::is_unbalance(term)) continue;
     for (ident::log::Record& r : records) {
       for (std::size_t k = 0; k < r.f.size(); ++k) r.f[k] -= term.amplitude * std::sin(r.x[k] - term.phase);
     }
@@ -250,7 +246,7 @@ std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records
 void keep_unbalance_only(friction::Model& model, const ident::Result& whole, bool keep_others) {
   if (!keep_others) model.eccentric = {};
   for (const auto& term : whole.friction.eccentric) {
-    if (is_unbalance(term)) model.eccentric.push_back(term);
+    if (friction::is_unbalance(term)) model.eccentric.push_back(term);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/friction/unbalance.hpp>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/excitation/worst_case.hpp>
 #include <stribeck/ident/result.hpp>
@@ -78,14 +79,12 @@ ident::excitation::RoughDrive rough_idea(const friction::AxisModel& model, const
   return ident::excitation::rough_drive(result);
 }
 
-/// The unbalance that was identified: the largest additive term of one turn.
+/// The unbalance that was identified.
 ident::excitation::Doubt with_identified_unbalance(ident::excitation::Doubt d, const RoughAxis& c,
                                                    const friction::AxisModel& model) {
   d = with_unbalance(d, c, false);
   for (const auto& term : model.friction.eccentric) {
-    const bool turn =
-        term.form == friction::EccentricForm::kAdditive && std::abs(term.period - 2.0 * kPi) < 1e-6;
-    if (!turn) continue;
+    if (!friction::is_unbalance(term)) continue;
     d.unbalance = kOfIdentified * term.amplitude;
     d.hangs_at = term.phase;
   }

@@ -124,14 +124,8 @@ std::string without_unit(const io::Column& c) {
 
 /// "axis_z" and "joint z" have the word z.
 bool has_word(const std::string& name, const std::string& wanted) {
-  const std::string w = lower_case(wanted);
-  const auto part_of_word = [&](std::size_t i) {
-    return i < name.size() && std::isalnum(static_cast<unsigned char>(name[i])) != 0;
-  };
-  for (auto at = name.find(w); at != std::string::npos; at = name.find(w, at + 1)) {
-    if (!(at > 0 && part_of_word(at - 1)) && !part_of_word(at + w.size())) return !w.empty();
-  }
-  return false;
+  const std::vector<std::string> words = words_of_name(name);
+  return std::find(words.begin(), words.end(), lower_case(wanted)) != words.end();
 }
 
 struct Candidate {

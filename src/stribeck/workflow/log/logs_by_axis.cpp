@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
+#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
 
@@ -19,26 +19,12 @@ std::vector<std::string> axes_of(const MachineDescription& machine) {
   return names;
 }
 
-/// Words of letters and digits, lower case.
-std::vector<std::string> words_of(const std::string& text) {
-  std::vector<std::string> words(1);
-  for (const char c : io::lower_case(text)) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      words.back() += c;
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  return words;
-}
-
 /// Axes that stand behind or before a quantity in the names of columns: x_y is the position of y.
 std::vector<std::string> axes_in_columns(const io::Log& log, const std::vector<std::string>& axes) {
   std::vector<std::string> found;
   for (const std::string& axis : axes) {
     const bool there = std::any_of(log.columns.begin(), log.columns.end(), [&](const io::Column& c) {
-      const std::vector<std::string> words = words_of(c.name);
+      const std::vector<std::string> words = words_of_name(c.name);
       if (words.size() < 2) return false;
       const auto is_axis = [&](const std::string& word) {
         return std::any_of(axes.begin(), axes.end(),
@@ -108,7 +94,7 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
   // Columns that an axis of any name could take carry none.
   const bool plain = has_axis(log, options, "any other");
   if (!named.empty() && !plain) return named;
-  const std::vector<std::string> words = words_of(std::filesystem::path(path).stem().string());
+  const std::vector<std::string> words = words_of_name(std::filesystem::path(path).stem().string());
   std::vector<std::string> by_name;
   for (const std::string& axis : axes) {
     if (std::find(words.begin(), words.end(), io::lower_case(axis)) != words.end()) by_name.push_back(axis);
