@@ -43,7 +43,7 @@ void add_log_options(CLI::App& verb, LogArguments& arguments) {
   verb.add_option("--runs", o.runs, "A change in this column begins a new run, repeatable")
       ->type_name("COLUMN");
   verb.add_option("--sample-time", o.sample_time,
-                  "Time between rows of a log without a time column, e.g. \"100 ms\"")
+                  "Time between rows of a log without a time column, e.g. \"1 ms\" or \"125 us\"")
       ->type_name("TIME");
   verb.add_option("--keep", o.keep,
                   "Do not repair findings of this kind, repeatable (--inspect shows the kinds)")

@@ -275,11 +275,29 @@ std::optional<double> in_g(double value, std::string_view unit, std::string_view
 
 std::string_view or_one(std::string_view unit) { return unit.empty() ? std::string_view("1") : unit; }
 
+/// The time of one period of a rate, "8 kHz", where a time is wanted; "" for other units.
+std::string period_of_rate(std::string_view got, std::string_view unit, const Quantity& q) {
+  if (q.unit != "s" || unit.find("Hz") == std::string_view::npos) return {};
+  double rate = 0.0;
+  const auto [end, error] = std::from_chars(got.data(), got.data() + got.size(), rate);
+  const auto [verdict, hertz] = Units::instance().find(unit, "Hz");
+  const std::string shown(q.shown.empty() ? q.unit : q.shown);
+  const double period = conversion("s", shown)(1.0 / hertz(rate));
+  if (error != std::errc{} || verdict != Units::Verdict::kGood || !(period > 0.0) || !std::isfinite(period))
+    return {};
+  std::array<char, 32> digits{};
+  const auto last =
+      std::to_chars(digits.data(), digits.data() + digits.size(), period, std::chars_format::general, 6);
+  return " (that is a rate; write " + in_quotes(std::string(digits.data(), last.ptr) + " " + shown) + ")";
+}
+
 [[noreturn]] void fail_wrong_dimension(std::string_view got, std::string_view unit, const Quantity& q) {
   const std::string wanted(or_one(q.shown.empty() ? q.unit : q.shown));
   std::string message =
       "got " + in_quotes(got) + ", expected " + (q.unit.empty() ? "a pure number" : "a unit like " + wanted);
-  if (unit.find("Hz") != std::string_view::npos && q.unit.find("/s") != std::string_view::npos) {
+  if (const std::string period = period_of_rate(got, unit, q); !period.empty()) {
+    message += period;
+  } else if (unit.find("Hz") != std::string_view::npos && q.unit.find("/s") != std::string_view::npos) {
     message += " (Hz counts whole periods; convert it to " + wanted + ")";
   } else {
     message += " (" + in_quotes(unit) + " is another kind of quantity)";

@@ -97,6 +97,8 @@ TEST(Units, RefusesWhatIsNotMeant) {
 // Both are the same motion; a gain in 1/s is no number of periods, and stays refused below.
 TEST(Units, ReadsAPoleInTheUnitsThatPeopleWriteForIt) {
   EXPECT_DOUBLE_EQ(to_si("5 Hz", quantity("rad/s", "rad/s")), 10 * 3.14159265358979323846);
+  EXPECT_THAT([] { to_si("8 kHz", quantity("s", "ms")); },
+              ::testing::ThrowsMessage<std::exception>(::testing::HasSubstr("write \"0.125 ms\"")));
   EXPECT_DOUBLE_EQ(to_si("5 kHz", quantity("rad/s", "rad/s")), 10e3 * 3.14159265358979323846);
   EXPECT_EQ(to_si("20 rad/s", quantity("1/s", "1/s")), 20.0);
   EXPECT_THAT(refusal("-5 Hz", quantity("rad/s", "rad/s").positive()), testing::HasSubstr("above 0"));

@@ -124,22 +124,25 @@ void complete_times(Log& log, const ReadOptions& options) {
     }
     return;
   }
-  if (!options.times_needed && !options.sample_time) return;
-  if (!options.sample_time) {
-    const std::string told = detail::told_sampling(log);
-    const std::string example = detail::time_in(told).value_or("100 ms");
-    throw InputError(Problem{log.source, 0, "",
-                             "has no time column" +
-                                 (told.empty() ? "" : ", its head says " + in_quotes(told)) +
-                                 " (give the time between rows with --sample-time \"" + example +
-                                 "\", or put " + "sample_time = \"" + example + "\" into " + log.source +
-                                 ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
+  const detail::ToldSampling told = detail::told_sampling(log);
+  const std::optional<double> period = options.sample_time ? options.sample_time : told.period;
+  if (!period) {
+    if (!options.times_needed) return;
+    throw InputError(
+        Problem{log.source, 0, "",
+                "has no time column" + (told.text.empty() ? "" : ", its head says " + in_quotes(told.text)) +
+                    " (give the time between rows with --sample-time \"1 ms\", with your value, "
+                    "or put sample_time = \"1 ms\" into " +
+                    log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
   }
   std::vector<double> t(log.rows);
-  for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *options.sample_time;
+  for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *period;
   detail::add_time(log, std::move(t), "s");
-  log.notes.push_back("the time is made from the given sample time of " + number_text(*options.sample_time) +
-                      " s; a gap would not be seen");
+  log.notes.push_back((options.sample_time ? "the time is made from the given sample time of "
+                                           : "there is no time column; the time is made from the head of the "
+                                             "file, which says " +
+                                                 in_quotes(told.text) + ": one row each ") +
+                      number_text(*period) + " s; a gap would not be seen");
 }
 
 Log read_text_log(std::string_view text, const std::string& source, const ReadOptions& options) {

@@ -77,7 +77,6 @@ class CsvReader {
       note("the names of the columns are in line " + std::to_string(first + lines) +
            "; what stands above them was left out");
     }
-
     std::string_view header;
     std::string_view last_comment;
     std::string_view rest = body;
@@ -140,7 +139,8 @@ class CsvReader {
       body = rest;
       separator_ = separator_of(header, first_row(rest));
       header_ = trimmed(header);
-      set_columns(names_of_columns(header, separator_, body, log_.notes), line);
+      const auto above = last_line(all_.substr(0, static_cast<std::size_t>(header.data() - all_.data())));
+      set_columns(names_of_columns(header, above, separator_, body, log_.notes), line);
     }
     take_units(body);
     decimal_ = decimal_mark(body, separator_);
@@ -220,10 +220,10 @@ class CsvReader {
     row_texts_.resize(is_text_.size());
   }
 
-  /// A cell as a number, also with thousands separators before a decimal comma.
+  /// A cell as a number, also with thousands separators before the decimal mark.
   [[nodiscard]] std::optional<double> number_in(std::string_view cell) const {
     const auto value = cell_number(cell, decimal_);
-    return value || decimal_ != ',' ? value : grouped_number(cell);
+    return value ? value : grouped_number(cell, decimal_);
   }
 
   void drop_text_columns() {

@@ -91,7 +91,7 @@ TEST(LogFormats, TextColumns) {
 TEST(LogFormats, TimeThatIsMissing) {
   EXPECT_THAT(refusal(test::untimed_sample()), HasSubstr("has no time column"));
   EXPECT_THAT(refusal(test::untimed_sample()),
-              AllOf(HasSubstr("--sample-time"), HasSubstr("sample_time = \"100 ms\" into log.txt.toml")));
+              AllOf(HasSubstr("--sample-time"), HasSubstr("sample_time = \"1 ms\" into log.txt.toml")));
   const Log log = parse_log(test::untimed_sample(), "a.csv", given({}, 0.1));
   EXPECT_EQ(log.columns[0].name, "t");
   EXPECT_NEAR(seconds(log).back(), 0.7, 1e-15);

@@ -3,7 +3,9 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
 #include <utility>
@@ -133,8 +135,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 52> kSpellin
     {"Mikrometer", "um"},
 }};
 
-/// Torques with a hyphen, which the library of units takes for a mass at a distance.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTorques{{
+/// Torques written together or with a hyphen, which the library of units does not know or takes for a mass at a distance.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kTorques{{
     {"lb-in", "lbf in"},
     {"lbf-in", "lbf in"},
     {"in-lb", "lbf in"},
@@ -143,6 +145,12 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTorques{
     {"lbf-ft", "lbf ft"},
     {"ft-lb", "lbf ft"},
     {"ft-lbf", "lbf ft"},
+    {"Ncm", "N cm"},
+    {"N-cm", "N cm"},
+    {"kgf-cm", "kgf cm"},
+    {"kgf-m", "kgf m"},
+    {"oz-in", "ozf in"},
+    {"ozf-in", "ozf in"},
 }};
 
 std::string_view torque_of(std::string_view unit) {
@@ -286,6 +294,98 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
 std::string with_unit_in_brackets(const std::string& header, bool slashes, bool after_blank) {
   if (slashes) return name_with_unit_after_slash(header).value_or(header);
   return after_blank ? header_of(header) : header;
+}
+
+std::optional<std::vector<std::string>> twincat_pairs(const std::vector<std::string_view>& names,
+                                                      const std::vector<std::string_view>& row,
+                                                      Notes& notes) {
+  constexpr double kTicksOfOurTime = 1e17;  // of 100 ns since 1601: after 1917
+  if (names.size() < 2 || names.size() % 2 != 0 || row.size() != names.size()) return std::nullopt;
+  std::vector<std::string> all;
+  bool ticks = false;
+  for (std::size_t i = 0; i < names.size(); i += 2) {
+    const auto time = cell_number(row[i], row[i].find(',') == std::string_view::npos ? '.' : ',');
+    if (unquoted(trimmed(names[i])) != "Name" || !time) return std::nullopt;
+    ticks = *time > kTicksOfOurTime;
+    all.emplace_back(ticks ? "Time [0.1 us]" : "Time [ms]");
+    all.push_back(unquoted(trimmed(names[i + 1])));
+  }
+  notes.push_back(
+      std::string(
+          "the columns called \"Name\" hold the time of the signal beside them, as TwinCAT writes it: in ") +
+      (ticks ? "ticks of 100 ns" : "ms"));
+  return all;
+}
+
+namespace {
+
+bool is_blank_cell(std::string_view cell) { return unquoted(trimmed(cell)).empty(); }
+
+using Cells = std::vector<std::string_view>;
+
+/// Each group stands over its own cell and the blank ones behind it.
+std::vector<std::string> under_groups(const Cells& groups, const Cells& names, Notes& notes) {
+  std::vector<std::string> all;
+  std::string group;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i < groups.size() && !is_blank_cell(groups[i])) group = unquoted(trimmed(groups[i]));
+    const std::string name = unquoted(trimmed(names[i]));
+    all.push_back(group.empty() || is_time_name(name) ? name : group + " " + name);
+  }
+  notes.push_back("the names of the columns begin with the merged cells above them, as in " +
+                  in_quotes(as_utf8(all.back())));
+  return all;
+}
+
+bool has_twice(const Cells& names) {
+  return std::any_of(names.begin(), names.end(), [&](std::string_view name) {
+    return !is_blank_cell(name) && std::count(names.begin(), names.end(), name) > 1;
+  });
+}
+
+bool is_number_cell(std::string_view cell) { return cell_number(cell, '.') || cell_number(cell, ','); }
+
+}  // namespace
+
+std::vector<std::string> names_of_columns(std::string_view header, std::string_view above, char separator,
+                                          std::string_view& body, Notes& notes) {
+  Cells names = split(header, separator);
+  if (begins_with(above, kEndOfLabViewHead) && names.size() > 1 && names.front() == "X_Value") {
+    notes.push_back(std::string("column \"X_Value\" is taken as the time in s, as LabVIEW writes it"));
+    names.front() = "Time [s]";
+    if (names.back() == "Comment" && split(first_row(body), separator).size() + 1 == names.size())
+      names.pop_back();
+    return {names.begin(), names.end()};
+  }
+  const auto filled_of = [](const Cells& all) {
+    return std::count_if(all.begin(), all.end(), std::not_fn(is_blank_cell));
+  };
+  const std::string_view row = first_row(body);
+  Cells cells = split(row, separator);
+  if (separator != ' ' && !cells.empty() && std::none_of(cells.begin(), cells.end(), is_number_cell)) {
+    const auto take_row = [&] {
+      body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
+    };
+    const std::size_t last = is_blank_cell(cells.back()) ? cells.size() - 1 : cells.size();
+    const bool full = static_cast<std::size_t>(filled_of(cells)) >= last;
+    const auto filled = filled_of(names);
+    if (filled == 1 && full && last >= 3 && cells.size() == names.size()) {
+      notes.push_back(std::string("the line above the names of the columns is a title and was left out"));
+      take_row();
+      return {cells.begin(), cells.end()};
+    }
+    Notes ignored;
+    if (filled >= 2 && full && static_cast<std::size_t>(filled) < last && names.size() <= cells.size() &&
+        units_in_row(row, separator, names.size(), ignored).empty()) {
+      take_row();
+      return under_groups(names, cells, notes);
+    }
+  }
+  if (const auto pairs = twincat_pairs(names, cells, notes)) return *pairs;
+  const Cells groups = split(above, separator);
+  if (separator != ' ' && has_twice(names) && filled_of(groups) >= 2 && groups.size() <= names.size())
+    return under_groups(groups, names, notes);
+  return {names.begin(), names.end()};
 }
 
 bool same_unit(const std::string& a, const std::string& b) {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cctype>
 #include <limits>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -82,7 +83,8 @@ bool is_row(std::string_view line, char separator, std::size_t cells) {
   const auto row = split(line, separator);
   if (row.size() < 2 || (cells > 0 && row.size() != cells)) return false;
   const auto numbers = std::count_if(row.begin(), row.end(), [](std::string_view cell) {
-    return looks_like_number(cell) || grouped_number(cell).has_value();
+    return looks_like_number(cell) || grouped_number(cell, ',').has_value() ||
+           grouped_number(cell, '.').has_value();
   });
   return 2 * static_cast<std::size_t>(numbers) >= row.size();
 }
@@ -110,8 +112,19 @@ std::optional<std::size_t> names_of_table(const std::vector<HeadLine>& lines, ch
   return std::nullopt;
 }
 
+/// Lines above the names in a measurement file of LabVIEW, whose head has two parts; 0 for other files.
+std::size_t lines_of_labview(std::string_view text) {
+  if (!begins_with(text, "LabVIEW Measurement")) return 0;
+  std::size_t above = 0;
+  for (std::size_t n = 1; n <= kLongestHead && !text.empty(); ++n) {
+    if (begins_with(take_line(text), kEndOfLabViewHead)) above = n;
+  }
+  return above;
+}
+
 /// 0 where the first line has the names, or where there is no table.
 std::size_t lines_of_head(std::string_view text) {
+  if (const std::size_t lines = lines_of_labview(text); lines > 0) return lines;
   const std::vector<HeadLine> lines = first_lines(text);
   if (lines.size() < 3) return 0;
   std::size_t most = 0;
@@ -185,26 +198,28 @@ char decimal_mark(std::string_view body, char separator) {
   return comma && body.find('.') == std::string_view::npos ? ',' : '.';
 }
 
-std::optional<double> grouped_number(std::string_view cell) {
+std::optional<double> grouped_number(std::string_view cell, char decimal) {
   const std::string text = unquoted(trimmed(cell));
-  const auto comma = text.find(',');
-  if (comma == std::string::npos) return std::nullopt;
+  const auto mark = text.find(decimal);
+  if (mark == std::string::npos) return std::nullopt;
+  const std::string_view separators = decimal == ',' ? ".'" : ",'";
   std::string digits;
   std::size_t group = 0;
-  bool grouped = false;
-  for (std::size_t i = text[0] == '-' || text[0] == '+' ? 1 : 0; i < comma; ++i) {
+  char separator = '\0';
+  for (std::size_t i = text[0] == '-' || text[0] == '+' ? 1 : 0; i < mark; ++i) {
     if (is_digit(text[i])) {
       ++group;
       digits += text[i];
       if (group > 3) return std::nullopt;
       continue;
     }
-    if (text[i] != '.' || group == 0 || (grouped && group != 3)) return std::nullopt;
-    grouped = true;
+    const bool first = separator == '\0' && separators.find(text[i]) != std::string_view::npos;
+    if ((!first && text[i] != separator) || group == 0 || (!first && group != 3)) return std::nullopt;
+    separator = text[i];
     group = 0;
   }
-  if (!grouped || group != 3) return std::nullopt;
-  return cell_number((text[0] == '-' ? "-" : "") + digits + text.substr(comma), ',');
+  if (separator == '\0' || group != 3) return std::nullopt;
+  return cell_number((text[0] == '-' ? "-" : "") + digits + text.substr(mark), decimal);
 }
 
 std::optional<char> take_separator_line(std::string_view& text) {
@@ -359,25 +374,6 @@ std::optional<double> duration(std::string_view text) {
   const std::size_t behind = unit.starts_with("days ") ? 5 : unit.starts_with("day ") ? 4 : 0;
   const auto time = behind > 0 ? time_of_day(unit.substr(behind)) : std::nullopt;
   return time ? std::optional(86400.0 * *number + *time) : std::nullopt;
-}
-
-std::vector<std::string> names_of_columns(std::string_view header, char separator, std::string_view& body,
-                                          Notes& notes) {
-  const auto groups = split(header, separator);
-  const auto plain = [&] { return std::vector<std::string>(groups.begin(), groups.end()); };
-  const auto blank = [](std::string_view cell) { return unquoted(trimmed(cell)).empty(); };
-  const std::string_view row = first_row(body);
-  const auto cells = split(row, separator);
-  const auto filled = std::count_if(groups.begin(), groups.end(), [&](auto g) { return !blank(g); });
-  const std::size_t last = !cells.empty() && blank(cells.back()) ? cells.size() - 1 : cells.size();
-  if (separator == ' ' || cells.size() != groups.size() || last < 3) return plain();
-  if (filled != 1) return plain();
-  for (std::size_t i = 0; i < last; ++i) {
-    if (blank(cells[i]) || cell_number(cells[i], '.') || cell_number(cells[i], ',')) return plain();
-  }
-  notes.push_back(std::string("the line above the names of the columns is a title and was left out"));
-  body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
-  return {cells.begin(), cells.end()};
 }
 
 bool is_time_name(const std::string& header) {

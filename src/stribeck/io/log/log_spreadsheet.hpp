@@ -37,16 +37,26 @@ std::string_view take_unended_row(std::string_view& body);
 /// A comma is the decimal mark where cells hold commas and the separator is another.
 char decimal_mark(std::string_view body, char separator);
 
-/// "1.234,5": points between groups of three digits in front of a decimal comma. Without the comma it may be 1.234, which is none.
-std::optional<double> grouped_number(std::string_view cell);
+/// "1.234,5", "1,234.5" or "1'234.5": points, commas or apostrophes between groups of three digits in front of the decimal mark. Without
+/// the decimal mark "1.234" may be 1.234, and is none.
+std::optional<double> grouped_number(std::string_view cell, char decimal);
 
 /// Whether a comment holds the names of the columns of the row below it: as many cells, half of them numbers. ROS writes "%time,…".
 bool names_in_comment(std::string_view comment, std::string_view row);
 
+/// Ends each part of the head of a measurement file of LabVIEW.
+constexpr std::string_view kEndOfLabViewHead = "***End_of_Header***";
+
+/// Names of a table of TwinCAT with names only, "Name;ActPos;Name;ActTorque": a time in ms, or in ticks since 1601, stands beside each
+/// signal. Nothing for other tables.
+std::optional<std::vector<std::string>> twincat_pairs(const std::vector<std::string_view>& names,
+                                                      const std::vector<std::string_view>& row, Notes& notes);
+
 /// The names of the columns in a line. Where that is a title with blank cells behind it, the names are in the row below, which leaves
-/// the text.
-std::vector<std::string> names_of_columns(std::string_view header, char separator, std::string_view& body,
-                                          Notes& notes);
+/// the text. Merged cells, "Axis Z;;;Axis X", are the first words of the names below them; they are in this line, or in the line `above`
+/// it where a name stands twice.
+std::vector<std::string> names_of_columns(std::string_view header, std::string_view above, char separator,
+                                          std::string_view& body, Notes& notes);
 
 /// Whether a column may stand twice: tables that a tool joined have a time each.
 bool is_time_name(const std::string& header);

@@ -167,7 +167,50 @@ TEST(Spreadsheet, PointsBetweenThousandsBeforeADecimalComma) {
   EXPECT_THAT(log.columns.at(0).values, ElementsAre(999.5, 1000.0));
   EXPECT_THAT(log.columns.at(1).values, ElementsAre(-12.25, -1234567.25));
   for (const char* text : {"1.234", "12.34,5", "1.2345,6", "1234.567,8", ".123,4", "1,234", "", ","})
-    EXPECT_FALSE(detail::grouped_number(text)) << text;
+    EXPECT_FALSE(detail::grouped_number(text, ',')) << text;
+}
+
+TEST(Spreadsheet, CommasOrApostrophesBetweenThousandsBeforeADecimalPoint) {
+  const Log log = parse("Time (ms),Position (um)\n999.5,-12.25\n\"1,000.0\",\"-1,234,567.25\"\n");
+  EXPECT_THAT(log.columns.at(0).values, ElementsAre(999.5, 1000.0));
+  EXPECT_THAT(log.columns.at(1).values, ElementsAre(-12.25, -1234567.25));
+  EXPECT_THAT(parse("t [ms];x [um]\n999.5;1\n1'000.0;2\n").columns.at(0).values, ElementsAre(999.5, 1000.0));
+  for (const char* text : {"1,234", "12,34.5", "1,2345.6", "1,234'567.8", ",123.4", "1.234", "", "."})
+    EXPECT_FALSE(detail::grouped_number(text, '.')) << text;
+}
+
+TEST(Spreadsheet, MergedCellsAboveTheNamesTellTheAxis) {
+  const auto names = [](const std::string& text) {
+    std::vector<std::string> all;
+    for (const Column& c : parse(text).columns) all.push_back(c.header);
+    return all;
+  };
+  const std::string rows = "0;1;2;3;4\n1;2;3;4;5\n2;3;4;5;6\n";
+  const std::vector<std::string> both{"Time [ms]", "X Pos [mm]", "X Torque [%]", "Y Pos [mm]",
+                                      "Y Torque [%]"};
+  EXPECT_EQ(names("Time;X;;Y;\n[ms];Pos [mm];Torque [%];Pos [mm];Torque [%]\n" + rows), both);
+  EXPECT_EQ(names(";X;;Y\nTime [ms];Pos [mm];Torque [%];Pos [mm];Torque [%]\n" + rows), both);
+  // Without a name twice, what stands above is no part of the names.
+  EXPECT_EQ(names("Scope;3;of;4\nt_ms;a;b;c;d\n" + rows).at(1), "a");
+}
+
+TEST(Spreadsheet, AMeasurementFileOfLabViewHasAHeadOfTwoParts) {
+  const std::string head =
+      "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\n***End_of_Header***\t\n\nChannels\t2\nDelta_X\t0,001\n***End_of_Header***\t\t\n";
+  const Log log =
+      parse(head + "X_Value\tLage [mm]\tMoment [%]\tComment\n0,000\t1,5\t2\n0,001\t1,6\t3\n0,002\t1,7\t4\n");
+  EXPECT_EQ(log.columns.size(), 3U);
+  EXPECT_EQ(log.columns.at(0).header, "Time [s]");
+  EXPECT_THAT(log.columns.at(0).values, ElementsAre(0.0, 0.001, 0.002));
+}
+
+TEST(Spreadsheet, NamesOnlyOfTwinCatHaveATimeBesideEachSignal) {
+  const Log log = parse("Name;ActPos [mm];Name;ActTorque [%]\n0,0;1,5;0,0;2\n1,0;1,6;1,0;3\n2,0;1,7;2,0;4\n");
+  EXPECT_EQ(log.columns.at(0).unit_text, "ms");
+  EXPECT_EQ(log.columns.size(), 3U);
+  const Log ticks = parse(
+      "Name\tA\tName\tB\n133500000000000000\t1\t133500000000000000\t2\n133500000000010000\t1\t133500000000010000\t2\n");
+  EXPECT_EQ(ticks.columns.at(0).unit_text, "0.1 us");
 }
 
 TEST(Spreadsheet, BlankColumnsAreLeftOut) {

@@ -71,33 +71,64 @@ void tell_epoch(Log& log) {
   }
 }
 
-std::string told_sampling(const Log& log) {
-  constexpr std::array<std::string_view, 5> kWords{"sampl", "abtast", "time step", "zeitschritt", "cycle"};
-  for (const auto& [key, value] : log.metadata) {
-    const std::string name = lower_case(key);
-    if (std::any_of(kWords.begin(), kWords.end(),
-                    [&](std::string_view word) { return name.find(word) != std::string::npos; }))
-      return key + ": " + value;
-  }
-  return {};
-}
+namespace {
 
-std::optional<std::string> time_in(const std::string& told) {
-  const auto first = told.find_first_of("0123456789");
+/// The time between rows in a text [s]: a number with a unit of time or of a rate behind it, or in brackets before it.
+std::optional<double> period_in(const std::string& told) {
+  const auto colon = told.find(": ");
+  const auto first = told.find_first_of("0123456789", colon == std::string::npos ? 0 : colon);
   if (first == std::string::npos) return std::nullopt;
   const auto last = std::min(told.find_first_not_of("0123456789.", first), told.size());
   const auto number = cell_number(std::string_view(told).substr(first, last - first), '.');
-  const auto letter = std::min(told.find_first_not_of(" \t,;[(", last), told.size());
-  const auto end = std::min(told.find_first_of(" \t,;])", letter), told.size());
-  Notes unused;
-  const std::string unit = plain_unit(told.substr(letter, end - letter), "", unused);
-  if (!number || !(*number > 0.0) || !is_unit(unit)) return std::nullopt;
-  try {
-    static_cast<void>(conversion(unit, "s"));
-  } catch (const InputError&) {
-    return std::nullopt;
+  if (!number || !(*number > 0.0)) return std::nullopt;
+  const auto letter = std::min(told.find_first_not_of(" \t,;[(\"", last), told.size());
+  const auto end = std::min(told.find_first_of(" \t,;])\"", letter), told.size());
+  std::string written = told.substr(letter, end - letter);
+  const auto open = told.substr(0, first).find_last_of("[(");
+  if (written.empty() && open != std::string::npos) {
+    const auto close = std::min(told.find_first_of("])", open), first);
+    written = told.substr(open + 1, close - open - 1);
   }
-  return fmt::format("{:g} {}", *number, unit);
+  Notes unused;
+  const std::string unit = plain_unit(written, "", unused);
+  if (!is_unit(unit)) return std::nullopt;
+  for (const auto& [of, rate] : {std::pair{"s", false}, {"Hz", true}}) {
+    try {
+      const double value = *number * conversion(unit, of).factor;
+      const double period = rate ? 1.0 / value : value;
+      if (std::isfinite(period) && period > 0.0) return period;
+    } catch (const InputError&) {  // of another quantity
+    }
+  }
+  return std::nullopt;
+}
+
+bool has_one_of(const std::string& name, std::initializer_list<std::string_view> words) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return name.find(word) != std::string::npos; });
+}
+
+}  // namespace
+
+ToldSampling told_sampling(const Log& log) {
+  ToldSampling told;
+  bool differ = false;
+  for (const auto& [key, value] : log.metadata) {
+    const std::string name = lower_case(key);
+    if (!has_one_of(name, {"sampl", "abtast", "time step", "zeitschritt", "cycle"})) continue;
+    // The length of the record is a time as well, and a cycle may be that of the control.
+    if (has_one_of(name, {"duration", "dauer", "length", "total", "number", "count", "points"})) continue;
+    const std::string text = key + ": " + value;
+    const auto period = name.find("cycle") != std::string::npos && !has_one_of(name, {"sampl", "abtast"})
+                            ? std::nullopt
+                            : period_in(text);
+    if (told.text.empty() || (period && !told.period && !differ)) told.text = text;
+    // 1e-3: both a time and a rate, rounded.
+    if (period && told.period && std::abs(*period - *told.period) > 1e-3 * *told.period) differ = true;
+    if (period && !told.period) told.period = period;
+  }
+  if (differ) told.period.reset();
+  return told;
 }
 
 bool leave_out_coarse_time(Log& log) {

@@ -77,10 +77,28 @@ TEST(LogStamps, AGivenSampleTimeTakesThePlaceOfStampsThatStandStill) {
 }
 
 TEST(LogStamps, TheHeadIsQuotedWhereTheTimeIsMissing) {
+  EXPECT_THAT(refusal("Scope\nSampling cycle;1.000;blocks\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
+              AllOf(HasSubstr("its head says \"Sampling cycle: 1.000;blocks\""), HasSubstr("--sample-time")));
+  // Two periods that differ, and a cycle that may be that of the control.
   EXPECT_THAT(
-      refusal("Scope\nSampling cycle;1.000;msec\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
-      AllOf(HasSubstr("its head says \"Sampling cycle: 1.000;msec\""), HasSubstr("--sample-time \"1 ms\"")));
+      refusal("Scope\nSample rate;8 kHz\nSample time;1 ms\nx [mm];i [A];f [N]\n1;2;3\n2;3;4\n3;4;5\n"),
+      HasSubstr("its head says \"Sample rate: 8 kHz\""));
+  EXPECT_THAT(refusal("Scope\nCycle;2 ms\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
+              HasSubstr("its head says \"Cycle: 2 ms\""));
   EXPECT_THAT(refusal("x_mm,i_A\n0,1\n1,2\n"), HasSubstr("has no time column (give"));
+}
+
+TEST(LogStamps, TheHeadTellsThePeriodWhereNoColumnTellsTheTime) {
+  const auto period = [](const std::string& line) {
+    const Log log = parse("Scope\n" + line + "\nx [mm];i [A]\n1;2\n2;3\n3;4\n");
+    EXPECT_THAT(log.notes, Contains(HasSubstr("made from the head of the file"))) << line;
+    return log.columns.at(0).values.at(1);
+  };
+  EXPECT_DOUBLE_EQ(period("Sampling cycle;1.000;msec"), 1e-3);
+  EXPECT_DOUBLE_EQ(period("Sample Rate: 8 kHz"), 125e-6);
+  EXPECT_DOUBLE_EQ(period("\"Sampling Time[us]\";\"1000\""), 1e-3);
+  EXPECT_DOUBLE_EQ(period("Sampling rate;2.0;ms"), 2e-3);
+  EXPECT_DOUBLE_EQ(period("Sampling duration;12 s\nAbtastzeit;4 ms"), 4e-3);
 }
 
 TEST(LogStamps, FilesThatAreNoText) {

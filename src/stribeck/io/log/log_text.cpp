@@ -170,6 +170,15 @@ bool begins_with(std::string_view text, std::string_view s) {
                     [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
 }
 
+std::string_view last_line(std::string_view text) {
+  std::string_view last;
+  while (!text.empty()) {
+    const auto line = take_line(text);
+    if (!trimmed(line).empty() && !is_comment(line)) last = line;
+  }
+  return last;
+}
+
 std::vector<std::string_view> split_exactly(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
   std::size_t start = 0;

@@ -28,6 +28,8 @@ std::string_view take_line(std::string_view& text);
 /// Cells of a line. Quotes protect separators. With blanks as separator, units in brackets belong to the name
 /// before, and several blanks count as one.
 std::vector<std::string_view> split(std::string_view line, char separator);
+/// The last line of a text that is not blank and no comment; "" where there is none.
+std::string_view last_line(std::string_view text);
 /// Every separator outside quotes ends a cell, also at the end of the line.
 std::vector<std::string_view> split_exactly(std::string_view line, char separator);
 std::string unquoted(std::string_view cell);
@@ -160,10 +162,14 @@ bool join_seconds(Log& log);
 /// A time column without a unit whose numbers can only be times since 1970 in one unit gets it, with a note.
 void tell_epoch(Log& log);
 
-/// What the head of a file says of the sampling, for a message: "Sampling interval: 1000;us"; "" where it says nothing.
-std::string told_sampling(const Log& log);
-/// The time between rows in such a text, as an example: "1 ms" of "Sampling: 1.000,msec"; absent where there is none.
-std::optional<std::string> time_in(const std::string& told);
+/// What the head of a file says of the sampling: "Sampling interval: 1000;us".
+struct ToldSampling {
+  std::string text;  ///< for a message; "" where the head says nothing
+  std::optional<double>
+      period;  ///< the time between rows [s]; absent where no line, or two that differ, tell one
+};
+/// A line tells a period by a time or a rate with its unit: "Sample rate: 8 kHz", "Sampling time[us]: 125".
+ToldSampling told_sampling(const Log& log);
 
 /// Leaves out a time column whose stamps stand still in more than a twentieth of the rows; for logs whose sample time is given.
 bool leave_out_coarse_time(Log& log);

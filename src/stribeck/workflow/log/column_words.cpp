@@ -171,8 +171,10 @@ std::optional<NameMeaning> found_in(const std::array<Parameter, 12>& known, int 
   return NameMeaning{found->what, found->rank, {}};
 }
 
-/// "6064h", "0x6064", "#x6064:00", "16#6064"; the sub-index is 0. A number without such a mark is no index.
-std::optional<NameMeaning> cia402(std::string_view name) {
+/// Index of an object, which may stand in front of its name: "6064h", "0x6064", "#x6064:00", "16#6064", "0x6077:00 Torque actual value".
+/// The sub-index is 0. A number without such a mark is no index.
+std::optional<int> object_index(std::string_view name) {
+  name = name.substr(0, name.find(' '));
   bool marked = false;
   for (const std::string_view mark : {"0x", "#x", "16#"}) {
     if (!name.starts_with(mark)) continue;
@@ -190,7 +192,12 @@ std::optional<NameMeaning> cia402(std::string_view name) {
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number, 16);
   if (!marked || name.size() != 4 || error != std::errc{} || end != name.data() + name.size())
     return std::nullopt;
-  return found_in(kCia402, number);
+  return number;
+}
+
+std::optional<NameMeaning> cia402(std::string_view name) {
+  const std::optional<int> index = object_index(name);
+  return index ? found_in(kCia402, *index) : std::nullopt;
 }
 
 std::optional<NameMeaning> sinamics(std::string_view name) {
@@ -373,6 +380,16 @@ bool any_word(const std::vector<std::string>& words, std::span<const std::string
   });
 }
 
+std::string unit_of_object(const std::string& header) {
+  constexpr std::array kPerMille{0x6071, 0x6074, 0x6077, 0x6078};
+  const std::string name = lower_case(header);
+  const auto dot = name.rfind('.');
+  auto index = object_index(name);
+  if (!index && dot != std::string::npos) index = object_index(std::string_view(name).substr(dot + 1));
+  const bool known = index && std::find(kPerMille.begin(), kPerMille.end(), *index) != kPerMille.end();
+  return known ? "0.1 %" : "";
+}
+
 std::optional<NameMeaning> meaning_of(const std::string& header, const std::string& unit) {
   constexpr std::size_t kLongest = 100;
   if (header.size() > kLongest) return std::nullopt;
@@ -389,9 +406,11 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
     name.erase(0, dot + 1);
     if (divider == '.') take_role(axis, name);
   }
-  if (auto found = sinamics(name)) {
-    found->axis = axis;
-    return found;
+  auto numbered = sinamics(name);
+  if (!numbered) numbered = cia402(name);
+  if (numbered) {
+    numbered->axis = axis;
+    return numbered;
   }
   std::vector<std::string> parts = parts_of(name);
   if (parts.empty()) return std::nullopt;

@@ -32,6 +32,9 @@ std::vector<std::string> words_of_name(const std::string& name);
 /// Whether one of them is known.
 bool any_word(const std::vector<std::string>& words, std::span<const std::string_view> known);
 
+/// Unit of a force that CiA 402 defines: torques and currents are per mille of the rated ones, "0.1 %". "" for other names.
+std::string unit_of_object(const std::string& header);
+
 /// `unit` is that of the column; it tells the quantity where the name says only actual or commanded ("Z act [mm]").
 std::optional<NameMeaning> meaning_of(const std::string& name, const std::string& unit = {});
 

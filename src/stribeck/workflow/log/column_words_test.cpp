@@ -158,6 +158,10 @@ TEST(ColumnWords, NumbersOfAxesAndObjectsOfCia402) {
               ElementsAre("x=6064h", "v=606Ch", "percent=6077h"));
   EXPECT_THAT(taken("t [s],0x6064:00 [mm],0x6062:00 [mm],0x6078:00 [A]"),
               ElementsAre("x=0x6064:00", "r=0x6062:00", "current=0x6078:00"));
+  // Torque and current are per mille of the rated ones, by definition of the object; their names may stand behind the index.
+  EXPECT_THAT(taken("t [s],0x6064:00 Position actual value [mm],0x6077:00 Torque actual value"),
+              ElementsAre("x=0x6064:00 Position actual value", "percent=0x6077:00 Torque actual value"));
+  EXPECT_THAT(taken("t [s],Y.6064h [mm],Y.6077h", "y"), ElementsAre("x=Y.6064h", "percent=Y.6077h"));
   for (const char* name : {"6064", "6064h:01", "0x60640", "0x1234", "h", "0x", "606gh"})
     EXPECT_FALSE(meaning_of(name)) << name;
 }

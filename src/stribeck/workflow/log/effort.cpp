@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <stribeck/io/error.hpp>
+#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/effort.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -59,6 +60,13 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
         if (!found.ambiguous) found.ambiguous = e;
       }
       if (!named) continue;
+      if (const std::string defined = unit_of_object(header_of(*named->column));
+          named->unit.empty() && !defined.empty()) {
+        named->unit = defined;
+        notes.push_back(fmt::format(
+            "column {} has no unit; taken as per mille of the rated value, which CiA 402 defines for this object",
+            io::in_quotes(header_of(*named->column))));
+      }
       Effort e;
       e.what = by_map || named->unit.empty() ? what : kind_by_unit(named->unit, what);
       e.from = std::move(*named);
