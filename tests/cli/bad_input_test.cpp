@@ -143,8 +143,9 @@ TEST_F(BadLog, WrongDimension) {
 TEST_F(BadLog, TextInANumber) {
   expect_refused(with([](Lines& l) { l[42] = "0.205,abc,100"; }), {"log.csv:43", "abc", "x"});
 }
-TEST_F(BadLog, NaN) {
-  expect_refused(with([](Lines& l) { l[42] = "0.205,nan,100"; }), {"log.csv:43", "x"});
+// A NaN is an absent sample (docs/log-formats.md), an infinite number is damage.
+TEST_F(BadLog, Infinite) {
+  expect_refused(with([](Lines& l) { l[42] = "0.205,inf,100"; }), {"log.csv:43", "x"});
 }
 TEST_F(BadLog, Empty) {
   expect_refused(with([](Lines& l) { l.clear(); }), {"log.csv", "empty"});

@@ -63,7 +63,7 @@ TEST(EvaluateBallBar, BadFilesAreRefusedInOneLine) {
   const std::string head = "angle [deg];radius [mm]\n";
   refused("", "empty");
   refused(head, "no data rows");
-  refused(head + "0;100\n0;nan\n", "finite");
+  refused(head + "0;100\n0;nan\n", "got \"nan\", expected a number");
   refused(head + "0;100\n0;100\n0;100\n", "bad.csv");
   refused(head + "0;0\n1;0\n", "row 1: a radius of 0 mm");
   refused("W;L\n0;100\n1;100\n", "--map x=");

@@ -78,6 +78,10 @@ class Plain {
     if (detail::is_utf16(text_)) {
       plain_ = detail::from_utf16(text_, source);
       text_ = plain_;
+    } else if (auto east = detail::from_east_asian(text_)) {
+      encoding_ = std::move(east->encoding);
+      plain_ = std::move(east->utf8);
+      text_ = plain_;
     }
     detail::check_text(text_, source);
     if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
@@ -86,8 +90,12 @@ class Plain {
   Plain& operator=(const Plain&) = delete;
 
   [[nodiscard]] std::string_view text() const { return text_; }
+  void note_encoding(Log& log) const {
+    if (!encoding_.empty()) log.notes.push_back("the text is read as " + encoding_);
+  }
 
  private:
+  std::string encoding_;
   std::string plain_;
   std::string_view text_;
 };
@@ -113,6 +121,7 @@ void complete_times(Log& log, const ReadOptions& options) {
     return;
   }
   if (detail::name_sinumerik_signals(log, options) && time_column(log) >= 0) return;
+  detail::tell_odrive_units(log);
   if (detail::join_seconds(log)) return;
   detail::tell_epoch(log);
   const bool replaced = options.sample_time && detail::leave_out_coarse_time(log);
@@ -162,9 +171,14 @@ Log read_text_log(std::string_view text, const std::string& source, const ReadOp
   if (is_mr_configurator(text)) return read_mr_configurator(text, source);
   if (is_ni_daq(text)) return read_ni_daq(text, source);
   if (is_halsampler(text)) return read_halsampler(text, source, options);
-  Log log =
-      read_csv_text(text, source, {options.skip_lines, options.names, TextColumns::kKeep, true, false, true});
+  AbsentCells absent;
+  Log log = read_csv_text(
+      text, source, {options.skip_lines, options.names, TextColumns::kKeep, true, false, true}, &absent);
   complete_times(log, options);
+  const int time = options.time_column.empty()
+                       ? time_column(log)
+                       : static_cast<int>(&log.at(options.time_column) - log.columns.data());
+  if (absent.first) leave_out_absent(log, time, *absent.first);
   return log;
 }
 
@@ -181,7 +195,9 @@ CsvDialect dialect(const CsvOptions& options) {
 
 Log parse_csv(std::string_view bytes, const std::string& source, const CsvOptions& options) {
   const Plain plain(bytes, source);
-  return detail::read_csv_text(plain.text(), source, dialect(options));
+  Log log = detail::read_csv_text(plain.text(), source, dialect(options));
+  plain.note_encoding(log);
+  return log;
 }
 
 Log read_csv(const std::string& path, const CsvOptions& options) {
@@ -192,6 +208,7 @@ Log read_csv(const std::string& path, const CsvOptions& options) {
 Log parse_log(std::string_view bytes, const std::string& source, const ReadOptions& options) {
   const Plain plain(bytes, source);
   Log log = read_text_log(plain.text(), source, options);
+  plain.note_encoding(log);
   detail::note_times(log);
   return log;
 }
@@ -317,7 +334,8 @@ std::string rounded(double x) {
 
 }  // namespace
 
-TimeCheck check_time(const std::vector<double>& values, const std::string& source, const std::string& name) {
+TimeCheck check_time(const std::vector<double>& values, const std::string& source, const std::string& name,
+                     const std::string& unit) {
   const std::string place = "column " + in_quotes(name);
   if (values.size() < 2) {
     throw InputError(
@@ -356,11 +374,11 @@ TimeCheck check_time(const std::vector<double>& values, const std::string& sourc
   }
   if (!result.gaps.empty()) {
     const auto& first = result.gaps.front();
-    result.notes.emplace_back("time has " + std::to_string(result.gaps.size()) +
-                                  (result.gaps.size() == 1 ? " gap" : " gaps") + ", the first before row " +
-                                  std::to_string(first.row) + ": " + rounded(first.duration) +
-                                  " instead of " + rounded(result.sample_time),
-                              Note::About::kGaps);
+    result.notes.emplace_back(
+        "time has " + std::to_string(result.gaps.size()) + (result.gaps.size() == 1 ? " gap" : " gaps") +
+            ", the first before row " + std::to_string(first.row) + ": " + rounded(first.duration) +
+            " instead of " + rounded(result.sample_time) + (unit.empty() ? "" : " " + unit),
+        Note::About::kGaps);
   }
   if (result.jitter > TimeCheck::kJitterTolerance) {
     result.notes.push_back("time jitters by up to " + number_text(std::round(1000.0 * result.jitter) / 10.0) +

@@ -10,8 +10,9 @@
 ///
 /// A side file LOG.toml may add missing data: columns = ["x mm", …], sample_time = "1 ms".
 ///
-/// Refused, with FILE:LINE, row and column: text, blank, NaN or infinite cells (unless the format has absent samples), rows of
-/// another length, damaged structure. Repaired, with a note: a last row that may have been cut by the end of the file is dropped.
+/// Refused, with FILE:LINE, row and column: text and infinite cells, rows of another length, damaged structure. Repaired, with a note:
+/// a last row that may have been cut by the end of the file is dropped. Blank and NaN cells are absent samples: few take their rows
+/// with them, a column with many has times of its own; parse_csv and read_csv refuse them.
 /// Rows are counted from 1 below the header; LINE is the line of the file.
 /// Real time: no. Errors: InputError.
 
@@ -137,8 +138,8 @@ struct TimeCheck {
   [[nodiscard]] bool regular() const noexcept { return gaps.empty() && jitter <= kJitterTolerance; }
 };
 
-/// Throws on a time that does not increase, with the row. `source` and `name` are for messages.
+/// Throws on a time that does not increase, with the row. `source`, `name` and `unit` are for messages.
 TimeCheck check_time(const std::vector<double>& values, const std::string& source = {},
-                     const std::string& name = "t");
+                     const std::string& name = "t", const std::string& unit = {});
 
 }  // namespace stribeck::io

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <optional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/decimal_sign.hpp>
+#include <stribeck/io/log/log_csv_head.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -18,15 +20,19 @@ namespace {
 /// Parses one text.
 class CsvReader {
  public:
-  CsvReader(std::string_view bytes, std::string source, const CsvDialect& options)
-      : all_(bytes), options_(options) {
+  CsvReader(std::string_view bytes, std::string source, const CsvDialect& options, AbsentCells* absent)
+      : all_(bytes), options_(options), absent_(absent) {
     log_.source = std::move(source);
   }
 
   Log read() {
     check_text(all_, log_.source);
     std::string_view body = all_;
-    read_header(body);
+    CsvHead head = read_csv_head(body, log_.source, options_);
+    log_ = std::move(head.log);
+    separator_ = head.separator;
+    decimal_ = head.decimal;
+    header_ = head.header;
     const std::string_view unended = options_.drop_unended_row ? take_unended_row(body) : std::string_view();
     if (options_.text_columns != TextColumns::kRefuse) find_text_columns(body);
     if (separator_ == ' ') {
@@ -40,7 +46,7 @@ class CsvReader {
       drop_text_columns();
     }
     for (const auto& [what, count] : left_out_) note(what + " were left out: " + std::to_string(count));
-    for (const auto& [first, again] : twice_) {
+    for (const auto& [first, again] : head.twice) {
       if (!drop_same_times(log_, first, again))
         fail(0, "columns " + in_quotes(first) + " and " + in_quotes(again) +
                     " hold different times (rename one)");
@@ -68,156 +74,33 @@ class CsvReader {
     return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
   }
 
-  void read_header(std::string_view& body) {
-    if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
-    for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
-    told_separator_ = take_separator_line(body);
-    const std::size_t first = line_number(body.data());
-    if (const std::size_t lines = take_head(body, log_.metadata); lines > 0) {
-      note("the names of the columns are in line " + std::to_string(first + lines) +
-           "; what stands above them was left out");
-    }
-    std::string_view header;
-    std::string_view last_comment;
-    std::string_view rest = body;
-    while (!rest.empty() && header.empty()) {
-      body = rest;
-      const auto line = take_line(rest);
-      if (trimmed(line).empty()) continue;
-      if (is_comment(line)) {
-        last_comment = line;
-        take_comment(line, log_.metadata);
-      } else {
-        header = line;
-      }
-    }
-    if (header.empty()) fail(0, "has no header line, expected names of columns");
-    const std::size_t line = line_number(header.data());
-    if (!options_.names.empty()) {
-      separator_ = separator_of(header, header);
-      const auto cells = split(header, separator_).size();
-      if (cells != options_.names.size()) {
-        fail(line, "got " + std::to_string(cells) + " columns, expected " +
-                       std::to_string(options_.names.size()) + " as named");
-      }
-      if (!is_data(header)) {
-        body = rest;
-        separator_ = separator_of(header, first_row(rest));
-        note("the given names of the columns replace those in line " + std::to_string(line));
-      }
-      std::vector<std::string> names;
-      for (const auto& name : options_.names) names.push_back(header_of(name));
-      set_columns(names, line);
-    } else if (is_data(header) || names_in_comment(last_comment, header)) {
-      // "# t,x" directly above the numbers.
-      separator_ = separator_of(header, header);
-      const auto cells = split(header, separator_).size();
-      std::vector<std::string_view> names;
-      if (!last_comment.empty()) {
-        const auto text = trimmed(
-            last_comment.substr(std::min(last_comment.find_first_not_of("#% \t"), last_comment.size())));
-        names = split(text, separator_);
-        if (names.size() != cells) names = split(text, separator_of(text, header));
-      }
-      if (names.size() != cells || cells < 2) {
-        fail(line,
-             "has no header: the first row holds numbers (put a line with the names of the columns above "
-             "it" +
-                 (options_.has_side_file
-                      ? ", or name them in " + log_.source + ".toml: columns = [\"x mm\", …])"
-                      : ")"));
-      }
-      set_columns({names.begin(), names.end()}, line);
-      note("the names of the columns are taken from the comment above the numbers");
-    } else {
-      for (const char c : header) {
-        if (static_cast<unsigned char>(c) < 0x20 && c != '\t') {
-          fail(line, c == '\r' ? "ends its lines with CR alone, expected LF or CR LF (save it again as text)"
-                               : "holds control characters: not a text file (export it as CSV)");
-        }
-      }
-      body = rest;
-      separator_ = separator_of(header, first_row(rest));
-      header_ = trimmed(header);
-      const auto above = last_line(all_.substr(0, static_cast<std::size_t>(header.data() - all_.data())));
-      set_columns(names_of_columns(header, above, separator_, body, log_.notes), line);
-    }
-    take_units(body);
-    decimal_ = decimal_mark(body, separator_);
-  }
-
-  [[nodiscard]] char separator_of(std::string_view header, std::string_view row) const {
-    return told_separator_ ? *told_separator_ : best_separator(header, row);
-  }
-
-  /// Units in the row below the names.
-  void take_units(std::string_view& body) {
-    const std::string_view row = first_row(body);
-    const std::vector<std::string> units = units_in_row(row, separator_, log_.columns.size(), log_.notes);
-    if (units.empty()) return;
-    const std::size_t line = line_number(row.data());
-    for (std::size_t c = 0; c < units.size(); ++c) {
-      Column& column = log_.columns[c];
-      if (units[c].empty()) continue;
-      if (!column.unit_text.empty() && !column.unit_assumed && !same_unit(column.unit_text, units[c])) {
-        fail(line, "column " + in_quotes(column.header) + ": the row of units says " + in_quotes(units[c]) +
-                       ", the name " + in_quotes(column.unit_text) + " (correct the one that is wrong)");
-      }
-      if (column.unit_assumed && column.unit_text != units[c]) column.name = column.header;
-      column.unit_text = units[c];
-      column.unit_assumed = false;
-    }
-    body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
-    note("the units are taken from the row below the names (line " + std::to_string(line) + ")");
-  }
-
-  void set_columns(const std::vector<std::string>& headers, std::size_t line) {
-    if (headers.size() > kMaxColumns) {
-      fail(line, "got " + std::to_string(headers.size()) + " columns, expected at most " +
-                     std::to_string(kMaxColumns));
-    }
-    for (const auto& header : headers) {
-      if (is_utf8(header)) continue;
-      note("the names of the columns are not UTF-8 and are read as Latin-1");
-      break;
-    }
-    const bool slashes = all_have_unit_after_slash(headers);
-    std::map<std::string, std::size_t> seen;
-    for (std::size_t i = 0; i < headers.size(); ++i) {
-      std::string header = as_utf8(unquoted(trimmed(headers[i])));
-      if (header.empty()) {
-        header = "column " + std::to_string(i + 1);
-        note("column " + std::to_string(i + 1) + " has no name");
-      }
-      const auto [hit, fresh] = seen.emplace(header, i);
-      if (!fresh && is_time_name(header)) {
-        twice_.emplace_back(header, header + " in column " + std::to_string(i + 1));
-        header = twice_.back().second;
-      } else if (!fresh) {
-        fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
-                       std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
-      }
-      const std::string split = with_unit_in_brackets(header, slashes, options_.unit_after_blank);
-      log_.columns.push_back(column_of(split, log_.notes));
-      log_.columns.back().header = header;
-    }
-    // x_mm and x_um: what is left without the unit is no name.
-    std::map<std::string, int> names;
-    for (const auto& c : log_.columns) ++names[c.name];
-    for (auto& c : log_.columns) {
-      if (names[c.name] > 1) c.name = c.header;
-    }
-  }
-
   void find_text_columns(std::string_view body) {
-    const auto cells = split(first_row(body), separator_);
+    const std::string_view row = first_row(body);
+    auto cells = split(row, separator_);
+    if (cells.size() + 1 == log_.columns.size() && separator_ != ' ' && row.ends_with(separator_))
+      cells.emplace_back();
     if (cells.size() != log_.columns.size()) return;
     is_text_ = blank_columns(body, separator_, cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      if (!unquoted(cells[c]).empty() && !number_in(cells[c])) is_text_[c] = 1;
+      const std::string_view cell =
+          absent_ != nullptr && is_absent(cells[c]) ? first_present(body, c) : cells[c];
+      if (!unquoted(cell).empty() && !number_in(cell)) is_text_[c] = 1;
     }
     if (std::count(is_text_.begin(), is_text_.end(), 1) == 0) is_text_.clear();
     row_texts_.resize(is_text_.size());
+  }
+
+  /// The first cell of a column that is not absent; "" where the first thousand rows have none.
+  [[nodiscard]] std::string_view first_present(std::string_view body, std::size_t column) const {
+    constexpr int kRows = 1000;
+    for (int row = 0; row < kRows; ++row) {
+      const std::string_view line = first_row(body);
+      if (line.empty()) break;
+      body.remove_prefix(static_cast<std::size_t>(line.data() + line.size() - body.data()));
+      const auto cells = split(line, separator_);
+      if (column < cells.size() && !is_absent(cells[column])) return cells[column];
+    }
+    return {};
   }
 
   /// A cell as a number, also with thousands separators before the decimal mark.
@@ -405,6 +288,12 @@ class CsvReader {
     bool is_row;
   };
 
+  /// What to say of a cell without a number where it cannot be left out.
+  [[nodiscard]] Problem absent_cell(std::size_t line, const std::string& place, std::string_view cell) const {
+    const std::string got = unquoted(cell).empty() ? "the cell is blank" : "got " + in_quotes(trimmed(cell));
+    return Problem{log_.source, line, "", place + got + ", expected a number (remove the row or the column)"};
+  }
+
   /// A row that the fast loop could not read: quotes, plus signs, or an error.
   SlowRow slow_row(const char* start, const char* end, double* out, std::size_t stride, std::size_t row) {
     const char* const line_end = end_of_line(start, end);
@@ -429,7 +318,7 @@ class CsvReader {
     std::string_view raw = line;
     if (separator_ == '\t') {
       raw = {start, static_cast<std::size_t>(line_end - start)};
-      if (raw.back() == '\r') raw.remove_suffix(1);
+      if (raw.ends_with('\r')) raw.remove_suffix(1);
     }
     auto cells = split(raw, separator_);
     const bool last = trimmed({line_end, static_cast<std::size_t>(end - line_end)}).empty();
@@ -437,12 +326,12 @@ class CsvReader {
     const std::string where = "row " + std::to_string(row);
     // Counted only for a message: quoted files come here with every row.
     const auto line_no = [&] { return line_number(start); };
+    if (cells.size() + 1 == n && separator_ != ' ' && raw.ends_with(separator_) && !cut) cells.emplace_back();
     if (cells.size() < n && last) {
       note("the last row (" + where + ", line " + std::to_string(line_no()) + ") was left out: it has " +
            std::to_string(cells.size()) + " of " + std::to_string(n) + " cells");
       return skip;
     }
-    if (cells.size() + 1 == n && separator_ != ' ' && raw.back() == separator_) cells.emplace_back();
     if (cells.size() != n) {
       fail(line_no(), where + ": got " + std::to_string(cells.size()) +
                           (cells.size() == 1 ? " cell" : " cells") + ", expected " + std::to_string(n) +
@@ -467,6 +356,11 @@ class CsvReader {
         return skip;
       }
       const std::string place = where + ", column " + in_quotes(log_.columns[c].header) + ": ";
+      if (absent_ != nullptr && is_absent(cells[c])) {
+        out[c * stride] = std::numeric_limits<double>::quiet_NaN();
+        if (!absent_->first) absent_->first = absent_cell(line_no(), place, cells[c]);
+        continue;
+      }
       if (value)
         fail(line_no(), place + "got " + in_quotes(trimmed(cells[c])) + ", expected a finite number");
       if (unquoted(cells[c]).empty()) {
@@ -480,21 +374,21 @@ class CsvReader {
 
   std::string_view all_;
   const CsvDialect& options_;
+  AbsentCells* absent_;  ///< null: absent cells are refused
   Log log_;
   char separator_ = ',';
-  std::optional<char> told_separator_;  ///< in the first line
   char decimal_ = '.';
   std::vector<char> is_text_;  ///< 1 for columns of text; empty when there are none
   std::vector<std::string_view> row_texts_;
   std::string_view header_;
-  std::map<std::string, std::size_t> left_out_;             ///< lines, by what they are
-  std::vector<std::pair<std::string, std::string>> twice_;  ///< times that stand twice
+  std::map<std::string, std::size_t> left_out_;  ///< lines, by what they are
 };
 
 }  // namespace
 
-Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect) {
-  return CsvReader(text, source, dialect).read();
+Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect,
+                  AbsentCells* absent) {
+  return CsvReader(text, source, dialect, absent).read();
 }
 
 }  // namespace stribeck::io::detail

@@ -1,6 +1,8 @@
 #pragma once
 /// The formats that read_log knows. is_…(): recognises a format by its first lines. Internal to io. Real time: no. Errors: InputError.
 
+#include <optional>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <string>
 #include <string_view>
@@ -18,7 +20,13 @@ struct CsvDialect {
   bool unit_after_blank = false;  ///< "x mm" is "x [mm]"
   bool has_side_file = false;     ///< LOG.toml is read and may name the columns
 };
-Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect);
+/// Cells without a number: blank, NaN, n/a, null. Their values are NaN.
+struct AbsentCells {
+  std::optional<Problem> first;  ///< what to say where they cannot be left out
+};
+/// Absent cells are refused where `absent` is null.
+Log read_csv_text(std::string_view text, const std::string& source, const CsvDialect& dialect,
+                  AbsentCells* absent = nullptr);
 
 /// Heidenhain TNCscope: header lines with %, one block per curve, rows with ;.
 bool is_tncscope(std::string_view text);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
@@ -197,7 +198,9 @@ Column column_of(std::string header, Notes& notes) {
     const bool dimensionless = open == '[' && (inside == "-" || inside == "1");
     const bool counts = is_count_word(inside);
     const bool scaled = open == '[' && is_scaled_unit(inside);
-    std::string_view spelled = open == '[' && !scaled && !counts ? spelling_of(inside) : "";
+    // "x (second)" is a name, "Current (Arms)" has a unit.
+    const bool named = open == '(' && (inside == "second" || inside == "-");
+    std::string_view spelled = !named && !scaled && !counts ? spelling_of(inside) : "";
     const std::string_view torque = torque_of(inside);
     if (!torque.empty()) spelled = torque;
     const bool unit = !inside.empty() && !counts && !scaled &&
@@ -216,6 +219,30 @@ Column column_of(std::string header, Notes& notes) {
     c.header = std::move(header);
     return c;
   }
+  // "Lage in mm"
+  if (const auto in = header.rfind(" in "); in != std::string::npos && in > 0) {
+    const std::string unit = header.substr(in + 4);
+    const std::string_view torque = torque_of(unit);
+    if (!torque.empty() || (std::isdigit(static_cast<unsigned char>(unit[0])) == 0 && is_unit(unit))) {
+      c.name = header.substr(0, in);
+      c.unit_text = torque.empty() ? unit : std::string(torque);
+      c.header = std::move(header);
+      return c;
+    }
+  }
+  // A time that is called by its unit alone.
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTimes{{{"seconds", "s"},
+
+                                                                                 {"sekunden", "s"},
+                                                                                 {"milliseconds", "ms"},
+                                                                                 {"millisekunden", "ms"},
+                                                                                 {"msec", "ms"},
+                                                                                 {"microseconds", "us"},
+                                                                                 {"usec", "us"},
+                                                                                 {"nanoseconds", "ns"}}};
+  for (const auto& [word, unit] : kTimes) {
+    if (lower_case(header) == word) c.unit_text = unit;
+  }
   std::size_t longest = 0;
   for (const auto& [suffix, unit] : kSuffixes) {
     if (suffix.size() <= longest || header.size() < suffix.size() + 2) continue;
@@ -228,6 +255,36 @@ Column column_of(std::string header, Notes& notes) {
   }
   c.header = std::move(header);
   return c;
+}
+
+void tell_odrive_units(Log& log) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSignals{
+      {{"pos_estimate", "rev"},
+       {"pos_setpoint", "rev"},
+       {"vel_estimate", "rev/s"},
+       {"vel_setpoint", "rev/s"},
+       {"iq_measured", "A"},
+       {"iq_setpoint", "A"},
+       {"torque_setpoint", "N m"}}};
+  const auto ends = [](const Column& c, std::string_view signal) {
+    return lower_case(c.header).ends_with(signal);
+  };
+  const bool odrive = std::any_of(log.columns.begin(), log.columns.end(), [&](const Column& c) {
+    return ends(c, "encoder.pos_estimate") || ends(c, "encoder.vel_estimate");
+  });
+  if (!odrive) return;
+  bool any = false;
+  for (Column& c : log.columns) {
+    for (const auto& [signal, unit] : kSignals) {
+      if (!c.unit_text.empty() || !c.texts.empty() || !ends(c, signal)) continue;
+      c.unit_text = unit;
+      c.unit_assumed = any = true;
+    }
+  }
+  if (any)
+    log.notes.emplace_back(
+        "the signals of the ODrive have no units; taken as turns, A and N m, as firmware 0.5.1 and later has them (counts before: "
+        "give them with --map)");
 }
 
 std::string header_of(const std::string& name) {

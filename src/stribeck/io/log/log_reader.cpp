@@ -180,7 +180,7 @@ void note_times(Log& log) {
     if (!is_time[i] || c.values.size() < 2) continue;
     const std::string of = c.name == "t" ? "" : "column " + in_quotes(c.name) + ": ";
     try {
-      for (const Note& note : check_time(c.values, "", c.name).notes)
+      for (const Note& note : check_time(c.values, "", c.name, c.unit_text).notes)
         log.notes.emplace_back(of + note.text, note.about);
     } catch (const InputError& e) {
       const auto first = std::adjacent_find(c.values.begin(), c.values.end(),

@@ -64,7 +64,7 @@ TEST(Spreadsheet, LinesBetweenAndBelowTheRows) {
               ::testing::ThrowsMessage<InputError>(HasSubstr("\"Min\"")));
   EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2\nO.5,2\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("\"O.5\"")));
-  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2\nnan,2\n"); },
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,2\ninf,2\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("finite")));
 }
 
@@ -217,8 +217,28 @@ TEST(Spreadsheet, BlankColumnsAreLeftOut) {
   const Log log = parse("t_s,frame,x_mm\n0,,1\n1,,2\n2,,3\n");
   EXPECT_EQ(log.columns.size(), 2U);
   EXPECT_THAT(log.notes, Contains(HasSubstr("\"frame\" is blank in every row")));
-  EXPECT_THAT([] { parse("t_s,i_A,x_mm\n0,,1\n1,5,2\n2,6,3\n"); },
-              ::testing::ThrowsMessage<InputError>(HasSubstr("the cell is blank")));
+  EXPECT_EQ(parse("t_s,i_A,x_mm\n0,,1\n1,5,2\n2,6,3\n").at("i").values.size(), 2U);
+}
+
+TEST(Spreadsheet, UnitsInTheWordsOfAName) {
+  const Log log =
+      parse("Seconds;Lage in mm;Moment in N m;Anteil in Prozent\n0,0;1,5;2;3\n0,1;1,6;3;4\n0,2;1,7;4;5\n");
+  EXPECT_EQ(log.columns.at(0).unit_text, "s");
+  EXPECT_EQ(log.columns.at(1).name, "Lage");
+  EXPECT_EQ(log.columns.at(1).unit_text, "mm");
+  EXPECT_EQ(log.columns.at(2).unit_text, "N m");
+  EXPECT_EQ(log.columns.at(3).unit_text, "");
+  EXPECT_EQ(time_column(log), 0);
+}
+
+TEST(Spreadsheet, AnODriveCountsTurns) {
+  const Log log = parse(
+      "t_s,axis0.encoder.pos_estimate,axis0.controller.pos_setpoint,axis0.motor.current_control.Iq_measured\n0,1,1,2\n1,2,2,2\n");
+  EXPECT_EQ(log.columns.at(1).unit_text, "rev");
+  EXPECT_EQ(log.columns.at(2).unit_text, "rev");
+  EXPECT_EQ(log.columns.at(3).unit_text, "A");
+  EXPECT_THAT(log.notes, Contains(HasSubstr("firmware 0.5.1")));
+  EXPECT_EQ(parse("t_s,pos_estimate,iq_measured\n0,1,2\n1,2,2\n").columns.at(1).unit_text, "");
 }
 
 TEST(Spreadsheet, MinutesAndSecondsOfASpreadsheet) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <string>
 #include <string_view>
@@ -65,6 +66,15 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
 bool is_utf16(std::string_view bytes);
 /// Converts UTF-16 (with byte order mark) to UTF-8 without a mark. Refuses text that ends inside a character.
 std::string from_utf16(std::string_view bytes, const std::string& source);
+
+/// Text in the code page of Windows in Japan or in China.
+struct EastAsianText {
+  std::string encoding;  ///< for a note
+  std::string utf8;
+};
+/// Found by the first 16 kB; nothing for UTF-8, for what may be Latin-1, and for what cannot be converted. In Shift-JIS the second
+/// byte of a letter may be that of a bracket or a bar, so it is converted before it is cut into cells.
+std::optional<EastAsianText> from_east_asian(std::string_view bytes);
 
 /// Refuses content that is no text: empty, archives, NUL bytes.
 void check_text(std::string_view bytes, const std::string& source);
@@ -156,8 +166,18 @@ void add_groups(Log& log, std::vector<Group> groups, const std::string& time_uni
 /// Notes on gaps and jitter of the time columns; throws on a time that does not increase.
 void note_times(Log& log);
 
+/// Blank, or one of the words that tools write where there is no number: nan, n/a, null, none.
+bool is_absent(std::string_view cell);
+/// Leaves out absent samples (NaN) of a table whose times are in column `time`, with notes. A column in which few are absent loses
+/// nothing else than these rows, of the whole table: the time has gaps there. A column in which more are absent has times of its own:
+/// tools that join channels of different rates write blank cells between. Throws `first` where there is no time (−1).
+void leave_out_absent(Log& log, int time, const Problem& first);
+
 /// Seconds and nanoseconds in two columns become one time, with a note; false where a table has no such pair.
 bool join_seconds(Log& log);
+
+/// Signals of an ODrive without units get those of its documentation (turns, A, N m), with a note.
+void tell_odrive_units(Log& log);
 
 /// A time column without a unit whose numbers can only be times since 1970 in one unit gets it, with a note.
 void tell_epoch(Log& log);

@@ -285,7 +285,7 @@ TEST_F(BallBar, BadTablesAreRefused) {
   EXPECT_THAT(refused(head, sized()), HasSubstr("no data rows"));
   EXPECT_THAT(refused("angle [deg],force [N]\n0,1\n1,1\n", sized()), HasSubstr("an angle but no radius"));
   EXPECT_THAT(refused("force [N],radius [mm]\n0,1\n1,1\n", sized()), HasSubstr("no column for the position"));
-  EXPECT_THAT(refused(head + "0,100\n1,nan\n", sized()), HasSubstr("finite"));
+  EXPECT_THAT(refused(head + "0,100\n1,nan\n", sized()), HasSubstr("got \"nan\", expected a number"));
   EXPECT_THAT(refused(circle_of(100, 0, 500, head), sized()), HasSubstr("bar0.csv"));
   EXPECT_THAT(refused(circle_of(0, 360, 500, head), sized()),
               HasSubstr("row 1: a radius of 0 mm, expected about 100 mm"));

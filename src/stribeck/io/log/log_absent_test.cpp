@@ -1,0 +1,94 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log.hpp>
+#include <string>
+
+namespace stribeck::io::log_absent_test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+Log parse(const std::string& text) { return parse_log(text, "log.csv", {}); }
+
+/// A hundred rows; `cell` is the force in every `each`-th.
+std::string table(const std::string& cell, int each) {
+  std::string text = "t_s,x_mm,f_N\n";
+  for (int k = 0; k < 100; ++k)
+    text += std::to_string(k) + ",1," + (k % each == each - 1 ? cell : std::to_string(k)) + "\n";
+  return text;
+}
+
+TEST(LogAbsent, FewCellsTakeTheirRows) {
+  for (const char* cell : {"", "NaN", "-nan", "n/a", "null", "#N/A", "1.#QNAN"}) {
+    const Log log = parse(table(cell, 40));
+    EXPECT_EQ(log.rows, 98u) << cell;
+    EXPECT_THAT(log.notes,
+                Contains(HasSubstr("2 of 100 rows were left out: a cell of \"f_N\" holds no number "
+                                   "(the first in line 41)")));
+    EXPECT_THAT(log.notes, Contains(HasSubstr("time has 2 gaps")));
+    for (const Column& c : log.columns) EXPECT_EQ(c.values.size(), 98u) << c.name;
+    EXPECT_DOUBLE_EQ(log.at("f").values[39], 40.0);
+  }
+}
+
+TEST(LogAbsent, AChannelOfAnotherRateHasItsOwnTimes) {
+  const Log log = parse("t [ms];x [mm];f [N];g [N]\n0;1;;\n1;2;7;8\n2;3;;\n3;4;9;10\n4;5;;\n");
+  const Column& f = log.at("f");
+  EXPECT_THAT(f.values, ElementsAre(7, 9));
+  ASSERT_GE(f.time, 0);
+  const Column& t = log.columns[static_cast<std::size_t>(f.time)];
+  EXPECT_THAT(t.values, ElementsAre(1, 3));
+  EXPECT_EQ(t.unit_text, "ms");
+  EXPECT_EQ(log.at("g").time, f.time);
+  EXPECT_EQ(log.columns[static_cast<std::size_t>(log.at("x").time)].values.size(), 5u);
+  EXPECT_THAT(log.notes, Contains(HasSubstr("\"f [N]\" has numbers in 2 of 5 rows")));
+}
+
+TEST(LogAbsent, ColumnsThatBeginLate) {
+  const Log log = parse("t_s,state,x_mm,spare_N\n0,,,\n1,run,2,nan\n2,run,3,\n3,stop,4,\n");
+  EXPECT_THAT(log.at("state").texts, ElementsAre("", "run", "run", "stop"));
+  EXPECT_THAT(log.at("x").values, ElementsAre(2, 3, 4));
+  EXPECT_EQ(log.find("spare"), nullptr);
+  EXPECT_THAT(log.notes, Contains(HasSubstr("\"spare_N\" was left out: it holds no number")));
+}
+
+TEST(LogAbsent, ATimeIsNeeded) {
+  // Without a time nobody sees the rows that are missing.
+  EXPECT_THAT([] { parse("t_s,x_mm\n,1\nnan,2\nnan,3\n"); },
+              ThrowsMessage<InputError>(HasSubstr("log.csv:2")));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\nnan,2\n,3\n"); },
+              ThrowsMessage<InputError>(HasSubstr("1 rows with a number in each cell")));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,inf\n2,3\n"); }, ThrowsMessage<InputError>(HasSubstr("finite")));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,1\n1,O.5\n2,3\n"); }, ThrowsMessage<InputError>(HasSubstr("\"O.5\"")));
+  EXPECT_THAT([] { parse_csv("t_s,x_mm\n0,1\n1,\n2,3\n", "log.csv"); },
+              ThrowsMessage<InputError>(HasSubstr("the cell is blank")));
+}
+
+TEST(LogAbsent, TextOfJapanAndChina) {
+  // Time [ms], position feedback, torque command; the second byte of a letter may be a bracket.
+  const Log japan = parse(
+      "\x8E\x9E\x8A\xD4[ms],\x88\xCA\x92\x75\x83\x74\x83\x42\x81\x5B\x83\x68\x83\x6F\x83\x62\x83\x4E[mm],"
+      "\x83\x67\x83\x8B\x83\x4E[%]\n0,1,2\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(japan.columns[0].name, "時間");
+  EXPECT_EQ(japan.columns[1].name, "位置フィードバック");
+  EXPECT_EQ(japan.columns[1].unit_text, "mm");
+  EXPECT_EQ(time_column(japan), 0);
+  EXPECT_THAT(japan.notes, Contains(HasSubstr("read as Shift-JIS")));
+  const Log china = parse("\xCA\xB1\xBC\xE4[ms],\xCA\xB5\xBC\xCA\xCE\xBB\xD6\xC3[mm]\n0,1\n1,2\n2,3\n");
+  EXPECT_EQ(china.columns[1].name, "实际位置");
+  // Latin-1 stays Latin-1.
+  const Log latin = parse(
+      "Zeit [ms],Gr\xF6\xDF"
+      "e [\xB5m]\n0,1\n1,2\n2,3\n");
+  EXPECT_EQ(latin.columns[1].name, "Größe");
+  EXPECT_EQ(latin.columns[1].unit_text, "µm");
+}
+
+}  // namespace
+}  // namespace stribeck::io::log_absent_test

@@ -1,0 +1,191 @@
+// The head of a CSV table: names, units, separator and decimal mark.
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <stribeck/io/error.hpp>
+#include <stribeck/io/log/log_csv_head.hpp>
+#include <stribeck/io/log/log_formats.hpp>
+#include <stribeck/io/log/log_spreadsheet.hpp>
+#include <stribeck/io/log/log_text.hpp>
+#include <utility>
+
+namespace stribeck::io::detail {
+namespace {
+
+class HeadReader {
+ public:
+  HeadReader(std::string_view all, const std::string& source, const CsvDialect& options)
+      : all_(all), options_(options) {
+    head_.log.source = source;
+  }
+
+  CsvHead read(std::string_view& body) {
+    read_names(body);
+    return std::move(head_);
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t line, std::string message) const {
+    throw InputError(Problem{head_.log.source, line, "", std::move(message)});
+  }
+  void note(std::string text) { head_.log.notes.push_back(std::move(text)); }
+
+  [[nodiscard]] std::size_t line_number(const char* at) const {
+    return 1 + static_cast<std::size_t>(std::count(all_.data(), at, '\n'));
+  }
+
+  void read_names(std::string_view& body) {
+    if (body.substr(0, 3) == "\xEF\xBB\xBF") body.remove_prefix(3);
+    for (std::size_t i = 0; i < options_.skip_lines; ++i) take_line(body);
+    told_separator_ = take_separator_line(body);
+    const std::size_t first = line_number(body.data());
+    if (const std::size_t lines = take_head(body, head_.log.metadata); lines > 0) {
+      note("the names of the columns are in line " + std::to_string(first + lines) +
+           "; what stands above them was left out");
+    }
+    std::string_view header;
+    std::string_view last_comment;
+    std::string_view rest = body;
+    while (!rest.empty() && header.empty()) {
+      body = rest;
+      const auto line = take_line(rest);
+      if (trimmed(line).empty()) continue;
+      if (is_comment(line)) {
+        last_comment = line;
+        take_comment(line, head_.log.metadata);
+      } else {
+        header = line;
+      }
+    }
+    if (header.empty()) fail(0, "has no header line, expected names of columns");
+    const std::size_t line = line_number(header.data());
+    if (!options_.names.empty()) {
+      head_.separator = separator_of(header, header);
+      const auto cells = split(header, head_.separator).size();
+      if (cells != options_.names.size()) {
+        fail(line, "got " + std::to_string(cells) + " columns, expected " +
+                       std::to_string(options_.names.size()) + " as named");
+      }
+      if (!is_data(header)) {
+        body = rest;
+        head_.separator = separator_of(header, first_row(rest));
+        note("the given names of the columns replace those in line " + std::to_string(line));
+      }
+      std::vector<std::string> names;
+      for (const auto& name : options_.names) names.push_back(header_of(name));
+      set_columns(names, line);
+    } else if (is_data(header) || names_in_comment(last_comment, header)) {
+      // "# t,x" directly above the numbers.
+      head_.separator = separator_of(header, header);
+      const auto cells = split(header, head_.separator).size();
+      std::vector<std::string_view> names;
+      if (!last_comment.empty()) {
+        const auto text = trimmed(
+            last_comment.substr(std::min(last_comment.find_first_not_of("#% \t"), last_comment.size())));
+        names = split(text, head_.separator);
+        if (names.size() != cells) names = split(text, separator_of(text, header));
+      }
+      if (names.size() != cells || cells < 2) {
+        fail(line,
+             "has no header: the first row holds numbers (put a line with the names of the columns above "
+             "it" +
+                 (options_.has_side_file
+                      ? ", or name them in " + head_.log.source + ".toml: columns = [\"x mm\", …])"
+                      : ")"));
+      }
+      set_columns({names.begin(), names.end()}, line);
+      note("the names of the columns are taken from the comment above the numbers");
+    } else {
+      for (const char c : header) {
+        if (static_cast<unsigned char>(c) < 0x20 && c != '\t') {
+          fail(line, c == '\r' ? "ends its lines with CR alone, expected LF or CR LF (save it again as text)"
+                               : "holds control characters: not a text file (export it as CSV)");
+        }
+      }
+      body = rest;
+      head_.separator = separator_of(header, first_row(rest));
+      head_.header = trimmed(header);
+      const auto above = last_line(all_.substr(0, static_cast<std::size_t>(header.data() - all_.data())));
+      set_columns(names_of_columns(header, above, head_.separator, body, head_.log.notes), line);
+    }
+    take_units(body);
+    head_.decimal = decimal_mark(body, head_.separator);
+  }
+
+  [[nodiscard]] char separator_of(std::string_view header, std::string_view row) const {
+    return told_separator_ ? *told_separator_ : best_separator(header, row);
+  }
+
+  /// Units in the row below the names.
+  void take_units(std::string_view& body) {
+    const std::string_view row = first_row(body);
+    const std::vector<std::string> units =
+        units_in_row(row, head_.separator, head_.log.columns.size(), head_.log.notes);
+    if (units.empty()) return;
+    const std::size_t line = line_number(row.data());
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      Column& column = head_.log.columns[c];
+      if (units[c].empty()) continue;
+      if (!column.unit_text.empty() && !column.unit_assumed && !same_unit(column.unit_text, units[c])) {
+        fail(line, "column " + in_quotes(column.header) + ": the row of units says " + in_quotes(units[c]) +
+                       ", the name " + in_quotes(column.unit_text) + " (correct the one that is wrong)");
+      }
+      if (column.unit_assumed && column.unit_text != units[c]) column.name = column.header;
+      column.unit_text = units[c];
+      column.unit_assumed = false;
+    }
+    body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
+    note("the units are taken from the row below the names (line " + std::to_string(line) + ")");
+  }
+
+  void set_columns(const std::vector<std::string>& headers, std::size_t line) {
+    if (headers.size() > kMaxColumns) {
+      fail(line, "got " + std::to_string(headers.size()) + " columns, expected at most " +
+                     std::to_string(kMaxColumns));
+    }
+    for (const auto& header : headers) {
+      if (is_utf8(header)) continue;
+      note("the names of the columns are not UTF-8 and are read as Latin-1");
+      break;
+    }
+    const bool slashes = all_have_unit_after_slash(headers);
+    std::map<std::string, std::size_t> seen;
+    for (std::size_t i = 0; i < headers.size(); ++i) {
+      std::string header = as_utf8(unquoted(trimmed(headers[i])));
+      if (header.empty()) {
+        header = "column " + std::to_string(i + 1);
+        note("column " + std::to_string(i + 1) + " has no name");
+      }
+      const auto [hit, fresh] = seen.emplace(header, i);
+      if (!fresh && is_time_name(header)) {
+        head_.twice.emplace_back(header, header + " in column " + std::to_string(i + 1));
+        header = head_.twice.back().second;
+      } else if (!fresh) {
+        fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
+                       std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
+      }
+      const std::string split = with_unit_in_brackets(header, slashes, options_.unit_after_blank);
+      head_.log.columns.push_back(column_of(split, head_.log.notes));
+      head_.log.columns.back().header = header;
+    }
+    // x_mm and x_um: what is left without the unit is no name.
+    std::map<std::string, int> names;
+    for (const auto& c : head_.log.columns) ++names[c.name];
+    for (auto& c : head_.log.columns) {
+      if (names[c.name] > 1) c.name = c.header;
+    }
+  }
+
+  std::string_view all_;
+  const CsvDialect& options_;
+  CsvHead head_;
+  std::optional<char> told_separator_;  ///< in the first line
+};
+
+}  // namespace
+
+CsvHead read_csv_head(std::string_view& body, const std::string& source, const CsvDialect& dialect) {
+  return HeadReader(body, source, dialect).read(body);
+}
+
+}  // namespace stribeck::io::detail
