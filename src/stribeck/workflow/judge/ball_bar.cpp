@@ -8,7 +8,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {

@@ -6,7 +6,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/workflow/judge/indicator_series.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 
 namespace stribeck::workflow {
 namespace {

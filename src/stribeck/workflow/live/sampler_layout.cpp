@@ -6,7 +6,7 @@
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/live/sampler_stream.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {

@@ -9,7 +9,7 @@
 /// shorter are restarts: the time goes on with a gap.
 ///
 /// A contour error is added as a last channel where axes have commanded and actual position: by option, else by the names of the
-/// columns (workflow/log/column_words.hpp), e.g. x-cmd and x-pos or x-fb.
+/// columns (workflow/log/names/column_words.hpp), e.g. x-cmd and x-pos or x-fb.
 /// Real time: no.
 /// Errors: InputError naming the option or the file.
 

@@ -8,9 +8,10 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/columns.hpp>
 #include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
+#include <stribeck/workflow/log/names/proposed_maps.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -355,6 +356,24 @@ std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string
 
 NamedColumn named_column(const io::Log& log, const std::string& text) {
   NamedColumn named{log.find(text), {}};
+  constexpr std::string_view kPlus = " + ";
+  if (const auto plus = text.rfind(kPlus); named.column == nullptr && plus != std::string::npos) {
+    named = named_column(log, text.substr(plus + kPlus.size()));
+    const NamedColumn before = named_column(log, text.substr(0, plus));
+    std::vector<const io::Column*> all = before.beside;
+    all.insert(all.begin(), before.column);
+    for (const io::Column* c : all) {
+      if (c == named.column || c->values.size() != named.column->values.size() ||
+          (!c->unit_text.empty() && c->unit_text != named.column->unit_text))
+        refuse_option(
+            "--map",
+            fmt::format(
+                "{} and {} cannot be added: expected two columns of one unit and of equally many rows",
+                io::in_quotes(header_of(*c)), io::in_quotes(header_of(*named.column))));
+      named.beside.push_back(c);
+    }
+    return named;
+  }
   // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
   for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
        blank = text.rfind(' ', blank - 1)) {
@@ -417,7 +436,10 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
   } catch (const io::InputError& e) {
     io::Problem p = e.problems().front();
     p.file = log.source;
-    if (unit.empty())
+    const std::string all = unit.empty() ? proposed_maps(log, "") : "";
+    if (!all.empty())
+      p.message += "; or give all that is missing, with your units: " + all;
+    else if (unit.empty())
       p.message += fmt::format("; or give it with --map QUANTITY=\"{} {}\"", column.name,
                                q.shown.empty() ? q.unit : q.shown);
     throw io::InputError(p);

@@ -53,6 +53,7 @@ const KnownColumn& known_column(LogQuantity what);
 struct NamedColumn {
   const io::Column* column = nullptr;
   std::string unit;
+  std::vector<const io::Column*> beside{};  ///< of the same unit, to be added to it: forces of several motors
 };
 
 /// Its name in the file.
@@ -69,6 +70,8 @@ class AxisColumns {
   AxisColumns(const io::Log& log, const LogOptions& options);
 
   [[nodiscard]] const io::Log& log() const noexcept { return log_; }
+  /// As --axis says; "" where it was not given.
+  [[nodiscard]] const std::string& axis() const noexcept { return axis_; }
   /// The column chosen by --map.
   [[nodiscard]] std::optional<NamedColumn> mapped(LogQuantity what) const;
   /// The same, else found by its name.
@@ -86,7 +89,8 @@ class AxisColumns {
   std::vector<std::pair<LogQuantity, NamedColumn>> maps_;
 };
 
-/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file.
+/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file. "COLUMN +
+/// COLUMN" is a sum, also with a unit behind it.
 NamedColumn named_column(const io::Log& log, const std::string& text);
 
 /// The position column of an axis, found by its name; refused where there is none, or more than one candidate.

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include <stribeck/io/error.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/effort.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -240,11 +240,57 @@ std::string gain_of(const LogOptions& options, const Effort& e) {
   }
 }
 
+/// The columns of the other motors of an axis, by a number in the name: "Y1 Current", "Y2 Current"; empty where one is missing.
+std::vector<const io::Column*> of_other_motors(const io::Log& log, const io::Column& first, int motors) {
+  const std::string& name = header_of(first);
+  for (auto at = name.find('1'); at != std::string::npos; at = name.find('1', at + 1)) {
+    std::vector<const io::Column*> all;
+    for (int k = 2; k <= motors; ++k) {
+      std::string other = name;
+      other.replace(at, 1, std::to_string(k));
+      const io::Column* c = log.find(other);
+      if (c == nullptr || c->unit_text != first.unit_text || c->values.size() != first.values.size()) break;
+      all.push_back(c);
+    }
+    if (all.size() + 1 == static_cast<std::size_t>(motors)) return all;
+  }
+  return {};
+}
+
+/// The scale of a machine file is that of all motors together. Columns of each are averaged; one column stands for all.
+void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vector<std::string>& notes) {
+  if (motors < 2) return;
+  const std::string first = io::in_quotes(header_of(*e.from.column));
+  if (e.from.beside.empty()) {
+    const std::vector<const io::Column*> others = of_other_motors(columns.log(), *e.from.column, motors);
+    if (columns.mapped(e.what)) {
+      if (!others.empty())
+        notes.push_back(fmt::format(
+            "the axis has {} motors, and {} stands for all of them; for their sum give --map {}=\"{} + {}\"",
+            motors, first, enum_name(e.what), header_of(*e.from.column), header_of(*others.front())));
+      return;
+    }
+    e.from.beside = others;
+    notes.push_back(
+        others.empty()
+            ? fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first)
+            : fmt::format("the axis has {} motors; {} and its like of the other motors are added", motors,
+                          first));
+  }
+  if (e.from.beside.size() + 1 == static_cast<std::size_t>(motors)) {
+    e.factor /= motors;
+  } else if (!e.from.beside.empty()) {
+    refuse_option("--map", fmt::format("got a sum of {} columns, the axis has {} motors in the machine file",
+                                       e.from.beside.size() + 1, motors));
+  }
+}
+
 /// Whether the drive of the machine file gives the scale; it is then applied.
-bool apply_drive(Effort& e, const LogOptions& options, const MotionColumns& motion,
-                 std::vector<std::string>& notes) {
+bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& options,
+                 const MotionColumns& motion, std::vector<std::string>& notes) {
   const std::string gain = gain_of(options, e);
   if (gain.empty() || !apply_gain(e, gain, motion)) return false;
+  if (e.what != LogQuantity::kVoltage) take_all_motors(e, columns, options.drive.motors, notes);
   if (e.what != LogQuantity::kVoltage)
     notes.push_back(
         fmt::format("the force is that of column {} with {}{}, from the drive of the machine file",
@@ -300,7 +346,7 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
   Effort effort =
       gain.empty() ? first_scaled(found, options, motion) : with_gain(std::move(found), gain, motion);
   const bool by_drive = gain.empty() && effort.what != LogQuantity::kForce && !is_count(effort.from.unit) &&
-                        apply_drive(effort, options, motion, notes);
+                        apply_drive(effort, columns, options, motion, notes);
   if (by_drive) {
     set_conversion(effort, columns.log());
     return effort;

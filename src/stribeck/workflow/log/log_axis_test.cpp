@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -241,6 +242,68 @@ TEST(LogAxis, ATimeMayHaveAFactor) {
   const workflow::LoggedAxis axis = workflow::logged_axis(workflow::read_log(file, options), options);
   ASSERT_EQ(axis.runs.at(0).x.t.size(), 3U);
   EXPECT_DOUBLE_EQ(axis.runs[0].x.t[2], 1.0);
+}
+
+// Every other row has no force; the named time is that of all rows.
+TEST(LogAxis, AChannelOfAnotherRateKeepsItsTimes) {
+  std::string text = "stamp,x_mm,f_N\n";
+  for (int k = 0; k < 3000; ++k)
+    text += std::to_string(2 * k) + "," + std::to_string(k % 700) + "," + (k % 2 == 0 ? "5" : "") + "\n";
+  const test::Folder folder;
+  const std::string file = folder.write("joined.csv", text);
+  const workflow::LogOptions options{.maps = {"t=stamp ms"}};
+  const workflow::LoggedAxis read = workflow::logged_axis(workflow::read_log(file, options), options);
+  const ident::log::RawLog& axis = read.runs.at(0);
+  ASSERT_EQ(axis.x.y.size(), 3000U);
+  ASSERT_EQ(axis.f.y.size(), 1500U);
+  EXPECT_DOUBLE_EQ(axis.f.t.at(1), 0.004);
+}
+
+// SPiiPlus of ACS: reference and feedback.
+TEST(LogAxis, ReferenceAndFeedbackOfAcs) {
+  const ident::log::RawLog axis =
+      axis_of("Time(us)\tX_RPOS(mm)\tX_FPOS(mm)\tX_CURR(Arms)\n0\t1\t2\t3\n1000\t2\t3\t4\n2000\t3\t4\t5\n");
+  EXPECT_DOUBLE_EQ(axis.x.y.at(0), 0.002);
+  EXPECT_DOUBLE_EQ(axis.r.y.at(0), 0.001);
+  EXPECT_EQ(axis.force_unit, "A");
+}
+
+// Two motors on the two sides of a gantry, one of which carries more.
+TEST(LogAxis, MotorsOfOneAxisAreAdded) {
+  std::string text = "t [s],y [mm],Y1 Current (Arms),Y2 Current (Arms)\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{},3,1\n", 0.001 * k, k);
+  workflow::LogOptions options{.axis = "y"};
+  options.drive.per_ampere = "20 N/A";  // of both
+  options.drive.motors = 2;
+  const auto force = [&](const workflow::LogOptions& o) {
+    const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), o);
+    return std::pair(axis.runs.at(0).f.y.at(0), axis.notes);
+  };
+  const auto [both, notes] = force(options);
+  EXPECT_DOUBLE_EQ(both, 40.0);  // 10 N/A of each
+  EXPECT_THAT(notes, Contains(HasSubstr("the axis has 2 motors; \"Y1 Current (Arms)\" and its like")));
+  options.maps = {"current=Y1 Current"};
+  const auto [one, hint] = force(options);
+  EXPECT_DOUBLE_EQ(one, 60.0);  // the first stands for both
+  EXPECT_THAT(hint, Contains(HasSubstr("--map current=\"Y1 Current (Arms) + Y2 Current (Arms)\"")));
+  options.maps = {"current=Y1 Current (Arms) + Y2 Current (Arms)"};
+  EXPECT_DOUBLE_EQ(force(options).first, 40.0);
+  options.maps = {"current=Y2 Current + Y1 Current A"};
+  EXPECT_DOUBLE_EQ(force(options).first, 40.0);
+  options.drive.motors = 3;
+  EXPECT_THAT(refusal(text, options), HasSubstr("a sum of 2 columns, the axis has 3 motors"));
+  options.maps = {"x=y + Y1 Current"};
+  EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
+}
+
+TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
+  const std::string told = refusal("time,y_cmd,y_act,y_force\n0,1,1,5\n0.001,2,2,6\n0.002,3,3,7\n");
+  EXPECT_THAT(
+      told,
+      HasSubstr("--map t=\"time s\" --map x=\"y_act mm\" --map r=\"y_cmd mm\" --map force=\"y_force N\""));
+  // Steps of 2 are milliseconds; the unit that the file has stays.
+  EXPECT_THAT(refusal("time,pos [um],Motor Current\n0,1,5\n2,2,6\n4,3,7\n"),
+              HasSubstr("--map t=\"time ms\" --map x=\"pos um\" --map current=\"Motor Current A\""));
 }
 
 TEST(LogAxis, RowsAndRuns) {

@@ -1,5 +1,6 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/log_times.hpp>
+#include <stribeck/workflow/log/names/proposed_maps.hpp>
 
 namespace stribeck::workflow {
 
@@ -11,7 +12,10 @@ LogTimes::LogTimes(const AxisColumns& columns) : log_(columns.log()) {
 }
 
 int LogTimes::index_of(const io::Column& column) const {
-  if (mapped_ >= 0) return mapped_;
+  // A channel of another rate keeps its own times, which came from the named column.
+  const auto rows_of = [&](int index) { return log_.columns[static_cast<std::size_t>(index)].values.size(); };
+  const bool own = column.time >= 0 && mapped_ >= 0 && rows_of(mapped_) != column.values.size();
+  if (mapped_ >= 0 && !own) return mapped_;
   return column.time >= 0 ? column.time : io::time_column(log_);
 }
 
@@ -19,13 +23,17 @@ const std::vector<double>& LogTimes::seconds(int index) {
   const auto known = converted_.find(index);
   if (known != converted_.end()) return known->second;
   io::Column column = log_.columns[static_cast<std::size_t>(index)];
-  if (!unit_.empty()) column.unit_text = unit_;
+  if (!unit_.empty() && (index == mapped_ || column.unit_text.empty())) column.unit_text = unit_;
   try {
     return converted_.emplace(index, io::in_si(column, quantity("s", "s"))).first->second;
   } catch (const io::InputError& e) {
     io::Problem p = e.problems().front();
     p.file = log_.source;
-    if (column.unit_text.empty()) p.message += "; or give it with --map t=\"" + column.name + " s\"";
+    if (column.unit_text.empty()) {
+      const std::string all = proposed_maps(log_, "");
+      p.message += all.empty() ? "; or give it with --map t=\"" + column.name + " s\""
+                               : "; or give all that is missing, with your units: " + all;
+    }
     throw io::InputError(p);
   }
 }

@@ -6,9 +6,9 @@
 
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -40,6 +40,7 @@ std::vector<std::string> axes_in_columns(const io::Log& log, const std::vector<s
 
 DriveScale scale_of(const AxisDescription& axis) {
   DriveScale scale;
+  if (axis.drive) scale.motors = axis.drive->motors;
   const auto text = [](std::optional<double> value, const char* unit) {
     return value && *value > 0.0 ? fmt::format("{} {}", *value, unit) : std::string();
   };

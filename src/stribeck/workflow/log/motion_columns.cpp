@@ -9,6 +9,7 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/workflow/log/converted.hpp>
 #include <stribeck/workflow/log/motion_columns.hpp>
+#include <stribeck/workflow/log/names/proposed_maps.hpp>
 #include <stribeck/workflow/option.hpp>
 
 namespace stribeck::workflow {
@@ -63,13 +64,18 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
                        "it is with --map x=\"COLUMN UNIT\")",
                        others)});
     }
-    throw io::InputError(
-        {columns.log().source, 0, "x",
-         fmt::format("no column for the position, nor for the velocity; the log has {} (name it with --map "
-                     "x=\"COLUMN UNIT\")",
-                     column_names(columns.log()))});
+    const std::string all = proposed_maps(columns.log(), columns.axis());
+    throw io::InputError({columns.log().source, 0, "x",
+                          fmt::format("no column for the position, nor for the velocity; the log has {} ({})",
+                                      column_names(columns.log()),
+                                      all.empty() ? "name it with --map x=\"COLUMN UNIT\""
+                                                  : "perhaps, with your units: " + all)});
   }
   const std::optional<NamedColumn> r = columns.find(LogQuantity::kReference);
+  for (const std::optional<NamedColumn>& sum : {x, v, r}) {
+    if (sum && !sum->beside.empty())
+      refuse_option("--map", "a sum of columns is a force; for a motion name one column");
+  }
   std::vector<MotionColumn> all;
   if (x) all.push_back({LogQuantity::kPosition, *x});
   if (r) all.push_back({LogQuantity::kReference, *r});

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <stribeck/io/error.hpp>
-#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/log_axis.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -73,6 +73,34 @@ TEST(ColumnWords, NamesOfDriveTools) {
 }
 
 // "Z act" is what its unit says.
+TEST(ColumnWords, NamesInOtherLanguages) {
+  const std::vector<std::tuple<std::string, LogQuantity, std::string>> all{
+      {"位置フィードバック", LogQuantity::kPosition, ""},
+      {"X軸位置指令", LogQuantity::kReference, "x"},
+      {"モータ回転速度", LogQuantity::kVelocity, ""},
+      {"トルク指令", LogQuantity::kTorque, ""},
+      {"X轴实际位置", LogQuantity::kPosition, "x"},
+      {"电机电流", LogQuantity::kCurrent, ""},
+      {"实际转矩", LogQuantity::kTorque, ""},
+      {"Vitesse réelle", LogQuantity::kVelocity, ""},
+      {"Couple moteur", LogQuantity::kTorque, ""},
+      {"Posición real", LogQuantity::kPosition, ""},
+      {"Velocità motore", LogQuantity::kVelocity, ""},
+      {"Corrente asse Y", LogQuantity::kCurrent, "y"}};
+  for (const auto& [name, what, axis] : all) {
+    const auto found = meaning_of(name, "");
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->what, what) << name;
+    EXPECT_EQ(found->axis, axis) << name;
+  }
+  // The type in front of a name of a PLC program.
+  EXPECT_EQ(meaning_of("ST_X.fActTorque", "")->what, LogQuantity::kTorque);
+  EXPECT_EQ(meaning_of("ST_X.lrSetPos", "")->what, LogQuantity::kReference);
+  EXPECT_EQ(meaning_of("nAct", "")->what, LogQuantity::kVelocity);
+  // A deviation is no position.
+  EXPECT_FALSE(meaning_of("位置偏差", "mm"));
+}
+
 TEST(ColumnWords, UnitTellsTheQuantityOfActualAndCommanded) {
   const std::vector<std::tuple<std::string, std::string, LogQuantity, std::string>> all{
       {"Z act", "mm", LogQuantity::kPosition, "z"},

@@ -2,103 +2,23 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <cstdint>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include <stribeck/workflow/log/column_words.hpp>
 #include <stribeck/workflow/log/converted.hpp>
+#include <stribeck/workflow/log/names/column_word_list.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 
 namespace stribeck::workflow {
 namespace {
 
-enum class Word : std::uint8_t {
-  kPosition,
-  kAngle,  ///< a position, behind one that is called so
-  kVelocity,
-  kAcceleration,
-  kForce,
-  kTorque,
-  kCurrent,
-  kVoltage,
-  kActual,
-  kCommanded,
-  kNothing
-};
-
-using Entry = std::pair<std::string_view, Word>;
-
-/// Longer words of one beginning come first: the first that leads to the end of the name is taken.
-constexpr std::array kWords{Entry{"position", Word::kPosition},
-                            Entry{"positions", Word::kPosition},
-                            Entry{"posf", Word::kPosition},
-                            Entry{"pos", Word::kPosition},
-                            Entry{"lage", Word::kPosition},
-                            Entry{"angle", Word::kAngle},
-                            Entry{"winkel", Word::kAngle},
-                            Entry{"velocity", Word::kVelocity},
-                            Entry{"velo", Word::kVelocity},
-                            Entry{"vel", Word::kVelocity},
-                            Entry{"speed", Word::kVelocity},
-                            Entry{"geschwindigkeits", Word::kVelocity},
-                            Entry{"geschwindigkeit", Word::kVelocity},
-                            Entry{"geschw", Word::kVelocity},
-                            Entry{"drehzahl", Word::kVelocity},
-                            Entry{"acceleration", Word::kAcceleration},
-                            Entry{"beschleunigungs", Word::kAcceleration},
-                            Entry{"beschleunigung", Word::kAcceleration},
-                            Entry{"force", Word::kForce},
-                            Entry{"kraft", Word::kForce},
-                            Entry{"effort", Word::kForce},
-                            Entry{"torque", Word::kTorque},
-                            Entry{"trq", Word::kTorque},
-                            Entry{"drehmoment", Word::kTorque},
-                            Entry{"momenten", Word::kTorque},
-                            Entry{"moment", Word::kTorque},
-                            Entry{"tcmd", Word::kTorque},
-                            Entry{"current", Word::kCurrent},
-                            Entry{"strom", Word::kCurrent},
-                            Entry{"iq", Word::kCurrent},
-                            Entry{"voltage", Word::kVoltage},
-                            Entry{"spannungs", Word::kVoltage},
-                            Entry{"spannung", Word::kVoltage},
-                            Entry{"actual", Word::kActual},
-                            Entry{"act", Word::kActual},
-                            Entry{"aktuelle", Word::kActual},
-                            Entry{"akt", Word::kActual},
-                            Entry{"estimate", Word::kActual},
-                            Entry{"istwert", Word::kActual},
-                            Entry{"ist", Word::kActual},
-                            Entry{"measured", Word::kActual},
-                            Entry{"meas", Word::kActual},
-                            Entry{"feedback", Word::kActual},
-                            Entry{"fbk", Word::kActual},
-                            Entry{"fb", Word::kActual},
-                            Entry{"encoder", Word::kActual},
-                            Entry{"commanded", Word::kCommanded},
-                            Entry{"command", Word::kCommanded},
-                            Entry{"cmd", Word::kCommanded},
-                            Entry{"setpoint", Word::kCommanded},
-                            Entry{"set", Word::kCommanded},
-                            Entry{"sollwert", Word::kCommanded},
-                            Entry{"soll", Word::kCommanded},
-                            Entry{"reference", Word::kCommanded},
-                            Entry{"ref", Word::kCommanded},
-                            Entry{"demand", Word::kCommanded},
-                            Entry{"target", Word::kCommanded},
-                            Entry{"desired", Word::kCommanded},
-                            Entry{"nominal", Word::kCommanded},
-                            Entry{"motor", Word::kNothing},
-                            Entry{"drive", Word::kNothing},
-                            Entry{"antriebs", Word::kNothing},
-                            Entry{"antrieb", Word::kNothing},
-                            Entry{"axis", Word::kNothing},
-                            Entry{"achse", Word::kNothing},
-                            Entry{"value", Word::kNothing},
-                            Entry{"wert", Word::kNothing},
-                            Entry{"signal", Word::kNothing}};
+using words::Entry;
+using words::kForeignWords;
+using words::kWords;
+using words::Word;
 
 /// One letter for a quantity, beside a word that tells actual from commanded: "xist".
 constexpr std::array<std::pair<char, Word>, 9> kLetters{{{'x', Word::kPosition},
@@ -218,19 +138,25 @@ std::optional<NameMeaning> sercos(std::string_view name) {
   return found == kSercos.end() ? std::nullopt : std::optional(NameMeaning{found->what, found->rank, {}});
 }
 
-/// Parts of letters and digits between other characters.
+/// Parts of letters and digits between other characters; letters of Japan and China are no part of a word of others: "X軸位置".
 std::vector<std::string> parts_of(std::string_view name) {
+  enum class Kind { kNone, kLatin, kEastAsian };
   std::vector<std::string> parts;
-  bool inside = false;
+  Kind before = Kind::kNone;
   for (const char c : name) {
     const auto u = static_cast<unsigned char>(c);
-    if (!is_letter(u) && !is_digit(u)) {
-      inside = false;
-      continue;
+    constexpr unsigned char kFirstOfThreeBytes = 0xE3;
+    constexpr unsigned char kFirstOfSequence = 0xC0;
+    Kind kind = Kind::kNone;
+    if (u >= kFirstOfThreeBytes || (u >= 0x80 && u < kFirstOfSequence && before == Kind::kEastAsian))
+      kind = Kind::kEastAsian;
+    else if (is_letter(u) || is_digit(u))
+      kind = Kind::kLatin;
+    if (kind != Kind::kNone) {
+      if (kind != before) parts.emplace_back();
+      parts.back() += c;
     }
-    if (!inside) parts.emplace_back();
-    inside = true;
-    parts.back() += c;
+    before = kind;
   }
   return parts;
 }
@@ -245,11 +171,14 @@ bool is_axis(const std::string& part) {
 /// Reads the whole of `text` as words; the first way that succeeds.
 bool read_words(std::string_view text, std::vector<Word>& words) {
   if (text.empty()) return true;
-  for (const auto& [word, meaning] : kWords) {
-    if (!text.starts_with(word)) continue;
-    words.push_back(meaning);
-    if (read_words(text.substr(word.size()), words)) return true;
-    words.pop_back();
+  for (const std::span<const Entry> list :
+       {std::span<const Entry>(kWords), std::span<const Entry>(kForeignWords)}) {
+    for (const auto& [word, meaning] : list) {
+      if (!text.starts_with(word)) continue;
+      words.push_back(meaning);
+      if (read_words(text.substr(word.size()), words)) return true;
+      words.pop_back();
+    }
   }
   return false;
 }
@@ -390,10 +319,21 @@ std::string unit_of_object(const std::string& header) {
   return known ? "0.1 %" : "";
 }
 
-std::optional<NameMeaning> meaning_of(const std::string& header, const std::string& unit) {
-  constexpr std::size_t kLongest = 100;
-  if (header.size() > kLongest) return std::nullopt;
-  std::string name = lower_case(header);
+namespace {
+
+/// "ST_X.lrActPos": the type in front of a name of a PLC program (IEC 61131-3) belongs to no word.
+std::string without_type(const std::string& header) {
+  const auto dot = header.rfind('.');
+  const std::size_t first = dot == std::string::npos ? 0 : dot + 1;
+  for (const std::string_view type : {"lr", "r", "f", "di", "n", "d", "i"}) {
+    if (header.compare(first, type.size(), type) != 0 || first + type.size() >= header.size()) continue;
+    if (std::isupper(static_cast<unsigned char>(header[first + type.size()])) == 0) continue;
+    return header.substr(0, first) + header.substr(first + type.size());
+  }
+  return header;
+}
+
+std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& unit) {
   if (auto found = cia402(name)) return found;
   if (auto found = sercos(name)) return found;
   drop_short_name(name);
@@ -431,6 +371,16 @@ std::optional<NameMeaning> meaning_of(const std::string& header, const std::stri
   auto found = from_parts(parts, unit);
   if (found) found->axis = axis;
   return found;
+}
+
+}  // namespace
+
+std::optional<NameMeaning> meaning_of(const std::string& header, const std::string& unit) {
+  constexpr std::size_t kLongest = 100;
+  if (header.size() > kLongest) return std::nullopt;
+  if (auto found = meaning_of_name(lower_case(header), unit)) return found;
+  const std::string bare = without_type(header);
+  return bare == header ? std::nullopt : meaning_of_name(lower_case(bare), unit);
 }
 
 }  // namespace stribeck::workflow

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <stribeck/workflow/log/names/column_words.hpp>
+#include <stribeck/workflow/log/names/proposed_maps.hpp>
+
+namespace stribeck::workflow {
+namespace {
+
+/// Quantities in the order of the options; one of the forces is enough.
+constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kTorque, LogQuantity::kCurrent,
+                             LogQuantity::kVoltage, LogQuantity::kPercent};
+constexpr std::array kShown{LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity,
+                            LogQuantity::kForce,    LogQuantity::kTorque,    LogQuantity::kCurrent,
+                            LogQuantity::kVoltage,  LogQuantity::kPercent};
+
+/// The unit in which a control period is between 10 us and 50 ms.
+std::string unit_of_time(const std::vector<double>& t) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < t.size() && k < 1000; ++k) steps.push_back(t[k] - t[k - 1]);
+  if (steps.empty()) return "s";
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  const double step = steps[steps.size() / 2];
+  constexpr double kLongest = 0.05;  // of a control period [s]
+  if (step <= kLongest) return "s";
+  return step <= 1e3 * kLongest ? "ms" : step <= 1e6 * kLongest ? "us" : "ns";
+}
+
+std::string usual_unit(LogQuantity what) {
+  return what == LogQuantity::kPercent ? "%" : std::string(known_column(what).quantity.shown);
+}
+
+/// What a column is by its name alone; "Y act" is taken for a position where it has no unit.
+std::optional<NameMeaning> guess(const io::Column& c) {
+  const std::string name = lower_case(c.name);
+  for (const LogQuantity what : kShown) {
+    for (const NameFamily& family : known_column(what).families) {
+      if (std::find(family.begin(), family.end(), name) != family.end()) return NameMeaning{what, 0, {}};
+    }
+  }
+  if (const auto found = meaning_of(c.name, c.unit_text)) return found;
+  return c.unit_text.empty() ? meaning_of(c.name, "mm") : std::nullopt;
+}
+
+}  // namespace
+
+std::string proposed_maps(const io::Log& log, const std::string& axis) {
+  const int time = io::time_column(log);
+  if (time < 0) return "";
+  const io::Column& t = log.columns[static_cast<std::size_t>(time)];
+  struct Choice {
+    const io::Column* column;
+    NameMeaning meaning;
+  };
+  std::map<LogQuantity, Choice> best;
+  std::string of = lower_case(axis);
+  for (const io::Column& c : log.columns) {
+    if (&c == &t || c.values.empty()) continue;
+    const auto found = guess(c);
+    if (!found) continue;
+    if (of.empty()) of = found->axis;
+    if (!found->axis.empty() && found->axis != of) continue;
+    const auto [at, fresh] = best.try_emplace(found->what, Choice{&c, *found});
+    if (!fresh && found->rank < at->second.meaning.rank) at->second = {&c, *found};
+  }
+  const auto effort =
+      std::find_if(kForces.begin(), kForces.end(), [&](LogQuantity what) { return best.contains(what); });
+  if (effort == kForces.end() ||
+      (!best.contains(LogQuantity::kPosition) && !best.contains(LogQuantity::kVelocity)))
+    return "";
+  const auto option = [](std::string_view what, const io::Column& c, const std::string& usual) {
+    return fmt::format("--map {}=\"{} {}\"", what, c.name, c.unit_text.empty() ? usual : c.unit_text);
+  };
+  std::string all = option("t", t, unit_of_time(t.values));
+  for (const LogQuantity what :
+       {LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity, *effort}) {
+    if (what == LogQuantity::kVelocity && best.contains(LogQuantity::kPosition)) continue;
+    const auto found = best.find(what);
+    if (found != best.end()) all += " " + option(enum_name(what), *found->second.column, usual_unit(what));
+  }
+  return all;
+}
+
+}  // namespace stribeck::workflow

@@ -1,0 +1,15 @@
+#pragma once
+/// Options that a user can copy where a log lacks units or names.
+///
+/// Real time: no.
+
+#include <stribeck/io/log/log.hpp>
+#include <string>
+
+namespace stribeck::workflow {
+
+/// `--map t="time s" --map x="y_act mm" --map force="y_force N"`: what the names suggest, with the unit of the file or else a usual one;
+/// "" where time, position and force of the axis cannot be guessed. `axis`: "" where the log has one.
+std::string proposed_maps(const io::Log& log, const std::string& axis);
+
+}  // namespace stribeck::workflow
