@@ -165,8 +165,10 @@ void report_unknown_keys(const Node& table, const std::vector<std::string_view>&
 void report_missing(const Node& table, std::string_view name, const Quantity& q, std::string_view doc,
                     const std::string& path, Problems& problems) {
   std::string message = "missing key, expected " + std::string(doc);
+  const std::optional<Quantity> rotary = table.rotary ? rotary_quantity(q, "") : std::nullopt;
   if (!q.unit.empty())
-    message += " (write " + std::string(name) + " = " + unit_example(q) + ", with your value)";
+    message +=
+        " (write " + std::string(name) + " = " + unit_example(rotary.value_or(q)) + ", with your value)";
   problems.add(table.line, dotted(path, name), std::move(message));
 }
 

@@ -30,8 +30,9 @@ constexpr double kOfIdentified = 1.3;
 /// A virtual machine breaks nothing: 15 % of friction, as in the thesis, where no range says more.
 constexpr double kOfVirtual = 0.85;
 
-/// Adds the unbalance that the machine file knows.
-ident::excitation::Doubt with_unbalance(ident::excitation::Doubt d, const RoughAxis& c, bool expected) {
+/// Adds what the machine file knows of the weight: the range of the load, and the unbalance.
+ident::excitation::Doubt with_weight(ident::excitation::Doubt d, const RoughAxis& c, bool expected) {
+  d.load_spread = expected ? 0.0 : c.load_spread();
   if (!c.unbalance) return d;
   d.unbalance = expected ? c.unbalance->middle() : c.unbalance->high();
   d.hangs_at = c.unbalance->hangs_at;
@@ -40,8 +41,8 @@ ident::excitation::Doubt with_unbalance(ident::excitation::Doubt d, const RoughA
 
 /// What the machine file leaves open of a real axis.
 ident::excitation::Doubt doubt_of_file(const RoughAxis& c) {
-  return with_unbalance({c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load_force()}, c,
-                        false);
+  return with_weight({c.mass.low(), c.mass.high(), c.friction.low(), c.friction.high(), c.load_force()}, c,
+                     false);
 }
 
 ident::excitation::Doubt doubt_of(const AxisDescription& axis) {
@@ -82,7 +83,7 @@ ident::excitation::RoughDrive rough_idea(const friction::AxisModel& model, const
 /// The unbalance that was identified.
 ident::excitation::Doubt with_identified_unbalance(ident::excitation::Doubt d, const RoughAxis& c,
                                                    const friction::AxisModel& model) {
-  d = with_unbalance(d, c, false);
+  d = with_weight(d, c, false);
   for (const auto& term : model.friction.eccentric) {
     if (!friction::is_unbalance(term)) continue;
     d.unbalance = kOfIdentified * term.amplitude;
@@ -138,7 +139,10 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
                                            machine.axes[which].first));
     const friction::AxisModel& model = file.model;
     drive = rough_idea(model, axis.limits);
-    doubt = doubt_of(drive, model.load != 0.0 ? model.load : rough.load_force(), axis.plant.has_value());
+    // A range holds for every workpiece, the identified load for the one that was on the table.
+    const bool one_load = model.load != 0.0 && !rough.load.is_range();
+    doubt = doubt_of(drive, one_load ? model.load : rough.load_force(), axis.plant.has_value());
+    doubt.load_spread = rough.load_spread();
     if (axis.rotary) doubt = with_identified_unbalance(doubt, rough, model);
   }
   if (o.method == ExcitationMethod::kJog) {
@@ -234,7 +238,7 @@ void check_force(ident::excitation::Excitation& e, const MachineDescription& mac
   const RoughAxis& c = a.commissioning;
   const double limit = a.force_limit();
   const std::string_view unit = units_of(a.rotary).force;
-  const ident::excitation::Doubt expected = with_unbalance(
+  const ident::excitation::Doubt expected = with_weight(
       {c.mass.middle(), c.mass.middle(), c.friction.middle(), c.friction.middle(), c.load_force()}, c, true);
   const double needed = ident::excitation::force_needed(e.r, e.sample_time, expected);
   const double most = ident::excitation::force_needed(e.r, e.sample_time, doubt_of(a));
@@ -260,8 +264,9 @@ void check_weight(ident::excitation::Excitation& e, const MachineDescription& ma
   const auto& [name, a] = machine.axes[axis];
   const RoughAxis& c = a.commissioning;
   const AxisUnits& u = units_of(a.rotary);
-  const double weight = with_unbalance({0.0, 0.0, 0.0, 0.0, c.load_force()}, c, true)
-                            .weight(a.limits.travel_min, a.limits.travel_max);
+  ident::excitation::Doubt carried = with_weight({0.0, 0.0, 0.0, 0.0, c.load_force()}, c, true);
+  carried.load_spread = c.load_spread();
+  const double weight = carried.weight(a.limits.travel_min, a.limits.travel_max);
   if (weight == 0.0) return;
   const double limit = a.force_limit();
   const auto what = [&] {

@@ -34,6 +34,11 @@ std::vector<double> angles_of(const Doubt& d) {
   return {0.0, 0.5 * kPi, kPi, 1.5 * kPi};
 }
 
+std::vector<double> loads_of(const Doubt& d) {
+  if (d.load_spread == 0.0) return {d.load};
+  return {d.load - d.load_spread, d.load + d.load_spread};
+}
+
 std::vector<Case> cases_of(const Doubt& d) {
   std::vector<Case> all;
   const double skew = std::sqrt(d.uneven);
@@ -42,8 +47,10 @@ std::vector<Case> cases_of(const Doubt& d) {
     for (const double level :
          {d.friction_low, std::sqrt(d.friction_low * d.friction_high), d.friction_high}) {
       for (const double s : {1.0, skew, 1.0 / skew}) {
-        for (const double angle : angles_of(d))
-          all.push_back({mass, {within(level / s), within(level * s)}, d.load, d.unbalance, angle});
+        for (const double angle : angles_of(d)) {
+          for (const double load : loads_of(d))
+            all.push_back({mass, {within(level / s), within(level * s)}, load, d.unbalance, angle});
+        }
       }
     }
   }
@@ -92,15 +99,15 @@ Reach play(const std::vector<double>& force, double sample_time, double start, c
 }  // namespace
 
 double Doubt::weight(double lowest, double highest) const noexcept {
-  if (unbalance == 0.0) return std::abs(load);
-  if (!hangs_at) return std::abs(load) + unbalance;
+  if (unbalance == 0.0) return std::abs(load) + load_spread;
+  if (!hangs_at) return std::abs(load) + load_spread + unbalance;
   constexpr int kPlaces = 200;
   double most = 0.0;
   for (int i = 0; i <= kPlaces; ++i) {
     const double x = lowest + (highest - lowest) * i / kPlaces;
     most = std::max(most, std::abs(load + unbalance * std::sin(x - *hangs_at)));
   }
-  return most;
+  return most + load_spread;
 }
 
 bool Doubt::may_fall(const Limits& limits) const noexcept {
@@ -146,7 +153,8 @@ double force_needed(const std::vector<double>& position, double sample_time, con
   for (std::size_t k = 1; k + 1 < position.size(); ++k)
     fastest = std::max(fastest, std::abs(position[k + 1] - 2.0 * position[k] + position[k - 1]));
   const auto [low, high] = std::minmax_element(position.begin(), position.end());
-  const double weight = position.empty() ? std::abs(doubt.load) : doubt.weight(*low, *high);
+  const double weight =
+      position.empty() ? std::abs(doubt.load) + doubt.load_spread : doubt.weight(*low, *high);
   return doubt.mass_high * fastest / (sample_time * sample_time) + doubt.friction_high + weight;
 }
 

@@ -16,7 +16,7 @@
 
 namespace stribeck::ident::excitation {
 
-/// Bounds of mass and friction of an axis before it has moved.
+/// Bounds of mass, friction and load of an axis before it has moved.
 struct Doubt {
   double mass_low = 0.0;             ///< [kg]
   double mass_high = 0.0;            ///< [kg]
@@ -26,6 +26,7 @@ struct Doubt {
   double uneven = 1.5;               ///< friction of one direction over that of the other, at the most
   double unbalance = 0.0;            ///< largest torque of an unbalance [N m at a radius of 1 m]
   std::optional<double> hangs_at{};  ///< where it hangs down [rad]; absent: anywhere
+  double load_spread = 0.0;          ///< the load may be smaller or larger by that much [N]
 
   /// Largest weight on these positions [N].
   [[nodiscard]] double weight(double lowest, double highest) const noexcept;

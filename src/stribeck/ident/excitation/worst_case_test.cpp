@@ -103,6 +103,19 @@ TEST(WorstCase, NoForcesInOpenLoopOnAnAxisThatMayFall) {
   EXPECT_FALSE(vertical.may_fall(kBelt));
 }
 
+TEST(WorstCase, ARangeOfTheLoadIsPlayedFromEndToEnd) {
+  Doubt doubt = certain(10.0, 10.0);
+  doubt.load = 8.0;
+  EXPECT_FALSE(doubt.may_fall(kBelt));
+  doubt.load_spread = 4.0;
+  EXPECT_DOUBLE_EQ(doubt.weight(-1.0, 1.0), 12.0);
+  EXPECT_TRUE(doubt.may_fall(kBelt));
+  // Without force the heaviest load moves the axis down, the middle of the range does not.
+  const std::vector<double> nothing(200, 0.0);
+  EXPECT_LT(reach_of(nothing, kPeriod, 0.0, doubt, kBelt).lowest, -1e-3);
+  EXPECT_DOUBLE_EQ(force_needed({0.0, 0.0, 0.0}, kPeriod, doubt), 22.0);
+}
+
 // A ramp ends above the expected friction; with a third of it the axis is long under way.
 TEST(WorstCase, RampsNeedARange) {
   EXPECT_THAT([&] { design_safe_ramp(kBelt, kRough, factor_three(), kPeriod, {}); },

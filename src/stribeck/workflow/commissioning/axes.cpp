@@ -139,7 +139,8 @@ void warn(RunningMachine& machine, RunningAxes& all, const RunningAxis& axis) {
     all.warnings.push_back(fmt::format(
         "axis {}: {}.faulted is not connected to joint.{}.amp-fault-in: LinuxCNC goes on where the controller has stopped",
         axis.name, axis.component, axis.joint));
-  if (axis.rough.load_force() != 0.0 && signal_of(machine, axis.component + ".brake").empty())
+  if ((axis.rough.load_force() != 0.0 || axis.rough.load_spread() != 0.0) &&
+      signal_of(machine, axis.component + ".brake").empty())
     all.warnings.push_back(fmt::format(
         "axis {}: it has a load, and {}.brake is not connected: without another brake it falls when the machine is off",
         axis.name, axis.component));

@@ -40,7 +40,8 @@ void weaken(Work& work, ChangedValues& changed, const RunningAxis& tried, double
                   {a.controller + ".adaptation.enabled", "0"}};
     const double own = &a == &tried ? force : forces_to_try(a).front();
     if (a.takes_force)
-      values.emplace_back(a.controller + ".force-limit", text_of(std::abs(a.rough.load_force()) + own));
+      values.emplace_back(a.controller + ".force-limit",
+                          text_of(std::abs(a.rough.load_force()) + a.rough.load_spread() + own));
     changed.set(values);
     tighten(work, changed, a, kSignFerror);
   }

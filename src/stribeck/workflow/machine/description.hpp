@@ -117,7 +117,7 @@ struct RoughAxis {
   std::optional<double> sine_amplitude{};      ///< [m]
   std::optional<double> sine_frequency{};      ///< [rad/s]
   std::optional<double> encoder_resolution{};  ///< [m]; left out: see AxisDescription
-  std::optional<double> load{};                ///< constant force against +x [N]; left out: none
+  Rough load{};                                ///< constant force against +x [N]; left out: none
   std::optional<RoughUnbalance> unbalance{};   ///< of a rotary axis; left out: balanced
 
   static constexpr auto fields() {
@@ -133,7 +133,8 @@ struct RoughAxis {
             "either way) or a range of two"),
         field(
             "load", &C::load, quantity("N", "N"),
-            "constant force against the positive direction, e.g. weight less counterbalance; left out: none")
+            "constant force against the positive direction, e.g. weight less counterbalance; one value or a range of two, "
+            "e.g. empty and with the heaviest workpiece; left out: none")
             .or_default(),
         field(
             "unbalance", &C::unbalance,
@@ -164,9 +165,14 @@ struct RoughAxis {
   void validate(Report&& report) const {
     if (const auto what = mass.problem(); !what.empty()) report("mass", what);
     if (const auto what = friction.problem(); !what.empty()) report("friction", what);
+    if (load.is_range() && !load.problem().empty()) report("load", load.problem());
   }
 
-  [[nodiscard]] double load_force() const noexcept { return load.value_or(0.0); }
+  [[nodiscard]] double load_force() const noexcept { return load.middle(); }
+  /// The load may differ from load_force() by that much; one value is taken as known.
+  [[nodiscard]] double load_spread() const noexcept {
+    return load.is_range() ? 0.5 * (load[1] - load[0]) : 0.0;
+  }
 };
 
 /// A rotary axis is carried as a linear one at a radius of 1 m: its angle is the travel, its torque the force, its inertia the mass.
@@ -232,7 +238,7 @@ struct AxisDescription {
   [[nodiscard]] double force_per_volt() const;
   /// A brake is there to hold a weight, but the file says no weight: the axis may fall, and nobody knows with which force.
   [[nodiscard]] bool weight_unsaid() const noexcept {
-    return drive && drive->brake && !commissioning.load && !commissioning.unbalance;
+    return drive && drive->brake && commissioning.load.empty() && !commissioning.unbalance;
   }
 };
 

@@ -53,11 +53,20 @@ class Explanation {
     return fmt::format("{} {}", significant(x * u_.per_metre_fine, 3), u_.fine);
   }
 
+  /// "176 N", "120 to 300 N"; empty where there is none.
+  [[nodiscard]] std::string load_text() const {
+    const Rough& load = a_.commissioning.load;
+    if (load.is_range())
+      return fmt::format("{} to {} {}", short_number(load.low()), short_number(load.high()), u_.force);
+    return load.middle() == 0.0 ? "" : fmt::format("{} {}", short_number(load.middle()), u_.force);
+  }
+
   /// What rests on the drive: expected, or the most that may be.
   [[nodiscard]] double weight(bool expected) const {
     const RoughAxis& c = a_.commissioning;
     ident::excitation::Doubt d;
     d.load = c.load_force();
+    if (!expected) d.load_spread = c.load_spread();
     if (c.unbalance) {
       d.unbalance = expected ? c.unbalance->middle() : c.unbalance->high();
       d.hangs_at = c.unbalance->hangs_at;
@@ -118,7 +127,11 @@ class Explanation {
     if (const auto rotor = a_.drive ? a_.drive->reflected_mass() : std::nullopt) {
       add(a_.rotary ? "rotor at the table" : "rotor as mass",
           fmt::format("{} {}", significant(*rotor, 3), u_.mass),
-          fmt::format("part of the {} below, which is the whole", mass_word()));
+          *rotor < a_.commissioning.mass.middle()
+              ? fmt::format("part of the {} below, which is the whole", mass_word())
+              : fmt::format(
+                    "more than the {0} below, which must contain it: check rotor inertia, gear, lead and {0}",
+                    mass_word()));
       out_.numbers["reflected_mass_kg"] = *rotor;
     }
     const double step = a_.name_plate().encoder_resolution;
@@ -137,8 +150,7 @@ class Explanation {
     falls_ = weight(false) >= c.friction.low() || a_.weight_unsaid();
     const char* what =
         falls_ ? "the axis may fall without force: open-loop excitations are refused" : "friction holds it";
-    if (c.load_force() != 0.0)
-      add("load", fmt::format("{} {}", short_number(c.load_force()), u_.force), c.unbalance ? "" : what);
+    if (!load_text().empty()) add("load", load_text(), c.unbalance ? "" : what);
     if (c.unbalance) {
       add("unbalance",
           fmt::format("{} {}{}", significant(c.unbalance->middle(), 3), u_.force,
@@ -205,8 +217,7 @@ class Explanation {
     }
     parts.push_back(fmt::format("{} {}, {} {}", a_.rotary ? "table" : "axis", out_.name,
                                 short_number(a_.commissioning.mass.middle()), u_.mass));
-    if (const double load = a_.commissioning.load_force(); load != 0.0)
-      parts.push_back(fmt::format("load {} {}", short_number(load), u_.force));
+    if (!load_text().empty()) parts.push_back("load " + load_text());
     if (const auto& unbalance = a_.commissioning.unbalance)
       parts.push_back(fmt::format("unbalance {} {}", significant(unbalance->middle(), 3), u_.force));
     out_.drawing = report::joined(parts, " -- ") +

@@ -271,6 +271,8 @@ TEST(MachineFile, AnglesWithoutARotaryAxisAreRefusedWithTheWayOut) {
   };
   EXPECT_THAT(refused("170 deg\"\nspeed", "170 mm\"\nspeed"),
               HasSubstr("axes.c.limits.travel_max: got \"170 mm\", expected a unit like deg"));
+  EXPECT_THAT(refused("travel_max = \"170 deg\"", ""),
+              HasSubstr("write travel_max = \"5 deg\", with your value"));
   EXPECT_THAT(refused("\nrotary = true", "\nrotary = \"true\""),
               HasSubstr("axes.c.rotary: got \"true\", expected true or false"));
   EXPECT_THAT(refused("gear = 90", "gear = 90\npulley_diameter = \"60 mm\""),
@@ -298,7 +300,7 @@ TEST(MachineFile, ADraftOfARotaryAxisCanBeRead) {
   EXPECT_FALSE(read.axes[0].second.rotary);
   EXPECT_TRUE(read.axes[1].second.rotary);
   EXPECT_NEAR(read.axes[1].second.limits.travel_max, kPi, 1e-12);
-  EXPECT_EQ(read.axes[1].second.commissioning.load, 5.0);
+  EXPECT_EQ(read.axes[1].second.commissioning.load_force(), 5.0);
 }
 
 // One typing error must not make a rotary axis of a linear one.
@@ -365,6 +367,20 @@ TEST(MachineFile, AnUnbalanceBelongsToAnAxisThatTurns) {
   text.insert(text.find('\n', at) + 1, "unbalance = { torque = \"5 N m\" }\n");
   EXPECT_THAT([&] { parse_description(text, "g.toml"); },
               ThrowsMessage<io::InputError>(HasSubstr("write rotary = true, or load")));
+}
+
+TEST(MachineFile, ALoadMayBeARange) {
+  const auto known = [](const std::string& load) {
+    return io::read_toml_text<RoughAxis>("mass = \"40 kg\"\nfriction = \"30 N\"\nload = " + load, "m.toml");
+  };
+  const RoughAxis range = known(R"(["120 N", "300 N"])");
+  EXPECT_DOUBLE_EQ(range.load_force(), 210.0);
+  EXPECT_DOUBLE_EQ(range.load_spread(), 90.0);
+  EXPECT_DOUBLE_EQ(known(R"("-176 N")").load_force(), -176.0);
+  EXPECT_DOUBLE_EQ(known(R"("-176 N")").load_spread(), 0.0);
+  EXPECT_DOUBLE_EQ(known(R"(["-20 N", "20 N"])").load_spread(), 20.0);
+  EXPECT_THAT([&] { known(R"(["300 N", "120 N"])"); },
+              ThrowsMessage<io::InputError>(HasSubstr("smaller value first")));
 }
 
 TEST(MachineFile, ABrakeWithoutAWeightIsAQuestion) {
