@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
@@ -85,8 +86,9 @@ void add_sampling(const ident::log::Conditioned& c, Inspection& out) {
   const ident::log::Sampling& s = c.sampling;
   const ident::log::Record& r = c.records.front();
   const bool angle = r.position_unit == "rad";
-  const double scale = angle ? 1.0 : 1e3;
-  const std::string way = angle ? "rad" : "mm";
+  const double scale = r.rotary ? 180.0 / kPi : angle ? 1.0 : 1e3;
+  const std::string way = r.rotary ? "deg" : angle ? "rad" : "mm";
+  const std::string force = r.rotary && r.force_unit == "N" ? "N m" : r.force_unit;
   out.text += "\nSampling\n";
   out.text += fmt::format("  time      {} rows, {:.6g} s, {:.6g} ms between rows, jitter {:.2g} %, {}\n",
                           s.rows, s.duration, 1e3 * s.logged_time, 100.0 * s.jitter,
@@ -105,9 +107,8 @@ void add_sampling(const ident::log::Conditioned& c, Inspection& out) {
         fmt::format("  velocity  {}, noise {:.2g} {}/s RMS{}\n",
                     step_text(s.v_quantum, 0.0, way + "/s", scale), scale * s.v_noise, way, every(s.v_hold));
   }
-  out.text +=
-      fmt::format("  force     {}, noise {:.2g} {} RMS{}\n", step_text(s.f_quantum, 0.0, r.force_unit, 1.0),
-                  s.f_noise, r.force_unit, every(s.f_hold));
+  out.text += fmt::format("  force     {}, noise {:.2g} {} RMS{}\n", step_text(s.f_quantum, 0.0, force, 1.0),
+                          s.f_noise, force, every(s.f_hold));
   out.json["sampling"] = {{"rows", s.rows},
                           {"duration_s", s.duration},
                           {"logged_sample_time_s", s.logged_time},
@@ -132,7 +133,7 @@ void add_sampling(const ident::log::Conditioned& c, Inspection& out) {
   out.text +=
       fmt::format("  {} strokes, {} reversals, moving in {:.0f} % of the rows, {:.0f} % of these forward\n",
                   m.strokes, m.reversals, 100.0 * m.moving, 100.0 * m.forward);
-  out.text += fmt::format("  force {:.4g} to {:.4g} {}\n", m.f_min, m.f_max, r.force_unit);
+  out.text += fmt::format("  force {:.4g} to {:.4g} {}\n", m.f_min, m.f_max, force);
   out.json["motion"] = {{"position_unit", r.position_unit},
                         {"force_unit", r.force_unit},
                         {"position", {m.x_min, m.x_max}},

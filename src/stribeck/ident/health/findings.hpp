@@ -71,6 +71,7 @@ struct Channel {
   double scale = 1.0;  ///< what counts as 100 % [N, kg or m]; viscous friction is shown as force at top speed
   std::vector<Reading> readings;
   Trend trend;
+  bool rotary = false;  ///< of an axis that turns: carried at a radius of 1 m
 
   [[nodiscard]] double share(double value) const { return value / scale; }
 };

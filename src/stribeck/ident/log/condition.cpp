@@ -241,6 +241,7 @@ Conditioned condition(RawLog log, const ConditionOptions& options) {
 }
 
 Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options) {
+  static const std::string kRadian = "rad";
   if (runs.empty()) throw Refused("no log was given");
   Conditioned out;
   Notes notes(options);
@@ -250,7 +251,10 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   const bool position = !runs.front().x.empty();
   const bool integrate_reference = runs.front().r.empty() && !runs.front().v_ref.empty();
   refuse_differing_runs(runs);
-  notes.turns(turning(unit));
+  const bool rotary = runs.front().rotary;
+  // A rotary axis is carried at a radius of 1 m: its metres are radians.
+  const std::string& kind = rotary ? kRadian : unit;
+  notes.turns(turning(kind), rotary);
 
   unwrap_positions(runs, notes);
   std::vector<Table> tables = tables_of(runs, s, notes);
@@ -281,14 +285,13 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   std::vector<double> times;
   for (const Table& m : tables) times.push_back(m.sample_time);
   s.sample_time = stats::thinned_quantile(times, 0.5);
-  out.coverage = cover(tables, s, unit);
+  out.coverage = cover(tables, s, kind);
   if (!notes.has("irregular")) {
-    refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit,
-                             runs.front().rotary ? "rad" : unit, notes);
+    refuse_implausible_drive(out.coverage, out.rough, source, runs.front().force_unit, kind, notes);
     if (position) name_commanded_position(tables, out.rough, notes);
     if (position) name_smoothed_force(tables, notes);
   }
-  judge(out, unit);
+  judge(out, kind, rotary);
   restrict_verdict(out, position, notes.has("irregular"));
   for (Table& m : tables) {
     const RawLog& raw = runs[m.run];

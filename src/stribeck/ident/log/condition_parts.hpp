@@ -48,7 +48,11 @@ class Notes {
                std::vector<double> values = {});
   /// A length [m or rad] as text for people.
   [[nodiscard]] std::string travel(double value) const;
-  void turns(bool yes) { turns_ = yes; }
+  /// Angles are shown in rad, those of a rotary axis in deg.
+  void turns(bool yes, bool rotary) {
+    turns_ = yes;
+    rotary_ = rotary;
+  }
   [[nodiscard]] bool has(std::string_view kind) const;
   std::vector<Finding> take() { return std::move(found_); }
 
@@ -56,6 +60,7 @@ class Notes {
   std::vector<std::string> keep_;
   std::vector<Finding> found_;
   bool turns_ = false;
+  bool rotary_ = false;
 };
 
 inline bool turning(const std::string& position_unit) { return position_unit == "rad"; }
@@ -132,6 +137,6 @@ Coverage cover(const std::vector<Table>& tables, const Sampling& sampling, const
 
 // condition_verdict.cpp
 /// Writes what such a log can determine and what not.
-void judge(Conditioned& out, const std::string& position_unit);
+void judge(Conditioned& out, const std::string& position_unit, bool rotary);
 
 }  // namespace stribeck::ident::log::parts

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <utility>
@@ -92,6 +93,7 @@ Notes::Notes(const ConditionOptions& options) : keep_(options.keep) {
 }
 
 std::string Notes::travel(double value) const {
+  if (rotary_) return fmt::format("{:.4g} deg", value * 180.0 / kPi);
   return turns_ ? fmt::format("{:.4g} rad", value) : fmt::format("{:.4g} mm", 1e3 * value);
 }
 

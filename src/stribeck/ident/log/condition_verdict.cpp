@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/log/condition_parts.hpp>
 
@@ -11,11 +12,12 @@ namespace {
 /// Unit in which lengths are shown.
 struct Shown {
   bool turning = false;
-  std::string length;  ///< "mm" or "rad"
+  std::string length;  ///< "mm", "rad", or "deg" of a rotary axis
   double scale = 1.0;  ///< factor from SI
 };
 
-Shown shown_in(const std::string& unit) {
+Shown shown_in(const std::string& unit, bool rotary) {
+  if (rotary) return {true, "deg", 180.0 / kPi};
   if (turning(unit)) return {true, "rad", 1.0};
   return {false, "mm", 1e3};
 }
@@ -131,8 +133,8 @@ void judge_presliding(const Coverage& c, const Sampling& s, double resolution, c
 
 }  // namespace
 
-void judge(Conditioned& out, const std::string& unit) {
-  const Shown u = shown_in(unit);
+void judge(Conditioned& out, const std::string& unit, bool rotary) {
+  const Shown u = shown_in(unit, rotary);
   const Verdict verdict{out.determinable, out.cannot_tell};
   const Sampling& s = out.sampling;
   const double resolution = std::max(s.x_quantum_large, 3.0 * s.x_noise);

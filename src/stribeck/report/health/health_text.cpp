@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/health/date.hpp>
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
@@ -92,6 +93,7 @@ std::string numbers_table(const HealthAxis& axis) {
 }  // namespace
 
 std::string name_of(const Channel& c) {
+  const HealthUnit travel = c.rotary ? HealthUnit{"deg", 180.0 / kPi} : HealthUnit{"mm", 1e3};
   switch (c.number) {
     case Number::kForward:
       return "friction towards +";
@@ -106,9 +108,10 @@ std::string name_of(const Channel& c) {
     case Number::kMass:
       return "mass";
     case Number::kPlace:
-      return fmt::format("more, {} to {} mm", decimals(1e3 * c.at[0], 1), decimals(1e3 * c.at[1], 1));
+      return fmt::format("above the mean, {} to {} {}", decimals(travel.per_si * c.at[0], 1),
+                         decimals(travel.per_si * c.at[1], 1), travel.name);
     case Number::kPeriodic:
-      return fmt::format("periodic, {:.4g} mm", 1e3 * c.at[0]);
+      return fmt::format("periodic, {:.4g} {}", travel.per_si * c.at[0], travel.name);
     case Number::kCircularDeviation:
       return "circular deviation";
     case Number::kHysteresis:
@@ -120,6 +123,7 @@ std::string name_of(const Channel& c) {
 HealthUnit unit_of(const Channel& c) {
   switch (c.number) {
     case Number::kMass: {
+      if (c.rotary) return {"kg m2", 1.0};
       const bool kilograms = io::shown_unit(c.scale, quantity("kg", "N s2/mm")) == "kg";
       return kilograms ? HealthUnit{"kg", 1.0} : HealthUnit{"N s2/mm", 1e-3};
     }
@@ -127,7 +131,7 @@ HealthUnit unit_of(const Channel& c) {
     case Number::kHysteresis:
       return {"um", 1e6};
     default:
-      return {"N", 1.0};
+      return {c.rotary ? "N m" : "N", 1.0};
   }
 }
 
@@ -200,7 +204,7 @@ std::string text_table(const HealthReportInput& input) {
     }
   }
   out += fmt::format(
-      "\nForces are shares of the friction level of the first test. Limits: a step of {} %, a slow change of {} %.\n",
+      "\nChanges of forces are shares of the friction level of the first test. Limits: a step of {} %, a slow change of {} %.\n",
       short_number(100.0 * input.limits.step), short_number(100.0 * input.limits.drift));
   for (const std::string& remark : input.remarks) out += "remark: " + clean_text(remark) + "\n";
   return out;

@@ -14,6 +14,7 @@
 #include <stribeck/workflow/health/health.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/logs_by_axis.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
 
@@ -71,7 +72,7 @@ void require_same_motion(const health::Measured& measured, const std::string& so
 }
 
 double turn_of(const HealthOptions& o, const AxisDescription& axis) {
-  if (!o.turn.empty()) return option_si("--turn", o.turn, quantity("m", "mm").positive());
+  if (!o.turn.empty()) return travel_si("--turn", o.turn, quantity("m", "mm").positive(), axis.rotary);
   if (!axis.drive) return 0.0;
   return axis.drive->lead.value_or(axis.drive->travel_per_turn.value_or(0.0));
 }
@@ -94,10 +95,7 @@ class Session {
         options_.date.empty() ? date_of_logs(dated, options_.log) : checked_date("--date", options_.date);
     std::vector<ArchivedTest> tests;
     for (const LogsOfAxis& one : logs_by_axis(description_, options_.logs, options_.log)) {
-      // Only logs in volts are scaled: an archive whose first test was in another unit stays in it.
-      LogsOfAxis logs = one;
-      if (!one.options.drive.rotary) logs.options.drive = {.per_volt = one.options.drive.per_volt};
-      measure_axis(logs, date, tests);
+      measure_axis(one, date, tests);
     }
     if (!options_.circles.empty()) measure_circle(date, tests);
     for (const ArchivedTest& test : tests) {
@@ -120,9 +118,9 @@ class Session {
     for (std::size_t i = 0; i < description_.axes.size(); ++i) {
       const auto& [name, axis] = description_.axes[i];
       add_axis(name, since, input);
-      if (!input.axes.empty() && input.axes.back().name == name)
-        input.axes.back().motion =
-            motion_commands(options_.machine, description_, i, turn_of(options_, axis));
+      if (input.axes.empty() || input.axes.back().name != name) continue;
+      input.axes.back().motion = motion_commands(options_.machine, description_, i, turn_of(options_, axis));
+      for (health::Channel& c : input.axes.back().health.channels) c.rotary = axis.rotary;
     }
     add_axis(std::string(ArchivedTest::kCircle), since, input);
     input.remarks = remarks_;
@@ -313,14 +311,15 @@ std::vector<std::string> motion_commands(const std::string& file, const MachineD
   // 60 % of the way to the end of the travel, at most what the slowest jog covers in half a minute.
   constexpr double kSlowest = 0.1, kTime = 30.0, kShare = 0.6;
   double stretch = std::min(kShare * 0.5 * (l.travel_max - l.travel_min), kSlowest * top * kTime);
-  const double unit = turn > 0.0 && turn <= stretch ? turn : 1e-3;
+  const AxisUnits& u = units_of(described.rotary);
+  const double unit = turn > 0.0 && turn <= stretch ? turn : 1.0 / u.per_metre;
   if (unit <= stretch) stretch = unit * std::floor(stretch / unit);
   std::string speeds;
   for (const double share : {kSlowest, 0.25, 0.5, 1.0})
-    speeds += fmt::format(" \"{:.3g} mm/s\"", 0.999e3 * share * top);
+    speeds += fmt::format(" \"{:.3g} {}/s\"", 0.999 * u.per_metre * share * top, u.travel);
   const std::string begin = fmt::format("stribeck excite {} --axis {} --method", quoted(file), quoted(name));
-  return {fmt::format("{} jog --speeds{} --lead \"{:.6g} mm\" -o {}-health-jog.csv --gcode {}-health-jog.ngc",
-                      begin, speeds, 1e3 * stretch, name, name),
+  return {fmt::format("{} jog --speeds{} --lead \"{:.6g} {}\" -o {}-health-jog.csv --gcode {}-health-jog.ngc",
+                      begin, speeds, u.per_metre * stretch, u.travel, name, name),
           fmt::format("{} constant-acceleration -o {}-health-mass.csv --gcode {}-health-mass.ngc", begin,
                       name, name)};
 }
