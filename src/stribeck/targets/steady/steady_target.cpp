@@ -32,7 +32,7 @@ constexpr int kSpeeds = 1000;
 constexpr double kSlowest = 1e-3;
 
 /// "12.5 N/%" → 12.5 N and "%".
-std::pair<double, std::string> gain_of(const ExportRequest& o) {
+std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
   if (o.gain.empty()) return {kUnknown, {}};
   const std::size_t slash = o.gain.rfind('/');
   if (slash == std::string::npos || slash + 1 == o.gain.size()) {
@@ -48,7 +48,11 @@ std::pair<double, std::string> gain_of(const ExportRequest& o) {
   if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
     refuse_option("--gain",
                   fmt::format("got the unit {}, expected letters, digits, % or ‰", io::in_quotes(unit)));
-  return {option_si("--gain", o.gain.substr(0, slash), quantity("N", "N").positive()), unit};
+  const std::string force = o.gain.substr(0, slash);
+  // The force of an axis that turns is a torque.
+  const bool torque = rotary && force.find('m') != std::string::npos;
+  return {option_si("--gain", force, (torque ? quantity("N m", "N m") : quantity("N", "N")).positive()),
+          unit};
 }
 
 std::string refuse_name(const std::string& name) {
@@ -104,7 +108,7 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
   a.fastest = file.identified_speed().value_or(0.0);
-  std::tie(a.gain, a.unit) = gain_of(o);
+  std::tie(a.gain, a.unit) = gain_of(o, a.rotary);
   a.lead = o.lead.empty() ? kUnknown : travel_si("--lead", o.lead, quantity("m", "mm").positive(), a.rotary);
   a.resolution = o.resolution.empty()
                      ? kUnknown
@@ -231,6 +235,20 @@ void add_build_up(const SteadyTarget& target, const PulseTask& task, std::size_t
                          report::significant(1e6 * table.build_up, 3), before);
 }
 
+/// A unit that is too large for the format leaves nothing to compensate.
+void refuse_nothing(const Axis& axis, const Form& form, const Error& e) {
+  if (!(e.friction > 0.0) || !std::isfinite(axis.gain)) return;
+  for (const double share : {-1.0, -0.3, -0.03, 0.03, 0.3, 1.0}) {
+    if (form.held(share * axis.fastest) != 0.0) return;
+  }
+  refuse_option(
+      "--gain",
+      fmt::format(
+          "got {} N per {}: in whole steps of this format the friction of {} N RMS becomes 0; give the force of the unit "
+          "in which the control counts, e.g. of one bit of its output",
+          report::significant(axis.gain, 4), axis.unit, report::significant(e.friction, 3)));
+}
+
 }  // namespace
 
 SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
@@ -252,6 +270,7 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     const Axis axis = axis_with_speeds(o, i, names[i]);
     const Form form = target.write(axis);
     const Error e = error_of(axis, form);
+    refuse_nothing(axis, form, e);
     const std::vector<std::string> missing = left_out(axis, form);
     std::string words =
         fmt::format("up to {} mm/s at most {} N beside the friction of {} N RMS, RMS {} N",

@@ -20,6 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 using Export = SteadyExport;
 constexpr const char* kAxis = kSteadyAxis;
@@ -90,6 +91,25 @@ TEST(SteadyTarget, LostMotionIsTwiceTheFrictionByDirection) {
   EXPECT_LT(error_of(x.to("mitsubishi")), 1e-9);
   EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 20\n"));
   EXPECT_THAT(x.text("mujoco"), HasSubstr("frictionloss=\"60\" damping=\"0\""));
+}
+
+TEST(SteadyTarget, AUnitThatLeavesNothingIsRefused) {
+  Export x(
+      "mass = \"8 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"9 N\"\nalpha2 = \"0 N s/mm\"\n");
+  x.request.gain = "48 N/A";
+  EXPECT_THAT([&] { x.to("pmac"); },
+              ThrowsMessage<io::InputError>(HasSubstr("the friction of 9.00 N RMS becomes 0")));
+  x.request.gain = "0.5 N/bit";
+  EXPECT_THAT(x.text("pmac"), HasSubstr("Ixx68 = 18\n"));
+}
+
+TEST(SteadyTarget, TheGainOfAnAxisThatTurnsIsATorque) {
+  Export x(
+      "rotary = true\nmass = \"8 kg\"\n[friction.steady]\nkind = \"conventional\"\nalpha0 = \"9 N\"\nalpha2 = \"0 N s/mm\"\n");
+  x.request.gain = "2.5 N m/%";
+  EXPECT_THAT(x.text("cia402"), HasSubstr("F := F / 2.500000000e-01;"));
+  x.request.gain = "2.5 kg/%";
+  EXPECT_THAT([&] { x.to("cia402"); }, ThrowsMessage<io::InputError>(HasSubstr("--gain")));
 }
 
 TEST(SteadyTarget, SpeedsOfTheServoOneAreThoseOfTheMotor) {
