@@ -162,15 +162,15 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   return out;
 }
 
-/// Angle in which an axis crosses its play after a reversal, and stands still.
-std::array<double, 2> crossing_of_play(const std::vector<Cause>& causes, double radius) {
-  std::array<double, 2> out{};
+/// Where the axes cross their play after a reversal, and stand still.
+std::array<Crossing, 2> crossing_of_play(const std::vector<Cause>& causes, double radius) {
+  std::array<Crossing, 2> out{};
   for (const Cause& c : causes) {
     if (c.kind != CauseKind::kBacklash || !(c.size > kBeyond * c.half_width) || c.size < kLeastEffect)
       continue;
     double most = c.size;
     for (const Cause::Figure& end : c.figures) most = std::max(most, 1e-6 * end.value);
-    out[static_cast<std::size_t>(*c.axis)] = std::acos(std::max(0.0, 1.0 - 1.2 * most / radius));
+    out[static_cast<std::size_t>(*c.axis)] = {std::acos(std::max(0.0, 1.0 - 1.2 * most / radius)), most};
   }
   return out;
 }

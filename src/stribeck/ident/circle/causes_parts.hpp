@@ -92,9 +92,14 @@ std::vector<Pitch> find_pitches(const CauseRows& rows);
 /// Measured less fitted of every row [m].
 std::vector<double> rest_of_rows(const CauseRows& rows, const Design& design, const CauseFit& fit);
 
-/// `hidden` is the angle behind a reversal of each axis that it needs to cross its play: no peak is looked for there [rad].
+/// What an axis does behind a reversal.
+struct Crossing {
+  double angle = 0.0;  ///< in which it crosses its play [rad]; 0: it has none
+  double play = 0.0;   ///< [m]
+};
+/// Where an axis crosses its play no peak is looked for, except one that is larger than the play.
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         double window, const std::array<double, 2>& hidden);
+                                         double window, const std::array<Crossing, 2>& crossing);
 
 struct Vibration {
   double amplitude = 0.0;  ///< [m]

@@ -101,15 +101,31 @@ double height_at(const std::vector<double>& mean, const std::vector<double>& smo
   return c(0) + c(1) * at + c(2) * at * at;
 }
 
+/// Whether the rest behind a reversal is that of an axis that crosses its play: off by the play at first, and less and less. A peak is
+/// larger than the play, or rises only after the reversal.
+bool stands_still(const std::vector<double>& smooth, std::size_t end, double play) {
+  constexpr double kBeyondPlay = 1.1;
+  constexpr double kRise = 0.5;
+  double first = std::numeric_limits<double>::quiet_NaN();
+  double most = 0.0;
+  for (std::size_t k = 0; k < end; ++k) {
+    if (!std::isfinite(smooth[k])) continue;
+    if (!std::isfinite(first)) first = std::abs(smooth[k]);
+    most = std::max(most, std::abs(smooth[k]));
+  }
+  return !(most > kBeyondPlay * play) && !(most > kRise * play && first < kRise * most);
+}
+
 QuadrantPeak peak_of(const PeakPlace& place, const Profile& p, const CauseRows& rows, double window,
-                     double hidden) {
+                     const Crossing& crossing) {
   constexpr double kLeast = 10.0 * kPi / 180.0;
   const std::vector<double> smooth = smoothed(p.mean);
   const auto within =
       std::min(static_cast<std::size_t>(std::max(window, kLeast) / rows.step), smooth.size() - 1);
   // One step more than the play: the smoothing reaches that far.
-  const std::size_t begin =
-      hidden > 0.0 ? std::min(static_cast<std::size_t>(hidden / rows.step) + 2, within) : 0;
+  std::size_t begin =
+      crossing.angle > 0.0 ? std::min(static_cast<std::size_t>(crossing.angle / rows.step) + 2, within) : 0;
+  if (begin > 0 && !stands_still(smooth, begin, crossing.play)) begin = 0;
   std::size_t top = begin;
   for (std::size_t k = begin; k <= within; ++k) {
     if (std::isfinite(smooth[k]) && !(std::abs(smooth[k]) <= std::abs(smooth[top]))) top = k;
@@ -158,7 +174,7 @@ QuadrantPeak peak_of(const PeakPlace& place, const Profile& p, const CauseRows& 
 }  // namespace
 
 std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vector<double>& rest,
-                                         double window, const std::array<double, 2>& hidden) {
+                                         double window, const std::array<Crossing, 2>& crossing) {
   std::map<double, std::pair<double, int>> feeds;
   for (const CauseRow& row : rows.rows) {
     if (!std::isfinite(row.feed)) continue;
@@ -169,7 +185,7 @@ std::vector<QuadrantPeak> quadrant_peaks(const CauseRows& rows, const std::vecto
   std::vector<QuadrantPeak> out;
   for (const auto& [place, profile] : profiles(rows, rest)) {
     out.push_back(
-        peak_of(place, profile, rows, window, hidden[static_cast<std::size_t>(std::get<2>(place) % 2)]));
+        peak_of(place, profile, rows, window, crossing[static_cast<std::size_t>(std::get<2>(place) % 2)]));
     const auto feed = feeds.find(std::get<1>(place));
     out.back().feed = feed == feeds.end() ? std::numeric_limits<double>::quiet_NaN()
                                           : feed->second.first / feed->second.second;
