@@ -120,11 +120,35 @@ std::vector<double> forward_backward(const Filter& filter, const std::vector<dou
   return {first, first + static_cast<std::ptrdiff_t>(x.size())};
 }
 
+namespace {
+constexpr std::size_t kLargestStep = 13;  // of a decimation
+constexpr double kRipple = 0.05;          // of its filter, in one direction [dB]
+}  // namespace
+
+std::size_t decimation_up_to(std::size_t most) {
+  for (std::size_t factor = most; factor > kLargestStep; --factor) {
+    std::size_t rest = factor;
+    for (std::size_t step = kLargestStep; step > 1; --step) {
+      while (rest % step == 0) rest /= step;
+    }
+    if (rest == 1) return factor;
+  }
+  return most;
+}
+
 std::vector<double> decimate(const std::vector<double>& x, std::size_t factor) {
   if (factor == 0) throw std::invalid_argument("decimation factor must be at least 1");
   if (factor == 1) return x;
+  // A filter of order 8 far below the rate loses all its digits: a large factor is taken in steps.
+  for (std::size_t step = kLargestStep; factor > kLargestStep && step > 1; --step) {
+    if (factor % step != 0) continue;
+    std::vector<double> part = decimate(x, step);
+    // What is constant loses its share once, as in one step.
+    for (double& y : part) y *= std::pow(10.0, 2.0 * kRipple / 20.0);
+    return decimate(part, factor / step);
+  }
   const std::vector<double> smooth =
-      forward_backward(chebyshev_1(8, 0.05, 0.8 / static_cast<double>(factor)), x);
+      forward_backward(chebyshev_1(8, kRipple, 0.8 / static_cast<double>(factor)), x);
   std::vector<double> y;
   for (std::size_t k = (x.size() - 1) % factor; k < x.size(); k += factor) y.push_back(smooth[k]);
   return y;

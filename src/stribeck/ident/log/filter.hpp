@@ -33,8 +33,12 @@ Filter chebyshev_1(int order, double ripple_db, double edge);
 std::vector<double> forward_backward(const Filter& filter, const std::vector<double>& x);
 
 /// The signal after forward_backward with a Chebyshev filter of order 8, 0.05 dB, 0.8/factor; every factor-th sample of it,
-/// counted back from the end as MATLAB's `decimate` does.
+/// counted back from the end as MATLAB's `decimate` does. A factor above 13 is taken in steps of its divisors, as MATLAB's manual asks
+/// for: so far below the rate the filter has no digits left. One with a prime above 13 in it is taken at once.
 std::vector<double> decimate(const std::vector<double>& x, std::size_t factor);
+
+/// The largest factor up to this one that can be taken in such steps.
+std::size_t decimation_up_to(std::size_t most);
 
 /// Weights of three boxes of 2j+1 samples, convolved; 6j+1 of them, with sum 1.
 std::vector<double> box_weights(int j);

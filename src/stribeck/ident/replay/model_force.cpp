@@ -62,7 +62,8 @@ class Scored {
       : model_(model), record_(record), options_(options) {
     const double T = record.sample_time;
     out_.cut_off = std::min(options.cut_off, kHighestShare * 0.5 / T);
-    out_.factor = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(options.row_time / T)));
+    const auto most = static_cast<std::size_t>(std::max(1L, std::lround(options.row_time / T)));
+    out_.factor = log::decimation_up_to(most);
     out_.band = out_.factor > 1 ? kHighestShare * 0.5 / (T * static_cast<double>(out_.factor)) : out_.cut_off;
   }
 
@@ -77,6 +78,7 @@ class Scored {
     std::tie(out_.relative, out_.rms) = error_of(thin(filed_));
     if (options_.of_log) out_.of_log = share_of_log();
     fit_own();
+    leave_out_rest();
     return std::move(out_);
   }
 
@@ -119,6 +121,23 @@ class Scored {
       ff += out_.measured[i] * out_.measured[i];
     }
     return {ff > 0.0 ? std::sqrt(ee / ff) : kNaN, std::sqrt(ee / static_cast<double>(used_.size()))};
+  }
+
+  /// The error of the rows in which the axis moves: at rest a model without pre-sliding knows no force.
+  void leave_out_rest() {
+    constexpr double kRest = 0.01;  // of the top speed
+    double top = 0.0;
+    for (const std::size_t i : used_) top = std::max(top, std::abs(motion_.v[out_.row[i]]));
+    double ee = 0.0, ff = 0.0;
+    std::size_t moving = 0;
+    for (const std::size_t i : used_) {
+      if (std::abs(motion_.v[out_.row[i]]) < kRest * top) continue;
+      ++moving;
+      ee += std::pow(out_.measured[i] - out_.modelled[i], 2.0);
+      ff += out_.measured[i] * out_.measured[i];
+    }
+    out_.at_rest = 1.0 - static_cast<double>(moving) / static_cast<double>(used_.size());
+    if (ff > 0.0) out_.moving_relative = std::sqrt(ee / ff);
   }
 
   /// Columns of the shift (unless it is known) and of sine and cosine of each periodic term.

@@ -66,7 +66,9 @@ struct ForceError {
   double shift = kNaN;           ///< s [s]; > 0: the force stands later in the log than its motion
   double shift_half = kNaN;      ///< half width of 95 % [s]
   bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
-  double of_log = kNaN;  ///< largest share of the force that this record makes a right model miss
+  double at_rest = 0.0;  ///< share of the rows in which the axis stands
+  double moving_relative = kNaN;  ///< as own_relative, without them
+  double of_log = kNaN;           ///< largest share of the force that this record makes a right model miss
   std::vector<RecordPhase> phases;
   double cut_off = kNaN;         ///< that was used [Hz]
   double band = kNaN;            ///< up to which the decimated rows are flat [Hz]

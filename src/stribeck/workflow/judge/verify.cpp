@@ -158,6 +158,19 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   }
 }
 
+/// A model without pre-sliding is not to blame for the force of an axis that stands.
+void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<std::string>& warnings) {
+  constexpr double kMuchRest = 0.1;  // of the rows
+  constexpr double kMuchLess = 0.7;  // of the error
+  if (friction::has_pre_sliding(m.model.friction.dynamics) || e.at_rest < kMuchRest ||
+      !(e.moving_relative < kMuchLess * e.own_relative))
+    return;
+  warnings.push_back(fmt::format(
+      "{}: in {:.0f} % of the rows the axis stands, where a model without pre-sliding knows no force; where it moves the error is {:.3g} % in "
+      "place of {:.3g} % (identify the pre-sliding, or verify with a motion without rests)",
+      m.file, 100.0 * e.at_rest, 100.0 * e.moving_relative, 100.0 * e.own_relative));
+}
+
 class Verification {
  public:
   explicit Verification(const VerifyOptions& o) : o_(o), log_(o.log), models_(read_models(o, log_)) {
@@ -233,6 +246,7 @@ class Verification {
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     const double expected = -0.5 * record.sample_time - m.model.delay;
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), notes);
+    note_rest(m, one.force, notes);
     ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)
       open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
