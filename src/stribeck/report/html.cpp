@@ -57,7 +57,8 @@ std::string head_markup(std::string_view head) {
 }
 
 std::string cell_markup(const Cell& cell, bool number) {
-  std::string out = number ? "<td class=\"n\">" : "<td>";
+  constexpr std::size_t kLong = 60;  // letters; a sentence needs its own width on a small screen
+  std::string out = number ? "<td class=\"n\">" : cell.text.size() > kLong ? "<td class=\"long\">" : "<td>";
   if (is_color(cell.color))
     out +=
         fmt::format("<span class=\"swatch\" data-color=\"{0}\" style=\"background:{0}\"></span>", cell.color);
@@ -192,6 +193,7 @@ void Page::figures(const std::vector<Plot>& plots, int across, std::string_view 
   if (plots.empty()) return;
   constexpr int kNarrow = 700;  // a drawing of this width would be blown up to the width of the page [px]
   const bool narrow = plots.size() == 1 && plots.front().width < kNarrow;
+  if (narrow) across = 1;  // or it would stand in a part of its own width
   add(fmt::format("<figure><div class=\"plots across-{}{}{}\">", across, narrow ? " narrow" : "",
                   plots.size() == 1 ? " alone" : ""));
   for (const Plot& p : plots) {

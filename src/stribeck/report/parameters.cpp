@@ -120,7 +120,10 @@ std::string shown_number(double value, double low, double high) {
   if (!std::isfinite(half) || half <= 0.0 || !std::isfinite(value)) return significant(value, 4);
   // Two digits of the half width, for the value and for the limits alike.
   const int digits = 1 - static_cast<int>(std::floor(std::log10(half)));
-  return digits > 8 ? significant(value, 6) : decimals(value, std::max(digits, 0));
+  if (digits > 8) return significant(value, 6);
+  if (digits >= 0) return decimals(value, digits);
+  const double last = std::pow(10.0, -digits);
+  return decimals(std::round(value / last) * last + 0.0, 0);
 }
 
 Table parameter_table(const ident::Result& result) {

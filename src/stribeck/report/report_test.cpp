@@ -263,7 +263,8 @@ TEST(CompareReport, DrawsWithoutTheRowsThatCouldNotBeSimulated) {
 
 TEST(Parameters, DecimalsFollowTheInterval) {
   EXPECT_EQ(shown_number(57.6612, 57.18, 58.14), "57.66");
-  EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9662");
+  EXPECT_EQ(shown_number(-9662.3, -18852.0, -471.0), "-9700");
+  EXPECT_EQ(shown_number(294517.0, 276144.0, 302133.0), "295000");
   EXPECT_EQ(shown_number(0.14349, 0.1431, 0.1439), "0.14349");
   EXPECT_EQ(shown_number(12.3456, test::kNaN, test::kNaN), "12.35");
 }

@@ -147,7 +147,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     if (by_jogs) what.push_back("jogs");
     if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
       what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
-    p.words = "identified from logs of this machine: ";
+    p.words = "identified from simulated logs of this machine: ";
     if (closed.size() == axes.size()) {
       p.words += in_closed_loop + " on each axis";
     } else {
@@ -191,6 +191,7 @@ void take_back_verdicts(sim::CompareResult& result, std::size_t travel, std::siz
 void note_missing_bristles(const sim::CompareResult& result, const std::vector<std::size_t>& axes,
                            const Parameters& parameters, std::vector<std::string>& to) {
   for (const sim::ControllerSpec& c : result.spec.controllers) {
+    if (c.friction == sim::FrictionUse::kNone) continue;
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const friction::AxisModel model = parameters.knowledge[axes[i]].model(c.friction, result.axes[i]);
       if (sim::feedforward_with(c, model) == c.feedforward) continue;

@@ -212,7 +212,7 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes) {
     least = std::min(least, share), most = std::max(most, share);
     const double half = along.half[k];
     result.parameters.push_back({"level_at_place_" + std::to_string(k + 1), share, "1", "1", share - half,
-                                 share + half, half < std::abs(share - 1.0)});
+                                 share + half, half < share});
   }
   notes.warn(text(
       "friction differs along the travel, from %+.3g %% to %+.3g %%: the model holds it at %zu places from %.4g to %.4g mm, which belong to the homing position of this log; beyond them, the nearest place counts",

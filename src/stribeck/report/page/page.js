@@ -196,12 +196,20 @@ class Figure {
     const said = document.createElement('output');
     slider.type = 'range';
     slider.min = '-1'; slider.max = '1'; slider.step = '0.05'; slider.value = '0';
-    said.textContent = '×1';
+    // The drawing tells its own magnification: "error × 300".
+    const texts = [...this.svg.querySelectorAll('text')];
+    const told = texts.find((t) => /^error × \d+$/.test(t.textContent));
+    const own = told ? Number(told.textContent.slice(8)) : 1;
+    const say = () => {
+      said.textContent = '×' + Number((own * this.scale).toPrecision(2));
+      if (told) told.textContent = 'error ' + said.textContent.replace('×', '× ');
+    };
+    say();
     label.append('error magnified ', slider, said);
     slider.addEventListener('input', () => {
       this.prepare();
       this.scale = Math.pow(5, Number(slider.value));
-      said.textContent = '×' + this.scale.toPrecision(2);
+      say();
       this.magnify();
     });
     this.box.appendChild(label);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <cmath>
 #include <optional>
@@ -13,34 +14,31 @@
 namespace stribeck::report {
 namespace {
 
-std::string summary(const ident::Result& r, std::string_view axis) {
+/// The answer: what the axis is.
+std::string answer(const ident::Result& r, std::string_view axis) {
   const ShownUnits units = units_of(r);
-  std::string text = fmt::format("{}: {}, from {}", axis.empty() ? "The axis" : fmt::format("Axis {}", axis),
-                                 headline(r), counted(r));
-  if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
-    text += fmt::format(", valid from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
-                        significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
-    const auto [back, forward] = curve_begin(r);
-    if (std::isfinite(back) && std::isfinite(forward)) {
-      text += fmt::format(" and measured beyond {} and {} {}", significant(back * units.per_velocity, 2),
-                          significant(forward * units.per_velocity, 2), units.velocity);
-    }
+  const auto known = [&](std::string_view name) -> const ident::Parameter* {
+    const auto found = std::find_if(r.parameters.begin(), r.parameters.end(),
+                                    [&](const ident::Parameter& p) { return p.name == name; });
+    return found == r.parameters.end() || !std::isfinite(found->value) ? nullptr : &*found;
+  };
+  std::string text;
+  // In the units of the table below.
+  if (const ident::Parameter* mass = known("mass")) {
+    const ShownParameter s = shown(*mass, units);
+    text += fmt::format("Mass {} {}", shown_number(s.value, s.low, s.high), printed_unit(s.unit));
+    if (std::isfinite(s.low) && std::isfinite(s.high))
+      text += fmt::format(" (95 %: {} … {})", shown_number(s.low, s.low, s.high),
+                          shown_number(s.high, s.low, s.high));
+    text += ".";
   }
-  const bool kilograms = units.physical() && io::shown_unit(r.mass, quantity("kg", "N s2/mm")) == "kg";
-  const double per_mass = kilograms ? 1.0 : units.per_mass;
-  const double low = r.mass_interval.low * per_mass;
-  const double high = r.mass_interval.high * per_mass;
-  if (std::isfinite(r.mass)) {
-    text += fmt::format(". Mass {} {}", shown_number(r.mass * per_mass, low, high),
-                        kilograms ? "kg" : printed_unit(units.mass));
-  }
-  if (std::isfinite(r.mass) && std::isfinite(low) && std::isfinite(high)) {
-    text += fmt::format(" (95 %: {} … {})", shown_number(low, low, high), shown_number(high, low, high));
-  }
-  text += ".";
-  if (std::isfinite(r.held_out_rms)) {
-    text += fmt::format(" On held-out motion the error of the model is {} {} RMS.",
-                        significant(r.held_out_rms, 3), units.force);
+  const ident::Parameter* forward = known("coulomb_positive");
+  const ident::Parameter* backward = known("coulomb_negative");
+  if (forward != nullptr && backward != nullptr) {
+    const ShownParameter f = shown(*forward, units);
+    const ShownParameter b = shown(*backward, units);
+    text += fmt::format(" Coulomb friction {} and {} {}.", shown_number(f.value, f.low, f.high),
+                        shown_number(b.value, b.low, b.high), printed_unit(f.unit));
   }
   for (const auto& term : r.friction.eccentric) {
     const bool turns = term.form == friction::EccentricForm::kProportional;
@@ -48,9 +46,35 @@ std::string summary(const ident::Result& r, std::string_view axis) {
                         units.force, significant(term.period * units.per_position, 4), units.position,
                         turns ? " and reverses with the direction" : "");
   }
-  if (std::isfinite(r.break_away_distance)) {
+  const ident::Parameter* settles = known("break_away_distance");
+  if (std::isfinite(r.break_away_distance) && (settles == nullptr || settles->identifiable)) {
     text += fmt::format(" After a reversal friction settles over {} {} of travel.",
                         significant(r.break_away_distance * units.per_fine, 2), units.fine);
+  }
+  if (text.empty())
+    return fmt::format("{}: {}, from {}.", axis.empty() ? "The axis" : fmt::format("Axis {}", axis),
+                       headline(r), counted(r));
+  return (axis.empty() ? "" : fmt::format("Axis {}. ", axis)) + text.substr(text.find_first_not_of(' '));
+}
+
+/// What the answer rests on, and how far it holds.
+std::string basis(const ident::Result& r) {
+  const ShownUnits units = units_of(r);
+  std::string text = fmt::format("The model, {}, is from {}", headline(r), counted(r));
+  if (r.velocity_range[0] < 0.0 && r.velocity_range[1] > 0.0) {
+    text +=
+        fmt::format("; it holds from {} to {} {}", significant(r.velocity_range[0] * units.per_velocity, 3),
+                    significant(r.velocity_range[1] * units.per_velocity, 3), units.velocity);
+    const auto [back, forward] = curve_begin(r);
+    if (std::isfinite(back) && std::isfinite(forward)) {
+      text += fmt::format(" and is measured beyond {} and {} {}", significant(back * units.per_velocity, 2),
+                          significant(forward * units.per_velocity, 2), units.velocity);
+    }
+  }
+  text += ".";
+  if (std::isfinite(r.held_out_rms)) {
+    text += fmt::format(" On held-out motion the error of the model is {} {} RMS.",
+                        significant(r.held_out_rms, 3), units.force);
   }
   std::size_t loose = 0;
   for (const ident::Parameter& p : r.parameters) loose += p.identifiable ? 0 : 1;
@@ -191,8 +215,9 @@ Page identify_report_page(const IdentifyReportInput& input) {
   bool first = true;
   for (const ident::Result& r : input.results) {
     if (!first) page.section("Beside it: " + headline(r));
-    page.lead(summary(r, input.axis));
+    page.lead(answer(r, input.axis));
     if (first) page.numbers(key_numbers(r));
+    page.paragraph(basis(r));
     page.list("What this log does not determine", r.cannot_tell);
     page.warnings(r.warnings);
     if (first) page.section("Friction map");
@@ -229,8 +254,8 @@ Page identify_report_page(const IdentifyReportInput& input) {
     if (!r.models.empty()) {
       page.table(candidate_table(r));
       page.remark(
-          "The simplest model within one standard error of the best on motion that was not fitted is "
-          "chosen.");
+          "Judged on motion that was not fitted: of the models within one standard error of the best, or within 1 % of its "
+          "RMS, the simplest is chosen.");
     }
     first = false;
   }

@@ -65,6 +65,18 @@ RowsOfOne baseline(const std::vector<TravelBlock>& blocks) {
   return rows_of_one(blocks, first->controller.id);
 }
 
+/// Axes on which the adaptation of this controller found another shape of friction than it was given; "" where there is none.
+std::string axes_without_model(const RowsOfOne& rows, const sim::CompareResult& result) {
+  std::string axes;
+  for (std::size_t i = 0; i < result.axes.size(); ++i) {
+    const bool other = std::any_of(rows.begin(), rows.end(), [&](const sim::CompareRow* r) {
+      return i < r->drift.size() && r->drift[i].verdict == control::DriftVerdict::kAnotherShape;
+    });
+    if (other) axes += (axes.empty() ? "" : ", ") + result.axes[i];
+  }
+  return axes;
+}
+
 }  // namespace
 
 Recommendation recommendation(const std::vector<TravelBlock>& blocks, const sim::CompareResult& result) {
@@ -99,6 +111,9 @@ Recommendation recommendation(const std::vector<TravelBlock>& blocks, const sim:
   if (!standard.empty() && !as_good && standard != best)
     out.words +=
         fmt::format(" The default, {}, leaves {}.", name_of(*standard.front()), errors_of(blocks, standard));
+  if (const std::string axes = axes_without_model(chosen, result); !axes.empty())
+    out.words += fmt::format(
+        " Its model of friction does not hold at these speeds on axis {}: identify there first.", axes);
   for (std::size_t i = 0; i < std::min<std::size_t>(chosen.size(), 2); ++i)
     out.numbers.push_back({fmt::format("largest {} of {}, {}", error, name_of(*chosen[i]), blocks[i].text),
                            micrometres(chosen[i]->mean.max_contour_error), "µm"});

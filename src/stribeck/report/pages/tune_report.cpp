@@ -290,8 +290,11 @@ std::string best_in_words(const TuneReportInput& input) {
   std::string text =
       fmt::format("Use ({}) {}, tuned: its largest error at {} is {} µm", best->start.id, best->start.label,
                   input.spec.compare.travels[last].pace_in_words(), micrometres(error(best->after)));
-  if (best->before.size() > last)
-    text += fmt::format(", {} µm with the gains that it had", micrometres(error(best->before)));
+  if (best->before.size() > last) {
+    const std::string broken = broken_at_start(*best, input.result, input.spec);
+    text += fmt::format(", {} µm with the gains that it had{}", micrometres(error(best->before)),
+                        broken.empty() ? "" : ", which break a limit: " + broken);
+  }
   text += ".";
   for (const sim::TunedController& c : input.result.controllers) {
     const std::string worse = worse_in_words(c, input.result, input.spec);

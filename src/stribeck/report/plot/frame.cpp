@@ -41,6 +41,20 @@ struct Extent {
   }
 };
 
+/// What long numbers at the vertical axis need beyond the usual margin, so that its title is not written over them [px].
+double room_for_numbers(const Range& r) {
+  constexpr double kDigit = 7.3;  // width of a digit of the 12 px sans-serif
+  constexpr double kUsual = 4.0;  // "−0.5", "2000"
+  const double step = std::pow(10.0, std::floor(std::log10((r.high - r.low) / 5.0)));
+  if (!(step > 0.0) || !std::isfinite(step)) return 0.0;
+  double longest = 0.0;
+  for (const double end : {r.low, r.high}) {
+    const double number = std::trunc(end / step) * step;
+    longest = std::max(longest, static_cast<double>(fmt::format("{:.6g}", number).size()));
+  }
+  return kDigit * std::max(0.0, longest - kUsual);
+}
+
 using Json = nlohmann::ordered_json;
 
 double rounded(double px) { return std::round(10.0 * px) / 10.0; }
@@ -115,8 +129,6 @@ Frame frame_of(const Plot& p) {
   f.bottom = p.axes ? (p.x_label.empty() ? kBottom - kTitleLine : kBottom) : 4;
   f.top = p.axes ? kTop : 4;
   if (!p.title.empty()) f.top += kTitleLine;
-  const std::vector<LegendEntry> entries = legend_entries(p, f.width(p));
-  if (!entries.empty()) f.top += kLegendLine * (entries.back().row + 1);
   Extent x;
   Extent y;
   bool bars = false;
@@ -142,6 +154,9 @@ Frame frame_of(const Plot& p) {
   f.x = good(p.x_range, p.log_x) ? *p.x_range : x.range(bars ? 0.04 : 0.0, p.log_x);
   f.y = good(p.y_range, p.log_y) ? *p.y_range : y.range(0.06, p.log_y);
   if (bars && !p.y_range && y.low >= 0.0) f.y.low = 0.0;
+  if (p.axes && !p.y_label.empty() && !p.log_y) f.left += room_for_numbers(f.y);
+  const std::vector<LegendEntry> entries = legend_entries(p, f.width(p));
+  if (!entries.empty()) f.top += kLegendLine * (entries.back().row + 1);
   const std::vector<int> rows = marker_rows(p, f);
   if (!rows.empty()) f.top += kMarkerLine * (*std::max_element(rows.begin(), rows.end()) + 1);
   if (p.equal_aspect) {

@@ -58,6 +58,22 @@ Plot shares_below(const StudyResult& r, const std::string& motion, std::size_t c
   return p;
 }
 
+/// A key that fits below its bars: the whole, else its last word, with the axis in front where two factors have the same.
+std::string short_key(const StudyResult& r, std::size_t which) {
+  constexpr double kRoom = 470.0;  // of all keys [px]
+  constexpr double kLetter = 7.0;  // width of a letter [px]
+  const std::string& key = r.factors[which].key;
+  const auto last = [](const std::string& k) { return k.substr(k.rfind('.') + 1); };
+  const auto room = static_cast<std::size_t>(kRoom / kLetter / static_cast<double>(r.factors.size()));
+  if (key.size() <= room) return key;
+  const auto same = std::count_if(r.factors.begin(), r.factors.end(),
+                                  [&](const auto& other) { return last(other.key) == last(key); });
+  std::string out = same > 1 ? key.substr(0, key.find('.')) + " " + last(key) : last(key);
+  constexpr std::size_t kFewest = 4;
+  if (out.size() > std::max(room, kFewest)) out = out.substr(0, std::max(room, kFewest) - 1) + "…";
+  return out;
+}
+
 /// Indices of one controller on one motion.
 Plot bars(const StudyResult& r, const StudiedRow& row) {
   const StudiedFigure& f = row.figures.front();
@@ -81,7 +97,7 @@ Plot bars(const StudyResult& r, const StudiedRow& row) {
     const auto at = static_cast<double>(i + 1);
     add(first, f.indices[i].first, at - 0.18);
     add(total, f.indices[i].total, at + 0.18);
-    p.x_tics.push_back({at, r.factors[i].key});
+    p.x_tics.push_back({at, short_key(r, i)});
   }
   p.series = {std::move(first), std::move(total)};
   return p;
