@@ -524,4 +524,13 @@ class Figure {
 
 for (const svg of document.querySelectorAll('svg[data-plot]')) plots.push(new Figure(svg));
 for (const hint of document.querySelectorAll('.with-script')) hint.hidden = false;
+
+// A figure that is wider than the screen is marked at the edge beyond which it goes on.
+const frames = [...document.querySelectorAll('.plots>div')];
+const mark = (d) => d.classList.toggle('cut', d.scrollLeft + d.clientWidth < d.scrollWidth - 1);
+for (const d of frames) {
+  mark(d);
+  d.addEventListener('scroll', () => mark(d));
+}
+addEventListener('resize', () => frames.forEach(mark));
 })();
