@@ -241,7 +241,6 @@ Conditioned condition(RawLog log, const ConditionOptions& options) {
 }
 
 Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options) {
-  static const std::string kRadian = "rad";
   if (runs.empty()) throw Refused("no log was given");
   Conditioned out;
   Notes notes(options);
@@ -253,7 +252,7 @@ Conditioned condition(std::vector<RawLog> runs, const ConditionOptions& options)
   refuse_differing_runs(runs);
   const bool rotary = runs.front().rotary;
   // A rotary axis is carried at a radius of 1 m: its metres are radians.
-  const std::string& kind = rotary ? kRadian : unit;
+  const std::string kind = rotary ? "rad" : unit;
   notes.turns(turning(kind), rotary);
 
   unwrap_positions(runs, notes);

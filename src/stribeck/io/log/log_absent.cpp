@@ -83,6 +83,16 @@ bool is_absent(std::string_view cell) {
   return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
+Samples present(const std::vector<double>& t, const std::vector<double>& values) {
+  Samples out;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isnan(values[k])) continue;
+    out.t.push_back(t[k]);
+    out.values.push_back(values[k]);
+  }
+  return out;
+}
+
 void leave_out_absent(Log& log, int time, const Problem& first) {
   if (time < 0) throw InputError(first);
   if (const Column& stamps = log.columns[static_cast<std::size_t>(time)];
@@ -110,19 +120,13 @@ void leave_out_absent(Log& log, int time, const Problem& first) {
   for (std::size_t c = 0; c < columns; ++c) {
     const std::size_t absent = absent_in(log.columns[c]);
     if (absent == 0) continue;
-    std::vector<double> t;
-    std::vector<double> values;
-    for (std::size_t k = 0; k < log.rows; ++k) {
-      if (std::isnan(log.columns[c].values[k])) continue;
-      t.push_back(log.columns[at].values[k]);
-      values.push_back(log.columns[c].values[k]);
-    }
+    Samples own = present(log.columns[at].values, log.columns[c].values);
     log.notes.push_back("column " + in_quotes(log.columns[c].header) + " has numbers in " +
-                        std::to_string(values.size()) + " of " + std::to_string(log.rows) +
+                        std::to_string(own.values.size()) + " of " + std::to_string(log.rows) +
                         " rows, and times of its own");
-    const std::size_t own = own_times(log, made, std::move(t), log.columns[c].header, log.columns[at]);
-    log.columns[c].values = std::move(values);
-    log.columns[c].time = static_cast<int>(own);
+    const std::size_t times = own_times(log, made, std::move(own.t), log.columns[c].header, log.columns[at]);
+    log.columns[c].values = std::move(own.values);
+    log.columns[c].time = static_cast<int>(times);
   }
   if (made.empty()) return;
   for (std::size_t c = 0; c < columns; ++c) {

@@ -67,11 +67,7 @@ double Reader::number(std::string_view cell, std::size_t row, std::size_t column
 
 double Reader::number_or_absent(std::string_view cell, std::size_t row, std::size_t column,
                                 std::string_view name) {
-  const std::string_view bare = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"'
-                                    ? trimmed(cell.substr(1, cell.size() - 2))
-                                    : cell;
-  if (bare.empty() || (bare.size() == 3 && begins_with(bare, "nan")))
-    return std::numeric_limits<double>::quiet_NaN();
+  if (is_absent(cell)) return std::numeric_limits<double>::quiet_NaN();
   return number(cell, row, column, name);
 }
 
@@ -134,26 +130,21 @@ void add_groups(Log& log, std::vector<Group> groups, const std::string& time_uni
   };
   for (Group& group : groups) {
     for (Column& channel : group.channels) {
-      std::vector<double> t;
-      std::vector<double> values;
+      Samples own;
       const bool whole =
           std::none_of(channel.values.begin(), channel.values.end(), [](double x) { return std::isnan(x); });
       if (!whole) {
-        for (std::size_t i = 0; i < channel.values.size(); ++i) {
-          if (std::isnan(channel.values[i])) continue;
-          t.push_back(group.t[i]);
-          values.push_back(channel.values[i]);
-        }
+        own = present(group.t, channel.values);
         log.notes.push_back("column " + in_quotes(channel.name) + ": " +
-                            std::to_string(channel.values.size() - values.size()) + " of " +
+                            std::to_string(channel.values.size() - own.values.size()) + " of " +
                             std::to_string(channel.values.size()) + " samples are absent");
-        channel.values = std::move(values);
+        channel.values = std::move(own.values);
       }
       if (channel.values.empty()) {
         log.notes.push_back("column " + in_quotes(channel.name) + " was left out: it holds no samples");
         continue;
       }
-      channel.time = add_time(whole ? group.t : t);
+      channel.time = add_time(whole ? group.t : own.t);
       log.columns.push_back(std::move(channel));
     }
   }

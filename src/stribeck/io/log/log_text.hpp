@@ -168,6 +168,12 @@ void note_times(Log& log);
 
 /// Blank, or one of the words that tools write where there is no number: nan, n/a, null, none.
 bool is_absent(std::string_view cell);
+/// The samples of a channel that are not absent (NaN), with their times.
+struct Samples {
+  std::vector<double> t;
+  std::vector<double> values;
+};
+Samples present(const std::vector<double>& t, const std::vector<double>& values);
 /// Leaves out absent samples (NaN) of a table whose times are in column `time`, with notes. A column in which few are absent loses
 /// nothing else than these rows, of the whole table: the time has gaps there. A column in which more are absent has times of its own:
 /// tools that join channels of different rates write blank cells between. Throws `first` where there is no time (−1).

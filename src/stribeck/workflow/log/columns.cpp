@@ -243,6 +243,28 @@ const io::Column* find_by_name(const io::Log& log, const KnownColumn& k, const s
   return all.front().column;
 }
 
+bool is_force(LogQuantity what) { return std::find(kForces.begin(), kForces.end(), what) != kForces.end(); }
+
+/// "COLUMN + COLUMN", also with a unit behind it: a force that several columns give together.
+NamedColumn named_sum(const io::Log& log, const std::string& text) {
+  constexpr std::string_view kPlus = " + ";
+  const auto plus = log.find(text) == nullptr ? text.rfind(kPlus) : std::string::npos;
+  if (plus == std::string::npos) return named_column(log, text);
+  NamedColumn named = named_column(log, text.substr(plus + kPlus.size()));
+  const NamedColumn before = named_sum(log, text.substr(0, plus));
+  named.beside = before.beside;
+  named.beside.insert(named.beside.begin(), before.column);
+  for (const io::Column* c : named.beside) {
+    if (c == named.column || c->values.size() != named.column->values.size() ||
+        (!c->unit_text.empty() && c->unit_text != named.column->unit_text))
+      refuse_option(
+          "--map",
+          fmt::format("{} and {} cannot be added: expected two columns of one unit and of equally many rows",
+                      io::in_quotes(header_of(*c)), io::in_quotes(header_of(*named.column))));
+  }
+  return named;
+}
+
 }  // namespace
 
 const std::string& header_of(const io::Column& c) { return c.header.empty() ? c.name : c.header; }
@@ -273,7 +295,8 @@ AxisColumns::AxisColumns(const io::Log& log, const LogOptions& options) : log_(l
                                 io::in_quotes(text)));
     }
     const LogQuantity what = quantity_called(text.substr(0, equals));
-    NamedColumn named = named_column(log, text.substr(equals + 1));
+    const std::string column_text = text.substr(equals + 1);
+    NamedColumn named = is_force(what) ? named_sum(log, column_text) : named_column(log, column_text);
     for (const auto& [other, column] : maps_) {
       if (other == what)
         refuse_option("--map", fmt::format("{} is given twice, expected one column for it", enum_name(what)));
@@ -356,24 +379,6 @@ std::vector<NamedColumn> AxisColumns::with_unit_of(const std::vector<std::string
 
 NamedColumn named_column(const io::Log& log, const std::string& text) {
   NamedColumn named{log.find(text), {}};
-  constexpr std::string_view kPlus = " + ";
-  if (const auto plus = text.rfind(kPlus); named.column == nullptr && plus != std::string::npos) {
-    named = named_column(log, text.substr(plus + kPlus.size()));
-    const NamedColumn before = named_column(log, text.substr(0, plus));
-    std::vector<const io::Column*> all = before.beside;
-    all.insert(all.begin(), before.column);
-    for (const io::Column* c : all) {
-      if (c == named.column || c->values.size() != named.column->values.size() ||
-          (!c->unit_text.empty() && c->unit_text != named.column->unit_text))
-        refuse_option(
-            "--map",
-            fmt::format(
-                "{} and {} cannot be added: expected two columns of one unit and of equally many rows",
-                io::in_quotes(header_of(*c)), io::in_quotes(header_of(*named.column))));
-      named.beside.push_back(c);
-    }
-    return named;
-  }
   // Tries shorter and shorter names, because a unit may contain blanks ("N s/mm").
   for (auto blank = text.rfind(' '); named.column == nullptr && blank != std::string::npos && blank > 0;
        blank = text.rfind(' ', blank - 1)) {
@@ -436,7 +441,7 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
   } catch (const io::InputError& e) {
     io::Problem p = e.problems().front();
     p.file = log.source;
-    const std::string all = unit.empty() ? proposed_maps(log, "") : "";
+    const std::string all = unit.empty() ? proposed_maps(log, axis_in_name(column)) : "";
     if (!all.empty())
       p.message += "; or give all that is missing, with your units: " + all;
     else if (unit.empty())

@@ -38,6 +38,10 @@ enum class LogQuantity {
   kPressure  ///< difference of the pressures at a piston; never found by its name, for it may be any pressure
 };
 
+/// Those that give the force, in the order in which they are preferred.
+inline constexpr std::array kForces{LogQuantity::kForce,   LogQuantity::kCurrent, LogQuantity::kTorque,
+                                    LogQuantity::kPercent, LogQuantity::kVoltage, LogQuantity::kPressure};
+
 /// Names of one signal in lower case. A family is one notation, in order of preference; columns of two families
 /// are two candidates.
 using NameFamily = std::vector<std::string_view>;
@@ -89,8 +93,7 @@ class AxisColumns {
   std::vector<std::pair<LogQuantity, NamedColumn>> maps_;
 };
 
-/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file. "COLUMN +
-/// COLUMN" is a sum, also with a unit behind it.
+/// The column that --map names: "COLUMN", or "COLUMN UNIT" with a unit of the same kind, which replaces that of the file.
 NamedColumn named_column(const io::Log& log, const std::string& text);
 
 /// The position column of an axis, found by its name; refused where there is none, or more than one candidate.

@@ -13,10 +13,6 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Order in which a log's columns are taken for the force where no gain decides.
-constexpr std::array kForces{LogQuantity::kForce,   LogQuantity::kCurrent, LogQuantity::kTorque,
-                             LogQuantity::kPercent, LogQuantity::kVoltage, LogQuantity::kPressure};
-
 /// Units of a share of the rated torque; CiA 402 has per mille.
 constexpr std::array<std::string_view, 7> kShares{"%",        "pct",       "percent", "\u2030",
                                                   "permille", "per mille", "promille"};
@@ -240,10 +236,20 @@ std::string gain_of(const LogOptions& options, const Effort& e) {
   }
 }
 
-/// The columns of the other motors of an axis, by a number in the name: "Y1 Current", "Y2 Current"; empty where one is missing.
-std::vector<const io::Column*> of_other_motors(const io::Log& log, const io::Column& first, int motors) {
+/// Whether the number at this place counts motors: behind the name of the axis or behind a word for a motor. Elsewhere it may count axes.
+bool counts_motors(const std::string& name, std::size_t at, const std::string& axis) {
+  std::string before = lower_case(name.substr(0, at));
+  before.erase(before.find_last_not_of(" _-") + 1);
+  const auto ends = [&](std::string_view word) { return !word.empty() && before.ends_with(word); };
+  return ends(lower_case(axis)) || ends("motor") || ends("drive") || ends("antrieb");
+}
+
+/// The columns of the other motors of an axis: "Y1 Current", "Y2 Current"; "Motor1 A", "Motor2 A"; empty where one is missing.
+std::vector<const io::Column*> of_other_motors(const io::Log& log, const std::string& axis,
+                                               const io::Column& first, int motors) {
   const std::string& name = header_of(first);
   for (auto at = name.find('1'); at != std::string::npos; at = name.find('1', at + 1)) {
+    if (!counts_motors(name, at, axis)) continue;
     std::vector<const io::Column*> all;
     for (int k = 2; k <= motors; ++k) {
       std::string other = name;
@@ -262,7 +268,8 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
   if (motors < 2) return;
   const std::string first = io::in_quotes(header_of(*e.from.column));
   if (e.from.beside.empty()) {
-    const std::vector<const io::Column*> others = of_other_motors(columns.log(), *e.from.column, motors);
+    const std::vector<const io::Column*> others =
+        of_other_motors(columns.log(), columns.axis(), *e.from.column, motors);
     if (columns.mapped(e.what)) {
       if (!others.empty())
         notes.push_back(fmt::format(

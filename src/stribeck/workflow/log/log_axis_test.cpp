@@ -293,7 +293,21 @@ TEST(LogAxis, MotorsOfOneAxisAreAdded) {
   options.drive.motors = 3;
   EXPECT_THAT(refusal(text, options), HasSubstr("a sum of 2 columns, the axis has 3 motors"));
   options.maps = {"x=y + Y1 Current"};
+  EXPECT_THAT(refusal(text, options), HasSubstr("got \"+ Y1 Current\", expected a unit like m"));
+  options.maps = {"current=y + Y1 Current"};
   EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
+}
+
+// Here the numbers are those of axes: nothing is added.
+TEST(LogAxis, AnotherAxisIsNoSecondMotor) {
+  std::string text = "t [s],pos_1 [mm],pos_2 [mm],current_1 [A],current_2 [A]\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{},{},3,1\n", 0.001 * k, k, k);
+  workflow::LogOptions options{.axis = "1"};
+  options.drive.per_ampere = "20 N/A";
+  options.drive.motors = 2;
+  const workflow::LoggedAxis axis = workflow::logged_axis(log_of(text), options);
+  EXPECT_DOUBLE_EQ(axis.runs.at(0).f.y.at(0), 60.0);
+  EXPECT_THAT(axis.notes, Contains(HasSubstr("each is taken to give as much")));
 }
 
 TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
@@ -301,6 +315,11 @@ TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
   EXPECT_THAT(
       told,
       HasSubstr("--map t=\"time s\" --map x=\"y_act mm\" --map r=\"y_cmd mm\" --map force=\"y_force N\""));
+  // Of the axis that is asked for.
+  workflow::LogOptions y;
+  y.axis = "y";
+  EXPECT_THAT(refusal("t [s],x_pos,x_current,y_pos,y_current\n0,1,1,5,2\n0.001,2,2,6,2\n0.002,3,3,7,2\n", y),
+              HasSubstr("--map x=\"y_pos mm\" --map current=\"y_current A\""));
   // Steps of 2 are milliseconds; the unit that the file has stays.
   EXPECT_THAT(refusal("time,pos [um],Motor Current\n0,1,5\n2,2,6\n4,3,7\n"),
               HasSubstr("--map t=\"time ms\" --map x=\"pos um\" --map current=\"Motor Current A\""));

@@ -4,7 +4,7 @@
 
 namespace stribeck::workflow {
 
-LogTimes::LogTimes(const AxisColumns& columns) : log_(columns.log()) {
+LogTimes::LogTimes(const AxisColumns& columns) : log_(columns.log()), axis_(columns.axis()) {
   if (const auto named = columns.mapped(LogQuantity::kTime)) {
     mapped_ = static_cast<int>(named->column - log_.columns.data());
     unit_ = named->unit;
@@ -30,7 +30,7 @@ const std::vector<double>& LogTimes::seconds(int index) {
     io::Problem p = e.problems().front();
     p.file = log_.source;
     if (column.unit_text.empty()) {
-      const std::string all = proposed_maps(log_, "");
+      const std::string all = proposed_maps(log_, axis_);
       p.message += all.empty() ? "; or give it with --map t=\"" + column.name + " s\""
                                : "; or give all that is missing, with your units: " + all;
     }

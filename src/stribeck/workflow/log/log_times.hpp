@@ -22,6 +22,7 @@ class LogTimes {
 
  private:
   const io::Log& log_;
+  std::string axis_;
   int mapped_ = -1;
   std::string unit_;  ///< from --map; empty: the file's own
   std::map<int, std::vector<double>> converted_;

@@ -72,10 +72,6 @@ std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
                                                   : "perhaps, with your units: " + all)});
   }
   const std::optional<NamedColumn> r = columns.find(LogQuantity::kReference);
-  for (const std::optional<NamedColumn>& sum : {x, v, r}) {
-    if (sum && !sum->beside.empty())
-      refuse_option("--map", "a sum of columns is a force; for a motion name one column");
-  }
   std::vector<MotionColumn> all;
   if (x) all.push_back({LogQuantity::kPosition, *x});
   if (r) all.push_back({LogQuantity::kReference, *r});

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <stribeck/workflow/log/names/column_words.hpp>
@@ -11,12 +12,8 @@
 namespace stribeck::workflow {
 namespace {
 
-/// Quantities in the order of the options; one of the forces is enough.
-constexpr std::array kForces{LogQuantity::kForce, LogQuantity::kTorque, LogQuantity::kCurrent,
-                             LogQuantity::kVoltage, LogQuantity::kPercent};
-constexpr std::array kShown{LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity,
-                            LogQuantity::kForce,    LogQuantity::kTorque,    LogQuantity::kCurrent,
-                            LogQuantity::kVoltage,  LogQuantity::kPercent};
+/// Quantities whose names are looked for.
+constexpr std::array kMotions{LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity};
 
 /// The unit in which a control period is between 10 us and 50 ms.
 std::string unit_of_time(const std::vector<double>& t) {
@@ -37,9 +34,12 @@ std::string usual_unit(LogQuantity what) {
 /// What a column is by its name alone; "Y act" is taken for a position where it has no unit.
 std::optional<NameMeaning> guess(const io::Column& c) {
   const std::string name = lower_case(c.name);
-  for (const LogQuantity what : kShown) {
-    for (const NameFamily& family : known_column(what).families) {
-      if (std::find(family.begin(), family.end(), name) != family.end()) return NameMeaning{what, 0, {}};
+  for (const std::span<const LogQuantity> list :
+       {std::span<const LogQuantity>(kMotions), std::span<const LogQuantity>(kForces)}) {
+    for (const LogQuantity what : list) {
+      for (const NameFamily& family : known_column(what).families) {
+        if (std::find(family.begin(), family.end(), name) != family.end()) return NameMeaning{what, 0, {}};
+      }
     }
   }
   if (const auto found = meaning_of(c.name, c.unit_text)) return found;
@@ -47,6 +47,11 @@ std::optional<NameMeaning> guess(const io::Column& c) {
 }
 
 }  // namespace
+
+std::string axis_in_name(const io::Column& column) {
+  const auto found = guess(column);
+  return found ? found->axis : "";
+}
 
 std::string proposed_maps(const io::Log& log, const std::string& axis) {
   const int time = io::time_column(log);

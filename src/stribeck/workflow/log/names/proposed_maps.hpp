@@ -12,4 +12,7 @@ namespace stribeck::workflow {
 /// "" where time, position and force of the axis cannot be guessed. `axis`: "" where the log has one.
 std::string proposed_maps(const io::Log& log, const std::string& axis);
 
+/// The axis that the name of a column tells, in lower case; "" where it tells none.
+std::string axis_in_name(const io::Column& column);
+
 }  // namespace stribeck::workflow
