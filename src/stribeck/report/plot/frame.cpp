@@ -44,7 +44,7 @@ struct Extent {
 /// What long numbers at the vertical axis need beyond the usual margin, so that its title is not written over them [px].
 double room_for_numbers(const Range& r) {
   constexpr double kDigit = 7.3;  // width of a digit of the 12 px sans-serif
-  constexpr double kUsual = 4.0;  // "−0.5", "2000"
+  constexpr double kUsual = 3.0;  // letters: "0.5", "−20"
   const double step = std::pow(10.0, std::floor(std::log10((r.high - r.low) / 5.0)));
   if (!(step > 0.0) || !std::isfinite(step)) return 0.0;
   double longest = 0.0;
