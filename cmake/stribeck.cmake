@@ -163,11 +163,12 @@ function(stribeck_module name)
   endif()
 endfunction()
 
-# stribeck_test(<name> SOURCES ... LINKS ... [LABELS slow]): a GoogleTest program, each test known to CTest.
+# stribeck_test(<name> SOURCES ... LINKS ... [LABELS slow] [COST <seconds>]): a GoogleTest program, each test known to CTest. COST: what its
+# longest test takes, so that CTest begins with it and no processor waits at the end.
 # ./check leaves out what is labelled slow; .ci/run runs it. The compiler reads eight files at a time (decision 0012): each test file
 # has a namespace of its own, which is called like the file.
 function(stribeck_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(T "" "COST" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${T_SOURCES})
   target_link_libraries(${name} PRIVATE ${T_LINKS} stribeck_flags GTest::gmock GTest::gtest GTest::gtest_main)
   # Tests are three fifths of everything that is compiled, and little of what runs in them is theirs: the libraries keep their -O2. With
@@ -193,7 +194,13 @@ function(stribeck_test name)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
   endif()
   if(T_LABELS)
-    set(properties PROPERTIES LABELS "${T_LABELS}")
+    list(APPEND properties LABELS "${T_LABELS}")
+  endif()
+  if(T_COST)
+    list(APPEND properties COST ${T_COST})
+  endif()
+  if(properties)
+    list(PREPEND properties PROPERTIES)
   endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 ${properties})
 endfunction()
