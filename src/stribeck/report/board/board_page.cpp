@@ -125,10 +125,56 @@ void add_control(Page& page, const BoardResult& r) {
   }
 }
 
+/// "x has the smallest median, 2.1 % (1.9–2.4); next: y with 2.3 %", and whether these machines tell the two apart. Rows stand in their
+/// order; empty where the first one has no value.
+template <class Row, class Get>
+std::string first_in_words(const std::vector<Row>& rows, Get&& get, std::string_view unit,
+                           std::string_view infinite) {
+  if (rows.empty() || !std::isfinite(get(rows[0]).value)) return {};
+  const sim::Confident& best = get(rows[0]);
+  const std::string interval = board_interval(best, infinite);
+  std::string words =
+      fmt::format("{} has the smallest, {} {}{}", clean_text(rows[0].entrant.id), board_number(best.value),
+                  unit, interval.empty() ? "" : " (" + interval + ")");
+  if (rows.size() < 2) return words;
+  const sim::Confident& second = get(rows[1]);
+  const std::string id = clean_text(rows[1].entrant.id);
+  if (!std::isfinite(second.value))
+    return words +
+           fmt::format("; next of {}: {}, {} in half of the cases or more", rows.size(), id, infinite);
+  words += fmt::format("; next of {}: {} with {} {}", rows.size(), id, board_number(second.value), unit);
+  if (second.low <= best.high) words += ", which these machines do not tell apart from it";
+  return words;
+}
+
+/// Who is first, and by how much.
+std::vector<std::string> answers(const BoardResult& r) {
+  std::vector<std::string> all;
+  const auto add = [&](std::string_view of, std::string words) {
+    if (!words.empty()) all.push_back(fmt::format("{}: {}.", of, words));
+  };
+  add("Median error of the friction curve",
+      first_in_words(
+          r.identification,
+          [](const IdentificationRow& row) -> const sim::Confident& { return row.curve_error.median; }, "%",
+          "failed"));
+  for (const std::string& motion : board_motions(r)) {
+    std::vector<ControlRow> rows;
+    std::copy_if(r.control.begin(), r.control.end(), std::back_inserter(rows),
+                 [&](const ControlRow& row) { return row.motion == motion; });
+    add("Median of the largest contour error, " + motion,
+        first_in_words(
+            rows, [](const ControlRow& row) -> const sim::Confident& { return row.max_error.median; }, "µm",
+            "lost"));
+  }
+  return all;
+}
+
 Page board_page(const BoardReportInput& input) {
   const BoardResult& r = input.result;
   Page page("Board", "stribeck " + input.version);
-  page.lead(board_in_words(r) + ".");
+  for (const std::string& words : answers(r)) page.lead(words);
+  page.paragraph(board_in_words(r) + ".");
   page.paragraph(
       "In small type below a number: its interval of 95 % confidence. A question mark: the 99th percentile has no upper end "
       "below 368 machines. Entries with * were given by the user.");

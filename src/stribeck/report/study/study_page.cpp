@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/io/file.hpp>
@@ -173,10 +174,77 @@ void add_indices(Page& page, const StudyResult& r) {
   page.table(t);
 }
 
+/// Rows of a motion whose main figure is known, the smallest 95 % quantile first; lost ones are last.
+std::vector<const StudiedRow*> by_figure(const StudyResult& r, const std::string& motion) {
+  std::vector<const StudiedRow*> rows;
+  for (const StudiedRow& row : r.rows) {
+    if (row.motion == motion && is_known(row.figures.front())) rows.push_back(&row);
+  }
+  std::stable_sort(rows.begin(), rows.end(), [&](const StudiedRow* a, const StudiedRow* b) {
+    return quantile_of(r, a->figures.front(), 0.95).value < quantile_of(r, b->figures.front(), 0.95).value;
+  });
+  return rows;
+}
+
+/// Who has the smallest error that 95 % of the machines stay below, how sure that is, and whether the next one is distinct from it.
+std::string best_in_words(const StudyResult& r, const std::string& motion) {
+  const StudiedColumn& column = r.columns.front();
+  const std::string unit = column.unit.empty() ? "" : " " + column.unit;
+  const std::string what = column.key == "max_contour_error_um" ? "largest error" : column.name;
+  const auto rows = by_figure(r, motion);
+  if (rows.empty()) return fmt::format("{}: no run of any controller could be scored.", motion);
+  const StudiedRow& best = *rows.front();
+  const sim::Confident most = quantile_of(r, best.figures.front(), 0.95);
+  const std::string id = clean_text(best.controller);
+  if (!std::isfinite(most.value)) {
+    return fmt::format(
+        "{}: every controller loses the path on more than 5 % of the machines; ({}) does so on {} of {}.",
+        motion, id, best.lost, r.runs);
+  }
+  const bool sure = std::isfinite(most.low) && std::isfinite(most.high);
+  std::string words = fmt::format("{}: under ({}) the {} stays below {}{} on 95 % of the machines", motion,
+                                  id, what, shown(column, most.value), unit);
+  if (sure) {
+    words += fmt::format(" ({}, 95 % sure)", interval(column, most));
+  } else if (r.sampling != sim::Sampling::kGrid) {
+    words += fmt::format("; {} machines are too few to say how sure that is", r.runs);
+  }
+  if (rows.size() > 1) {
+    const sim::Confident other = quantile_of(r, rows[1]->figures.front(), 0.95);
+    const std::string next = std::isfinite(other.value) ? "it is " + shown(column, other.value) + unit
+                                                        : "the path is lost on more than 5 %";
+    words +=
+        fmt::format("; under ({}), the next of {}, {}", clean_text(rows[1]->controller), rows.size(), next);
+    if (sure && other.low <= most.high) words += ", which these machines do not tell apart";
+  }
+  return words +
+         (best.lost > 0 ? fmt::format(". It loses the path on {} of {} machines.", best.lost, r.runs) : ".");
+}
+
+/// The factor with the largest share of the variance of the best controller; empty without indices.
+std::string largest_factor(const StudyResult& r, const std::string& motion) {
+  const auto rows = by_figure(r, motion);
+  if (rows.empty()) return {};
+  const auto& indices = rows.front()->figures.front().indices;
+  const sim::SobolIndex* largest = nullptr;
+  std::size_t which = 0;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (!std::isfinite(indices[i].total.value)) continue;
+    if (largest != nullptr && !(indices[i].total.value > largest->total.value)) continue;
+    largest = &indices[i];
+    which = i;
+  }
+  if (largest == nullptr) return {};
+  return fmt::format(" Of its variance {} % goes with {}.", per_cent(largest->total.value),
+                     clean_text(r.factors[which].key));
+}
+
 Page study_report_page(const StudyReportInput& input) {
   const StudyResult& r = input.result;
   Page page("Study: " + clean_text(r.machine), "stribeck " + input.version);
-  page.lead(study_in_words(r) + ".");
+  for (const std::string& motion : motions_of(r))
+    page.lead(best_in_words(r, motion) + largest_factor(r, motion));
+  page.paragraph(study_in_words(r) + ".");
   page.paragraph("Controllers know the machine as its file says it, not how it differs. Compensators: " +
                  clean_text(r.parameters) + ".");
   Table factors;
