@@ -52,7 +52,8 @@ void add_seed(CLI::App& verb, std::uint64_t& seed) {
 
 Progress::Progress(std::string what, bool quiet)
     : what_(std::move(what)),
-      enabled_(!quiet && isatty(STDERR_FILENO) == 1),
+      enabled_(!quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
       begin_(std::chrono::steady_clock::now()),
       last_(begin_) {}
 
@@ -64,6 +65,12 @@ void Progress::operator()(std::size_t done, std::size_t all) {
   if (!enabled_) return;
   const auto now = std::chrono::steady_clock::now();
   using std::chrono::milliseconds;
+  if (!terminal_) {
+    if (now - last_ < std::chrono::seconds(30)) return;
+    last_ = now;
+    fmt::print(stderr, "{}: {} of {} done\n", io::printable(what_), done, all);
+    return;
+  }
   if (now - begin_ < milliseconds(1000) || now - last_ < milliseconds(100)) return;
   last_ = now;
   drawn_ = true;

@@ -38,7 +38,8 @@ void add_seed(CLI::App& verb, std::uint64_t& seed);
 /// --trials and --threads, for verbs that repeat an experiment.
 void add_trials(CLI::App& verb, std::uint32_t& trials, unsigned& threads);
 
-/// A progress bar on stderr for work that takes longer than a second; only when stderr is a terminal.
+/// How far work has come, on stderr: a bar for work that takes longer than a second, and a line every half a minute where stderr is no
+/// terminal.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
@@ -50,6 +51,7 @@ class Progress {
  private:
   std::string what_;
   bool enabled_;
+  bool terminal_;
   bool drawn_ = false;
   std::chrono::steady_clock::time_point begin_;
   std::chrono::steady_clock::time_point last_;

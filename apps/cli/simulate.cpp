@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
@@ -55,19 +58,41 @@ int play_reference(const SimulateCommand& o, const sim::Machine& machine) {
   io::write_csv(o.output, run.log);
   const double duration = run.recording.t.back();
   const report::Made made = made_from(inputs_of(o));
-  report_log(o.common, made, run.log, fmt::format("Axis {} of {}", o.axis, machine.name),
-             fmt::format("{:.6g} s, as a control would log it", duration));
+  std::vector<std::string> warnings;
   if (const auto& stop = run.end_stop) {
-    fmt::print(
-        stderr,
-        "stribeck: axis {} ran into its end stop at {:.6g} mm with {:.3g} mm/s after {:.6g} s: the run "
-        "ends there (check load, friction and start of the excitation)\n",
-        o.axis, stop->position * 1e3, stop->speed * 1e3, stop->time);
+    warnings.push_back(
+        fmt::format("axis {} ran into its end stop at {:.6g} mm with {:.3g} mm/s after {:.6g} s: the run "
+                    "ends there (check load, friction and start of the excitation)",
+                    o.axis, stop->position * 1e3, stop->speed * 1e3, stop->time));
+    fmt::print(stderr, "stribeck: {}\n", warnings.back());
   }
+  report_log(o.common, made, run.log, fmt::format("Axis {} of {}", o.axis, machine.name),
+             fmt::format("{:.6g} s, as a control would log it", duration), {}, warnings);
   write_json(o.common.json, to_json(run), made);
   say(o.common,
       fmt::format("{:.6g} s of axis {} in {} ({} rows).\n", duration, o.axis, o.output, run.log.rows));
   return run.end_stop ? kAnswerIsNo : 0;
+}
+
+/// " It is largest after 12.3 s, at x = 10.2 mm, y = -3.1 mm." Empty without a scored sample.
+std::string place_of_largest(const sim::Machine& machine, const sim::CompareResult& one) {
+  const sim::ContourSample* largest = nullptr;
+  for (const sim::ContourSample& sample : one.rows.front().trace) {
+    if (!sample.scored || !std::isfinite(sample.contour_error)) continue;
+    if (largest == nullptr || std::abs(sample.contour_error) > std::abs(largest->contour_error))
+      largest = &sample;
+  }
+  if (largest == nullptr) return {};
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < one.axes.size(); ++i) {
+    const bool rotary = std::any_of(machine.axes.begin(), machine.axes.end(), [&](const auto& axis) {
+      return axis.first == one.axes[i] && axis.second.rotary;
+    });
+    places.push_back(fmt::format("{} = {:.2f} {}", one.axes[i],
+                                 largest->reference[i] * (rotary ? 180.0 / std::numbers::pi : 1e3),
+                                 rotary ? "deg" : "mm"));
+  }
+  return fmt::format(" It is largest after {:.2f} s, at {}.", largest->time, report::joined(places, ", "));
 }
 
 int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
@@ -81,16 +106,17 @@ int follow_path(const SimulateCommand& o, const sim::Machine& machine) {
   const std::string figures =
       fmt::format("{} error max {:.2f} µm, RMS {:.3f} µm", one.axes.size() == 1 ? "tracking" : "contour",
                   m.max_contour_error * 1e6, m.rms * 1e6);
+  std::vector<std::string> warnings = report::status_warnings(one);
+  warnings.insert(warnings.end(), run.uncovered.begin(), run.uncovered.end());
   report_log(o.common, made_from(inputs_of(o)), errors_first(run.log, one.axes),
              fmt::format("Controller ({}) on {}", controller.id, travel.name),
-             fmt::format("{}, {}: {}", controller.label, pace, figures), report::run_figures(one));
+             fmt::format("{}, {}: {}.{}", controller.label, pace, figures, place_of_largest(machine, one)),
+             report::run_figures(one), warnings);
   write_json(o.common.json, to_json(run), made_from(inputs_of(o)));
   say(o.common, part_words(run.spec));
   say(o.common, fmt::format("Controller {} ({}) on {}, {}: {}. Trace in {} ({} rows).\n", controller.id,
                             controller.label, travel.name, pace, figures, o.output, run.log.rows));
-  for (const std::string& warning : report::status_warnings(one))
-    say(o.common, "Warning: " + warning + ".\n");
-  for (const std::string& warning : run.uncovered) say(o.common, "Warning: " + warning + ".\n");
+  for (const std::string& warning : warnings) say(o.common, "Warning: " + warning + ".\n");
   for (const std::string& words : report::drift_words(one))
     say(o.common, "Change since identification: " + words + ".\n");
   return 0;

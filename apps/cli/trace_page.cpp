@@ -28,7 +28,8 @@ std::string quantity_of(const std::string& column) {
 }  // namespace
 
 void report_log(const Common& common, const report::Made& made, const io::Log& log, const std::string& title,
-                const std::string& summary, std::vector<report::TraceFigure> figures) {
+                const std::string& summary, std::vector<report::TraceFigure> figures,
+                std::vector<std::string> warnings) {
   const report::PageFolders folders = folders_of(common);
   if (!folders.any()) return;
   report::TraceReportInput input{title, summary,    made.command, made.version, log.columns.front().values,
@@ -38,6 +39,7 @@ void report_log(const Common& common, const report::Made& made, const io::Log& l
     input.columns.push_back({c.name, c.unit_text, c.values, quantity_of(c.name)});
   }
   input.figures = std::move(figures);
+  input.warnings = std::move(warnings);
   report::write_trace_report(folders, input);
 }
 

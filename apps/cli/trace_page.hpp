@@ -16,6 +16,7 @@ namespace stribeck::cli {
 
 /// Writes a page with a log's columns over time, where one is wanted.
 void report_log(const Common& common, const report::Made& made, const io::Log& log, const std::string& title,
-                const std::string& summary, std::vector<report::TraceFigure> figures = {});
+                const std::string& summary, std::vector<report::TraceFigure> figures = {},
+                std::vector<std::string> warnings = {});
 
 }  // namespace stribeck::cli

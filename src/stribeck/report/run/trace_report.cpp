@@ -17,6 +17,7 @@ namespace {
 Page trace_report_page(const TraceReportInput& input) {
   Page page(input.title, "stribeck " + input.version);
   page.lead(input.summary);
+  page.warnings(input.warnings);
   for (const TraceFigure& f : input.figures) {
     page.section(f.heading);
     page.figures(f.plots, f.columns, f.caption);

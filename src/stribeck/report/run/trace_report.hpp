@@ -34,6 +34,7 @@ struct TraceReportInput {
   std::vector<TraceColumn> columns;    ///< columns of one quantity and unit share a drawing
   std::vector<InputFile> inputs = {};  ///< that the result came from
   std::vector<TraceFigure> figures = {};
+  std::vector<std::string> warnings = {};  ///< stand below the summary
 };
 
 std::string trace_report(const TraceReportInput& input);
