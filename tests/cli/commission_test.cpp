@@ -56,7 +56,15 @@ TEST(Commission, SaysWhatToRecordNext) {
   const Stages stages;
   const Said nothing = stages.run();
   EXPECT_EQ(nothing.code, 1) << nothing.err;
-  EXPECT_THAT(nothing.out, AllOf(HasSubstr("Axis x: no log"), HasSubstr("--axis x --method sine -o")));
+  EXPECT_THAT(nothing.out, AllOf(HasSubstr("Axis x: no log"), HasSubstr("--axis x --method sine -o"),
+                                 Not(HasSubstr("first: "))));
+  // A log that lacks a unit is mended, not recorded again.
+  stages.log("x.csv", "time,x_act,torque\n0,1,2\n0.001,2,3\n");
+  const std::string skipped = stages.run().out;
+  EXPECT_THAT(skipped, HasSubstr("--map x=\"x_act mm\""));
+  EXPECT_LT(skipped.find("skipped: "), skipped.find("first: mend what was skipped"));
+  EXPECT_LT(skipped.find("first: mend"), skipped.find("next: stribeck excite"));
+  std::filesystem::remove(stages.folder / "logs/x.csv");
   stages.log("x-sine.csv", log_text(3.0, 20.0, 1));
   const Said one = stages.run();
   EXPECT_EQ(one.code, 1) << one.err;

@@ -41,6 +41,8 @@ std::string_view name_of(CommissionStage stage) noexcept { return kStages[static
 
 std::string text_table(const CommissionReportInput& input) {
   std::string out;
+  // What is skipped may be the log that an axis lacks: it comes first.
+  for (const std::string& line : input.skipped) out += "skipped: " + clean_text(line) + "\n";
   for (const Axis& a : input.axes) {
     out += fmt::format("{}Axis {}: {}{}\n", out.empty() ? "" : "\n", clean_text(a.axis), name_of(a.stage),
                        a.unchanged ? " (inputs unchanged, nothing was computed again)" : "");
@@ -52,9 +54,10 @@ std::string text_table(const CommissionReportInput& input) {
     if (!a.axis_file.empty()) out += "  axis file " + clean_text(a.axis_file) + "\n";
     for (const std::string& line : a.warnings) out += "  warning: " + clean_text(line) + "\n";
     for (const std::string& line : a.open) out += "  open: " + clean_text(line) + "\n";
+    if (a.stage == Stage::kNoLog && !input.skipped.empty())
+      out += "  first: mend what was skipped, above, if it is a log of this axis\n";
     for (const std::string& command : a.next) out += "  next: " + clean_text(command) + "\n";
   }
-  for (const std::string& line : input.skipped) out += "skipped: " + clean_text(line) + "\n";
   return out;
 }
 
