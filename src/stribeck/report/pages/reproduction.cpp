@@ -342,10 +342,6 @@ std::string as_text(const Table& table, bool spread = true) {
   return lay_out(std::move(columns));
 }
 
-}  // namespace
-
-namespace {
-
 /// Result over print. Of a change against another controller it is what is left that is compared: 88 % and 97 % for -12 % and -3 %.
 double ratio_of(const ReproducedFigure& f) {
   constexpr double kAll = 100.0;
