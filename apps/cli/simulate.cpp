@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
@@ -14,6 +13,7 @@
 #include <apps/cli/trace_page.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/log/log.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/run/run_figures.hpp>
 #include <stribeck/report/table.hpp>
 #include <stribeck/report/text.hpp>
@@ -89,7 +89,7 @@ std::string place_of_largest(const sim::Machine& machine, const sim::CompareResu
       return axis.first == one.axes[i] && axis.second.rotary;
     });
     places.push_back(fmt::format("{} = {:.2f} {}", one.axes[i],
-                                 largest->reference[i] * (rotary ? 180.0 / std::numbers::pi : 1e3),
+                                 largest->reference[i] * (rotary ? report::kDegrees : 1e3),
                                  rotary ? "deg" : "mm"));
   }
   return fmt::format(" It is largest after {:.2f} s, at {}.", largest->time, report::joined(places, ", "));

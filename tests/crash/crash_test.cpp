@@ -50,8 +50,7 @@ int run(const Folder& f, std::vector<std::string> words, std::vector<std::string
   return status;
 }
 
-/// The next call to try: each one of the first two files; later files of a folder are written by the same calls over and over, and steps
-/// of 11 meet each kind of call in another file.
+/// The next call to try: each of the first 14, then every 11th, because further files are written by the same calls over and over.
 int next_call(int k) { return k + (k < 14 ? 1 : 11); }
 
 /// Every file below a folder.

@@ -59,6 +59,13 @@ Plot medians(const std::vector<Row>& rows, Get&& get, const std::string& title, 
   return p;
 }
 
+std::vector<ControlRow> rows_at(const BoardResult& r, const std::string& motion) {
+  std::vector<ControlRow> rows;
+  std::copy_if(r.control.begin(), r.control.end(), std::back_inserter(rows),
+               [&](const ControlRow& row) { return row.motion == motion; });
+  return rows;
+}
+
 void add_identification(Page& page, const BoardResult& r) {
   if (r.identification.empty()) return;
   page.section("Identification");
@@ -100,9 +107,7 @@ void add_control(Page& page, const BoardResult& r) {
       "of the input from one period to the next.");
   for (const std::string& motion : board_motions(r)) {
     page.subsection(motion);
-    std::vector<ControlRow> rows;
-    std::copy_if(r.control.begin(), r.control.end(), std::back_inserter(rows),
-                 [&](const ControlRow& row) { return row.motion == motion; });
+    const std::vector<ControlRow> rows = rows_at(r, motion);
     const auto largest = [](const ControlRow& row) -> const sim::Confident& { return row.max_error.median; };
     const Plot plot = medians(rows, largest, "largest contour error, " + motion, "largest error [µm]");
     if (!plot.series.empty())
@@ -125,8 +130,8 @@ void add_control(Page& page, const BoardResult& r) {
   }
 }
 
-/// "x has the smallest median, 2.1 % (1.9–2.4); next: y with 2.3 %", and whether these machines tell the two apart. Rows stand in their
-/// order; empty where the first one has no value.
+/// "auto has the smallest, 2.1 % (1.9–2.4); next of 5: jog with 2.3 %", and whether these machines tell the two apart. The best row is
+/// the first; empty where it has no value.
 template <class Row, class Get>
 std::string first_in_words(const std::vector<Row>& rows, Get&& get, std::string_view unit,
                            std::string_view infinite) {
@@ -159,9 +164,7 @@ std::vector<std::string> answers(const BoardResult& r) {
           [](const IdentificationRow& row) -> const sim::Confident& { return row.curve_error.median; }, "%",
           "failed"));
   for (const std::string& motion : board_motions(r)) {
-    std::vector<ControlRow> rows;
-    std::copy_if(r.control.begin(), r.control.end(), std::back_inserter(rows),
-                 [&](const ControlRow& row) { return row.motion == motion; });
+    const std::vector<ControlRow> rows = rows_at(r, motion);
     add("Median of the largest contour error, " + motion,
         first_in_words(
             rows, [](const ControlRow& row) -> const sim::Confident& { return row.max_error.median; }, "µm",
