@@ -139,8 +139,8 @@ std::string first_in_words(const std::vector<Row>& rows, Get&& get, std::string_
   const sim::Confident& best = get(rows[0]);
   const std::string interval = board_interval(best, infinite);
   std::string words =
-      fmt::format("{} has the smallest, {} {}{}", clean_text(rows[0].entrant.id), board_number(best.value),
-                  unit, interval.empty() ? "" : " (" + interval + ")");
+      fmt::format("{} has {}{} {}{}", clean_text(rows[0].entrant.id), rows.size() > 1 ? "the smallest, " : "",
+                  board_number(best.value), unit, interval.empty() ? "" : " (" + interval + ")");
   if (rows.size() < 2) return words;
   const sim::Confident& second = get(rows[1]);
   const std::string id = clean_text(rows[1].entrant.id);

@@ -46,6 +46,8 @@ TEST(BoardPageAnswer, SaysWhatIsLostAndNothingOfWhatNobodyReached) {
       HasSubstr(
           "Median of the largest contour error, circle: h has the smallest, 1.50 µm (1.20–1.90); next of 2: "
           "c, lost in half of the cases or more."));
+  r.control = {first};  // alone: nothing to be smaller than
+  EXPECT_THAT(page_of(r), HasSubstr("circle: h has 1.50 µm (1.20–1.90)."));
   r.control = {lost};
   EXPECT_THAT(page_of(r), Not(HasSubstr("has the smallest")));
 }
