@@ -38,6 +38,21 @@ struct Observer {
   }
 };
 
+/// A group that a word may stand for.
+struct Cooling {
+  static constexpr std::string_view kShortForm = "on";
+
+  bool on = false;
+  double flow = 3.0;
+  double pressure = 2.0;
+
+  static constexpr auto fields() {
+    return std::tuple{field("on", &Cooling::on, "whether it runs").or_default(),
+                      field("flow", &Cooling::flow, pure_number(), "").or_default(),
+                      field("pressure", &Cooling::pressure, pure_number(), "").or_default()};
+  }
+};
+
 struct Off {
   static constexpr std::string_view kKind = "off";
   static constexpr auto fields() { return std::tuple{}; }
@@ -164,6 +179,25 @@ TEST(WalkFields, KnowsWhatHasAnEffectAndWhatIsAsItBegan) {
   a.observer = {true, 21.0};
   EXPECT_TRUE(of_pole(effect));
   EXPECT_FALSE(of_pole(initial));
+}
+
+TEST(WalkFields, AWordStandsForAGroupWhereEverythingElseIsInitial) {
+  Cooling c;
+  EXPECT_TRUE(is_short(value_of(c)));
+  EXPECT_EQ(short_form(value_of(c)), "off");
+  c.on = true;
+  EXPECT_TRUE(is_short(value_of(c))) << "the switch itself may be either";
+  EXPECT_EQ(short_form(value_of(c)), "on");
+  c.flow = 4.0;
+  EXPECT_FALSE(is_short(value_of(c)));
+  c.flow = 3.0;
+  c.pressure = 5.0;
+  EXPECT_FALSE(is_short(value_of(c)));
+  // A group without such a word, and what is no group.
+  Spring s;
+  EXPECT_FALSE(is_short(value_of(s)));
+  double number = 1.0;
+  EXPECT_FALSE(is_short(value_of(number)));
 }
 
 TEST(WalkFields, ValidatesEmbeddedStructsToo) {

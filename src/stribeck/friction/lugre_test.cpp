@@ -117,6 +117,21 @@ TEST(LuGre, JetGivesTheDerivativeByStiffness) {
   EXPECT_NEAR(f.v[0], (force(3e8 + 100) - force(3e8 - 100)) / 200, 1e-6 * std::abs(f.v[0]));
 }
 
+TEST(LuGre, RateBoundIsTheRateAtWhichABristleForgets) {
+  // From the law itself: two states at the same speed approach each other by exp(-bound·t).
+  const test::Flat flat{800.0};
+  for (const double v : {2e-4, 3e-3}) {
+    LuGre<double>::State a{0.0};
+    LuGre<double>::State b{1e-6};
+    const LuGre<double> law{3e8, 0.0, {}};
+    const double dt = 1e-3;
+    law.step(flat, a, v, 0.0, dt);
+    law.step(flat, b, v, 0.0, dt);
+    EXPECT_NEAR(law.rate_bound(v, 800.0), -std::log((b.z - a.z) / 1e-6) / dt, 1e-6 * law.rate_bound(v, 800.0))
+        << v;
+  }
+}
+
 TEST(LuGre, HoldGainIsSmoothAcrossItsSeries) {
   EXPECT_EQ(hold_gain(0.0), 1.0);
   EXPECT_NEAR(hold_gain(1e-3 * (1 - 1e-15)), hold_gain(1e-3 * (1 + 1e-15)), 1e-12);

@@ -74,6 +74,21 @@ TEST(MotionFrame, DerivativesAreThoseOfTheFrame) {
   }
 }
 
+TEST(MotionFrame, BeginsWithTheNormalOnTheInsideOfTheFirstBend) {
+  // A left-hand bend and a right-hand one, from their middle: in space the first normal points to the centre.
+  for (const double side : {1.0, -1.0}) {
+    const MotionFrame<3> frame(kPeriod, 1e-5, 15.0);
+    MotionFrame<3>::State s;
+    PathPoint<3> r;
+    r.position = {{0.0, -side * 10e-3, 0.0}};
+    r.velocity = {{10e-3, 0.0, 0.0}};
+    r.acceleration = {{0.0, side * 10e-3, 0.0}};
+    frame.step(s, r);
+    EXPECT_NEAR(r.frame[1][1], side, 1e-12);
+    EXPECT_NEAR(r.frame[2][2], side, 1e-12);
+  }
+}
+
 TEST(MotionFrame, HoldsAtRestAndNeverLeavesItsLimits) {
   // A line, a stop, a corner of 90°, a turn back, and a planner whose acceleration jumps.
   const MotionFrame<3> frame(kPeriod, 1e-5, 15.0);

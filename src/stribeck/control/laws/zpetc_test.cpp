@@ -128,6 +128,7 @@ TEST(Zpetc, StabilityIsThatOfItsHeaderAndOfTheLoop) {
   EXPECT_TRUE(test::dies_out(ZpetcParams::critical(0.99 * border), 5e-3));
   EXPECT_FALSE(test::dies_out(ZpetcParams::critical(1.01 * border), 5e-3));
   for (const double period : {1e-3, 5e-3}) EXPECT_TRUE(ZpetcParams{}.stable(period));
+  EXPECT_TRUE(ZpetcParams::critical(0.5).stable(1e-3)) << "no integral part that a slow loop could not bear";
 }
 
 TEST(Zpetc, KeepsWhatEveryLawKeeps) {

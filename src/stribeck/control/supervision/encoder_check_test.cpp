@@ -50,6 +50,25 @@ TEST(SupervisionLimits, FollowFromTheAxis) {
   EXPECT_EQ(limits(5e-3).samples, 3);
 }
 
+TEST(SupervisionLimits, ADelayCountsInWholePeriodsUpToTheLongest) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  for (const auto& [delay, periods] : {std::pair{0.0, 0}, std::pair{0.3e-3, 1}, std::pair{1e-3, 1},
+                                       std::pair{2.1e-3, 3}, std::pair{8e-3, 8}, std::pair{11e-3, 8}}) {
+    axis.delay = delay;
+    EXPECT_EQ(SupervisionLimits({}, axis, 250.0, 1e-3).late_periods, periods) << delay;
+  }
+}
+
+TEST(SupervisionLimits, WithoutAForceLimitTwiceTheFrictionIsAPush) {
+  CompensationParams axis;
+  axis.model.mass = 1000.0;
+  axis.model.friction.steady = friction::Conventional<double>{200.0, 4500.0, {}};
+  EXPECT_EQ(SupervisionLimits({}, axis, kInfinite, 1e-3).push, 400.0);
+  EXPECT_EQ(SupervisionLimits({}, axis, 800.0, 1e-3).push, 400.0);
+  EXPECT_EQ(SupervisionLimits({}, axis, 4000.0, 1e-3).push, 1000.0);
+}
+
 /// The same axis with 200 N of friction, and commands of at most 20 mm/s²: friction stops it harder than any command.
 SupervisionLimits rough(double period) {
   CompensationParams axis;

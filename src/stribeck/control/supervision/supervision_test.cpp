@@ -324,6 +324,39 @@ TEST(Supervisor, WhatWasLearnedSecondsAgoIsKeptOverAFault) {
   EXPECT_EQ(s.theta[FrictionRls::kNegative], 0.0);
 }
 
+TEST(Supervisor, BeforeTheSecondStoreThereIsNothingToRecall) {
+  // What was stored last may hold the fault already, so it is not taken; the one before has not been stored yet.
+  Loop run(Observer::kDisturbance, true);
+  run.go(1600);
+  run.added = kNan;
+  run.go(20);
+  ASSERT_EQ(run.fault(), Fault::kEncoderLost);
+  run.watched.reset(*run.state);
+  EXPECT_FALSE(run.state->law.compensation[0].adaptation.recalled);
+}
+
+TEST(Supervisor, EveryNumberOfAReferenceIsLookedAt) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (int part = 0; part < 6; ++part) {
+      const Watched watched(ContouringParams::critical(60.0, 60.0), setup(), limits());
+      const auto s = std::make_unique<Watched::State>();
+      for (int k = 0; k < 5; ++k) watched.step(*s, circle(kPeriod * k), read(circle(kPeriod * k), 0.0));
+      path::PathPoint<2> r = circle(5.0 * kPeriod);
+      const V x = read(r, 0.0);
+      if (part == 0) r.position[i] = kNan;
+      if (part == 1) r.velocity[i] = kNan;
+      if (part == 2) r.acceleration[i] = kNan;
+      if (part == 3) r.frame[i][1 - i] = kNan;
+      if (part == 4) r.frame_rate[1 - i][i] = kNan;
+      if (part == 5) r.frame_acceleration[i][i] = kNan;
+      const V force = watched.step(*s, r, x);
+      EXPECT_EQ(s->watch.commands_lost, 1u) << i << ' ' << part;
+      EXPECT_EQ(s->law.status.count(Status::kNotFinite), 0u) << "the law gets the reference that goes on";
+      EXPECT_TRUE(std::isfinite(force[0]) && std::isfinite(force[1]));
+    }
+  }
+}
+
 TEST(Supervisor, AReferenceThatIsNoNumberGoesOnForAWhile) {
   Loop run;
   Loop sound;
