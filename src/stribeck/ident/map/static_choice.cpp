@@ -19,6 +19,9 @@ constexpr std::size_t kFoldBins = 80;
 /// Repeated motion makes paired differences exact: a gain of less than this share of the error does not count.
 constexpr double kWorthwhileGain = 0.01;
 constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
+constexpr double kNoFriction =
+    1e-3;  ///< least level beside viscous friction, of the force at the top of the range
+constexpr double kWithinNoise = 0.02;  ///< largest correction to it
 // Of the largest friction measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third of what
 // is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
 constexpr double kMostForce = 1.3;
@@ -278,24 +281,36 @@ StaticFit fit_symmetric(const Both& b, std::optional<Exponent> exponent) {
   return fit;
 }
 
-/// Half the sum of both directions, where a branch would otherwise drive the motion.
+/// The load that both directions have in common, where a branch would otherwise drive the motion: half the sum of their levels, which
+/// are their forces without the viscous part. Viscous friction that differs between the directions is no load.
 void take_out_load(StaticFit& fit) {
-  double lowest = std::numeric_limits<double>::infinity();
-  double level = 0.0, half_sum = 0.0;
+  std::array<double, kSides> lowest{}, mean{};
   constexpr int kPoints = 50;
   const double reach = std::min(fit.top[0], fit.top[1]);
-  for (int i = 0; i <= kPoints; ++i) {
-    const double speed = reach * i / kPoints;
-    const double forward = fit.force(0, speed), back = fit.force(1, speed);
-    lowest = std::min({lowest, forward - fit.branch[0].eta1 * speed / fit.top[0],
-                       back - fit.branch[1].eta1 * speed / fit.top[1]});
-    level += 0.5 * (forward + back) / (kPoints + 1);
-    half_sum += 0.5 * (forward - back) / (kPoints + 1);
+  for (std::size_t s = 0; s < kSides; ++s) {
+    lowest[s] = std::numeric_limits<double>::infinity();
+    for (int i = 0; i <= kPoints; ++i) {
+      const double speed = reach * i / kPoints;
+      const double level = fit.force(static_cast<int>(s), speed) - fit.branch[s].eta1 * speed / fit.top[s];
+      lowest[s] = std::min(lowest[s], level);
+      mean[s] += level / (kPoints + 1);
+    }
   }
-  if (lowest > kLeastLevel * std::abs(level)) return;
-  fit.load = half_sum;
-  fit.branch[0].eta0 -= half_sum;
-  fit.branch[1].eta0 += half_sum;
+  if (std::min(lowest[0], lowest[1]) > kLeastLevel * 0.5 * std::abs(mean[0] + mean[1])) return;
+  // Both directions keep a share of what is left, where anything is.
+  const double margin = kLeastLevel * 0.5 * std::max(0.0, lowest[0] + lowest[1]);
+  const double from = margin - lowest[1], to = lowest[0] - margin;
+  const double half_sum = 0.5 * (mean[0] - mean[1]);
+  fit.load = from < to ? std::clamp(half_sum, from, to) : 0.5 * (from + to);
+  fit.branch[0].eta0 -= fit.load;
+  fit.branch[1].eta0 += fit.load;
+  // Next to no friction but the viscous one: its level may come out below zero by the noise.
+  const double least = lowest[0] - fit.load;
+  const double scale = 0.5 * (std::abs(fit.force(0, reach)) + std::abs(fit.force(1, reach)));
+  const double missing = kNoFriction * scale - std::min(least, lowest[1] + fit.load);
+  if (missing > 0.0 && missing <= kWithinNoise * scale) {
+    for (BranchFit& branch : fit.branch) branch.eta0 += missing;
+  }
 }
 
 /// The separate fits of both directions, and the equally good ones.

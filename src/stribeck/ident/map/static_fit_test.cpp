@@ -154,6 +154,28 @@ TEST(StaticFit, ALoadByDirectionIsTakenOutWhereABranchWouldDrive) {
   EXPECT_NEAR(c.fit.force(1, 0.05), bell(1, 0.05) - 70.0, 0.6);
 }
 
+// A hydrostatic table: next to no Coulomb friction, and viscous friction that differs between the directions, which is no load.
+TEST(StaticFit, ViscousFrictionThatDiffersByDirectionIsNoLoad) {
+  StaticOptions options;
+  options.symmetric = false;
+  const auto table = [](double coulomb, double load) {
+    return [=](int side, double speed) {
+      return coulomb + (side == 0 ? 1500.0 + load / speed : 1400.0 - load / speed) * speed;
+    };
+  };
+  const StaticChoice light = choose_static(sums_of(table(8.0, 0.0), 0.2), options);
+  EXPECT_EQ(light.fit.load, 0.0);
+  EXPECT_NEAR(light.fit.branch[0].eta0, 8.0, 0.5);
+  EXPECT_NEAR(light.fit.branch[1].eta0, 8.0, 0.5);
+  const StaticChoice heavy = choose_static(sums_of(table(8.0, 30.0), 0.2), options);
+  EXPECT_NEAR(heavy.fit.load, 30.0, 0.5);
+  // With no level at all, noise must not make friction drive the motion.
+  const StaticChoice none = choose_static(sums_of(table(-0.1, 0.0), 0.2), options);
+  EXPECT_GT(none.fit.branch[0].eta0, 0.0);
+  EXPECT_GT(none.fit.branch[1].eta0, 0.0);
+  EXPECT_NEAR(none.fit.force(0, 0.05), 75.0, 1.0);
+}
+
 TEST(StaticFit, AsManyTermsAsAreAskedFor) {
   StaticOptions options;
   options.terms = 2;
