@@ -11,6 +11,8 @@ namespace {
 
 /// Velocity that only gives a direction [m/s]: the steady map at rest is its limit from either side.
 constexpr double kAtRest = 1e-9;
+/// Clocks of one control that are read with jitter differ by less.
+constexpr double kSameTime = 1e-3;
 constexpr double kRootTwelve = 3.4641016151377544;
 
 void check(const std::vector<log::Record>& records, const BristleOptions& options) {
@@ -19,7 +21,7 @@ void check(const std::vector<log::Record>& records, const BristleOptions& option
     const auto bad = log::problems(record);
     if (!bad.empty()) throw Refused(bad.front());
     const double T = records.front().sample_time;
-    if (std::abs(record.sample_time - T) > 1e-6 * T)
+    if (std::abs(record.sample_time - T) > kSameTime * T)
       throw Refused(
           record.source +
           fmt::format(": sampled every {:g} s, the first record every {:g} s; records of one fit need one "

@@ -78,6 +78,13 @@ bool apart(const BristlePath& path, std::size_t k, std::size_t l) {
   return a.record == b.record && a.at - b.at == l;
 }
 
+/// Number of rows of the list that lie before each without a gap in the same record.
+std::vector<std::size_t> rows_before(const BristlePath& path) {
+  std::vector<std::size_t> before(path.rows.size(), 0);
+  for (std::size_t k = 1; k < before.size(); ++k) before[k] = apart(path, k, 1) ? before[k - 1] + 1 : 0;
+  return before;
+}
+
 /// Jacobian of the free parameters, and the matrix to which the residuals are made orthogonal. Both are equal, except for the mass
 /// (number `mass`, negative: none), where the second is the programmed force.
 void sensitivities(const Model& model, const VectorXd& p, const std::vector<Index>& free, Index mass,
@@ -176,24 +183,27 @@ Spread spread_of(const Model& model, const VectorXd& p, const std::vector<Index>
   const auto rows = static_cast<std::size_t>(e.size());
   std::vector<double> gamma(lags + 1, 0.0);
   const double scale = 1.0 / static_cast<double>(std::max<Index>(1, e.size() - n));
+  const std::vector<std::size_t> before = rows_before(path);
   std::size_t longest = 0;
   for (std::size_t l = 0; l <= lags; ++l) {
     for (std::size_t k = l; k < rows; ++k) {
-      if (!apart(path, k, l)) continue;
+      if (before[k] < l) continue;
       gamma[l] += e(static_cast<Index>(k)) * e(static_cast<Index>(k - l)) * scale;
     }
     const double w = std::min(1.0, 2.0 * (1.0 - static_cast<double>(l) / static_cast<double>(lags + 1)));
     gamma[l] *= w;
     if (std::abs(gamma[l]) > 0.0) longest = l;
   }
-  MatrixXd filtered = gamma[0] * Z;
+  // A row of Z is a column here, so that its numbers lie side by side.
+  const MatrixXd across = Z.transpose();
+  MatrixXd filtered = gamma[0] * across;
   for (std::size_t l = 1; l <= longest; ++l) {
     for (std::size_t k = l; k < rows; ++k) {
-      if (!apart(path, k, l)) continue;
+      if (before[k] < l) continue;
       const auto i = static_cast<Index>(k);
       const auto j = static_cast<Index>(k - l);
-      filtered.row(i) += gamma[l] * Z.row(j);
-      filtered.row(j) += gamma[l] * Z.row(i);
+      filtered.col(i) += gamma[l] * across.col(j);
+      filtered.col(j) += gamma[l] * across.col(i);
     }
   }
   const MatrixXd P = weight_of(prior, free, noise);
@@ -202,7 +212,7 @@ Spread spread_of(const Model& model, const VectorXd& p, const std::vector<Index>
   const MatrixXd prior_part = noise * noise * P;
   Spread out;
   out.free = free;
-  out.stationary = inverse * (Z.transpose() * filtered + prior_part) * inverse.transpose();
+  out.stationary = inverse * (across * filtered.transpose() + prior_part) * inverse.transpose();
   const double independent = static_cast<double>(rows) / (2.0 * memory.rows);
   out.factor = stats::student_factor(std::max(3.0, independent - static_cast<double>(n)));
 
