@@ -27,6 +27,11 @@ TEST(Fields, AreListedOnceWithTheirRanges) {
   EXPECT_TRUE(lead.quantity.permits(1e-9));
   EXPECT_FALSE(lead.quantity.permits(std::nan("")));
   EXPECT_FALSE(std::get<1>(Screw::fields()).quantity.permits(2e-4));
+  EXPECT_TRUE(std::get<1>(Screw::fields()).quantity.permits(1e-4));
+  const Quantity from_three = pure_number().at_least(3.0);
+  EXPECT_TRUE(from_three.permits(3.0));
+  EXPECT_TRUE(from_three.permits(4.0));
+  EXPECT_FALSE(from_three.permits(2.9));
 }
 
 }  // namespace

@@ -196,8 +196,12 @@ TEST(WalkFields, AWordStandsForAGroupWhereEverythingElseIsInitial) {
   // A group without such a word, and what is no group.
   Spring s;
   EXPECT_FALSE(is_short(value_of(s)));
-  double number = 1.0;
-  EXPECT_FALSE(is_short(value_of(number)));
+  Axis a;
+  for_each_member(value_of(a), [](const Member& m) {
+    EXPECT_FALSE(is_short(m.value)) << m.info.name;
+    EXPECT_EQ(m.value.is_scalar(), m.info.name == "bits" || m.info.name == "on" || m.info.name == "pole")
+        << m.info.name;
+  });
 }
 
 TEST(WalkFields, ValidatesEmbeddedStructsToo) {

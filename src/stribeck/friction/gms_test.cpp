@@ -41,6 +41,22 @@ TEST(Gms, ExactHoldEqualsAFineReference) {
   }
 }
 
+TEST(Gms, TheRatesOfAllElementsAreThoseOfEach) {
+  // From the exact hold: what each force changes by in a short time, with elements that stick and that slip at different forces.
+  const auto law = four_elements();
+  const SteadyParts<double> p{400.0, 0.0, 0.0};
+  Gms<double>::State s;
+  s.force = {60.0, 90.0, 30.0, -20.0};
+  s.slipping = {1.0, 1.0, 0.0, 0.0};
+  const auto rates = law.rate(Gms<double>::Numbers(s.force), s, 1e-4, p);
+  Gms<double>::State later = s;
+  constexpr double kShort = 1e-9;
+  law.advance(later, 1e-4, p.level, kShort);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(rates[i], (later.force[i] - s.force[i]) / kShort, 1e-3 * std::abs(rates[i])) << i;
+  EXPECT_NE(rates[0], rates[1]);
+}
+
 TEST(Gms, OneStepEqualsManyWhateverTheirLength) {
   const auto law = four_elements();
   const test::Flat map{1000.0};

@@ -142,6 +142,12 @@ TEST(ConeFrustum, WithoutConeTheTableStands) {
   }
   c.half_angle = c.inclination;
   EXPECT_FALSE(c.possible());
+  // A cone that reaches beyond the horizontal has no place on the table.
+  c.inclination = 0.9;
+  c.half_angle = 0.8;
+  EXPECT_FALSE(c.possible());
+  c.half_angle = 0.6;
+  EXPECT_TRUE(c.possible());
 }
 
 TEST(ConeFrustum, DerivativesOfAxisMotionAreTheLimitOfDifferences) {
