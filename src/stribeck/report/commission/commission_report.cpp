@@ -6,6 +6,7 @@
 #include <stribeck/io/json.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/commission/commission_report.hpp>
+#include <stribeck/report/factors.hpp>
 #include <stribeck/report/text.hpp>
 
 namespace stribeck::report {
@@ -21,6 +22,11 @@ constexpr std::array<std::string_view, 5> kStages{"no log", "not determined", "n
 
 std::string mass_of(const Axis& a) {
   if (!std::isfinite(a.mass)) return {};
+  if (a.rotary)
+    return fmt::format("  inertia {} kg m2 (95 %: {} to {}), load {} N m, friction from {} to {} deg/s\n",
+                       significant(a.mass, 4), significant(a.mass_low, 4), significant(a.mass_high, 4),
+                       significant(a.load, 3), significant(kDegrees * a.velocity_low, 3),
+                       significant(kDegrees * a.velocity_high, 3));
   const bool kilograms = io::shown_unit(a.mass, quantity("kg", "N s2/mm")) == "kg";
   const double scale = kilograms ? 1.0 : 1e-3;
   return fmt::format("  mass {} {} (95 %: {} to {}), load {} N, friction from {} to {} mm/s\n",
@@ -65,6 +71,7 @@ Json to_json(const Axis& a) {
   Json out;
   out["axis"] = a.axis;
   out["stage"] = name_of(a.stage);
+  out["rotary"] = a.rotary;
   out["logs"] = a.logs;
   out["held_out"] = a.held_out.empty() ? Json(nullptr) : Json(a.held_out);
   out["unchanged"] = a.unchanged;
@@ -110,6 +117,8 @@ bool read_axis_state(const Json& json, Axis& out) {
   out = {};
   out.axis = text("axis");
   out.stage = static_cast<Stage>(k);
+  const auto turns = json.find("rotary");
+  out.rotary = turns != json.end() && turns->is_boolean() && turns->get<bool>();
   out.logs = texts("logs");
   out.held_out = text("held_out");
   out.mass = number(json, "mass_kg");

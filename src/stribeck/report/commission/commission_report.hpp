@@ -25,6 +25,7 @@ struct CommissionedAxisReport {
   std::vector<std::string> logs;  ///< from which the model was identified
   std::string held_out;           ///< log of the verification; empty: none
   bool unchanged = false;         ///< taken from the state: the inputs are the same
+  bool rotary = false;            ///< angles are arcs at a radius of 1 m: mm stands for mrad, N for N m
   double mass = kNaN;             ///< [kg]
   double mass_low = kNaN;         ///< 95 %
   double mass_high = kNaN;

@@ -271,18 +271,20 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
     const std::vector<const io::Column*> others =
         of_other_motors(columns.log(), columns.axis(), *e.from.column, motors);
     if (columns.mapped(e.what)) {
-      if (!others.empty())
-        notes.push_back(fmt::format(
-            "the axis has {} motors, and {} stands for all of them; for their sum give --map {}=\"{} + {}\"",
-            motors, first, enum_name(e.what), header_of(*e.from.column), header_of(*others.front())));
+      if (others.empty()) return;
+      std::string sum = header_of(*e.from.column);
+      for (const io::Column* other : others) sum += " + " + header_of(*other);
+      notes.push_back(fmt::format(
+          "the axis has {} motors, and {} stands for all of them; for their sum give --map {}=\"{}\"", motors,
+          first, enum_name(e.what), sum));
       return;
     }
     e.from.beside = others;
     notes.push_back(
         others.empty()
             ? fmt::format("the axis has {} motors; each is taken to give as much as {} says", motors, first)
-            : fmt::format("the axis has {} motors; {} and its like of the other motors are added", motors,
-                          first));
+            : fmt::format("the axis has {} motors; {} and the same columns of the other motors are added",
+                          motors, first));
   }
   if (e.from.beside.size() + 1 == static_cast<std::size_t>(motors)) {
     e.factor /= motors;

@@ -281,7 +281,8 @@ TEST(LogAxis, MotorsOfOneAxisAreAdded) {
   };
   const auto [both, notes] = force(options);
   EXPECT_DOUBLE_EQ(both, 40.0);  // 10 N/A of each
-  EXPECT_THAT(notes, Contains(HasSubstr("the axis has 2 motors; \"Y1 Current (Arms)\" and its like")));
+  EXPECT_THAT(notes,
+              Contains(HasSubstr("the axis has 2 motors; \"Y1 Current (Arms)\" and the same columns")));
   options.maps = {"current=Y1 Current"};
   const auto [one, hint] = force(options);
   EXPECT_DOUBLE_EQ(one, 60.0);  // the first stands for both

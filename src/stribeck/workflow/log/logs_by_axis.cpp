@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include <stribeck/io/error.hpp>
@@ -103,6 +105,33 @@ std::vector<std::string> axes_in(const io::Log& log, const std::string& path, co
   return by_name.size() == 1 ? by_name : std::vector<std::string>();
 }
 
+/// Whether the axis keeps one position in all rows of this log.
+bool rests(const io::Log& log, LogOptions options, const std::string& axis) {
+  options.axis = axis;
+  try {
+    const LoggedAxis logged = logged_axis(log, options);
+    const double first = logged.runs.empty() || logged.runs.front().x.y.empty()
+                             ? std::numeric_limits<double>::quiet_NaN()
+                             : logged.runs.front().x.y.front();
+    return std::isfinite(first) &&
+           std::all_of(logged.runs.begin(), logged.runs.end(), [&](const ident::log::RawLog& run) {
+             return std::all_of(run.x.y.begin(), run.x.y.end(), [&](double x) { return x == first; });
+           });
+  } catch (const io::InputError&) {
+    return false;  // what is wrong is said where the log is read
+  }
+}
+
+/// A control records all its axes while one of them moves: those that rest say nothing.
+void leave_out_resting(std::vector<std::string>& found, const io::Log& log, const LogOptions& options) {
+  if (found.size() < 2 || !options.axis.empty()) return;
+  std::vector<std::string> moving;
+  for (const std::string& axis : found) {
+    if (!rests(log, options, axis)) moving.push_back(axis);
+  }
+  if (!moving.empty()) found = std::move(moving);
+}
+
 }  // namespace
 
 std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const std::vector<std::string>& logs,
@@ -125,7 +154,9 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
                "for one of them with --axis {})",
                other, machine.name, fmt::join(axes, ", "), axes.front())});
     }
-    const std::vector<std::string> found = axes_in(log, path, options, axes);
+    std::vector<std::string> found = axes_in(log, path, options, axes);
+    if (found.empty() && std::find(axes.begin(), axes.end(), options.axis) != axes.end())
+      found = {options.axis};
     if (found.empty()) {
       throw io::InputError(
           {path, 0, "",
@@ -133,6 +164,7 @@ std::vector<LogsOfAxis> logs_by_axis(const MachineDescription& machine, const st
                "it is not known to which axis of {} this log belongs (write \"# axis: {}\" as its first line, name it {}-….csv, or identify it alone with --axis)",
                machine.name, axes.front(), axes.front())});
     }
+    leave_out_resting(found, log, options);
     for (LogsOfAxis& one : all) {
       if (std::find(found.begin(), found.end(), one.axis) == found.end()) continue;
       one.logs.push_back(path);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +52,32 @@ TEST(LogsByAxis, FindsTheAxisByWhatALogSaysItsColumnsOrItsName) {
   workflow::LogOptions only_y;
   only_y.axis = "y";
   EXPECT_EQ(workflow::logs_by_axis(two_axes(), {said, named}, only_y).size(), 1u);
+}
+
+TEST(LogsByAxis, AnAxisThatRestsWhileAnotherMovesHasNoPartInALog) {
+  const Folder folder;
+  std::string text = "t [s],x_x [mm],f_x [N],x_y [mm],f_y [N]\n";
+  for (int k = 0; k < 20; ++k) text += fmt::format("{},12.5,{},{},{}\n", 0.001 * k, k % 3, 0.1 * k, k);
+  const std::string log = folder.write("both.csv", text);
+  const auto all = workflow::logs_by_axis(two_axes(), {log}, {});
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].axis, "y");
+  // Asked for by name it is taken, and reading it says what is wrong.
+  workflow::LogOptions only_x;
+  only_x.axis = "x";
+  ASSERT_EQ(workflow::logs_by_axis(two_axes(), {log}, only_x).size(), 1u);
+  EXPECT_EQ(workflow::logs_by_axis(two_axes(), {log}, only_x)[0].axis, "x");
+}
+
+TEST(LogsByAxis, TakesTheAxisThatIsGivenWhereTheLogSaysNone) {
+  const Folder folder;
+  const std::string log = folder.write("log.csv", kPlain);
+  workflow::LogOptions only_y;
+  only_y.axis = "y";
+  const auto all = workflow::logs_by_axis(two_axes(), {log}, only_y);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].axis, "y");
+  EXPECT_THAT(all[0].logs, ElementsAre(log));
 }
 
 TEST(LogsByAxis, RefusesALogThatCouldBeOfAnyAxis) {

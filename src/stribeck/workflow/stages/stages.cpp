@@ -159,6 +159,7 @@ class AxisStages {
 
   void describe(const Candidate& c) {
     const ident::Result& r = c.found.result;
+    axis_.rotary = r.rotary;
     axis_.mass = r.mass;
     axis_.mass_low = r.mass_interval.low;
     axis_.mass_high = r.mass_interval.high;
@@ -169,8 +170,11 @@ class AxisStages {
     // Before them stands how the columns were read.
     const std::size_t read = std::min(c.records.notes.size(), r.warnings.size());
     axis_.warnings.assign(r.warnings.begin() + static_cast<std::ptrdiff_t>(read), r.warnings.end());
-    const std::string wrong = mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high);
-    if (!wrong.empty()) axis_.warnings.push_back(wrong);
+    for (const std::string& wrong :
+         {mass_contradiction(description_, r.mass_interval.low, r.mass_interval.high),
+          travel_contradiction(description_, c.records.records)}) {
+      if (!wrong.empty()) axis_.warnings.push_back(wrong);
+    }
   }
 
   /// No log can be held out: the model of all of them, if they determine one.
@@ -283,20 +287,33 @@ std::vector<LogsOfAxis> sorted_logs(const StageOptions& o, const MachineDescript
     }
   }
   for (const std::string& file : files_in(o.folder)) {
-    try {
-      for (const LogsOfAxis& one : logs_by_axis(machine, {file}, o.log)) {
-        static_cast<void>(read_axis({file}, one.options));
-        for (LogsOfAxis& axis : all) {
-          if (axis.axis != one.axis) continue;
-          axis.logs.push_back(file);
-          axis.options = one.options;
-        }
+    const auto take = [&](const LogsOfAxis& one) {
+      static_cast<void>(read_axis({file}, one.options));
+      for (LogsOfAxis& axis : all) {
+        if (axis.axis != one.axis) continue;
+        axis.logs.push_back(file);
+        axis.options = one.options;
       }
-    } catch (const io::InputError& e) {
-      skipped.emplace_back(e.what());
-    } catch (const ident::Refused& e) {
-      skipped.emplace_back(e.what());
-    }
+    };
+    const auto or_skip = [&](const auto& act, const std::string& axis) {
+      const auto skip = [&](const std::string& why) {
+        skipped.push_back(axis.empty() ? why : fmt::format("axis {}: {}", axis, why));
+      };
+      try {
+        act();
+      } catch (const io::InputError& e) {
+        skip(e.what());
+      } catch (const ident::Refused& e) {
+        skip(e.what());
+      }
+    };
+    or_skip(
+        [&] {
+          const std::vector<LogsOfAxis> found = logs_by_axis(machine, {file}, o.log);
+          for (const LogsOfAxis& one : found)
+            or_skip([&] { take(one); }, found.size() > 1 ? one.axis : std::string());
+        },
+        {});
   }
   return all;
 }

@@ -80,12 +80,15 @@ std::string proposed_maps(const io::Log& log, const std::string& axis) {
   const auto option = [](std::string_view what, const io::Column& c, const std::string& usual) {
     return fmt::format("--map {}=\"{} {}\"", what, c.name, c.unit_text.empty() ? usual : c.unit_text);
   };
-  std::string all = option("t", t, unit_of_time(t.values));
+  // A time with a unit is found by itself; one that was made of two columns has no name in the file.
+  std::string all =
+      t.unit_text.empty() || t.unit_assumed ? option("t", t, unit_of_time(t.values)) : std::string();
   for (const LogQuantity what :
        {LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity, *effort}) {
     if (what == LogQuantity::kVelocity && best.contains(LogQuantity::kPosition)) continue;
     const auto found = best.find(what);
-    if (found != best.end()) all += " " + option(enum_name(what), *found->second.column, usual_unit(what));
+    if (found != best.end())
+      all += (all.empty() ? "" : " ") + option(enum_name(what), *found->second.column, usual_unit(what));
   }
   return all;
 }
