@@ -44,9 +44,8 @@ Found identify(const py::args& logs, const py::kwargs& given) {
   workflow::check_options(options);
   const std::vector<io::Log> read = logs_of(logs, reading_with(reading));
   return unlocked([&] {
-    Found out{workflow::axis_records(read, reading), {}};
-    out.found = workflow::identify(out.axis, options);
-    return out;
+    auto [axis, found] = workflow::identify_logs(read, reading, options);
+    return Found{std::move(axis), std::move(found)};
   });
 }
 

@@ -134,6 +134,8 @@ int identify_machine(const IdentifyCommand& o, const IdentifyOptions& options,
     const ident::Interval& mass = found.result.mass_interval;
     const std::string wrong = mass_contradiction(machine.axis(one.axis), mass.low, mass.high);
     if (!wrong.empty() && found.result.force_unit == "N") found.result.warnings.push_back(wrong);
+    const std::string too_far = travel_contradiction(machine.axis(one.axis), axis.records);
+    if (!too_far.empty()) found.result.warnings.push_back(too_far);
     if (!o.output.empty()) {
       io::make_directory(o.output);
       write_axis_file(o.output + "/" + one.axis + ".toml", found, axis);
@@ -166,8 +168,7 @@ int run_identify(const IdentifyCommand& o) {
   if (!o.inspect && is_machine(o.logs.front())) return identify_machine(o, options, log_options);
   io::check_writable(o.output);
   if (o.inspect) return inspect_logs(o, log_options);
-  const AxisRecords axis = read_axis(o.logs, log_options);
-  const Identification found = identify(axis, options);
+  const auto [axis, found] = identify_logs(o.logs, log_options, options);
   if (!o.output.empty()) write_axis_file(o.output, found, axis);
   const report::Made made = made_from(o.logs);
   write_json(o.common.json, to_json(found, axis.axis), made);

@@ -102,9 +102,8 @@ nlohmann::ordered_json IdentifyView::identify(const IdentifyRequest& r) {
     logs.push_back(read(upload, options));
     inputs.push_back({upload.name, io::sha256_of_file(upload.file.string())});
   }
-  const workflow::AxisRecords axis = workflow::axis_records(logs, options);
+  const auto [axis, found] = workflow::identify_logs(logs, options, how);
   logs.clear();
-  const workflow::Identification found = workflow::identify(axis, how);
   nlohmann::ordered_json json = workflow::to_json(found, axis.axis);
   json["text"] = workflow::text_of(found, axis.axis);
   json["axis_file"] = nullptr;

@@ -400,24 +400,52 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
   return found;
 }
 
-std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
-                                                     const LogOptions& options, const IdentifyOptions& how) {
-  std::vector<std::string> moving, standing;
-  for (const std::string& log : logs) {
-    const bool held = ident::methods::held_at_standstill(read_axis({log}, options).records);
-    (held ? standing : moving).push_back(log);
-  }
-  if (moving.empty() || standing.empty()) {
-    AxisRecords axis = read_axis(logs, options);
-    Identification found = identify(axis, how);
-    return {std::move(axis), std::move(found)};
-  }
-  AxisRecords axis = read_axis(moving, options);
+namespace {
+
+/// `each(add)` calls add(log, name) for every log, one after the other.
+template <class Each>
+std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const Each& each,
+                                                      const LogOptions& options, const IdentifyOptions& how) {
+  RecordsOfAxis moving(options), standing(options);
+  bool moves = false;
+  bool stands = false;
+  each([&](const io::Log& log, const std::string& name) {
+    bool held = false;
+    if (count > 1) {
+      RecordsOfAxis alone(options);
+      alone.add(log, name);
+      held = ident::methods::held_at_standstill(std::move(alone).all().records);
+    }
+    (held ? stands : moves) = true;
+    (held ? standing : moving).add(log, name);
+  });
+  AxisRecords axis = std::move(moves ? moving : standing).all();
   Identification found = identify(axis, how);
-  const AxisRecords held = read_axis(standing, options);
-  found.beside.push_back(identify(held, {}).result);
+  if (!moves || !stands) return {std::move(axis), std::move(found)};
+  const AxisRecords held = std::move(standing).all();
+  IdentifyOptions same_axis;
+  same_axis.turn = how.turn;
+  found.beside.push_back(identify(held, same_axis).result);
   axis.sources += ", " + held.sources;
   return {std::move(axis), std::move(found)};
+}
+
+}  // namespace
+
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how) {
+  const auto each = [&](const auto& add) {
+    for (const std::string& path : logs) add(read_log(path, options), path);
+  };
+  return identify_apart(logs.size(), each, options, how);
+}
+
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<io::Log>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how) {
+  const auto each = [&](const auto& add) {
+    for (const io::Log& log : logs) add(log, log.source);
+  };
+  return identify_apart(logs.size(), each, options, how);
 }
 
 namespace {

@@ -63,7 +63,7 @@ struct AxisRecords {
 struct Identification {
   ident::Result result;
   bool holding_only = false;            ///< the axis was held at standstill: neither mass nor friction
-  std::vector<ident::Result> beside{};  ///< results for other days, shown beside it
+  std::vector<ident::Result> beside{};  ///< results of other logs (other days, standstill), shown beside it
   std::optional<ident::methods::LeastSquaresA> model_a{};            ///< of Method::kLeastSquaresA
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
   std::optional<ident::residual::Quality>
@@ -84,6 +84,9 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
 
 /// Both, for logs of any kind: those at standstill, where others move, are identified by themselves and stand beside.
 std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how);
+/// The same with logs that were read already.
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<io::Log>& logs,
                                                      const LogOptions& options, const IdentifyOptions& how);
 
 /// Throws ident::Refused when a result is no answer: a mass that is not positive or not determined, or numbers that are not finite.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/io/units.hpp>
@@ -11,6 +12,9 @@
 
 namespace stribeck::workflow {
 namespace {
+
+constexpr double kRoundedRotor = 0.98;   // of its value in the data sheet
+constexpr double kRoundedTravel = 1.02;  // end stops lie behind the travel of a file
 
 /// What is heavy in an unbalance, and its distance, are a mass and a length on a rotary axis too.
 void set_rotary(io::Node& node) {
@@ -139,9 +143,37 @@ void require_force_limit(const MachineDescription& machine, const std::string& f
            name + ".drive] with rated_torque, peak_torque and lead)"});
 }
 
+std::string travel_contradiction(const AxisDescription& axis,
+                                 const std::vector<ident::log::Record>& records) {
+  if (axis.rotary) return {};  // turns are counted on
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const ident::log::Record& record : records) {
+    if (record.position_unit != "m" || record.x.empty()) return {};
+    const auto [least, most] = std::minmax_element(record.x.begin(), record.x.end());
+    low = std::min(low, *least);
+    high = std::max(high, *most);
+  }
+  const double from = axis.limits.travel_min, to = axis.limits.travel_max;
+  if (!(high - low > kRoundedTravel * (to - from)) || !(to > from)) return {};
+  return fmt::format(
+      "the log moves over {:.4g} mm, from {:.4g} to {:.4g} mm, and the axis has a travel of {:.4g} mm in the machine file: the "
+      "positions are in another unit, of the motor, or in diameter (of a lathe; then give --map x=\"… 0.5 mm\"), or the file is wrong",
+      1e3 * (high - low), 1e3 * low, 1e3 * high, 1e3 * (to - from));
+}
+
 std::string mass_contradiction(const AxisDescription& axis, double low, double high) {
   const Rough& rough = axis.commissioning.mass;
-  if (!std::isfinite(low) || !std::isfinite(high) || rough.empty()) return {};
+  if (!std::isfinite(low) || !std::isfinite(high)) return {};
+  const std::optional<double> rotor = axis.drive ? axis.drive->reflected_mass() : std::nullopt;
+  if (rotor && high < kRoundedRotor * *rotor) {
+    const std::string_view its = units_of(axis.rotary).mass;
+    return fmt::format(
+        "the mass, {:.4g} to {:.4g} {}, is less than that of the rotor alone, {:.4g} {} (drive.rotor_inertia through the "
+        "transmission): a scale of the log is wrong (positions in diameter or in another unit, the scale of the force), or the file is",
+        low, high, its, *rotor, its);
+  }
+  if (rough.empty()) return {};
   if (low <= rough.high() && high >= rough.low()) return {};
   const std::string_view unit = units_of(axis.rotary).mass;
   return fmt::format(

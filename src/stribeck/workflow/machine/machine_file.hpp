@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stribeck/core/field_types.hpp>
+#include <stribeck/ident/log/record.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 #include <string>
@@ -45,6 +46,9 @@ void require_force_limit(const MachineDescription& machine, const std::string& f
 
 /// A sentence where an identified mass (95 % from low to high) is not one that the file allows; empty: it is, or low is not finite.
 std::string mass_contradiction(const AxisDescription& axis, double low, double high);
+
+/// A sentence where logs move farther than the axis can; empty: they do not, or it is not known.
+std::string travel_contradiction(const AxisDescription& axis, const std::vector<ident::log::Record>& records);
 
 /// A line of the explanation: what, value, why or what follows.
 struct Explained {

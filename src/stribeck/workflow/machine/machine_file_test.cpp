@@ -323,6 +323,31 @@ TEST(MachineFile, AnIdentifiedMassMayContradictIt) {
   EXPECT_THAT(mass_contradiction(a, 1.2, 2.7), HasSubstr("contradicts the machine file"));
 }
 
+TEST(MachineFile, AMassBelowThatOfTheRotorIsAWrongScale) {
+  AxisDescription a;
+  a.commissioning.mass = Rough(2200.0);
+  a.drive.emplace();
+  a.drive->lead = 5e-3;
+  a.drive->rotor_inertia = 1.2e-3;  // 1895 kg behind a screw of 5 mm
+  EXPECT_THAT(mass_contradiction(a, 1121.0, 1126.0), HasSubstr("less than that of the rotor alone, 1895 kg"));
+  EXPECT_EQ(mass_contradiction(a, 2240.0, 2250.0), "");
+}
+
+TEST(MachineFile, ALogThatMovesFartherThanTheAxisContradictsIt) {
+  AxisDescription a;
+  a.limits.travel_min = -10e-3;
+  a.limits.travel_max = 160e-3;
+  ident::log::Record log;
+  log.x = {36.7e-3, 263.3e-3};
+  EXPECT_THAT(travel_contradiction(a, {log}), HasSubstr("moves over 226.6 mm"));
+  log.x = {100e-3, 265e-3};  // another zero is none
+  EXPECT_EQ(travel_contradiction(a, {log}), "");
+  EXPECT_EQ(travel_contradiction(a, {}), "");
+  log.x = {0.0, 9.0};
+  a.rotary = true;
+  EXPECT_EQ(travel_contradiction(a, {log}), "") << "turns are counted on";
+}
+
 std::string trunnion(const std::string& known, const std::string& brake = "false") {
   return R"(name = "t"
 sample_time = "1 ms"
