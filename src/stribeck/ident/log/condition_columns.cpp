@@ -73,6 +73,8 @@ constexpr std::array<Factor, 9> kFactors{{{1000.0, "mm for m, or ms for s"},
 
 /// " (as … would do)" where the factor belongs to two such units.
 std::string reason_of(double by) {
+  if (std::abs(by / 0.5 - 1.0) < 0.03)
+    return " (as the diameter of a lathe would do; then give --map x=\"COLUMN 0.5 mm\")";
   std::string reason;
   for (const Factor& f : kFactors) {
     if (std::abs(by / f.value - 1.0) < 0.03) reason = fmt::format(" (as {} would do)", f.reason);

@@ -122,6 +122,7 @@ void complete_times(Log& log, const ReadOptions& options) {
   }
   if (detail::name_sinumerik_signals(log, options) && time_column(log) >= 0) return;
   detail::tell_odrive_units(log);
+  detail::tell_indices(log);
   if (detail::join_seconds(log)) return;
   detail::tell_epoch(log);
   const bool replaced = options.sample_time && detail::leave_out_coarse_time(log);

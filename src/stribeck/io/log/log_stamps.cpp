@@ -15,7 +15,7 @@ namespace {
 
 const Column* called(const Log& log, const std::string& name) {
   const auto found = std::find_if(log.columns.begin(), log.columns.end(), [&](const Column& c) {
-    return c.texts.empty() && lower_case(c.header) == name;
+    return c.texts.empty() && lower_case(c.name) == name;
   });
   return found == log.columns.end() ? nullptr : &*found;
 }
@@ -29,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSecondsA
 bool join_seconds(Log& log) {
   for (const auto& [seconds, rest] : kSecondsAndRest) {
     for (const Column& whole : log.columns) {
-      const std::string name = lower_case(whole.header);
+      const std::string name = lower_case(whole.name);
       if (!whole.texts.empty() || !name.ends_with(seconds)) continue;
       const std::string stem = name.substr(0, name.size() - seconds.size());
       const Column* part = called(log, stem + std::string(rest));
@@ -52,6 +52,19 @@ bool join_seconds(Log& log) {
     }
   }
   return false;
+}
+
+void tell_indices(Log& log) {
+  for (Column& c : log.columns) {
+    if (c.unit_text != "1" || !c.header.ends_with("[1]")) continue;
+    const std::string stem = c.header.substr(0, c.header.size() - 3);
+    const bool beside = std::any_of(log.columns.begin(), log.columns.end(), [&](const Column& other) {
+      return other.header == stem + "[0]" || other.header == stem + "[2]";
+    });
+    if (!beside) continue;
+    c.name = c.header;
+    c.unit_text.clear();
+  }
 }
 
 void tell_epoch(Log& log) {

@@ -43,6 +43,22 @@ TEST(LogStamps, SecondsAndNanosecondsOfRos) {
   }
 }
 
+TEST(LogStamps, SecondsAndNanosecondsWithTheirUnits) {
+  const Log log = parse(
+      "\"header.stamp.sec [s]\",\"header.stamp.nanosec [ns]\",\"joint_x.position [m]\"\n"
+      "1715509391,999000000,1.5\n1715509392,1000000,1.6\n");
+  const Column& t = log.columns.at(static_cast<std::size_t>(time_column(log)));
+  EXPECT_NEAR(t.values.at(1) - t.values.at(0), 2e-3, 1e-12);
+}
+
+TEST(LogStamps, ANumberInBracketsIsAnIndexBesideOthers) {
+  const Log log = parse("t [s],position[0],position[1],ratio[1]\n0,1,2,3\n0.1,1,2,3\n");
+  EXPECT_EQ(log.columns.at(2).name, "position[1]");
+  EXPECT_EQ(log.columns.at(2).unit_text, "");
+  EXPECT_EQ(log.columns.at(3).name, "ratio");
+  EXPECT_EQ(log.columns.at(3).unit_text, "1");
+}
+
 TEST(LogStamps, NamesInACommentAboveRowsWithText) {
   const Log log = parse(
       "%time,field.frame,field.name0,field.effort0\n1715509391100000000,,z,1\n"

@@ -181,6 +181,8 @@ void leave_out_absent(Log& log, int time, const Problem& first);
 
 /// Seconds and nanoseconds in two columns become one time, with a note; false where a table has no such pair.
 bool join_seconds(Log& log);
+/// Beside "position[0]", "position[1]" has an index and not the unit 1.
+void tell_indices(Log& log);
 
 /// Signals of an ODrive without units get those of its documentation (turns, A, N m), with a note.
 void tell_odrive_units(Log& log);
