@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -70,7 +71,15 @@ int init(InitCommand o) {
                     fmt::format("got {} twice, expected another name for each axis", io::in_quotes(*axis)));
   }
   take_values(o);
-  if (!o.common.quiet && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) ask(o.draft);
+  const bool asks = !o.common.quiet && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1;
+  if (std::filesystem::is_regular_file(o.output) && (asks || io::read_text(o.output) != draft_text(o.draft)))
+    throw io::InputError(
+        {o.output,
+         0,
+         {},
+         "exists, and what was filled in there would be lost (give another name after -o, or move it "
+         "away)"});
+  if (asks) ask(o.draft);
   io::write_atomically(o.output, draft_text(o.draft));
   const std::vector<std::string> open = open_keys(o.draft);
   write_json(o.common.json, {{"schema", "stribeck.init/1"}, {"machine", o.draft.name}, {"fill_in", open}},

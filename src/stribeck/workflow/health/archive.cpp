@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <unistd.h>
 #include <algorithm>
@@ -120,9 +121,11 @@ void ArchiveFolder::add(const ArchivedTest& test, std::vector<ArchiveFile>& file
 }
 
 std::string checksum_of(const std::vector<std::string>& files) {
-  std::string all;
-  for (const std::string& file : files) all += io::sha256_of_file(file);
-  return files.size() == 1 ? all : io::hexadecimal(io::sha256(all));
+  std::vector<std::string> sums;
+  for (const std::string& file : files) sums.push_back(io::sha256_of_file(file));
+  std::sort(sums.begin(), sums.end());  // the same files in another order are the same test
+  return sums.size() == 1 ? sums.front()
+                          : io::hexadecimal(io::sha256(fmt::format("{}", fmt::join(sums, ""))));
 }
 
 }  // namespace stribeck::workflow

@@ -77,7 +77,7 @@ double turn_of(const HealthOptions& o, const AxisDescription& axis) {
   return axis.drive->lead.value_or(axis.drive->travel_per_turn.value_or(0.0));
 }
 
-/// Measures and adds the tests of a command, all or none.
+/// Measures all tests of a command before it adds any: a log that is refused leaves the archive as it was.
 class Session {
  public:
   Session(const HealthOptions& options, const ArchiveFolder& archive)
