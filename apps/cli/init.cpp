@@ -72,7 +72,9 @@ int init(InitCommand o) {
   }
   take_values(o);
   const bool asks = !o.common.quiet && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1;
-  if (std::filesystem::is_regular_file(o.output) && (asks || io::read_text(o.output) != draft_text(o.draft)))
+  std::error_code absent;
+  if (std::filesystem::is_regular_file(o.output, absent) &&
+      (asks || io::read_text(o.output) != draft_text(o.draft)))
     throw io::InputError(
         {o.output,
          0,

@@ -50,6 +50,18 @@ TEST(OwnMachine, InitWritesAFileThatMachineReads) {
   ASSERT_EQ(machine.code, 0) << machine.err;
   EXPECT_THAT(machine.out, HasSubstr("628.3 N"));
   EXPECT_THAT(machine.out, HasSubstr("30 to 60 kg"));
+  // A file that was filled in is not replaced; one with the same contents may be.
+  const std::vector<std::string> again{"init",          "--name", "mine", "--axes",       "x",
+                                       "--sample-time", "1 ms",   "-o",   f / "mine.toml"};
+  const std::string before = text_of(f / "mine.toml");
+  const Said refused = command(again);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("mine.toml: exists, and what was filled in there would be lost"));
+  EXPECT_EQ(text_of(f / "mine.toml"), before);
+  std::vector<std::string> elsewhere = again;
+  elsewhere.back() = f / "new.toml";
+  EXPECT_EQ(command(elsewhere).code, 0);
+  EXPECT_EQ(command(elsewhere).code, 0);
   const Said bad = command({"init", "--name", "mine", "--axes", "x", "--sample-time", "1 ms", "--set",
                             "x.limits.speed=6 kg", "-o", f / "bad.toml"});
   EXPECT_EQ(bad.code, 2);

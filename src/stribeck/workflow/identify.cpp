@@ -423,9 +423,8 @@ std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const E
   Identification found = identify(axis, how);
   if (!moves || !stands) return {std::move(axis), std::move(found)};
   const AxisRecords held = std::move(standing).all();
-  IdentifyOptions same_axis;
-  same_axis.turn = how.turn;
-  found.beside.push_back(identify(held, same_axis).result);
+  // The options are for logs that move: at standstill there is no travel of a turn, no mass and no map of velocity.
+  found.beside.push_back(identify(held, {}).result);
   axis.sources += ", " + held.sources;
   return {std::move(axis), std::move(found)};
 }

@@ -110,6 +110,7 @@ void add_place_stiffness(Result& result, const std::vector<log::Record>& records
   }
 }
 
+/// Whether friction at rest is too small beside the noise for its build-up to be seen; a note where it is.
 bool below_the_noise(const Result& result, const friction::AxisModel& known, Notes& notes) {
   const double level = std::max(known.friction.parts(0.0, 0.0).level, known.friction.parts(-1e-9, 0.0).level);
   if (!(level < kVisible * result.held_out_rms)) return false;

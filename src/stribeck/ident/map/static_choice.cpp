@@ -19,9 +19,9 @@ constexpr std::size_t kFoldBins = 80;
 /// Repeated motion makes paired differences exact: a gain of less than this share of the error does not count.
 constexpr double kWorthwhileGain = 0.01;
 constexpr double kLeastLevel = 0.05;  ///< of the mean: below it a branch would drive the motion
-constexpr double kNoFriction =
-    1e-3;  ///< least level beside viscous friction, of the force at the top of the range
-constexpr double kWithinNoise = 0.02;  ///< largest correction to it
+/// Least level beside viscous friction, and the largest correction to reach it, both of the force at the top of the range.
+constexpr double kNoFriction = 1e-3;
+constexpr double kWithinNoise = 0.02;
 // Of the largest friction measured in the direction. Below the slowest rows the Stribeck part goes on rising, by a third of what
 // is seen at most: the level at rest is that of every reversal, and no row speaks against a value that is too high.
 constexpr double kMostForce = 1.3;

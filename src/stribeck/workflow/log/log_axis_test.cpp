@@ -324,6 +324,11 @@ TEST(LogAxis, AllThatIsMissingIsProposedAtOnce) {
   // Steps of 2 are milliseconds; the unit that the file has stays.
   EXPECT_THAT(refusal("time,pos [um],Motor Current\n0,1,5\n2,2,6\n4,3,7\n"),
               HasSubstr("--map t=\"time ms\" --map x=\"pos um\" --map current=\"Motor Current A\""));
+  // A time that was made of two columns has no name that could be typed.
+  const std::string ros =
+      refusal("stamp.sec,stamp.nanosec,pos,force\n1,0,1,5\n1,2000000,2,6\n1,4000000,3,7\n");
+  EXPECT_THAT(ros, HasSubstr("--map x=\"pos mm\" --map force=\"force N\""));
+  EXPECT_THAT(ros, testing::Not(HasSubstr("--map t=")));
 }
 
 TEST(LogAxis, RowsAndRuns) {
