@@ -9,6 +9,7 @@
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/result.hpp>
+#include <string>
 
 namespace stribeck::ident::drive {
 
@@ -31,7 +32,7 @@ struct Found {
   const LevelDrift* taken_out = nullptr;  ///< drift of friction that the records had
 };
 
-/// The result without its notes, and without what add_bristle() and warn_of_drift() add.
+/// The result without its notes, and without what add_bristle() and add_places() add.
 Result describe(const Found& found, const DriveFitOptions& options, Notes& notes);
 
 /// Adds friction along the travel.
@@ -41,11 +42,20 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes);
 /// the ringing after a pulse; else all.
 std::vector<log::Record> records_of_reversals(const AlignedLog& log);
 
+/// Whether friction at rest is too small beside the noise for its build-up after a reversal to be seen.
+bool below_the_noise(const Result& result);
+
 /// Adds pre-sliding from the reversals.
 /// A shift that is known in its interval only widens theirs. Stiffness at places where the model has such.
 void add_bristle(Result& result, const Found& found, Notes& notes);
 
-/// Warns of friction or an offset that changes with time, judged on the longest record.
-void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes);
+/// A sentence for each that changes with time; empty: it does not.
+struct DriftWords {
+  std::string offset;
+  std::string friction;
+};
+
+/// Judged on the longest log.
+DriftWords words_of_drift(const Found& found, const std::string& force_unit);
 
 }  // namespace stribeck::ident::drive

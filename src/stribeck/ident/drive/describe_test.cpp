@@ -122,23 +122,22 @@ TEST(Describe, StaticFrictionIsToldBySlowRowsAlone) {
 }
 
 TEST(Describe, FrictionThatFallsWithTimeIsSaid) {
-  Notes notes;
-  warn_of_drift(Steps().found(), "N", notes);
-  EXPECT_THAT(notes.warnings, IsEmpty());
-  warn_of_drift(Steps([](double t, double v) { return (v > 0.0 ? -8.0 : 8.0) * t; }).found(), "N", notes);
-  EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("friction fell by")));
-  Notes offset;
-  warn_of_drift(Steps([](double t, double) { return 8.0 * t; }).found(), "N", offset);
-  EXPECT_THAT(offset.warnings, ::testing::ElementsAre(HasSubstr("the offset of the force rose by")));
+  const DriftWords none = words_of_drift(Steps().found(), "N");
+  EXPECT_THAT(none.offset, IsEmpty());
+  EXPECT_THAT(none.friction, IsEmpty());
+  const DriftWords friction =
+      words_of_drift(Steps([](double t, double v) { return (v > 0.0 ? -8.0 : 8.0) * t; }).found(), "N");
+  EXPECT_THAT(friction.offset, IsEmpty());
+  EXPECT_THAT(friction.friction, HasSubstr("friction fell by"));
+  const DriftWords offset = words_of_drift(Steps([](double t, double) { return 8.0 * t; }).found(), "N");
+  EXPECT_THAT(offset.offset, HasSubstr("the offset of the force rose by"));
+  EXPECT_THAT(offset.friction, IsEmpty());
 }
 
 // Friction that falls by a quarter at every speed: 2/7 of its mean over the record, far less than of that near zero.
 TEST(Describe, ADriftIsAShareOfTheFrictionAtItsSpeeds) {
-  Notes notes;
   const Steps steps([](double t, double v) { return -0.25 * t * ((v > 0.0 ? 40.0 : -40.0) + 900.0 * v); });
-  warn_of_drift(steps.found(), "N", notes);
-  ASSERT_EQ(notes.warnings.size(), 1u);
-  const std::string& words = notes.warnings.front();
+  const std::string words = words_of_drift(steps.found(), "N").friction;
   const auto at = words.find('(');
   ASSERT_NE(at, std::string::npos);
   EXPECT_NEAR(std::stod(words.substr(at + 1)), 100.0 * 2.0 / 7.0, 3.0) << words;

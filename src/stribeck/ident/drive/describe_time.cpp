@@ -16,7 +16,6 @@ constexpr std::size_t kFewestForDrift = 500;      // rows
 constexpr double kWorthSaying = 0.02;             // of the friction
 constexpr double kExactShift = 0.02;              // [rows] half width that moves nothing
 constexpr std::size_t kMostRowsForRise = 20'000;  // a longer fit takes minutes
-constexpr double kVisible = 0.5;  // friction beside the noise, below which the search for bristles is in vain
 /// Least half width of a stiffness: how a bristle bends differs from machine to machine, and the residuals hardly show it. On random
 /// machines (docs/sweep.md) the intervals held the truth in 78 % of 261 sets without it.
 constexpr double kOtherBristle = 0.015;
@@ -110,16 +109,6 @@ void add_place_stiffness(Result& result, const std::vector<log::Record>& records
   }
 }
 
-/// Whether friction at rest is too small beside the noise for its build-up to be seen; a note where it is.
-bool below_the_noise(const Result& result, const friction::AxisModel& known, Notes& notes) {
-  const double level = std::max(known.friction.parts(0.0, 0.0).level, known.friction.parts(-1e-9, 0.0).level);
-  if (!(level < kVisible * result.held_out_rms)) return false;
-  notes.cannot_tell.push_back(text(
-      "pre-sliding: friction at rest, %.3g %s, lies below what the model leaves of the force, %.3g %s RMS",
-      level, result.force_unit.c_str(), result.held_out_rms, result.force_unit.c_str()));
-  return true;
-}
-
 /// No half width of a stiffness below kOtherBristle.
 void allow_other_bristles(bristle::BristleFit& fit) {
   const auto as_other_bristles = [](double value) {
@@ -148,7 +137,17 @@ std::vector<std::size_t> logs_of(std::span<const log::Record> records) {
   return out;
 }
 
+/// The larger one of the two directions.
+double level_at_rest(const Result& result) {
+  return std::max(result.friction.parts(0.0, 0.0).level, result.friction.parts(-1e-9, 0.0).level);
+}
+
 }  // namespace
+
+bool below_the_noise(const Result& result) {
+  constexpr double kVisible = 0.5;
+  return level_at_rest(result) < kVisible * result.held_out_rms;
+}
 
 std::vector<log::Record> records_of_reversals(const AlignedLog& log) {
   std::vector<log::Record> closed;
@@ -163,7 +162,12 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   const AlignedLog& log = found.log;
   if (!(result.mass > 0.0) || result.position_unit != "m") return;
   const friction::AxisModel known{result.mass, result.load, result.friction};
-  if (below_the_noise(result, known, notes)) return;
+  if (below_the_noise(result)) {
+    notes.cannot_tell.push_back(text(
+        "pre-sliding: friction at rest, %.3g %s, lies below what the model leaves of the force, %.3g %s RMS",
+        level_at_rest(result), result.force_unit.c_str(), result.held_out_rms, result.force_unit.c_str()));
+    return;
+  }
   const std::vector<log::Record> closed = records_of_reversals(log);
   bristle::BristleOptions options;
   options.shift = log.shift;
@@ -253,7 +257,8 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes) {
       1e3 * along.places[along.places.size() - 1].position));
 }
 
-void warn_of_drift(const Found& found, const std::string& force_unit, Notes& notes) {
+DriftWords words_of_drift(const Found& found, const std::string& force_unit) {
+  DriftWords out;
   const Rows& rows = found.rows;
   const auto records = found.log.records;
   const std::vector<std::size_t> log = logs_of(records);
@@ -265,7 +270,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
   for (const std::size_t i : sample(rows)) {
     if (log[static_cast<std::size_t>(rows.record[i])] == longest) used.push_back(i);
   }
-  if (used.size() < kFewestForDrift) return;
+  if (used.size() < kFewestForDrift) return out;
   const auto time = [&](std::size_t i) {
     return records[static_cast<std::size_t>(rows.record[i])].t[rows.at[i]];
   };
@@ -286,7 +291,7 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
   }
   const MatrixXd normal = X.transpose() * X;
   // With almost only one direction, offset and friction cannot be distinguished.
-  if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return;
+  if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return out;
   const MatrixXd inverse = normal.inverse();
   const VectorXd x = inverse * (X.transpose() * y);
   const stats::Uncertainty uncertainty(X, y - X * x, inverse, record, at);
@@ -302,11 +307,12 @@ void warn_of_drift(const Found& found, const std::string& force_unit, Notes& not
     const double half = uncertainty.half_width(VectorXd::Unit(2, j));
     // Slow noise sometimes looks like a drift: the limit is twice the interval.
     if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(slow)) continue;
-    notes.warn(text(
+    (j == 0 ? out.offset : out.friction) = text(
         "%s %s by %.3g %s (%.2g %% of the mean friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
         what[j], x(j) > 0 ? "rose" : "fell", std::abs(x(j)), force_unit.c_str(),
-        100.0 * std::abs(x(j) / level), rec.source.c_str()));
+        100.0 * std::abs(x(j) / level), rec.source.c_str());
   }
+  return out;
 }
 
 }  // namespace stribeck::ident::drive

@@ -126,15 +126,6 @@ void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
   note_weak_instrument(before, stage.fit, notes);
 }
 
-/// A result, and the shift that was removed [s]; 0: none.
-struct Fitted {
-  Result result;
-  double shift = 0.0;
-  double shift_half = 0.0;          ///< of its interval [rows]
-  LevelDrift drift;                 ///< of friction over the time of the logs
-  std::vector<log::Record> steady;  ///< the records without that drift; empty where there is none
-};
-
 /// Map and periodic terms.
 struct Steady {
   MapChoice map;
@@ -357,40 +348,52 @@ Placed choose_all(std::span<const log::Record> records, const DriveFitOptions& o
   return placed;
 }
 
-/// `taken_out` is the drift that the records had.
+/// A fit without what the reversals tell of pre-sliding, which costs more than all of it.
+struct Fitted {
+  Placed placed;
+  MapChoice map;
+  std::optional<ToldLoad> load;
+  const LevelDrift* taken_out = nullptr;  ///< the drift that the records had
+  Result result;
+  LevelDrift drift;                 ///< of friction over the time of the logs
+  std::vector<log::Record> steady;  ///< the records without that drift; empty where there is none
+
+  [[nodiscard]] Found found() const {
+    const Judged& judged = *placed.judged;
+    return {placed.stage.log, placed.stage.rows, placed.stage.terms, judged.fit, map, judged.found, load,
+            taken_out};
+  }
+  /// The shift that was removed [s]; 0: none.
+  [[nodiscard]] double shift() const {
+    const AlignedLog& log = placed.stage.log;
+    return placed.stage.terms.shift ? log.shift * log.records.front().sample_time : 0.0;
+  }
+  /// Half width of the interval of the shift [rows].
+  [[nodiscard]] double shift_half() const {
+    return placed.judged->found.factor * placed.judged->found.shift_error;
+  }
+};
+
 Fitted fit_drive(std::span<const log::Record> records, const DriveFitOptions& options,
                  const LevelDrift* taken_out) {
   Placed placed = choose_all(records, options);
-  const Stage& stage = placed.stage;
-  const Judged& judged = *placed.judged;
-  Notes& notes = placed.notes;
-  const Found as_friction{stage.log,  stage.rows,   stage.terms, judged.fit,
-                          judged.map, judged.found, {},          taken_out};
-  const Notes unsaid = notes;
-  Fitted out{describe(as_friction, options, notes),
-             stage.terms.shift ? stage.log.shift * records.front().sample_time : 0.0,
-             judged.found.factor * judged.found.shift_error,
-             {},
-             {}};
-  Result& result = out.result;
-  std::optional<ToldLoad> load;
-  if (options.dynamics) load = load_of_reversals(result, as_friction);
-  const MapChoice choice = load ? with_load(judged.map, load->value) : judged.map;
-  const Found found{stage.log, stage.rows, stage.terms, judged.fit, choice, judged.found, load, taken_out};
-  if (load) {
-    notes = unsaid;
-    result = describe(found, options, notes);
+  MapChoice map = placed.judged->map;
+  Fitted out{std::move(placed), std::move(map), {}, taken_out, {}, {}, {}};
+  const Notes unsaid = out.placed.notes;
+  const auto describe_now = [&] {
+    out.placed.notes = unsaid;
+    out.result = describe(out.found(), options, out.placed.notes);
+  };
+  describe_now();
+  if (options.dynamics) out.load = load_of_reversals(out.result, out.found());
+  if (out.load) {
+    out.map = with_load(std::move(out.map), out.load->value);
+    describe_now();
   }
-  result.spectrum = std::move(placed.steady.spectrum);
-  result.break_away_distance = stage.break_away;
-  add_places(result, placed.along, notes);
-  if (options.dynamics) add_bristle(result, found, notes);
-  warn_of_drift(found, result.force_unit, notes);
-  result.warnings = std::move(notes.warnings);
-  result.cannot_tell = std::move(notes.cannot_tell);
-  out.drift = LevelDrift(stage.log, stage.rows, choice.map.fit, judged.found.residual);
+  out.drift = LevelDrift(out.placed.stage.log, out.placed.stage.rows, out.map.map.fit,
+                         out.placed.judged->found.residual);
   if (out.drift.found() && taken_out == nullptr)
-    out.steady = at_mean_level(stage.log, out.drift, result.mass, result.load);
+    out.steady = at_mean_level(out.placed.stage.log, out.drift, out.result.mass, out.result.load);
   return out;
 }
 
@@ -399,36 +402,51 @@ Fitted fit_both(std::span<const log::Record> records, const DriveFitOptions& opt
                 const LevelDrift* taken_out) {
   Fitted found = fit_drive(records, options, taken_out);
   const Result& result = found.result;
-  const bool well_told = found.shift_half < kWellTold && !result.friction.eccentric.empty();
-  if (found.shift == 0.0 || well_told || options.shift || !options.periodic) return found;
+  const bool well_told = found.shift_half() < kWellTold && !result.friction.eccentric.empty();
+  if (found.shift() == 0.0 || well_told || options.shift || !options.periodic) return found;
   // A loop that works against a force periodic in position looks like a shift, and a wrong shift hides the term.
   DriveFitOptions without = options;
   without.search_shift = false;
   Fitted second = fit_drive(records, without, taken_out);
-  Result& other = second.result;
+  const Result& other = second.result;
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms)) return found;
-  other.warnings.push_back(text(
+  second.placed.notes.warn(text(
       "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %.3g %s), and the shift removed is %.3g ms",
-      1e3 * std::abs(found.shift), found.shift > 0.0 ? "later" : "earlier", other.held_out_rms,
+      1e3 * std::abs(found.shift()), found.shift() > 0.0 ? "later" : "earlier", other.held_out_rms,
       result.held_out_rms, other.force_unit.c_str(),
-      1e3 * (second.shift == 0.0 ? 0.0 : std::abs(second.shift))));
+      1e3 * (second.shift() == 0.0 ? 0.0 : std::abs(second.shift()))));
   return second;
+}
+
+/// Adds pre-sliding, and everything that is said.
+Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords& drift) {
+  Result result = std::move(fitted.result);
+  Notes& notes = fitted.placed.notes;
+  result.spectrum = std::move(fitted.placed.steady.spectrum);
+  result.break_away_distance = fitted.placed.stage.break_away;
+  add_places(result, fitted.placed.along, notes);
+  if (options.dynamics) add_bristle(result, fitted.found(), notes);
+  for (const std::string& words : {drift.offset, drift.friction}) {
+    if (!words.empty()) notes.warn(words);
+  }
+  result.warnings = std::move(notes.warnings);
+  result.cannot_tell = std::move(notes.cannot_tell);
+  return result;
 }
 
 }  // namespace
 
 Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
   Fitted found = fit_both(records, options, nullptr);
-  if (found.steady.empty()) return std::move(found.result);
+  DriftWords drift = words_of_drift(found.found(), found.result.force_unit);
+  if (found.steady.empty()) return finished(std::move(found), options, drift);
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
   Fitted level = fit_both(found.steady, options, &found.drift);
-  if (!(level.result.held_out_rms < found.result.held_out_rms)) return std::move(found.result);
-  // The drift that was taken out is still said.
-  for (const std::string& words : found.result.warnings) {
-    if (words.starts_with("friction ") && words.find("warming up or running in") != std::string::npos)
-      level.result.warnings.push_back(words);
-  }
-  return std::move(level.result);
+  if (!(level.result.held_out_rms < found.result.held_out_rms))
+    return finished(std::move(found), options, drift);
+  // The drift of friction that was taken out is still said.
+  drift.offset = words_of_drift(level.found(), level.result.force_unit).offset;
+  return finished(std::move(level), options, drift);
 }
 
 }  // namespace stribeck::ident::drive

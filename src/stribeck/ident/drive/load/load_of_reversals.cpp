@@ -92,7 +92,7 @@ std::optional<Search> search(const std::vector<log::Record>& records, const fric
 std::optional<ToldLoad> load_of_reversals(const Result& result, const Found& found) {
   const auto* map = std::get_if<friction::Gaussian<double>>(&result.friction.steady);
   if (map == nullptr || found.choice.map.fit.family != map::StaticFit::Family::kByDirection ||
-      !(result.mass > 0.0) || result.position_unit != "m")
+      !(result.mass > 0.0) || result.position_unit != "m" || below_the_noise(result))
     return {};
   const friction::AxisModel start{result.mass, result.load, result.friction};
   const Levels level = levels_of(start);
