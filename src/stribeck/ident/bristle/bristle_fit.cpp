@@ -63,6 +63,7 @@ Given prepare(const std::vector<log::Record>& records, const friction::AxisModel
   g.quantum = kRootTwelve * g.data.noise;
   g.level = 0.5 * (g.data.level[0] + g.data.level[1]);
   g.units = {records.front().position_unit, records.front().force_unit};
+  g.shown = Shown(records.front());
   return g;
 }
 

@@ -82,7 +82,8 @@ void cut(const Given& given, double break_away, Rows& rows) {
     if ((enough ? part : rows.path).rows.size() > kFarTooManyRows) {
       // Slow jogs have thousands of rows after each reversal.
       part = shortest_of(rows.path, kMostRows, kFewestPieces);
-      if (part.pieces.size() >= kFewestPieces) rows.path = std::move(part);
+      rows.path =
+          part.pieces.size() >= kFewestPieces ? std::move(part) : shortened(rows.path, kFarTooManyRows);
     } else if (enough) {
       rows.path = std::move(part);
     }
@@ -219,11 +220,16 @@ Prior gms_prior(const Given& given, const Rows& rows, int own) {
   return prior;
 }
 
+/// Where a fit may begin.
+double start_of(const Given& given, double guess) {
+  return std::clamp(guess, std::max(0.5 * given.quantum, 1e-6 * given.stroke), given.stroke);
+}
+
 /// The fit that begins at one break-away distance.
 std::string fit_from(const Given& given, double guess, Rows& rows, Fitted& lugre) {
   constexpr int kOwn = LuGreCase::kMostOwn;
   lugre.own = kOwn;
-  guess = std::clamp(guess, std::max(0.5 * given.quantum, 1e-6 * given.stroke), given.stroke);
+  guess = start_of(given, guess);
   for (int pass = 0; pass < kPasses; ++pass) {
     cut(given, guess, rows);
     if (rows.path.rows.size() < kFewRows)
@@ -268,13 +274,18 @@ std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugr
   double least = share_left(given, rows, lugre);
   if (least > kPoor && rows.path.rows.size() < kMostRowsForStarts) {
     // The first guess may lie beside a wrong minimum: one break-away distance is tried far on either side of it.
-    double best = guess;
+    // Starts that the encoder or the stroke bounds to the same distance are one.
+    double best = start_of(given, guess), last = best;
+    std::vector<double> tried{best};
     for (const double times : {16.0, 4.0, 1.0 / 4.0, 1.0 / 16.0}) {
-      if (!fit_from(given, times * guess, rows, lugre).empty()) continue;
+      const double start = start_of(given, times * guess);
+      if (std::find(tried.begin(), tried.end(), start) != tried.end()) continue;
+      tried.push_back(last = start);
+      if (!fit_from(given, start, rows, lugre).empty()) continue;
       const double left = share_left(given, rows, lugre);
-      if (left < kClearlyLess * least) least = left, best = times * guess;
+      if (left < kClearlyLess * least) least = left, best = start;
     }
-    fit_from(given, best, rows, lugre);
+    if (best != last) fit_from(given, best, rows, lugre);
   }
   finish(given, rows, *lugre_model(rows.setting), 1, lugre);
   return {};

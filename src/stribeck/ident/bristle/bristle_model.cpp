@@ -21,7 +21,11 @@ class ModelOf final : public Model {
   void evaluate(const VectorXd& p, VectorXd& e, MatrixXd* jacobian, bool white) const override {
     const BristlePath& path = *setting_->path;
     e.resize(static_cast<Index>(path.rows.size()));
-    if (jacobian != nullptr) jacobian->setZero(e.size(), parameters());
+    if (jacobian != nullptr) {
+      jacobian->resize(e.size(), parameters());
+      jacobian->rightCols(path.starts)
+          .setZero();  // a piece writes every column but those of the other starts
+    }
     Index row = 0;
     int start = 0;
     for (const PathPiece& piece : path.pieces) {
@@ -32,13 +36,13 @@ class ModelOf final : public Model {
       } else {
         this->template simulate<double>(piece, p, my_start);
       }
-      const Index columns = jacobian != nullptr ? raw_.cols() : 1;
-      const auto ticks = static_cast<std::size_t>(raw_.rows());
-      filtered_.resize(raw_.rows());
+      const Index columns = jacobian != nullptr ? columns_of_raw() : 1;
+      const std::size_t ticks = piece.force.size();
+      if (filtered_.size() < static_cast<Index>(ticks)) filtered_.resize(static_cast<Index>(ticks));
       for (Index c = 0; c < columns; ++c) {
         const Index to = c == 0 ? 0 : column_of(c - 1, my_start);
         if (to < 0) continue;
-        filter_like(path, white, ticks, raw_.col(c).data(), filtered_.data(), work_);
+        filter_like(path, white, ticks, raw_.data() + c * static_cast<Index>(ticks), filtered_.data(), work_);
         double* out = c == 0 ? e.data() + row : jacobian->col(to).data() + row;
         for (std::size_t i = 0; i < piece.rows.size(); ++i)
           out[i] = filtered_(static_cast<Index>(piece.rows[i]));
@@ -161,6 +165,8 @@ class ModelOf final : public Model {
   /// Simulated beside the own parameters: the two levels, rise, width, start.
   static constexpr int kSimulated = 5;
 
+  [[nodiscard]] Index columns_of_raw() const { return own_ + kSimulated + 4; }
+
   /// Columns of raw_: force, own parameters, the simulated ones, mass, load, viscous.
   [[nodiscard]] Index column_of(Index c, int my_start) const {
     if (c < own_ + 2) return c;
@@ -193,7 +199,12 @@ class ModelOf final : public Model {
     const Setting& s = *setting_;
     constexpr bool kJets = !std::is_same_v<T, double>;
     const auto ticks = static_cast<Index>(piece.force.size());
-    raw_.setZero(ticks, kJets ? own_ + kSimulated + 4 : 1);
+    // The memory stays from piece to piece: a new one for each costs more than the law.
+    const Index columns = kJets ? columns_of_raw() : 1;
+    if (static_cast<Index>(raw_.size()) < ticks * columns)
+      raw_.resize(static_cast<std::size_t>(ticks * columns));
+    Eigen::Map<MatrixXd> raw(raw_.data(), ticks, columns);
+    raw.setZero();
     std::array<T, static_cast<std::size_t>(Case::kMostOwn) + 1> own;
     for (int i = 0; i < own_; ++i) own[static_cast<std::size_t>(i)] = variable<T>(p(i), i);
     auto law = Case::template make<T>(own.data(), own_, s.scales);
@@ -219,15 +230,15 @@ class ModelOf final : public Model {
           force = law.advance(step, level);
         }
         if constexpr (kJets) {
-          raw_(i, 0) += step.early * force.a;
-          raw_(i + 1, 0) += step.late * force.a;
+          raw(i, 0) += step.early * force.a;
+          raw(i + 1, 0) += step.late * force.a;
           for (int c = 0; c < own_ + kSimulated; ++c) {
-            raw_(i, 1 + c) += step.early * force.v[c];
-            raw_(i + 1, 1 + c) += step.late * force.v[c];
+            raw(i, 1 + c) += step.early * force.v[c];
+            raw(i + 1, 1 + c) += step.late * force.v[c];
           }
         } else {
-          raw_(i, 0) += step.early * force;
-          raw_(i + 1, 0) += step.late * force;
+          raw(i, 0) += step.early * force;
+          raw(i + 1, 0) += step.late * force;
         }
       }
     }
@@ -236,17 +247,17 @@ class ModelOf final : public Model {
     const double per_speed = s.scales.level / s.fastest;
     for (Index i = 0; i < ticks; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      raw_(i, 0) += mass * piece.acceleration[k] + load + piece.given[k] +
-                    per_speed * p(own_ + kViscous) * piece.speed[k] - piece.force[k];
+      raw(i, 0) += mass * piece.acceleration[k] + load + piece.given[k] +
+                   per_speed * p(own_ + kViscous) * piece.speed[k] - piece.force[k];
       if constexpr (kJets) {
-        raw_(i, 1 + own_ + kSimulated) = s.mass * piece.acceleration[k];
-        raw_(i, 2 + own_ + kSimulated) = s.scales.level;
-        raw_(i, 3 + own_ + kSimulated) = per_speed * piece.speed[k];
+        raw(i, 1 + own_ + kSimulated) = s.mass * piece.acceleration[k];
+        raw(i, 2 + own_ + kSimulated) = s.scales.level;
+        raw(i, 3 + own_ + kSimulated) = per_speed * piece.speed[k];
       }
     }
   }
 
-  mutable MatrixXd raw_;
+  mutable std::vector<double> raw_;  ///< see column_of(); a column for each, of the ticks of a piece
   mutable VectorXd filtered_;
   mutable std::vector<double> work_;
 };

@@ -12,45 +12,60 @@ constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than h
 constexpr std::size_t kFewPartPieces = 8;
 constexpr double kClearly = 2.0;  // standard errors
 
-/// The pieces that `kept` marks, with their steps and rows.
-BristlePath pieces_of(const BristlePath& from, const std::vector<char>& kept) {
+/// The first `rows` rows of a piece, with all ticks that their window needs.
+PathPiece begin_of(const PathPiece& piece, std::size_t rows, std::size_t half) {
+  PathPiece out = piece;
+  if (rows >= piece.rows.size()) return out;
+  out.rows.resize(rows);
+  const std::size_t ticks = std::min(piece.force.size(), out.rows.back() + half + 2);
+  out.samples.resize(std::min(out.samples.size(), ticks - 1));
+  for (std::vector<double>* column : {&out.acceleration, &out.force, &out.given, &out.speed, &out.at})
+    column->resize(ticks);
+  out.held.resize(ticks + 1);
+  return out;
+}
+
+/// Of each piece the first `kept` rows, with their steps.
+BristlePath pieces_of(const BristlePath& from, const std::vector<std::size_t>& kept) {
   BristlePath to;
   to.window = from.window;
   to.whitening = from.whitening;
-  std::size_t row = 0;
+  const std::size_t half = 3 * static_cast<std::size_t>(from.window) + kMostWhitening;
+  std::size_t first = 0;
   int last = -1;
-  for (std::size_t i = 0; i < from.pieces.size(); ++i) {
-    const PathPiece& piece = from.pieces[i];
-    const std::size_t end = row + piece.rows.size();
-    if (kept[i] != 0) {
-      PathPiece copy = piece;
-      for (PathSample& sample : copy.samples) {
-        const auto begin = from.steps.begin() + static_cast<std::ptrdiff_t>(sample.first);
-        sample.first = to.steps.size();
-        to.steps.insert(to.steps.end(), begin, begin + static_cast<std::ptrdiff_t>(sample.count));
-      }
-      to.pieces.push_back(std::move(copy));
-      for (; row < end; ++row) {
-        PathRow r = from.rows[row];
-        // Stretches are counted anew: those that are left out in turn lie side by side.
-        if (r.stretch != last) ++to.stretches;
-        last = r.stretch;
-        r.stretch = to.stretches - 1;
-        to.rows.push_back(r);
-      }
+  for (std::size_t i = 0; i < from.pieces.size(); first += from.pieces[i++].rows.size()) {
+    if (kept[i] == 0) continue;
+    PathPiece copy = begin_of(from.pieces[i], kept[i], half);
+    for (PathSample& sample : copy.samples) {
+      const auto begin = from.steps.begin() + static_cast<std::ptrdiff_t>(sample.first);
+      sample.first = to.steps.size();
+      to.steps.insert(to.steps.end(), begin, begin + static_cast<std::ptrdiff_t>(sample.count));
     }
-    row = end;
+    for (std::size_t row = first; row < first + copy.rows.size(); ++row) {
+      PathRow r = from.rows[row];
+      // Stretches are counted anew: those that are left out in turn lie side by side.
+      if (r.stretch != last) ++to.stretches;
+      last = r.stretch;
+      r.stretch = to.stretches - 1;
+      to.rows.push_back(r);
+    }
+    if (copy.unknown_start) ++to.starts;
+    to.pieces.push_back(std::move(copy));
   }
   return to;
 }
+
+/// The rows of a piece, or none of one whose start is unknown.
+std::size_t all_rows(const PathPiece& piece) { return piece.unknown_start ? 0 : piece.rows.size(); }
 
 }  // namespace
 
 BristlePath part_of(const BristlePath& from, std::size_t most) {
   const std::size_t every = std::max<std::size_t>(1, (from.rows.size() + most - 1) / most);
-  std::vector<char> kept(from.pieces.size(), 0);
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    kept[i] = i / 2 % every == 0 && !from.pieces[i].unknown_start ? 1 : 0;
+  std::vector<std::size_t> kept(from.pieces.size(), 0);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (i / 2 % every == 0) kept[i] = all_rows(from.pieces[i]);
+  }
   return pieces_of(from, kept);
 }
 
@@ -65,16 +80,37 @@ BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t l
   };
   std::stable_sort(pairs.begin(), pairs.end(),
                    [&](std::size_t a, std::size_t b) { return rows_of(a) < rows_of(b); });
-  std::vector<char> kept(from.pieces.size(), 0);
+  std::vector<std::size_t> kept(from.pieces.size(), 0);
   std::size_t rows = 0;
   std::size_t pieces = 0;
   for (const std::size_t pair : pairs) {
     rows += rows_of(pair);
     if (rows > most && pieces >= least_pieces) break;
     for (std::size_t i = 2 * pair; i < std::min(2 * pair + 2, from.pieces.size()); ++i) {
-      kept[i] = from.pieces[i].unknown_start ? 0 : 1;
-      pieces += kept[i];
+      kept[i] = all_rows(from.pieces[i]);
+      pieces += from.pieces[i].unknown_start ? 0 : 1;
     }
+  }
+  return pieces_of(from, kept);
+}
+
+BristlePath shortened(const BristlePath& from, std::size_t most) {
+  constexpr int kLeastStretches = 4;  // both directions, twice
+  std::vector<std::size_t> kept;
+  std::size_t first = 0;
+  for (const PathPiece& piece : from.pieces) {
+    const std::size_t end = first + piece.rows.size();
+    const std::size_t share = piece.rows.size() * most / std::max<std::size_t>(1, from.rows.size());
+    std::size_t row = first;
+    int stretches = 0;
+    for (int last = -1; row < end; ++row) {
+      if (from.rows[row].stretch == last) continue;
+      if (stretches >= kLeastStretches && row - first >= share) break;
+      last = from.rows[row].stretch;
+      ++stretches;
+    }
+    kept.push_back(row - first);
+    first = end;
   }
   return pieces_of(from, kept);
 }

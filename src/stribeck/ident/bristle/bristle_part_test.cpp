@@ -49,6 +49,63 @@ TEST(BristlePart, TakesPairsOfPiecesSpreadEvenly) {
   }
 }
 
+/// One piece of `stretches` stretches of ten rows, one sub-step in each; the velocity of a step is the number of its row.
+BristlePath long_piece(int stretches) {
+  constexpr std::size_t kBefore = 30;  // ticks before the first row and behind the last one
+  BristlePath path;
+  path.window = 2;
+  PathPiece piece;
+  piece.unknown_start = true;
+  const std::size_t ticks = static_cast<std::size_t>(10 * stretches) + 2 * kBefore;
+  for (std::size_t k = 0; k + 1 < ticks; ++k) {
+    piece.samples.push_back({k, 1, false});
+    PathStep step;
+    step.v = static_cast<double>(k);
+    path.steps.push_back(step);
+  }
+  for (std::vector<double>* column :
+       {&piece.acceleration, &piece.force, &piece.given, &piece.speed, &piece.at})
+    for (std::size_t k = 0; k < ticks; ++k) column->push_back(static_cast<double>(k));
+  piece.held.assign(ticks + 1, 0.0);
+  for (int s = 0; s < stretches; ++s) {
+    for (int k = 0; k < 10; ++k) {
+      const std::size_t at = kBefore + static_cast<std::size_t>(10 * s + k);
+      piece.rows.push_back(at);
+      path.rows.push_back({0, at, s, true});
+    }
+  }
+  path.pieces.push_back(piece);
+  path.starts = 1;
+  path.stretches = stretches;
+  return path;
+}
+
+TEST(BristlePart, ALongPieceIsCutBehindAStretch) {
+  const BristlePath whole = long_piece(50);
+  const BristlePath part = shortened(whole, 95);  // of 500 rows
+  ASSERT_EQ(part.pieces.size(), 1u);
+  const PathPiece& piece = part.pieces.front();
+  EXPECT_EQ(part.rows.size(), 100u);
+  EXPECT_EQ(part.stretches, 10);
+  EXPECT_EQ(part.starts, 1);
+  ASSERT_EQ(piece.rows.size(), 100u);
+  EXPECT_EQ(piece.rows.back(), 129u);
+  // The window reaches 3·2 + 4 ticks beyond the last row, and D²x one more.
+  ASSERT_GE(piece.force.size(), 129u + 10u + 2u);
+  EXPECT_LT(piece.force.size(), 150u);
+  EXPECT_EQ(piece.samples.size() + 1, piece.force.size());
+  EXPECT_EQ(piece.held.size(), piece.force.size() + 1);
+  EXPECT_EQ(part.steps.size(), piece.samples.size());
+  for (std::size_t k = 0; k < piece.samples.size(); ++k) {
+    EXPECT_EQ(piece.force[k], static_cast<double>(k));
+    EXPECT_EQ(part.steps[piece.samples[k].first].v, static_cast<double>(k));
+  }
+  // Never fewer than four stretches, and nothing is cut where there is room.
+  EXPECT_EQ(shortened(whole, 1).rows.size(), 40u);
+  EXPECT_EQ(shortened(whole, 500).rows.size(), 500u);
+  EXPECT_EQ(shortened(whole, 500).pieces.front().force.size(), whole.pieces.front().force.size());
+}
+
 // One step of LuGre along a path is that of friction/lugre.hpp, slow and fast, forward and back, whatever the damping.
 TEST(LuGreBristle, StepsAsTheLaw) {
   for (const double v : {-0.3, -1e-3, -1e-7, 0.0, 1e-6, 2e-4, 0.05}) {

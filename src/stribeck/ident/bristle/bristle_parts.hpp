@@ -19,6 +19,7 @@
 #include <stribeck/ident/bristle/bristle_model.hpp>
 #include <stribeck/ident/bristle/bristle_path.hpp>
 #include <stribeck/ident/bristle/bristle_solve.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <string>
 #include <vector>
 
@@ -26,14 +27,12 @@ namespace stribeck::ident::bristle {
 
 inline constexpr const char* kNotDeterminable = "pre-sliding is not determinable from this log: ";
 
-/// Units of the log, and lengths as text for people.
+/// Units of the log.
 struct Units {
   std::string length;
   std::string force;
 
-  [[nodiscard]] bool metres() const { return length == "m"; }
-  [[nodiscard]] std::string in_words(double value) const;
-  [[nodiscard]] std::string shown_length() const { return metres() ? "mm" : length; }
+  [[nodiscard]] std::string shown_length() const { return length == "m" ? "mm" : length; }
 };
 
 /// All that is known before anything is fitted.
@@ -43,6 +42,7 @@ struct Given {
   BristleOptions options;
   BristleData data;
   Units units;
+  Shown shown;           ///< for sentences
   bool open = true;      ///< every log is open loop
   double stroke = 0.0;   ///< [m]
   double quantum = 0.0;  ///< step of the encoder, from its noise [m]
@@ -90,6 +90,9 @@ BristlePath part_of(const BristlePath& from, std::size_t most);
 /// The pairs with the fewest rows: at least `least_pieces` pieces if there are so many, then about `most` rows. For logs with
 /// jogs so slow that one piece holds more rows than all others together.
 BristlePath shortest_of(const BristlePath& from, std::size_t most, std::size_t least_pieces);
+/// Each piece cut behind a stretch, so that about `most` rows are left; at least four stretches of each. For long motion without
+/// sliding in between, such as that after programmed forces, which is one piece.
+BristlePath shortened(const BristlePath& from, std::size_t most);
 /// A part of many reversals with what is known of the law, without the unknown starts. False: the whole is cheap enough.
 bool lay_part(const Rows& rows, const Fitted& lugre, Rows& part, Fitted& few);
 /// GMS as a candidate where a part of many reversals shows clearly that it predicts worse than LuGre: the fit over all of

@@ -66,9 +66,9 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
   const auto& [low, high] = out.break_away_interval;
   const auto& level = out.level_factor;
   if (f.break_away < kLeastQuanta * given.quantum)
-    return "the encoder, with steps of about " + given.units.in_words(given.quantum) +
+    return "the encoder, with steps of about " + given.shown.length(given.quantum) +
            ", is too coarse for a break-away distance of at most " +
-           given.units.in_words(std::max(high, kLeastQuanta * given.quantum));
+           given.shown.length(std::max(high, kLeastQuanta * given.quantum));
   if (out.rows_per_reversal < kLeastRows)
     return fmt::format(
         "the axis passes the break-away distance in {:.0f} samples; sample faster or reverse more slowly",
@@ -77,26 +77,20 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
     return "it has only one reversal, so that a result cannot be checked on another one";
   if (!std::isfinite(out.models[best].held_out_rms)) return "too few rows follow its reversals";
   if (chosen == 0)
-    return fmt::format(
-               "the static model predicts reversals that were left out as well ({:.3g} against {:.3g} ",
-               out.models[0].held_out_rms, out.models[best].held_out_rms) +
-           given.units.force + ")";
+    return fmt::format("the static model predicts reversals that were left out as well ({:.3g} against ",
+                       out.models[0].held_out_rms) +
+           given.shown.force(out.models[best].held_out_rms) + ")";
   if (std::min(level[0], level[1]) < 1.0 / kMostLevel || std::max(level[0], level[1]) > kMostLevel)
     return fmt::format(
         "its reversals need {:.2f} and {:.2f} times the given level of friction; either the axis never slides, or the steady map was measured on another day",
         level[0], level[1]);
   if (!(f.half < kWidestInterval))
-    return "its reversals allow any break-away distance from " + given.units.in_words(low) + " to " +
-           given.units.in_words(high);
+    return "its reversals allow any break-away distance from " + given.shown.length(low) + " to " +
+           given.shown.length(high);
   return "";
 }
 
 }  // namespace
-
-std::string Units::in_words(double value) const {
-  if (!metres()) return fmt::format("{:.3g} ", value) + length;
-  return value < 1e-3 ? fmt::format("{:.3g} um", value * 1e6) : fmt::format("{:.3g} mm", value * 1e3);
-}
 
 void report_lugre(const Given& given, const Rows& rows, Fitted& lugre, BristleFit& out) {
   const Index n = lugre.solution.p.size();
@@ -170,10 +164,10 @@ void answer(const Given& given, const Rows& rows, const Fitted& f, std::size_t b
   } else {
     out.best = *out.lugre;
   }
-  out.reason = "break-away distance " + given.units.in_words(out.break_away) + " (" +
-               given.units.in_words(out.break_away_interval.low) + " to " +
-               given.units.in_words(out.break_away_interval.high) + ") from " +
-               std::to_string(out.reversals) + " reversals";
+  out.reason = "break-away distance " + given.shown.length(out.break_away) + " (" +
+               given.shown.length(out.break_away_interval.low) + " to " +
+               given.shown.length(out.break_away_interval.high) + ") from " + std::to_string(out.reversals) +
+               " reversals";
 }
 
 }  // namespace stribeck::ident::bristle

@@ -192,17 +192,16 @@ bool Description::slow_enough(int s, const std::optional<Figure>& stribeck_speed
   if (grid.low <= slow) return true;
   if (said_slowest_) return false;
   said_slowest_ = true;
-  const bool turns = found_.log.records.front().rotary;
-  const double scale = turns ? 180.0 / kPi : metres ? 1e3 : 1.0;
-  const char* unit = turns ? "deg/s" : metres ? "mm/s" : "rad/s";
+  const Shown shown(found_.log.records.front());
   notes_.cannot_tell.push_back(
-      text("static friction: nothing slower than %.3g %s was used, and the friction may rise below it: ",
-           grid.low * scale, unit) +
+      text("static friction: nothing slower than %s was used, and the friction may rise below it: ",
+           shown.speed(grid.low).c_str()) +
       (asked_slower(found_.log.records, kMostOfStribeckSpeed * grid.low)
            ? std::string(
                  "slower motion was asked for, but the axis sticks and slips there, or turns before friction has "
                  "settled; jog over a longer distance, with a stiffer loop")
-           : text("add jogs at %.2g %s and slower", 0.2 * grid.low * scale, unit)));
+           : text("add jogs at %.2g %s/s and slower", 0.2 * grid.low * shown.scale(),
+                  shown.length_unit().c_str())));
   return false;
 }
 
@@ -294,8 +293,8 @@ void Description::write_load() {
   if (found_.load) {
     add("load", fit.load, "N", "N", found_.load->error, true);
     notes_.warn(text(
-        "the load of %.3g %s is the one with which pre-sliding is as stiff forward as backward; the two directions alone do not tell a load from friction that differs between them",
-        fit.load, result_.force_unit.c_str()));
+        "the load of %s is the one with which pre-sliding is as stiff forward as backward; the two directions alone do not tell a load from friction that differs between them",
+        Shown(found_.log.records.front()).force(fit.load).c_str()));
     return;
   }
   if (std::abs(fit.load) > 0.0) {
@@ -311,8 +310,8 @@ void Description::write_load() {
   const double apart = 0.5 * (level(0) - level(1));
   if (std::abs(apart) > kApart * 0.5 * (level(0) + level(1))) {
     notes_.cannot_tell.push_back(text(
-        "whether the difference of %.3g %s between each direction and their mean is a load or friction: it is taken as friction",
-        std::abs(apart), result_.force_unit.c_str()));
+        "whether the difference of %s between each direction and their mean is a load or friction: it is taken as friction",
+        Shown(found_.log.records.front()).force(std::abs(apart)).c_str()));
   }
 }
 
@@ -427,13 +426,12 @@ void Description::write_curve(int s) {
 /// The ends of the curve that the data hardly tell are left out, and that is said. Points in ascending speed.
 void Description::keep_told(std::vector<CurvePoint>& points) {
   const auto [first, last] = told_part(points);
-  const bool metres = result_.position_unit == "m";
+  const Shown shown(found_.log.records.front());
   const auto say = [&](const char* where, const CurvePoint& p) {
     notes_.cannot_tell.push_back(
-        text("friction %s than %+.3g %s: its half width is more than a fifth of it, and the curve %s there; "
+        text("friction %s than %s: its half width is more than a fifth of it, and the curve %s there; "
              "add strokes or jogs at such speeds",
-             where, p.velocity * (metres ? 1e3 : 1.0), metres ? "mm/s" : "rad/s",
-             where[0] == 's' ? "begins" : "ends"));
+             where, shown.velocity(p.velocity).c_str(), where[0] == 's' ? "begins" : "ends"));
   };
   const bool slowly = std::abs(points[first].velocity) > kWorthSlow * std::abs(points.back().velocity);
   if (first > 0 && slowly) say("slower", points[first]);

@@ -9,6 +9,7 @@
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <string>
 
 namespace stribeck::ident::drive {
@@ -36,7 +37,7 @@ struct Found {
 Result describe(const Found& found, const DriveFitOptions& options, Notes& notes);
 
 /// Adds friction along the travel.
-void add_places(Result& result, const PlaceShares& along, Notes& notes);
+void add_places(Result& result, const PlaceShares& along, const Shown& shown, Notes& notes);
 
 /// The records whose reversals tell pre-sliding: the closed-loop ones where there are any, because their slow reversals tell more than
 /// the ringing after a pulse; else all.
@@ -56,6 +57,6 @@ struct DriftWords {
 };
 
 /// Judged on the longest log.
-DriftWords words_of_drift(const Found& found, const std::string& force_unit);
+DriftWords words_of_drift(const Found& found);
 
 }  // namespace stribeck::ident::drive

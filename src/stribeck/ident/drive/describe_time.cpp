@@ -7,6 +7,7 @@
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -87,12 +88,13 @@ void reach_beside_unseen_rise(bristle::BristleFit& fit, const std::vector<log::R
 
 /// Whether the break-away distance is still told; a note where it is not. The law stays in the model: it predicts the reversals of these
 /// logs, and a step in its place would be worse.
-bool told_beside_unseen_rise(const bristle::BristleFit& fit, Notes& notes) {
+bool told_beside_unseen_rise(const bristle::BristleFit& fit, const Shown& shown, Notes& notes) {
   if (!(fit.break_away_interval.high > kMostApart * fit.break_away_interval.low)) return true;
   notes.cannot_tell.push_back(text(
       "the stiffness of pre-sliding: friction may rise below the slowest rows, and the break-away distance may then be anything from "
-      "%.3g to %.3g um; the model keeps %.3g um, with which it predicts the reversals of this log; add slow jogs",
-      1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high, 1e6 * fit.break_away));
+      "%s to %s; the model keeps %s, with which it predicts the reversals of this log; add slow jogs",
+      shown.length(fit.break_away_interval.low).c_str(), shown.length(fit.break_away_interval.high).c_str(),
+      shown.length(fit.break_away).c_str()));
   return false;
 }
 
@@ -160,12 +162,13 @@ std::vector<log::Record> records_of_reversals(const AlignedLog& log) {
 
 void add_bristle(Result& result, const Found& found, Notes& notes) {
   const AlignedLog& log = found.log;
+  const Shown shown(log.records.front());
   if (!(result.mass > 0.0) || result.position_unit != "m") return;
   const friction::AxisModel known{result.mass, result.load, result.friction};
   if (below_the_noise(result)) {
-    notes.cannot_tell.push_back(text(
-        "pre-sliding: friction at rest, %.3g %s, lies below what the model leaves of the force, %.3g %s RMS",
-        level_at_rest(result), result.force_unit.c_str(), result.held_out_rms, result.force_unit.c_str()));
+    notes.cannot_tell.push_back(
+        text("pre-sliding: friction at rest, %s, lies below what the model leaves of the force, %s RMS",
+             shown.force(level_at_rest(result)).c_str(), shown.force(result.held_out_rms).c_str()));
     return;
   }
   const std::vector<log::Record> closed = records_of_reversals(log);
@@ -209,9 +212,10 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
     if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
       notes.cannot_tell.push_back(text(
           "pre-sliding is not determinable from this log: with the shift between force and motion unknown, "
-          "its break-away distance may be anything from %.3g to %.3g um; record the commanded position too, "
+          "its break-away distance may be anything from %s to %s; record the commanded position too, "
           "or give --force-shift",
-          1e6 * fit.break_away_interval.low, 1e6 * fit.break_away_interval.high));
+          shown.length(fit.break_away_interval.low).c_str(),
+          shown.length(fit.break_away_interval.high).c_str()));
       return;
     }
   }
@@ -219,7 +223,7 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   options.shift = log.shift;
   reach_beside_unseen_rise(fit, closed, known, options,
                            std::max(found.rows.grid[0].low, found.rows.grid[1].low));
-  const bool told = told_beside_unseen_rise(fit, notes);
+  const bool told = told_beside_unseen_rise(fit, shown, notes);
   const bool gms = std::holds_alternative<friction::Gms<double>>(fit.best);
   result.friction.dynamics = fit.best;
   result.model += gms ? " + gms" : " + lugre";
@@ -239,7 +243,7 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   if (!result.friction.places.empty()) add_place_stiffness(result, closed, log.shift);
 }
 
-void add_places(Result& result, const PlaceShares& along, Notes& notes) {
+void add_places(Result& result, const PlaceShares& along, const Shown& shown, Notes& notes) {
   if (along.places.empty() || result.position_unit != "m") return;
   result.friction.places = along.places;
   result.model += " + places";
@@ -252,12 +256,13 @@ void add_places(Result& result, const PlaceShares& along, Notes& notes) {
                                  share + half, half < share});
   }
   notes.warn(text(
-      "friction differs along the travel, from %+.3g %% to %+.3g %%: the model holds it at %zu places from %.4g to %.4g mm, which belong to the homing position of this log; beyond them, the nearest place counts",
-      100.0 * (least - 1.0), 100.0 * (most - 1.0), along.places.size(), 1e3 * along.places[0].position,
-      1e3 * along.places[along.places.size() - 1].position));
+      "friction differs along the travel, from %+.3g %% to %+.3g %%: the model holds it at %zu places from %s to %s, which belong to the homing position of this log; beyond them, the nearest place counts",
+      100.0 * (least - 1.0), 100.0 * (most - 1.0), along.places.size(),
+      shown.length(along.places[0].position).c_str(),
+      shown.length(along.places[along.places.size() - 1].position).c_str()));
 }
 
-DriftWords words_of_drift(const Found& found, const std::string& force_unit) {
+DriftWords words_of_drift(const Found& found) {
   DriftWords out;
   const Rows& rows = found.rows;
   const auto records = found.log.records;
@@ -308,8 +313,8 @@ DriftWords words_of_drift(const Found& found, const std::string& force_unit) {
     // Slow noise sometimes looks like a drift: the limit is twice the interval.
     if (std::abs(x(j)) < 2.0 * half || std::abs(x(j)) < kWorthSaying * std::abs(slow)) continue;
     (j == 0 ? out.offset : out.friction) = text(
-        "%s %s by %.3g %s (%.2g %% of the mean friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
-        what[j], x(j) > 0 ? "rose" : "fell", std::abs(x(j)), force_unit.c_str(),
+        "%s %s by %s (%.2g %% of the mean friction) from the beginning to the end of %s: warming up or running in; the result is the mean over the record",
+        what[j], x(j) > 0 ? "rose" : "fell", Shown(rec).force(std::abs(x(j))).c_str(),
         100.0 * std::abs(x(j) / level), rec.source.c_str());
   }
   return out;

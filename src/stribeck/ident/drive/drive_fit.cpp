@@ -411,9 +411,9 @@ Fitted fit_both(std::span<const log::Record> records, const DriveFitOptions& opt
   const Result& other = second.result;
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms)) return found;
   second.placed.notes.warn(text(
-      "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %.3g %s), and the shift removed is %.3g ms",
+      "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %s), and the shift removed is %.3g ms",
       1e3 * std::abs(found.shift()), found.shift() > 0.0 ? "later" : "earlier", other.held_out_rms,
-      result.held_out_rms, other.force_unit.c_str(),
+      Shown(records.front()).force(result.held_out_rms).c_str(),
       1e3 * (second.shift() == 0.0 ? 0.0 : std::abs(second.shift()))));
   return second;
 }
@@ -424,7 +424,7 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
   Notes& notes = fitted.placed.notes;
   result.spectrum = std::move(fitted.placed.steady.spectrum);
   result.break_away_distance = fitted.placed.stage.break_away;
-  add_places(result, fitted.placed.along, notes);
+  add_places(result, fitted.placed.along, Shown(fitted.placed.stage.log.records.front()), notes);
   if (options.dynamics) add_bristle(result, fitted.found(), notes);
   for (const std::string& words : {drift.offset, drift.friction}) {
     if (!words.empty()) notes.warn(words);
@@ -438,14 +438,14 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
 
 Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
   Fitted found = fit_both(records, options, nullptr);
-  DriftWords drift = words_of_drift(found.found(), found.result.force_unit);
+  DriftWords drift = words_of_drift(found.found());
   if (found.steady.empty()) return finished(std::move(found), options, drift);
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.
   Fitted level = fit_both(found.steady, options, &found.drift);
   if (!(level.result.held_out_rms < found.result.held_out_rms))
     return finished(std::move(found), options, drift);
   // The drift of friction that was taken out is still said.
-  drift.offset = words_of_drift(level.found(), level.result.force_unit).offset;
+  drift.offset = words_of_drift(level.found()).offset;
   return finished(std::move(level), options, drift);
 }
 

@@ -143,6 +143,7 @@ map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, con
                                     const LinearFit& fit, const JointFit* joint) {
   const VectorXd& value = joint != nullptr ? joint->linear : fit.value;
   map::PeriodicRows out;
+  out.shown = Shown(log.records.front());
   const std::size_t first = terms.first_periodic();
   const std::size_t behind = first + 2 * terms.periodic.size();
   std::vector<double> c(terms.count() + 1);

@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <stribeck/friction/eccentric.hpp>
 #include <stribeck/ident/result.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct PeriodicRows {
   std::vector<int> direction;   ///< +1, −1; 0 everywhere: held at standstill
   std::vector<int> record;      ///< number of the record
   std::vector<std::size_t> at;  ///< row in the record
+  Shown shown = {};             ///< units for sentences
 };
 
 struct PeriodicTerm {

@@ -60,6 +60,7 @@ struct Data {
   double longest = 0.0;   ///< [m]
   bool both = false;      ///< the rows have both directions
   bool standstill = false;
+  Shown shown = {};
   std::vector<Group> groups;
   std::vector<Pass> passes;
   VectorXd root;       ///< square roots of the weights

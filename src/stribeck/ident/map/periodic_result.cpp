@@ -54,9 +54,9 @@ void note_slow_term(const Data& data, PeriodicResult& result) {
   }
   if (!(best > kSlow)) return;
   result.cannot_tell.push_back(
-      fmt::format("periodic terms of more than {:.3g} mm, which do not fit three times into {:.3g} mm of "
+      fmt::format("periodic terms of more than {}, which do not fit three times into {} of "
                   "travel: a slow change with the position is {:.0f} % of the residual; move farther",
-                  1e3 * data.longest, 1e3 * data.length, 100.0 * best));
+                  data.shown.length(data.longest), data.shown.length(data.length), 100.0 * best));
 }
 
 void note_one_direction(PeriodicResult& result) {

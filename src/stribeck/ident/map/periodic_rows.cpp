@@ -80,6 +80,7 @@ bool measure(const PeriodicRows& rows, const PeriodicOptions& options, Data& dat
   }
   const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
   data.low = *low;
+  data.shown = rows.shown;
   data.length = *high - *low;
   data.middle = 0.5 * (*low + *high);
   std::vector<double> steps;

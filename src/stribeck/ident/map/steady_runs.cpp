@@ -6,6 +6,7 @@
 #include <stribeck/ident/map/run_periodic.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>
@@ -18,16 +19,6 @@ constexpr double kRelaxations = 6.0;
 constexpr double kSameWay = 4.0;     // factor within which lengths agree
 constexpr std::size_t kSlowest = 6;  // one run in this many counts as slow; slow runs show the bristle best
 constexpr std::size_t kNamed = 6;    // number of stretches left out that are noted one by one
-
-/// A speed as text for people.
-std::string shown(double speed, const log::Record& rec) {
-  return rec.position_unit == "rad" ? fmt::format("{:.4g} rad/s", speed)
-                                    : fmt::format("{:.4g} mm/s", speed * 1e3);
-}
-std::string shown_way(double way, const log::Record& rec) {
-  return rec.position_unit == "rad" ? fmt::format("{:.3g} mrad", way * 1e3)
-                                    : fmt::format("{:.3g} um", way * 1e6);
-}
 
 /// Distance in which the force relaxes to 1/e after the reversal before a run [m]; NaN: the rows do not resolve it.
 double relaxation_of(const log::Record& rec, const ConstantSpeed& f) {
@@ -90,16 +81,16 @@ std::string settle(ConstantSpeed& f, const log::Record& rec, double exclude, con
     return f.reversal && way < 1.5 * exclude
                ? fmt::format(
                      "{}: {} from {:.4g} s: moved {}, and pre-sliding lasts {} after a reversal; left out",
-                     rec.source, shown(run.speed, rec), rec.t[run.first], shown_way(way, rec),
-                     shown_way(exclude, rec))
+                     rec.source, Shown(rec).speed(run.speed), rec.t[run.first], Shown(rec).length(way),
+                     Shown(rec).length(exclude))
                : fmt::format("{}: {} from {:.4g} s: less than {:g} s of constant speed; left out", rec.source,
-                             shown(run.speed, rec), rec.t[run.first], options.shortest);
+                             Shown(rec).speed(run.speed), rec.t[run.first], options.shortest);
   }
   const double rows = static_cast<double>(run.last - run.first);
   const double speed = (rec.x[run.last] - rec.x[run.first]) / (rows * T);
   if (!rec.r.empty() && std::abs(speed - run.speed) > 0.1 * std::abs(run.speed)) {
     return fmt::format("{}: {} asked from {:.4g} s on, but the axis moved with {}; left out", rec.source,
-                       shown(run.speed, rec), rec.t[run.first], shown(speed, rec));
+                       Shown(rec).speed(run.speed), rec.t[run.first], Shown(rec).speed(speed));
   }
   run.speed = speed;
   run.way = std::abs(rec.x[run.last] - rec.x[run.first]);

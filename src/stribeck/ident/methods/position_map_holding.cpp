@@ -30,6 +30,7 @@ void check_held(const log::Record& r) {
 /// Rows without direction; each counts separately.
 map::PeriodicRows rows_of(const std::vector<log::Record>& records, double& mean) {
   map::PeriodicRows rows;
+  rows.shown = Shown(records.front());
   mean = 0.0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const log::Record& record = records[i];

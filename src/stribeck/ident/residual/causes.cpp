@@ -127,6 +127,17 @@ double mass_of_spring(const Rows& rows) {
   return aa > 0.0 ? ax / aa : 0.0;
 }
 
+/// Whether the axis turns so far that sine and cosine of its angle are no straight line.
+bool may_be_unbalanced(const Rows& rows) { return rows.turns() && rows.high - rows.low >= kLeastTurn; }
+
+/// The columns of the model, then sine and cosine of the angle.
+Columns unbalance_columns(const Rows& rows) {
+  Columns columns = model_columns(rows);
+  columns.emplace_back([](const Row& r) { return std::sin(r.x); });
+  columns.emplace_back([](const Row& r) { return std::cos(r.x); });
+  return columns;
+}
+
 void find_spring(const Rows& rows, Diagnosis& out) {
   Columns columns = model_columns(rows);
   const std::size_t at = columns.size();
@@ -147,14 +158,16 @@ void find_spring(const Rows& rows, Diagnosis& out) {
   const double force = f.theta(static_cast<Index>(at));
   if (std::abs(force) < kSure * f.half[at] || std::abs(force) < kWorthForce * rows.friction) return;
   out.spring = Spring{force * scale, f.half[at] * scale, rows.middle()};
+  if (!may_be_unbalanced(rows)) return;
+  // Part of a sine beside a straight line is another mass.
+  const Fit weight = fit(rows, unbalance_columns(rows));
+  out.spring->mass = std::abs(weight.theta(0) - f.theta(0)) + weight.half.front();
 }
 
 void find_unbalance(const Rows& rows, Diagnosis& out) {
-  if (!rows.turns() || rows.high - rows.low < kLeastTurn) return;
-  Columns columns = model_columns(rows);
-  const std::size_t at = columns.size();
-  columns.emplace_back([](const Row& r) { return std::sin(r.x); });
-  columns.emplace_back([](const Row& r) { return std::cos(r.x); });
+  if (!may_be_unbalanced(rows)) return;
+  const Columns columns = unbalance_columns(rows);
+  const std::size_t at = columns.size() - 2;
   // A large one bends the map that was fitted without it, and no free friction takes its Gaussians back; then the whole force
   // on the same columns leaves less.
   Fit f = fit(rows, columns);
@@ -184,11 +197,13 @@ void find_level(Rows& rows, Diagnosis& out) {
   }
   const bool sure = std::abs(slope) > kSure * f.half[at] || std::abs(bend) > kSure * f.half[at + 1];
   if (sure && most - least > kWorthLevel * rows.friction && std::min(f.told[at], f.told[at + 1]) > kTold) {
-    const auto place = [&](double s) { return rows.shown(rows.middle() + 0.5 * s * (rows.high - rows.low)); };
+    const auto place = [&](double s) {
+      return rows.shown().length(rows.middle() + 0.5 * s * (rows.high - rows.low));
+    };
     out.warnings.push_back(fmt::format(
-        "friction differs along the travel: {:.3g} {} ({:.2g} % of it) more at {:.4g} {} than at {:.4g} {}, without a period (preload, lubrication or alignment); the result is the mean over the travel: identify shorter strokes at each end where the difference counts",
-        most - least, rows.force_unit, 100.0 * (most - least) / rows.friction, place(at_most),
-        rows.shown_unit(), place(at_least), rows.shown_unit()));
+        "friction differs along the travel: {} ({:.2g} % of it) more at {} than at {}, without a period (preload, lubrication or alignment); the result is the mean over the travel: identify shorter strokes at each end where the difference counts",
+        rows.shown().force(most - least), 100.0 * (most - least) / rows.friction, place(at_most),
+        place(at_least)));
   }
   for (Index i = 0; i < f.left.size(); ++i) rows.rows[static_cast<std::size_t>(i)].e = f.left(i);
 }
@@ -230,11 +245,11 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
   }
   if (first == kPlaces || static_cast<double>(last + 1 - first) > kWidestSpot * kPlaces) return;
   const auto place = [&](std::size_t i) {
-    return rows.shown(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
+    return rows.shown().length(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
   };
   out.warnings.push_back(fmt::format(
-      "friction is {:.3g} {} ({:.2g} % of it) higher between {:.4g} and {:.4g} {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
-      most, rows.force_unit, 100.0 * most / rows.friction, place(first), place(last + 1), rows.shown_unit()));
+      "friction is {} ({:.2g} % of it) higher between {} and {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
+      rows.shown().force(most), 100.0 * most / rows.friction, place(first), place(last + 1)));
 }
 
 }  // namespace

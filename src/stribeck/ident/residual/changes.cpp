@@ -91,8 +91,8 @@ void find_step(std::vector<Stroke> s, const Rows& rows, Diagnosis& out) {
   for (std::size_t i = 0; i < at; ++i) first += s[i].extra;
   const bool rose = first / a < (all - first) / b;
   out.warnings.push_back(fmt::format(
-      "friction {} suddenly by {:.3g} {} ({:.2g} % of it) at {:.4g} s of {}: no warming up; something changed (lubrication, a clamp, a cover, the load): identify the parts before and after as logs of their own",
-      rose ? "rose" : "fell", step, rows.force_unit, 100.0 * step / rows.friction,
+      "friction {} suddenly by {} ({:.2g} % of it) at {:.4g} s of {}: no warming up; something changed (lubrication, a clamp, a cover, the load): identify the parts before and after as logs of their own",
+      rose ? "rose" : "fell", rows.shown().force(step), 100.0 * step / rows.friction,
       0.5 * (s[at - 1].t + s[at].t), rows.records[static_cast<std::size_t>(s[at].record)]->source));
 }
 
@@ -150,8 +150,8 @@ void compare_logs(const std::vector<Stroke>& strokes, const Rows& rows, Diagnosi
   }
   if (most - least < kWorthSpread * rows.friction || most - least < 4.0 * noise) return;
   out.warnings.push_back(fmt::format(
-      "the logs differ in friction by {:.3g} {} ({}): other days, temperatures or loads; the result is their mean and its intervals do not hold for each of them",
-      most - least, rows.force_unit, words));
+      "the logs differ in friction by {} ({}): other days, temperatures or loads; the result is their mean and its intervals do not hold for each of them",
+      rows.shown().force(most - least), words));
 }
 
 }  // namespace

@@ -183,7 +183,7 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   if (spread > 0.0) q.r_squared = 1.0 - s.ee / spread;
   q.cut_off = cut_off_of(collected.left.front().motion);
   find_lines(collected.left, std::isfinite(result.mass) ? result.mass : 0.0, q);
-  judge(q, result.force_unit, out.warnings);
+  judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
   const Rows rows = collected.take();
   if (rows.high > rows.low && rows.friction > 0.0) {
     find_causes(rows, out);

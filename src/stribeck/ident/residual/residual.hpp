@@ -51,6 +51,8 @@ struct Spring {
   double stiffness = 0.0;   ///< [N/m]
   double half_width = 0.0;  ///< 95 % [N/m]
   double middle = 0.0;      ///< of the travel [m]
+  double mass =
+      0.0;  ///< half width of the mass, were the force on this angle an unbalance, 95 % [kg]; 0: it cannot be one
 };
 
 /// A force that follows the angle: f += sine·sin x + cosine·cos x.

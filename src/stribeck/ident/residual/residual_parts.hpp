@@ -6,6 +6,7 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/residual/residual.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <string>
 #include <vector>
 
@@ -48,13 +49,8 @@ struct Rows {
   [[nodiscard]] double middle() const noexcept { return 0.5 * (low + high); }
   /// −1 … 1 over the travel.
   [[nodiscard]] double along(const Row& r) const noexcept { return (r.x - middle()) / (0.5 * (high - low)); }
-  /// Position as people read it.
-  [[nodiscard]] double shown(double x) const noexcept {
-    return rotary ? x * 180.0 / kPi : position_unit == "m" ? 1e3 * x : x;
-  }
-  [[nodiscard]] const char* shown_unit() const noexcept {
-    return rotary ? "deg" : position_unit == "m" ? "mm" : "rad";
-  }
+  /// Units for sentences.
+  [[nodiscard]] Shown shown() const { return Shown(*this); }
 };
 
 // lines.cpp

@@ -145,6 +145,36 @@ TEST(Residual, FindsAnUnbalancedArm) {
   EXPECT_GT(diagnose({r}, truth()).unbalance->mass, 0.0);
 }
 
+// Strokes of constant acceleration over 1.2 rad, fast and slow ones in turn: sine and cosine of the angle are nearly friction and a
+// straight line there, so that a weight is taken for a spring. The mass may then be another one, and that is said.
+TEST(Residual, ASpringOfAnAxisThatTurnsMayBeAWeight) {
+  const auto strokes = [](double t) {
+    constexpr double kFast = 2.0, kSlow = 3.0, kStroke = 1.2;
+    double at = std::fmod(t, 2.0 * (kFast + kSlow));
+    double period = kFast;
+    if (at >= 2.0 * kFast) at -= 2.0 * kFast, period = kSlow;
+    const double way = at < period ? 1.0 : -1.0;
+    at = std::fmod(at, period);
+    const double a = 4.0 * kStroke / (period * period);
+    const bool first = at < 0.5 * period;
+    const double rest = period - at;
+    const double moved = first ? 0.5 * a * at * at : kStroke - 0.5 * a * rest * rest;
+    return Moment{t, 0.3 + (way > 0.0 ? moved : kStroke - moved), way * a * (first ? at : rest),
+                  way * (first ? a : -a)};
+  };
+  const auto weight = [](const Moment& m) { return 60.0 * std::sin(m.x); };
+  log::Record r = record_of(strokes, weight);
+  const Diagnosis linear = diagnose({r}, truth());
+  ASSERT_TRUE(linear.spring);
+  EXPECT_EQ(linear.spring->mass, 0.0);
+  r.rotary = true;
+  const Diagnosis turning = diagnose({r}, truth());
+  ASSERT_TRUE(turning.spring);
+  // The mass of the fit with the spring, and that of the fit with the weight: the model here has the true one.
+  EXPECT_GT(turning.spring->mass, 0.1);
+  EXPECT_LT(turning.spring->mass, 0.1 * kMass);
+}
+
 TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {
   const auto along = [](const Moment& m) { return sign(m.v) * kCoulomb * 0.4 * (m.x + 0.1) / 0.2; };
   const Diagnosis level = diagnose({record_of(two_sines, along)}, truth());

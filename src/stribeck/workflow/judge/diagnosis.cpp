@@ -7,6 +7,7 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/residual/residual.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
 
 namespace stribeck::workflow {
@@ -59,18 +60,6 @@ std::string ringing(const ident::residual::Quality& q) {
       q.strongest->frequency);
 }
 
-void write_spring(const ident::residual::Spring& s, const ident::residual::Quality& q, ident::Result& r) {
-  const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
-  r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
-                          s.stiffness + s.half_width, true});
-  const bool metres = r.position_unit == "m";
-  r.warnings.push_back(fmt::format(
-      "a force grows with position by {:.3g} {}/{} (95 %: ±{:.2g}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {:.4g} {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
-      s.stiffness * (metres ? 1e-3 : 1.0), r.force_unit, metres ? "mm" : "rad",
-      s.half_width * (metres ? 1e-3 : 1.0), s.middle * (metres ? 1e3 : 1.0), metres ? "mm" : "rad",
-      ringing(q)));
-}
-
 void widen(std::string_view name, double half_width, ident::Result& r) {
   for (ident::Parameter& p : r.parameters) {
     if (p.name != name) continue;
@@ -87,6 +76,19 @@ void widen_mass(double half_width, ident::Result& r) {
   widen("mass", half_width, r);
 }
 
+void write_spring(const ident::residual::Spring& s, const ident::residual::Quality& q, bool rotary,
+                  ident::Result& r) {
+  widen_mass(s.mass, r);
+  const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
+  r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
+                          s.stiffness + s.half_width, true});
+  const ident::Shown people(r.position_unit, r.force_unit, rotary);
+  r.warnings.push_back(fmt::format(
+      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
+      people.force_per_length(s.stiffness), people.force_per_length(s.half_width), people.length(s.middle),
+      ringing(q)));
+}
+
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
   const double size = std::hypot(u.sine, u.cosine);
   const double phase = std::atan2(-u.cosine, u.sine);
@@ -97,10 +99,10 @@ void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Re
   widen("load", u.half_width, r);  // over part of a turn an error of the weight looks like a load
   const bool room = r.friction.eccentric.size() < friction::kMaxEccentricTerms;
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
+  const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force of {:.3g} {} (95 %: ±{:.2g}) follows the sine of the angle, the heavy side hangs down at {:.3g} {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
-      size, rotary ? "N m" : r.force_unit, u.half_width, rotary ? phase * 180.0 / kPi : phase,
-      rotary ? "deg" : "rad",
+      "a force of {} (95 %: ±{:.2g}) follows the sine of the angle, the heavy side hangs down at {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
+      people.force(size), u.half_width, people.length(phase),
       room ? "; it stands among the periodic terms, with one turn as its period" : ""));
 }
 
@@ -115,7 +117,10 @@ void without_mass(ident::Result& r) {
 
 /// Adds what a second look still finds.
 void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all) {
-  if (more.spring && all.spring) all.spring->stiffness += more.spring->stiffness;
+  if (more.spring && all.spring) {
+    all.spring->stiffness += more.spring->stiffness;
+    all.spring->mass = std::max(all.spring->mass, more.spring->mass);
+  }
   if (more.spring && !all.spring) all.spring = more.spring;
   if (more.unbalance && all.unbalance) {
     all.unbalance->sine += more.unbalance->sine;
@@ -146,7 +151,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     found = std::move(again);
     d = std::move(left);
   }
-  if (taken.spring) write_spring(*taken.spring, d.quality, found.result);
+  if (taken.spring) write_spring(*taken.spring, d.quality, axis.rotary, found.result);
   if (taken.unbalance) write_unbalance(*taken.unbalance, axis.rotary, found.result);
   found.quality = std::move(d.quality);
   ident::Result& r = found.result;

@@ -13,6 +13,7 @@ constexpr double kSameDirections = 0.05;  ///< of the level: directions that dif
 constexpr double kNoMoreLoad = 0.01;      ///< of the level: a smaller step ends the search
 constexpr int kMostLoads = 8;
 constexpr double kLeastLevel = 0.1;  ///< of the mean of both levels
+constexpr double kHopeless = 4.0;    ///< ratio of the ends of the interval of the break-away distance
 constexpr double kLeastGain = 0.9;   ///< of the variance that was believed before: the data must tell more
 
 struct Levels {
@@ -77,6 +78,9 @@ std::optional<Search> search(const std::vector<log::Record>& records, const fric
   for (int i = 0; i < kMostLoads; ++i) {
     s.last = bristle::fit_bristle(records, s.axis, options);
     if (s.last.models.size() < 2) return {};
+    // Reversals that do not tell a break-away distance tell no load from it; another load changes nothing about that.
+    const Interval& told = s.last.break_away_interval;
+    if (!s.last.determinable && told.high > kHopeless * told.low) return {};
     const Levels level = levels_of(s.axis);
     s.step = asked_by(s.last, level);
     if (std::abs(s.step) < kNoMoreLoad * level.mean()) return s;

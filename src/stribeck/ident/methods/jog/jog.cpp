@@ -9,6 +9,7 @@
 #include <stribeck/ident/methods/jog/jog.hpp>
 #include <stribeck/ident/methods/jog/jog_parts.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <utility>
 
@@ -42,6 +43,7 @@ struct Fitted {
   const LoadEstimate& load;
   double taken = 0.0;  ///< load subtracted before the fit [N]
   bool both = false;   ///< the group has both directions
+  Shown shown = {};
 };
 
 /// The load that is subtracted before a fit by direction: only where it is the same at all speeds, or too large for
@@ -151,9 +153,9 @@ void note_open_gap(const Fitted& d, int side, const std::vector<SpeedMean>& mean
   const double most = *widest;
   if (most > std::max(kOpen, kOpenBeside * stats::median(share))) {
     r.cannot_tell.push_back(fmt::format(
-        "friction between {:.4g} and {:.4g} mm/s{}: the curve may bend more than these speeds show; jog at {:.4g} mm/s as well",
-        1e3 * mean[at].v, 1e3 * mean[at + 1].v, side == 0 ? "" : " of the negative direction",
-        0.5e3 * (mean[at].v + mean[at + 1].v)));
+        "friction between {} and {}{}: the curve may bend more than these speeds show; jog at {} as well",
+        d.shown.speed(mean[at].v), d.shown.speed(mean[at + 1].v),
+        side == 0 ? "" : " of the negative direction", d.shown.speed(0.5 * (mean[at].v + mean[at + 1].v))));
   }
 }
 
@@ -201,7 +203,7 @@ Group fit_group(std::vector<Point> points, const std::vector<map::SteadyRun>& ru
   for (Point& p : lifted) p.f -= taken;
   Chosen chosen = choose(lifted, folds, Fitter(options, both), options, both, low, high);
   const Spread spread(chosen.fit, lifted);
-  const Fitted fitted{chosen.fit, spread, load, taken, both};
+  const Fitted fitted{chosen.fit, spread, load, taken, both, Shown(records.front())};
 
   Group out;
   Result& r = out.result;
@@ -256,8 +258,7 @@ std::vector<std::vector<Point>> split_at_jump(const std::vector<Point>& points,
   std::vector<std::vector<Point>> groups{points};
   const std::vector<Point> whole = by_record(points, runs, records);
   if (const auto jump = find_jump(whole)) {
-    const bool angle = records.front().position_unit == "rad";
-    const double scale = angle ? 1.0 : 1e3;
+    const Shown shown(records.front());
     groups.assign(2, {});
     for (const Point& p : points) {
       const auto same =
@@ -266,11 +267,11 @@ std::vector<std::vector<Point>> split_at_jump(const std::vector<Point>& points,
       groups[std::abs(judged.v) > jump->below ? 0 : 1].push_back(p);
     }
     note = fmt::format(
-        "friction jumps by {:+.0f} % in both directions between {:.4g} and {:.4g} {}, which no "
+        "friction jumps by {:+.0f} % in both directions between {} and {}, which no "
         "friction curve does: two measuring days or states of the machine; the {} runs below and the "
         "{} runs above are identified separately",
-        100.0 * jump->share, jump->below * scale, jump->above * scale, angle ? "rad/s" : "mm/s",
-        groups[1].size(), groups[0].size());
+        100.0 * jump->share, shown.speed(jump->below), shown.speed(jump->above), groups[1].size(),
+        groups[0].size());
     if (groups[1].size() > groups[0].size()) std::swap(groups[0], groups[1]);
   }
   return groups;
