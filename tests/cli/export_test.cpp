@@ -747,7 +747,7 @@ TEST(Evaluate, RefusesInOneLine) {
   refused({"--label", "a", "--label", "b"}, "got 2, expected 1");
   refused({"--beside", "clocks=1,2"}, "got 2 values, expected 1");
   refused({"--json", a}, "would be overwritten");
-  refused({"--size", "20 mm", "--where", "line=7"}, "a circle with a radius of 10.005 mm, expected 20 mm");
+  refused({"--size", "20 mm", "--where", "line=7"}, "a circle with a radius of 10 mm, expected 20 mm");
   refused({"--where", "line=7", "--json", f / "nowhere/e.json"}, "no folder");
   expect_refused(f, {"evaluate", f / "none.csv"}, "no such file");
   // What cannot be written is told before logs are read.

@@ -118,6 +118,27 @@ std::string plain_table(const std::vector<Row>& rows, const std::string& head = 
   return text;
 }
 
+TEST_F(BallBar, CommandedPositionsOfALogAreFoundByTheirNames) {
+  const std::string text = log_text(record());
+  CircleOptions commanded = sized();
+  commanded.maps = {"rx=rx", "ry=ry"};
+  const auto wanted = judged({text}, commanded);
+  const std::string head = text.substr(text.find('\n'));
+  for (const std::string names :
+       {"rx [mm],ry [mm]", "x_ref [mm],y_ref [mm]", "X Sollposition [mm],Y Sollposition [mm]"}) {
+    const auto got = judged({"t [s],x [mm],y [mm]," + names + head}, sized());
+    EXPECT_EQ(got.logs[0].test->directions[0].radial_max, wanted.logs[0].test->directions[0].radial_max)
+        << names;
+  }
+  // One alone, or without a unit, is no commanded circle and no reason to refuse the log.
+  const auto without = judged({"t [s],x [mm],y [mm],a [mm],b [mm]" + head}, sized());
+  for (const std::string names : {"rx [mm],b [mm]", "rx [A],ry [A]"}) {
+    const auto got = judged({"t [s],x [mm],y [mm]," + names + head}, sized());
+    EXPECT_EQ(got.logs[0].test->directions[0].radial_max, without.logs[0].test->directions[0].radial_max)
+        << names;
+  }
+}
+
 TEST_F(BallBar, DiagnosisOfTheTableIsThatOfTheLog) {
   const circle::VirtualRecord r = record();
   CircleOptions commanded = sized();

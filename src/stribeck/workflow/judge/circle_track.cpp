@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <stribeck/io/error.hpp>
@@ -109,14 +110,42 @@ std::vector<double> circle_times(const io::Log& log, std::size_t rows) {
   return io::in_si(column, quantity("s", "s"));
 }
 
+namespace {
+
+using Positions = std::pair<std::vector<double>, std::vector<double>>;
+
+/// Whether commanded positions belong to the measured ones: nowhere farther than a fifth of the travel.
+bool belongs(const std::vector<double>& commanded, const std::vector<double>& measured) {
+  constexpr double kNear = 0.2;
+  if (commanded.size() != measured.size() || measured.empty()) return false;
+  const auto [low, high] = std::minmax_element(measured.begin(), measured.end());
+  const double most = kNear * (*high - *low);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (!(std::abs(commanded[i] - measured[i]) <= most)) return false;
+  }
+  return true;
+}
+
+/// The commanded positions of both axes, found by their names; absent where one is missing, is no position or does not belong to the
+/// measured ones: nobody has asked for them.
+std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack& measured) {
+  try {
+    const auto rx = commanded_column(log, "x"), ry = commanded_column(log, "y");
+    if (!rx || !ry) return {};
+    Positions found{positions(log, *rx), positions(log, *ry)};
+    if (!belongs(found.first, measured.x) || !belongs(found.second, measured.y)) return {};
+    return found;
+  } catch (const io::InputError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
 CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius) {
   if (const auto bar = ball_bar_columns(log, map)) return ball_bar_track(log, *bar, radius);
   const io::Column* first = nullptr;
-  const auto values = [&](const std::string& what) -> std::vector<double> {
-    const auto given = map.find(what);
-    if (given == map.end() && what.size() > 1) return {};
-    const NamedColumn named =
-        given == map.end() ? position_column(log, what) : named_column(log, given->second);
+  const auto values = [&](const NamedColumn& named) {
     std::vector<double> all = positions(log, named);
     if (first == nullptr) first = named.column;
     if (all.size() != first->values.size()) {
@@ -127,10 +156,19 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
     return all;
   };
   CircleTrack t;
-  t.x = values("x");
-  t.y = values("y");
-  t.rx = values("rx");
-  t.ry = values("ry");
+  const auto position = [&](const std::string& axis) {
+    const auto given = map.find(axis);
+    return values(given == map.end() ? position_column(log, axis) : named_column(log, given->second));
+  };
+  t.x = position("x");
+  t.y = position("y");
+  if (map.count("rx") > 0) {
+    t.rx = values(named_column(log, map.at("rx")));
+    t.ry = values(named_column(log, map.at("ry")));
+  } else if (auto found = commanded_circle(log, t)) {
+    t.rx = std::move(found->first);
+    t.ry = std::move(found->second);
+  }
   t.t = circle_times(log, t.x.size());
   for (std::size_t i = 0; i < t.x.size(); ++i) t.row.push_back(i);
   return t;

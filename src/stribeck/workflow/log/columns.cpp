@@ -397,19 +397,37 @@ NamedColumn named_column(const io::Log& log, const std::string& text) {
   return named;
 }
 
+namespace {
+
+/// The column with one of these names, in any case, else the one that is found for an axis; null: none. A column without an axis in its
+/// name could belong to any axis, and is none.
+const io::Column* column_of(const io::Log& log, const std::vector<std::string>& names, LogQuantity what,
+                            const std::string& axis) {
+  for (const std::string& name : names) {
+    const io::Column* c = log.find(name);
+    for (const io::Column& other : log.columns) {
+      if (c == nullptr && lower_case(other.name) == name) c = &other;
+    }
+    if (c != nullptr && !c->values.empty()) return c;
+  }
+  const std::vector<Candidate> all = candidates(log, known_column(what), axis);
+  const bool any = std::any_of(all.begin(), all.end(), [&](const Candidate& some) {
+    return !some.axis.empty() && same_axis(log, axis, some.axis);
+  });
+  return any ? find_by_name(log, known_column(what), axis) : nullptr;
+}
+
+}  // namespace
+
+std::optional<NamedColumn> commanded_column(const io::Log& log, const std::string& axis) {
+  const io::Column* c = column_of(log, {"r" + axis, axis + "_ref", axis + "_cmd", axis + "_soll"},
+                                  LogQuantity::kReference, axis);
+  if (c == nullptr) return std::nullopt;
+  return NamedColumn{c, c->unit_text};
+}
+
 NamedColumn position_column(const io::Log& log, const std::string& axis) {
-  const io::Column* c = log.find(axis);
-  for (const io::Column& other : log.columns) {
-    if (c == nullptr && lower_case(other.name) == axis) c = &other;
-  }
-  if (c == nullptr || c->values.empty()) {
-    // A column without an axis in its name could belong to any axis.
-    const std::vector<Candidate> all = candidates(log, known_column(LogQuantity::kPosition), axis);
-    const bool any = std::any_of(all.begin(), all.end(), [&](const Candidate& some) {
-      return !some.axis.empty() && same_axis(log, axis, some.axis);
-    });
-    c = any ? find_by_name(log, known_column(LogQuantity::kPosition), axis) : nullptr;
-  }
+  const io::Column* c = column_of(log, {axis}, LogQuantity::kPosition, axis);
   if (c != nullptr) return {c, c->unit_text};
   throw io::InputError(
       {log.source, 0, axis,

@@ -99,6 +99,10 @@ NamedColumn named_column(const io::Log& log, const std::string& text);
 /// The position column of an axis, found by its name; refused where there is none, or more than one candidate.
 NamedColumn position_column(const io::Log& log, const std::string& axis);
 
+/// The commanded position of an axis: the column `r` and the axis ("rx"), or one found by its name ("x_ref", "Sollposition X");
+/// absent where there is none.
+std::optional<NamedColumn> commanded_column(const io::Log& log, const std::string& axis);
+
 /// All values of a position [m]; refused where the column is no position.
 std::vector<double> positions(const io::Log& log, const NamedColumn& named);
 
