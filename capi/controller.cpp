@@ -305,10 +305,7 @@ const char* stribeck_controller_parameter_word(const char* name, std::uint32_t i
 stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t axis, const char* name,
                                         double value) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) {
-    c->problem.set({"axis: there is none of this number"});
-    return STRIBECK_BAD_ARGUMENT;
-  }
+  if (axis >= c->axes) return capi::bad_argument(c, "axis: there is none of this number");
   return with(c, [&](auto& whole) {
     return capi::set_parameter(target_of(whole.settings[axis]), name, value, kAxis[axis], whole.problem);
   });
@@ -317,10 +314,7 @@ stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t ax
 stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t axis, const char* name,
                                            const char* word) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) {
-    c->problem.set({"axis: there is none of this number"});
-    return STRIBECK_BAD_ARGUMENT;
-  }
+  if (axis >= c->axes) return capi::bad_argument(c, "axis: there is none of this number");
   return with(c, [&](auto& whole) {
     return capi::choose_parameter(target_of(whole.settings[axis]), name, word, kAxis[axis], whole.problem);
   });
@@ -328,10 +322,7 @@ stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t
 
 stribeck_result stribeck_controller_configure(stribeck_controller* c, double period) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (!(period >= capi::kShortestPeriod && period < 1.0)) {
-    c->problem.set({capi::kPeriodExpected});
-    return STRIBECK_BAD_ARGUMENT;
-  }
+  if (!(period >= capi::kShortestPeriod && period < 1.0)) return capi::bad_argument(c, capi::kPeriodExpected);
   return with(c, [&](auto& whole) { return configure(whole, period); });
 }
 

@@ -11,6 +11,7 @@
 #include <stribeck/control/drive_interface.hpp>
 #include <stribeck/control/supervision/supervisor.hpp>
 #include <stribeck/path/motion_frame.hpp>
+#include <string_view>
 
 #include "axis_settings.hpp"
 
@@ -76,6 +77,12 @@ void* place_of(Controller<N>& c) noexcept {
 inline bool good(const stribeck_controller* c) noexcept {
   return c != nullptr && c->mark == stribeck_controller::kMark && c->axes >= 1 &&
          c->axes <= STRIBECK_MAX_AXES;
+}
+
+/// The answer to a call with an argument that it cannot take; `what` says which, and what was expected.
+inline stribeck_result bad_argument(stribeck_controller* c, std::string_view what) noexcept {
+  c->problem.set({what});
+  return STRIBECK_BAD_ARGUMENT;
 }
 
 /// Calls f with a number of axes as a type.

@@ -374,7 +374,10 @@ const char* word_at(const Value& initial, const char* wanted, std::uint32_t inde
 
 stribeck_result set_parameter(Target group, const char* name, double x, std::string_view where,
                               Problem& problem) noexcept {
-  if (name == nullptr) return STRIBECK_BAD_ARGUMENT;
+  if (name == nullptr) {
+    problem.set({where, "name: is null, expected the name of a parameter"});
+    return STRIBECK_BAD_ARGUMENT;
+  }
   const stribeck_result result = assign(group, {}, name, x);
   if (result != STRIBECK_OK) problem.set({where, name, ": ", stribeck_describe(result)});
   return result;
@@ -382,7 +385,11 @@ stribeck_result set_parameter(Target group, const char* name, double x, std::str
 
 stribeck_result choose_parameter(Target group, const char* name, const char* word, std::string_view where,
                                  Problem& problem) noexcept {
-  if (name == nullptr || word == nullptr) return STRIBECK_BAD_ARGUMENT;
+  if (name == nullptr || word == nullptr) {
+    problem.set({where, name == nullptr ? "name: is null, expected the name of a parameter"
+                                        : "word: is null, expected a word of the parameter"});
+    return STRIBECK_BAD_ARGUMENT;
+  }
   const char* known = nullptr;
   std::uint32_t i = 0;
   while ((known = word_at(initial_of(group.type()), name, i)) != nullptr && std::strcmp(known, word) != 0)

@@ -113,7 +113,10 @@ stribeck_result step(Controller<N>& c, const stribeck_axis_input* in, std::uint3
     }
     f = judge<N>(c, running.state, r, step_of(running, r, measured));
   });
-  if (!runs) return STRIBECK_NOT_CONFIGURED;
+  if (!runs) {
+    c.problem.set({"not configured: call stribeck_controller_configure() before the first step"});
+    return STRIBECK_NOT_CONFIGURED;
+  }
   capi::with_law(c, [&](const auto& running) { command<N>(c, running.state, r, measured, f); });
   c.elapsed = capi::kAbsent;
   for (std::size_t i = 0; i < N; ++i) {
@@ -176,7 +179,9 @@ stribeck_result stribeck_controller_step(stribeck_controller* c, const stribeck_
 stribeck_result stribeck_controller_step_ahead(stribeck_controller* c, const stribeck_axis_input* in,
                                                std::uint32_t points, double* force) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (in == nullptr || force == nullptr || points < 1) return STRIBECK_BAD_ARGUMENT;
+  if (in == nullptr) return capi::bad_argument(c, "in: is null, expected one input for each axis");
+  if (force == nullptr) return capi::bad_argument(c, "force: is null, expected room for one number per axis");
+  if (points < 1) return capi::bad_argument(c, "points: is 0, expected at least 1");
   return with(c, [&](auto& whole) { return step(whole, in, points, force); });
 }
 
@@ -195,6 +200,7 @@ std::uint32_t stribeck_controller_points(const stribeck_controller* c) noexcept 
 stribeck_result stribeck_controller_set_phase(stribeck_controller* c, double phase) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
   const bool infinite = std::isinf(phase);
+  if (infinite) c->problem.set({"phase: is infinite, expected the place in the lap, or NaN for none"});
   with(c, [&](auto& whole) { whole.phase = infinite ? capi::kAbsent : phase; });
   return infinite ? STRIBECK_NOT_FINITE : STRIBECK_OK;
 }
@@ -207,14 +213,14 @@ stribeck_result stribeck_controller_reset(stribeck_controller* c) noexcept {
 
 stribeck_result stribeck_controller_set_elapsed(stribeck_controller* c, double elapsed) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (!(elapsed >= 0.0) && elapsed == elapsed) return STRIBECK_BAD_ARGUMENT;
+  if (elapsed < 0.0) return capi::bad_argument(c, "elapsed: is below 0, expected seconds, or NaN for none");
   with(c, [&](auto& whole) { whole.elapsed = elapsed; });
   return STRIBECK_OK;
 }
 
 stribeck_result stribeck_controller_set_measured_force(stribeck_controller* c, const double* force) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (force == nullptr) return STRIBECK_BAD_ARGUMENT;
+  if (force == nullptr) return capi::bad_argument(c, "force: is null, expected one number per axis");
   with(c, [&](auto& whole) {
     for (std::size_t i = 0; i < whole.settings.size(); ++i) whole.measured_force[i] = force[i];
   });

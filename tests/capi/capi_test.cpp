@@ -185,6 +185,34 @@ TEST(CInterface, SaysWhatIsWrongWithAParameter) {
   EXPECT_EQ(stribeck_controller_configure(h.c, kPeriod), STRIBECK_REFUSED);
 }
 
+TEST(CInterface, SaysWhatIsWrongWithAnArgument) {
+  Handle h(1);
+  stribeck_controller* c = h.c;
+  const auto problem = [&] { return std::string(stribeck_controller_problem(c)); };
+  const stribeck_axis_input in{};
+  double force = 0.0;
+  EXPECT_EQ(stribeck_controller_set(c, 0, nullptr, 1.0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "axis 0: name: is null, expected the name of a parameter");
+  EXPECT_EQ(stribeck_controller_choose(c, 0, "observer", nullptr), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "axis 0: word: is null, expected a word of the parameter");
+  EXPECT_EQ(stribeck_controller_set(c, 1, "mass", 1.0), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "axis: there is none of this number");
+  EXPECT_EQ(stribeck_controller_step(c, nullptr, &force), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "in: is null, expected one input for each axis");
+  EXPECT_EQ(stribeck_controller_step(c, &in, nullptr), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "force: is null, expected room for one number per axis");
+  EXPECT_EQ(stribeck_controller_step_ahead(c, &in, 0, &force), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "points: is 0, expected at least 1");
+  EXPECT_EQ(stribeck_controller_step(c, &in, &force), STRIBECK_NOT_CONFIGURED);
+  EXPECT_EQ(problem(), "not configured: call stribeck_controller_configure() before the first step");
+  EXPECT_EQ(stribeck_controller_set_elapsed(c, -1e-3), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "elapsed: is below 0, expected seconds, or NaN for none");
+  EXPECT_EQ(stribeck_controller_set_measured_force(c, nullptr), STRIBECK_BAD_ARGUMENT);
+  EXPECT_EQ(problem(), "force: is null, expected one number per axis");
+  EXPECT_EQ(stribeck_controller_set_phase(c, std::numeric_limits<double>::infinity()), STRIBECK_NOT_FINITE);
+  EXPECT_EQ(problem(), "phase: is infinite, expected the place in the lap, or NaN for none");
+}
+
 /// A reference that turns, and an encoder that follows it roughly.
 stribeck_axis_input motion(int k) {
   const double w = 3.0;
@@ -610,6 +638,29 @@ void expect_same(WithLaw& h, const Law&, double slowest, int ticks, Step step) {
     const Vec<double, N> expected = step(state, r, x, k, force);
     for (std::size_t i = 0; i < N; ++i) ASSERT_EQ(force[i], expected[i]) << "tick " << k << ", axis " << i;
   }
+}
+
+// The row of a law: | `contouring` | 16 700 / 49 400 | …; numbers are rounded to hundreds.
+TEST(CLaws, TheGuideStatesTheirSizes) {
+  std::ifstream guide(STRIBECK_SOURCE_DIR "/docs/guides/c-interface.md");
+  std::size_t found = 0;
+  bool laws = false;
+  for (std::string line; std::getline(guide, line);) {
+    if (line.starts_with("## ")) laws = line == "## Laws";
+    if (!laws || !line.starts_with("| `") || line.find(" / ") == std::string::npos) continue;
+    const std::string law = line.substr(3, line.find('`', 3) - 3);
+    if (law == "law") continue;  // the head
+    std::string digits = line.substr(line.find('|', 3) + 1);
+    digits.resize(digits.find('|'));
+    std::erase(digits, ' ');
+    const auto bar = digits.find('/');
+    for (const auto& [axes, stated] : {std::pair{1u, digits.substr(0, bar)}, {3u, digits.substr(bar + 1)}}) {
+      const double size = static_cast<double>(stribeck_controller_size_for(axes, law.c_str()));
+      EXPECT_NEAR(std::stod(stated), size, 60.0) << line << ": " << law << ", axes " << axes;
+    }
+    ++found;
+  }
+  EXPECT_EQ(found, 4u);
 }
 
 TEST(CLaws, HaveSizesOfTheirOwn) {

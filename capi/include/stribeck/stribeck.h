@@ -128,7 +128,8 @@ stribeck_result stribeck_controller_choose(stribeck_controller*, uint32_t axis, 
 /* Checks all parameters and builds the controller for a period from 1 us to below 1 s; it begins anew. When refused, it goes on as
  * it was. */
 stribeck_result stribeck_controller_configure(stribeck_controller*, double period) STRIBECK_NOEXCEPT;
-/* What the last call that failed did not like: "axis 1: mass: ...". */
+/* What the last call that failed was given and what it expected: "axis 1: mass: ...". Not of signals and supervision, which change
+ * nothing in the handle; after STRIBECK_NOT_FINITE and STRIBECK_FAULT of a step, stribeck_controller_supervision() tells more. */
 const char* stribeck_controller_problem(const stribeck_controller*) STRIBECK_NOEXCEPT;
 
 typedef struct stribeck_axis_input {
