@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/report/page/output.hpp>
 #include <stribeck/report/plot/frame.hpp>
@@ -69,7 +71,7 @@ std::string in_markdown(std::string_view text) {
 
 std::string in_latex(std::string_view text) {
   // What a LaTeX without further packages does not set as it stands.
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 36> kWords{{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 39> kWords{{
       {"\\", "\\textbackslash{}"},
       {"&", "\\&"},
       {"%", "\\%"},
@@ -80,6 +82,9 @@ std::string in_latex(std::string_view text) {
       {"}", "\\}"},
       {"~", "\\textasciitilde{}"},
       {"^", "\\textasciicircum{}"},
+      {"|", "\\textbar{}"},
+      {"<", "$<$"},
+      {">", "$>$"},
       {"±", "$\\pm$"},
       {"×", "$\\times$"},
       {"−", "$-$"},
@@ -194,11 +199,27 @@ nlohmann::ordered_json to_json(const Made& made) {
   return out;
 }
 
+namespace {
+
+/// Angle and radial error of a point that is drawn around a circle; empty fields for a line of the scale.
+std::string around(const Ring& ring, const Series& s, std::size_t i) {
+  const bool drawn = s.scale == ScaleLine::kNone && i < s.y.size();
+  const double x = s.x[i] - ring.x, y = drawn ? s.y[i] - ring.y : kNaN;
+  if (!std::isfinite(x) || !std::isfinite(y)) return ",";
+  const double degrees = std::atan2(y, x) * 180.0 / kPi;
+  return fmt::format("{:.9g},{:.9g}", degrees < 0.0 ? degrees + 360.0 : degrees,
+                     (std::hypot(x, y) - ring.radius) * ring.error_per_unit);
+}
+
+}  // namespace
+
 std::string data_csv(const Plot& p) {
   const auto label = [](const std::string& text, std::string_view otherwise) {
     return field(text.empty() ? otherwise : std::string_view(text));
   };
-  std::string out = fmt::format("curve,{},{},low,high\n", label(p.x_label, "x"), label(p.y_label, "y"));
+  std::string out =
+      fmt::format("curve,{},{},low,high{}\n", label(p.x_label, p.ring ? "x as drawn" : "x"),
+                  label(p.y_label, p.ring ? "y as drawn" : "y"), p.ring ? ",angle [deg],error [µm]" : "");
   std::size_t unnamed = 0;
   for (const Series& s : p.series) {
     const auto tic = std::find_if(p.x_tics.begin(), p.x_tics.end(),
@@ -211,9 +232,12 @@ std::string data_csv(const Plot& p) {
     const auto value = [](const std::vector<double>& v, std::size_t i) {
       return i < v.size() && std::isfinite(v[i]) ? fmt::format("{:.9g}", v[i]) : std::string();
     };
-    for (std::size_t i = 0; i < s.x.size(); ++i)
-      out += fmt::format("{},{},{},{},{}\n", name, value(s.x, i), value(s.y, i), value(s.y_low, i),
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      out += fmt::format("{},{},{},{},{}", name, value(s.x, i), value(s.y, i), value(s.y_low, i),
                          value(s.y_high, i));
+      if (p.ring) out += "," + around(*p.ring, s, i);
+      out += '\n';
+    }
   }
   return out;
 }

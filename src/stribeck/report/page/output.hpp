@@ -30,7 +30,8 @@ void write_page(const Page& page, const PageFolders& folders);
 /// {"command", "version", "inputs": [{"file", "sha256"}]}
 nlohmann::ordered_json to_json(const Made& made);
 
-/// The data of a drawing, a row for each point: curve, x, y, and the ends of bands and whiskers.
+/// The data of a drawing, a row for each point: curve, x, y, and the ends of bands and whiskers. Where errors are drawn magnified around
+/// a circle, x and y are those of the drawing, and angle and radial error follow.
 std::string data_csv(const Plot& plot);
 
 /// A table for other documents; spreads and notes stand in the cell.

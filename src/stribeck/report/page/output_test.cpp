@@ -42,6 +42,19 @@ TEST(Output, DataOfAFigure) {
   EXPECT_EQ(data_csv(bars), "curve,x,y,low,high\n(f),1,1,,\n(h),2,2,,\n");
 }
 
+// A circle of 10 mm about (20, 0) whose error is drawn 1000 times: 1 mm of the drawing is 1 µm.
+TEST(Output, DataAroundACircleHoldAngleAndError) {
+  Plot p;
+  p.ring = Ring{20.0, 0.0, 10.0, 1.0};
+  p.series = {{.label = "(f)", .x = {32.0, 20.0}, .y = {0.0, -9.5}},
+              {.x = {0.0}, .y = {0.0}, .scale = ScaleLine::kBar}};
+  EXPECT_EQ(data_csv(p),
+            "curve,x as drawn,y as drawn,low,high,angle [deg],error [µm]\n"
+            "(f),32,0,,,0,2\n"
+            "(f),20,-9.5,,,270,-0.5\n"
+            "scale,0,0,,,,\n");
+}
+
 TEST(Output, TablesForOtherDocuments) {
   const Table t = small_table();
   EXPECT_EQ(markdown(t),
@@ -49,7 +62,7 @@ TEST(Output, TablesForOtherDocuments) {
   EXPECT_EQ(csv(t), "name,max [µm]\na|b_1,1.00 ± 0.10 (print 2 %)\n");
   EXPECT_EQ(latex(t),
             "% Errors & more\n\\begin{tabular}{lr}\n\\hline\nname & max [\\textmu{}m] \\\\\n\\hline\n"
-            "a|b\\_1 & 1.00 $\\pm$ 0.10 (print 2 \\%) \\\\\n\\hline\n\\end{tabular}\n");
+            "a\\textbar{}b\\_1 & 1.00 $\\pm$ 0.10 (print 2 \\%) \\\\\n\\hline\n\\end{tabular}\n");
   // A spreadsheet would take such a cell for a formula.
   EXPECT_THAT(csv({"", {{"a", "", false}}, {{{"=1+1"}}}}), HasSubstr("\"=1+1\""));
 }
