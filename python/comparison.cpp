@@ -129,8 +129,10 @@ void add_comparison(py::module_& module) {
       "not be simulated. Raises InputError with all names for an unknown figure.");
   c.def(
       "trace",
-      [](const Comparison& self, const std::string& controller, std::size_t speed) {
-        const sim::CompareRow& row = row_of(self, controller, speed);
+      [](const Comparison& self, const std::string& controller, long long motion) {
+        if (motion < 0)
+          refuse("motion", fmt::format("got {}, expected the index of one of motions, from 0", motion));
+        const sim::CompareRow& row = row_of(self, controller, static_cast<std::size_t>(motion));
         if (!row.refused.empty()) refuse("controller", controller + " was not simulated: " + row.refused);
         return workflow::as_log(self.result.axes, row.trace);
       },

@@ -186,7 +186,7 @@ void add_arrays(FoundClass& c) {
 
 void add_files(FoundClass& c) {
   c.def(
-      "as_model", [](const Found& f) { return model_object(workflow::axis_file_model(f.found, f.axis)); },
+      "as_model", [](const Found& f) { return model_object(workflow::axis_file(f.found, f.axis)); },
       "as_model($self)\n--\n\nThe AxisModel: mass, load and friction to evaluate. Raises InputError where force or position has no scale.");
   c.def(
       "save",

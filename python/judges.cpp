@@ -18,9 +18,9 @@ constexpr double kMostPercent = 1000.0;
 /// Axis files and models, one or a list.
 void add_given_models(const py::handle& models, workflow::VerifyOptions& out) {
   if (!py::isinstance<py::list>(models) && !py::isinstance<py::tuple>(models)) {
-    if (py::isinstance<friction::AxisModel>(models)) {
+    if (py::isinstance<sim::AxisFile>(models)) {
       out.models.emplace_back(fmt::format("model {}", out.models.size() + 1),
-                              py::cast<const friction::AxisModel&>(models));
+                              py::cast<const sim::AxisFile&>(models));
     } else {
       out.axis_files.push_back(path_of(models));
     }

@@ -129,7 +129,12 @@ void add_log_members(py::class_<io::Log, std::shared_ptr<io::Log>>& log) {
       "Raises InputError for NaN, unequal lengths, unknown units.");
   log.def(
       "__getitem__",
-      [](const io::Log& self, const std::string& name) { return values_in_si(column_at(self, name)); },
+      [](const io::Log& self, const py::object& name) {
+        if (!py::isinstance<py::str>(name))
+          throw py::type_error(fmt::format("log[...]: got {}, expected the name of a column, one of keys()",
+                                           std::string(py::str(py::type::of(name).attr("__name__")))));
+        return values_in_si(column_at(self, py::cast<std::string>(name)));
+      },
       py::arg("name"), "The values of a column, in SI (unit(name)); a list of str for a column of text.");
   log.def("__contains__",
           [](const io::Log& self, const std::string& name) { return self.find(name) != nullptr; });

@@ -16,6 +16,7 @@ namespace stribeck::python {
 namespace {
 
 using friction::AxisModel;
+using sim::AxisFile;
 
 /// Velocities, and positions of the same shape.
 struct Places {
@@ -43,7 +44,8 @@ py::object shaped(const Values& like, const std::vector<double>& values) {
   return py::array_t<double>(like.shape, values.data());
 }
 
-py::object friction_at(const AxisModel& m, const py::object& v, const py::object& x) {
+py::object friction_at(const AxisFile& file, const py::object& v, const py::object& x) {
+  const AxisModel& m = file.model;
   const Places at = places_of(v, x);
   std::vector<double> f(at.x.size());
   for (std::size_t k = 0; k < f.size(); ++k) {
@@ -54,7 +56,8 @@ py::object friction_at(const AxisModel& m, const py::object& v, const py::object
   return shaped(at.v, f);
 }
 
-py::dict parts_at(const AxisModel& m, const py::object& v, const py::object& x) {
+py::dict parts_at(const AxisFile& file, const py::object& v, const py::object& x) {
+  const AxisModel& m = file.model;
   const Places at = places_of(v, x);
   const std::size_t n = at.x.size();
   std::vector<double> level(n), viscous(n), additive(n);
@@ -76,7 +79,7 @@ std::vector<double> way_of(const std::vector<double>& v, double period, double s
   return x;
 }
 
-py::dict simulate_motion(const AxisModel& m, const py::object& velocities, const py::kwargs& given) {
+py::dict simulate_motion(const AxisFile& file, const py::object& velocities, const py::kwargs& given) {
   constexpr double kLeast = 1e-9, kMost = 1e6, kFar = 1e9;
   Keywords keywords("simulate", given);
   const auto period = keywords.number("sample_time", kLeast, kMost);
@@ -90,7 +93,7 @@ py::dict simulate_motion(const AxisModel& m, const py::object& velocities, const
   std::vector<double> t(v.size());
   for (std::size_t k = 0; k < t.size(); ++k) t[k] = static_cast<double>(k) * *period;
   const std::vector<double> f =
-      unlocked([&] { return ident::replay::friction_along(m.friction, x, v, *period, push); });
+      unlocked([&] { return ident::replay::friction_along(file.model.friction, x, v, *period, push); });
   for (std::size_t k = 0; k < f.size(); ++k) {
     if (!std::isfinite(f[k]))
       refuse("v", fmt::format("the friction is not finite at index {}, where v is {} m/s", k, v[k]));
@@ -107,30 +110,42 @@ std::string_view kind_of(const auto& laws) {
   return std::visit([]<class Law>(const Law&) -> std::string_view { return Law::kKind; }, laws);
 }
 
-std::string toml_of(const AxisModel& m) { return io::write_toml(m); }
+std::string toml_of(const AxisFile& file) { return io::write_toml(file); }
 
 }  // namespace
 
-py::object model_object(AxisModel model) { return py::cast(std::make_shared<AxisModel>(std::move(model))); }
+py::object model_object(AxisFile file) { return py::cast(std::make_shared<AxisFile>(std::move(file))); }
 
 void add_models(py::module_& module) {
-  py::class_<AxisModel, std::shared_ptr<AxisModel>> c(
+  py::class_<AxisFile, std::shared_ptr<AxisFile>> c(
       module, "AxisModel",
       "What a compensator knows of an axis: mass, load, and friction with its pre-sliding.");
-  c.def_readonly("mass", &AxisModel::mass, "float: equivalent mass [kg].");
-  c.def_readonly("load", &AxisModel::load, "float: constant force against +x [N].");
-  c.def_readonly("delay", &AxisModel::delay,
-                 "float: from the sample to the instant at which its force begins to act [s].");
   c.def_property_readonly(
-      "steady", [](const AxisModel& m) { return str_of(kind_of(m.friction.steady)); },
+      "mass", [](const AxisFile& f) { return f.model.mass; },
+      "float: equivalent mass [kg]; of a rotary axis [kg m2].");
+  c.def_property_readonly(
+      "load", [](const AxisFile& f) { return f.model.load; },
+      "float: constant force against +x [N]; of a rotary axis [N m].");
+  c.def_property_readonly(
+      "delay", [](const AxisFile& f) { return f.model.delay; },
+      "float: from the sample to the instant at which its force begins to act [s].");
+  c.def_property_readonly(
+      "axis", [](const AxisFile& f) { return f.axis ? str_of(*f.axis) : py::object(py::none()); },
+      "str: name of the axis; None where it is not known.");
+  c.def_property_readonly(
+      "rotary", [](const AxisFile& f) { return f.rotary.value_or(false); },
+      "bool: an axis that turns, carried at a radius of 1 m: positions are rad, forces N m.");
+  c.def_property_readonly(
+      "steady", [](const AxisFile& f) { return str_of(kind_of(f.model.friction.steady)); },
       "str: kind of the steady map, conventional or gaussian.");
   c.def_property_readonly(
-      "dynamics", [](const AxisModel& m) { return str_of(kind_of(m.friction.dynamics)); },
+      "dynamics", [](const AxisFile& f) { return str_of(kind_of(f.model.friction.dynamics)); },
       "str: law of pre-sliding: static (none), lugre or gms.");
   c.def_property_readonly(
       "velocity_range",
-      [](const AxisModel& m) -> py::object {
-        const auto range = m.friction.identified_range();
+      [](const AxisFile& f) -> py::object {
+        const auto of_map = f.model.friction.identified_range();
+        const auto& range = of_map ? of_map : f.velocity_range;
         if (!range) return py::none();
         return py::make_tuple((*range)[0], (*range)[1]);
       },
@@ -155,28 +170,29 @@ void add_models(py::module_& module) {
       "Raises InputError for NaN, no rows, more than one dimension.");
   c.def(
       "save",
-      [](const AxisModel& m, const py::object& path) {
+      [](const AxisFile& f, const py::object& path) {
         const std::string file = path_of(path);
-        unlocked([&] { io::write_atomically(file, toml_of(m)); });
+        unlocked([&] { io::write_atomically(file, toml_of(f)); });
       },
       py::arg("path"), "save($self, path)\n--\n\nWrites an axis file (TOML).");
-  c.def("__str__", [](const AxisModel& m) { return str_of(toml_of(m)); });
-  c.def("__repr__", [](const AxisModel& m) {
-    return str_of(fmt::format("<stribeck.AxisModel {}, {}, mass {:.6g} kg>", kind_of(m.friction.steady),
-                              kind_of(m.friction.dynamics), m.mass));
+  c.def("__str__", [](const AxisFile& f) { return str_of(toml_of(f)); });
+  c.def("__repr__", [](const AxisFile& f) {
+    return str_of(fmt::format("<stribeck.AxisModel {}, {}, mass {:.6g} {}>", kind_of(f.model.friction.steady),
+                              kind_of(f.model.friction.dynamics), f.model.mass,
+                              f.rotary.value_or(false) ? "kg m2" : "kg"));
   });
   module.def(
       "read_model",
       [](const py::object& path) {
         const std::string file = path_of(path);
-        return model_object(unlocked([&] { return io::read_toml<sim::AxisFile>(file).model; }));
+        return model_object(unlocked([&] { return io::read_toml<AxisFile>(file); }));
       },
       py::arg("path"),
       "read_model(path)\n--\n\nReads an axis file (TOML), as identify writes it. Returns an AxisModel. Raises InputError with file, line and "
       "key.");
   module.def(
       "parse_model",
-      [](const std::string& text) { return model_object(io::read_toml_text<AxisModel>(text, "model")); },
+      [](const std::string& text) { return model_object(io::read_toml_text<AxisFile>(text, "model")); },
       py::arg("text"), "parse_model(text)\n--\n\nThe same from the text of an axis file.");
 }
 

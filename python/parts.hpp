@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <python/arguments.hpp>
-#include <stribeck/friction/axis_model.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
 #include <string>
@@ -58,8 +58,8 @@ struct Outcome {
   bool ok = true;
 };
 
-/// An axis model as a Python object.
-py::object model_object(friction::AxisModel model);
+/// The content of an axis file as a Python object, an AxisModel there.
+py::object model_object(sim::AxisFile file);
 
 /// Lets Ctrl-C end the work: a progress function.
 std::function<void(std::uint64_t, std::uint64_t)> interruptible();

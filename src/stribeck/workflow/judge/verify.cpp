@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/toml.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/judge/verify.hpp>
@@ -87,27 +88,30 @@ LogOptions read_as_axis(const VerifyOptions& o, const std::vector<Model>& models
 std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
   std::vector<Model> models;
   bool rotary = false;
-  for (const std::string& path : o.axis_files) {
-    const auto file =
-        read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
-    models.push_back({path, file.axis.value_or(""), file.model});
+  const auto add = [&](const std::string& path, const sim::AxisFile& file, const std::string& axis) {
+    models.push_back({path, axis, file.model});
     if (models.size() > 1 && rotary != file.rotary.value_or(false))
       throw io::InputError({path, 0, "rotary",
                             "one of the axis files is of a rotary axis, another is not (verify them apart)"});
     rotary = file.rotary.value_or(false);
+  };
+  for (const std::string& path : o.axis_files) {
+    const auto file =
+        read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
+    add(path, file, file.axis.value_or(""));
   }
+  for (const auto& [name, file] : o.models) add(name, file, o.log.axis);
   if (!o.machine.empty()) {
     log = read_as_axis(o, models);
     if (log.drive.rotary != rotary)
       throw io::InputError(
-          {o.axis_files.front(), 0, "rotary",
+          {models.front().file, 0, "rotary",
            fmt::format("the axis file is of {} axis, but axis {} of {} is {} (give the file of that axis)",
                        rotary ? "a rotary" : "a linear", log.axis, o.machine,
                        log.drive.rotary ? "rotary" : "linear")});
   }
-  if (!o.axis_files.empty()) log.drive.rotary = rotary;
+  if (!models.empty()) log.drive.rotary = rotary;
   if (log.drive.rotary && log.drive.lead.empty()) log.drive.lead = "360 deg";
-  for (const auto& [name, model] : o.models) models.push_back({name, o.log.axis, model});
   return models;
 }
 
@@ -143,7 +147,8 @@ std::optional<double> given_shift(const VerifyOptions& o, const ident::log::Reco
 
 /// What belongs to the record and not to the axis, in words. `expected`: the shift of the model [s]; absent: one was given.
 void note_differences(const std::string& file, const ident::replay::ForceError& e,
-                      const std::optional<double>& expected, std::vector<std::string>& warnings) {
+                      const std::optional<double>& expected, const ident::Shown& shown,
+                      std::vector<std::string>& warnings) {
   if (e.shifted && expected) {
     const double off = e.shift - *expected;
     warnings.push_back(fmt::format(
@@ -153,8 +158,8 @@ void note_differences(const std::string& file, const ident::replay::ForceError& 
   for (const ident::replay::RecordPhase& p : e.phases) {
     if (!p.differs) continue;
     warnings.push_back(fmt::format(
-        "{}: the periodic term of {:.5g} mm has the phase {:.2f} ± {:.2f} rad in this log and {:.2f} rad in the file (another homing position); with the stored phase a compensation would add to the force in place of taking it off",
-        file, 1e3 * p.period, p.found, p.half_width, p.stored));
+        "{}: the periodic term of {} has the phase {:.2f} ± {:.2f} rad in this log and {:.2f} rad in the file (another homing position); with the stored phase a compensation would add to the force in place of taking it off",
+        file, shown.length(p.period), p.found, p.half_width, p.stored));
   }
 }
 
@@ -245,7 +250,8 @@ class Verification {
     one.force = ident::replay::force_error(m.model, record, force);
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     const double expected = -0.5 * record.sample_time - m.model.delay;
-    note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), notes);
+    note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
+                     notes);
     note_rest(m, one.force, notes);
     ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)

@@ -13,8 +13,8 @@
 /// Real time: no.
 /// Errors: InputError for files and options, ident::Refused where no part can be replayed.
 
-#include <stribeck/friction/axis_model.hpp>
 #include <stribeck/report/pages/verify_report.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/workflow/log/log_options.hpp>
 #include <string>
 #include <utility>
@@ -30,8 +30,8 @@ struct VerifyOptions {
   std::string controller{};   ///< file; empty: no closed loop
   std::string force_shift{};  ///< known one, "3.5 ms"; empty: found in the log
   report::GradeLimits limits{};
-  /// Models that are no file yet, by the name that they will have.
-  std::vector<std::pair<std::string, friction::AxisModel>> models{};
+  /// Axis files that are not written yet, by the name that they will have.
+  std::vector<std::pair<std::string, sim::AxisFile>> models{};
   std::vector<io::Log> read{};  ///< the logs, where they are read already; `logs` has their names
 };
 

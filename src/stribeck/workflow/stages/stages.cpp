@@ -221,17 +221,17 @@ class AxisStages {
   }
 
   void verify_and_promote(const Candidate& chosen) {
+    const sim::AxisFile file = axis_file(chosen.found, chosen.records);
     const std::string text = io::write_toml(
-        axis_file(chosen.found, chosen.records),
-        fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}), verified on {}.", axis_.axis,
-                    chosen.found.result.model, chosen.records.sources, options_.version,
-                    ident::name_of(chosen.found.result.method), axis_.held_out));
+        file, fmt::format("Axis {}: {}, identified from {} by stribeck {} ({}), verified on {}.", axis_.axis,
+                          chosen.found.result.model, chosen.records.sources, options_.version,
+                          ident::name_of(chosen.found.result.method), axis_.held_out));
     const std::string path = options_.output + "/" + axis_.axis + ".toml";
     VerifyOptions what;
     what.log = logs_.options;
     what.logs = {axis_.held_out};
     what.limits = options_.limits;
-    what.models = {{path, as_model(chosen.found.result)}};
+    what.models = {{path, file}};
     const report::VerifyReportInput judged = verify(what);
     const report::Verdict verdict = report::verdicts(judged).front();
     axis_.force_error = 100.0 * verdict.error;
