@@ -35,7 +35,7 @@ int study(const StudyCommand& o) {
     });
   }
   if (!o.netcdf.empty()) write_netcdf(study, o.out, o.netcdf, STRIBECK_VERSION);
-  write_json(o.common.json, report::to_json(result));
+  write_json(o.common.json, report::to_json(result), made_from(study.inputs));
   report::write_study_report(folders_of(o.common), {result, typed_command(), STRIBECK_VERSION});
   say(o.common, report::text_table(result));
   say(o.common, "Compensators: " + result.parameters + ".\nRows: " + o.out + "/results.csv.\n");

@@ -155,6 +155,44 @@ TEST_F(StudyVerb, TenMillionPointsAreRefusedAtOnce) {
   EXPECT_THAT(said.err, HasSubstr("factors: the grid has more than 5000000 runs"));
 }
 
+TEST_F(StudyVerb, ChangedResultsAreRefused) {
+  const std::vector<std::string> words{"study", study(), "-o", f / "o"};
+  ASSERT_EQ(command(words).code, 0);
+  const std::string rows = text_of(f / "o/results.csv");
+  std::vector<std::string> lines;
+  std::istringstream in(rows);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  const auto with_cell = [&](std::size_t cell, const std::string& value) {
+    std::vector<std::string> cells;
+    std::istringstream row(lines[3]);
+    for (std::string one; std::getline(row, one, ',');) cells.push_back(one);
+    cells.at(cell) = value;
+    std::string text;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (i != 3) {
+        text += lines[i] + "\n";
+        continue;
+      }
+      for (std::size_t c = 0; c < cells.size(); ++c) text += (c > 0 ? "," : "") + cells[c];
+      text += "\n";
+    }
+    return text;
+  };
+  const auto count = static_cast<std::size_t>(std::count(lines[0].begin(), lines[0].end(), ','));
+  // Sample, a drawn value, the controller, the state, a figure.
+  const std::size_t state = static_cast<std::size_t>(std::count(
+      lines[0].begin(), lines[0].begin() + static_cast<std::ptrdiff_t>(lines[0].find("state")), ','));
+  for (const auto& [cell, value] : std::vector<std::pair<std::size_t, std::string>>{
+           {1, "nan"}, {2, "9.999"}, {state - 2, "z"}, {state, "okay"}, {count, "nan"}, {count, "inf"}}) {
+    f.write("o/results.csv", with_cell(cell, value));
+    const Said said = command(words);
+    EXPECT_EQ(said.code, 2) << cell << " " << value;
+    EXPECT_THAT(said.err, HasSubstr("results.csv:4: is no row that this study writes: the file was changed"));
+  }
+  f.write("o/results.csv", rows);
+  EXPECT_EQ(command(words).code, 0);
+}
+
 TEST_F(StudyVerb, ResultsDoNotReplaceAnInput) {
   std::filesystem::create_directories(f / "o");
   f.write("o/results.csv", "t [s],x [mm]\n0,1\n");

@@ -55,7 +55,12 @@ int run_commission(CommissionCommand& o) {
   o.what.log = o.log.resolved();
   o.what.version = STRIBECK_VERSION;
   const report::CommissionReportInput found = commission_from_logs(o.what);
-  write_json(o.common.json, report::to_json(found));
+  std::vector<std::string> inputs{o.what.machine};
+  for (const report::CommissionedAxisReport& axis : found.axes) {
+    inputs.insert(inputs.end(), axis.logs.begin(), axis.logs.end());
+    if (!axis.held_out.empty()) inputs.push_back(axis.held_out);
+  }
+  write_json(o.common.json, report::to_json(found), made_from(inputs));
   say(o.common, report::text_table(found));
   return found.ready() ? 0 : 1;
 }

@@ -37,7 +37,7 @@ int run_health(HealthCommand& o) {
   report::HealthReportInput page = check_health(o.what, o.folder);
   page.command = typed_command();
   page.version = STRIBECK_VERSION;
-  write_json(o.common.json, report::to_json(page));
+  write_json(o.common.json, report::to_json(page), made_from(inputs));
   report::write_health_report(folders_of(o.common), page);
   say(o.common, report::text_table(page));
   return page.changed() ? 1 : 0;

@@ -80,13 +80,25 @@ class Runner {
   [[nodiscard]] std::size_t rows() const { return once_.size(); }
   [[nodiscard]] std::vector<sim::RobustRun> nominal() const { return once_.run(s_.machine, 0); }
 
+  /// Number, sample and drawn values, with which all rows of a run begin.
+  [[nodiscard]] std::string beginning(std::uint64_t run) const {
+    const std::vector<double> values = s_.values(design_, run);
+    std::string begin = fmt::format("{},{}", run, run / s_.runs_per_sample());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      begin += ',' + io::number_text(s_.factors[i].shown(values[i]));
+    return begin;
+  }
+  /// Controller and motion of a row, which follow.
+  [[nodiscard]] std::string case_of(std::size_t row) const {
+    return fmt::format(",{},{}", s_.spec.controllers[row % s_.spec.controllers.size()].id,
+                       as_cell(motion_of(s_, row)));
+  }
+
   /// The rows of a run as text.
   [[nodiscard]] std::string text(std::uint64_t run) const {
     const std::vector<double> values = s_.values(design_, run);
     const std::uint64_t sample = run / s_.runs_per_sample();
-    std::string begin = fmt::format("{},{}", run, sample);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      begin += ',' + io::number_text(s_.factors[i].shown(values[i]));
+    const std::string begin = beginning(run);
     std::vector<sim::RobustRun> all;
     try {
       all = run_on(with_values(s_.machine, s_.factors, values), sample);
@@ -97,8 +109,7 @@ class Runner {
     }
     std::string text;
     for (std::size_t row = 0; row < rows(); ++row) {
-      text += fmt::format("{},{},{},{}", begin, s_.spec.controllers[row % s_.spec.controllers.size()].id,
-                          as_cell(motion_of(s_, row)),
+      text += fmt::format("{}{},{}", begin, case_of(row),
                           all.empty()     ? kRunRefused
                           : all[row].lost ? kRunLost
                                           : kRunDone);
@@ -158,8 +169,9 @@ void check_machines(const Study& s, const sim::Design& design, std::uint64_t fro
 /// Sums up the rows, one after the other.
 class Summary {
  public:
-  explicit Summary(const Study& s)
+  Summary(const Study& s, const Runner& runner)
       : s_(s),
+        runner_(runner),
         rows_(s.spec.travels.size() * s.spec.controllers.size()),
         lost_(rows_, 0),
         refused_(rows_, 0),
@@ -175,7 +187,13 @@ class Summary {
     const std::uint64_t number = line - 2;
     const std::size_t row = number % rows_;
     const std::uint64_t within = number / rows_ % s_.runs_per_sample();
+    if (row == 0) beginning_ = runner_.beginning(number / rows_);
+    const std::string_view& last = cells[begin + 1];
+    const std::string_view own(cells[0].data(),
+                               static_cast<std::size_t>(last.data() + last.size() - cells[0].data()));
+    if (own != beginning_ + runner_.case_of(row)) throw changed(path, line);
     const std::string_view state = cells[begin + 2];
+    if (state != kRunDone && state != kRunLost && state != kRunRefused) throw changed(path, line);
     const bool lost = state == kRunLost;
     lost_[row] += lost ? 1 : 0;
     refused_[row] += state == kRunRefused ? 1 : 0;
@@ -185,9 +203,8 @@ class Summary {
       const std::string_view cell = cells[begin + 4 + c];
       if (!cell.empty()) {
         const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
-        if (error != std::errc() || end != cell.data() + cell.size())
-          throw io::InputError(
-              io::Problem{path, line, {}, "got " + io::in_quotes(cell) + ", expected a number"});
+        if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(x))
+          throw changed(path, line);
       }
       if (lost) x = kInfinity;
       // With indices, the other runs of a sample repeat values of A and B: they would count them several times.
@@ -242,6 +259,14 @@ class Summary {
   }
 
  private:
+  static io::InputError changed(const std::string& path, std::uint64_t line) {
+    return io::InputError(io::Problem{
+        path,
+        static_cast<std::size_t>(line),
+        {},
+        "is no row that this study writes: the file was changed (choose another folder, or remove this one)"});
+  }
+
   void close_sample() {
     const std::vector<unsigned char> counts = sim::bootstrap_counts(s_.file.seed, sample_++);
     const std::size_t n = s_.runs_per_sample();
@@ -266,6 +291,8 @@ class Summary {
   }
 
   const Study& s_;
+  const Runner& runner_;
+  std::string beginning_;  ///< of the run whose rows are added
   std::size_t rows_;
   std::vector<std::uint64_t> lost_;
   std::vector<std::uint64_t> refused_;
@@ -293,7 +320,7 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options,
         if (progress) progress(run + 1, study.runs);
       });
   file.keep();
-  Summary summary(study);
+  Summary summary(study, runner);
   for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
     summary.add(line, cells, file.path());
   });
