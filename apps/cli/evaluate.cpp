@@ -45,7 +45,7 @@ int evaluate(const EvaluateCommand& o) {
 /// Readings of a dial indicator: lost motion of one axis.
 int evaluate_indicator(const EvaluateCommand& o) {
   const auto refuse = [](const char* option) {
-    refuse_option(option, "is about circles; leave it out with --path indicator");
+    refuse_option(option, "applies to circles only; leave it out with --path indicator");
   };
   if (!o.what.size.empty()) refuse("--size");
   if (!o.what.feeds.empty()) refuse("--feed");

@@ -1,10 +1,11 @@
 #pragma once
-/// Carries requests to a handler and its answers back, over HTTP/1.1 with Boost.Beast. One thread carries; the handler answers from any
-/// thread. This is the only translation unit that sees Beast.
+/// An HTTP/1.1 server on Boost.Beast: it reads requests, calls a handler and sends the answers. One thread reads and sends; the handler
+/// may answer from any thread. No other file includes Beast.
 ///
-/// Bounds: connections (further clients wait until one ends), 8 kB of head, a body as the handler admits it, and few large bodies at
-/// once; 30 s for a head, 120 s for a body and for an answer to be taken. An answer without an end (Response::next) holds one piece at a
-/// time: of a client that is slow less is asked, and one that takes nothing for 120 s is left.
+/// Limits: number of connections (further clients wait until one ends); 8 kB for a head; for a body what the handler allows, and few
+/// large bodies at once; 30 s to receive a head, 120 s to receive a body and to send an answer. A stream (Response::next) keeps one
+/// piece in memory at a time: the next piece is made when the client has taken the one before, and a client that takes nothing for
+/// 120 s is disconnected.
 /// Real time: no.
 /// Errors: io::InputError for an address or a port that cannot be had.
 

@@ -1,9 +1,9 @@
 #pragma once
-/// What would be if: a machine with some of its values changed, on a short motion, under a few controllers.
+/// The what-if view: a machine with some values changed, on a short motion, under a few controllers.
 ///
-/// It is `compare --trials 1 --laps 1` (workflow/run): the same identification, the same simulation, the same figures. Identified is the
-/// machine as its file says, once, and kept; or, where asked, the changed machine. Values are changed as the factors of a study are
-/// (workflow/study/factors.hpp).
+/// The result is that of `compare --trials 1 --laps 1` (workflow/run): same identification, same simulation, same figures of merit. The
+/// machine is identified once, unchanged, and that model is kept; on request the changed machine is identified instead. A value
+/// changes as a factor of a study does (workflow/study/factors.hpp).
 /// Real time: no.
 /// Errors: InputError, sim::Refused, ident::Refused; Outdated where a newer request waits.
 

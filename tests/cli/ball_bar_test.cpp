@@ -75,7 +75,7 @@ TEST(EvaluateBallBar, BadFilesAreRefusedInOneLine) {
   refused("<A><b/></A>", "is XML but", "other.b5r");
   const std::string series = f.write("series.csv", "direction,reading [um]\n+,1\n-,2\n");
   EXPECT_THAT(command({"evaluate", series, "--path", "indicator", "--feed", "1 m/min"}).err,
-              HasSubstr("--feed: is about circles"));
+              HasSubstr("--feed: applies to circles only"));
 }
 
 }  // namespace

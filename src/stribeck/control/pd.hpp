@@ -3,8 +3,9 @@
 ///
 ///   f = m·(r̈ − k_v·ė − k_p·e) + F_friction + load + d̂         e = x − r
 ///
-///   m mass of the model [kg], k_p [1/s²], k_v [1/s], f force on the axis [N]. Closed loop: ë + k_v ė + k_p e
-///   = 0.
+///   closed loop: ë + k_v·ė + k_p·e = 0
+///
+///   m mass of the model [kg], k_p [1/s²], k_v [1/s], f force on the axis [N].
 ///
 /// The force is limited to ±limit; the observer sees the limited force, so nothing winds up. Errors, compensation, limits and
 /// the treatment of bad input are those of every law, Common<1> in setup.hpp. Input and a single number as output let a caller

@@ -61,9 +61,8 @@ circle::CircleTest tested(const io::Log& log, const Track& t, const std::string&
   } catch (const std::invalid_argument& e) {
     throw io::InputError(
         {log.source, 0, where,
-         fmt::format(
-             "{}; got {} rows (--where COLUMN=VALUE chooses rows, --size is the radius that was meant)",
-             e.what(), t.x.size())});
+         fmt::format("{}; got {} rows (--where COLUMN=VALUE chooses rows, --size is the nominal radius)",
+                     e.what(), t.x.size())});
   }
 }
 

@@ -5,8 +5,11 @@
 ///   const auto found = workflow::identify(axis, {});
 ///   found.result.mass, found.result.mass_interval
 ///
-/// Method::kAuto uses the position map for an axis that is held at standstill or moves in one direction only, jog for runs of
-/// constant speed, and the fit of the whole drive otherwise.
+/// Method::kAuto uses
+///   the position map           for an axis that is held at standstill or moves in one direction only,
+///   jog                        for runs of constant speed,
+///   the fit of the whole drive otherwise; where that does not determine the mass and most rows are of constant speed, jog, with a
+///                              warning that the mass is not known.
 ///
 /// Real time: no.
 /// Errors: InputError for logs and options, ident::Refused where the logs do not determine the answer.

@@ -8,10 +8,10 @@
 ///   shape    λ and χ − 1 of opposite sign, both beyond two standard deviations: no machine changes like that; the map lacks
 ///            the speeds of this motion
 ///
-/// Time counts only while the axis moves and the level is known to 10 %: the way of the estimate from its start is no trend. A
+/// Time counts only while the axis moves and the level is known to 10 %, so that the first convergence of the estimate is not taken for a trend. A
 /// trend that lowers the level by 2 % within 100 s, and by more than three standard deviations, is reported as falling friction.
-/// The words name no maintenance: in one run a change of the machine looks like an error of the model. A model that was verified
-/// at these speeds, and the trend of repeated tests (ident/health), tell them apart.
+/// The messages recommend no maintenance, because within one run a change of the machine looks like an error of the model. Two things
+/// tell them apart: a model that was verified at these speeds, and the trend of repeated tests (ident/health).
 /// Source: none; the limits are Stribeck's own.
 /// Not modelled: the cause (lubrication, preload, covers and temperature look alike in a force). The break-away distance is not
 /// used in the verdict, because a vibrating loop distorts it. An error of the identified model looks like a change.

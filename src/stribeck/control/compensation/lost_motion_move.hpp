@@ -3,10 +3,10 @@
 /// by backlash and wind-up, as a move within bounds and never as a step.
 ///
 ///   r_m = r + p                          p = Box₁·Box₂·Box₃·p*          p* = h_b·b/2 + φ·(g·h_t + c·v)/k
-///   f   = law(r_m) + F_own − F_law       F_own = (1 − φ)·(g·h_m + c·v_m) + k·p(p) − m_t·p̈
+///   f   = law(r_m) + F_own − F_law       F_own = (1 − φ)·(g·h_m + c·v_m) + k·w − m_t·p̈
 ///
 ///   b backlash [m], k stiffness [N/m], φ = (friction of the table)/g share of friction on the table, g level and c·v viscous part of
-///   the friction map [N], m_t mass of the table [kg]; p(·) is p beyond ±b/2, else 0. h: share of a reversal, −1 … 1. h_b: at once, or
+///   the friction map [N], m_t mass of the table [kg]; w [m] wind-up: the part of p beyond ±b/2, else 0. h: share of a reversal, −1 … 1. h_b: at once, or
 ///   linear over `distance`; h_t, h_m build up over `build_up` of table and motor. F_law: what the law feeds forward of its friction
 ///   model at r_m, which does not know that the table still stands.
 ///

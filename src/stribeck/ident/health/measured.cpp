@@ -157,7 +157,7 @@ struct Columns {
   [[nodiscard]] Eigen::Index count() const { return wave(periods) + 2 * static_cast<Eigen::Index>(own); }
 };
 
-/// The columns of a matrix that hold more than a few rows; the others, and the rows that use them, say nothing.
+/// The columns of a matrix that are nonzero in enough rows to be fitted, and the rows that use no other column.
 struct Kept {
   std::vector<Eigen::Index> columns, rows;
 };

@@ -192,7 +192,7 @@ Division divide(const Pieces& pieces, std::size_t n) {
   out.probability.resize(n, 0.0);
   for (std::size_t to = n; to > 0; to = from[to]) out.begins.push_back(from[to]);
   std::reverse(out.begins.begin(), out.begins.end());
-  if (out.begins.size() == 1) return out;  // no border, of which nobody asks the probability
+  if (out.begins.size() == 1) return out;  // no change point
   std::vector<double> before(n + 1, -kInfinity), after(n + 1, -kInfinity);
   before[0] = -change;
   after[n] = 0.0;

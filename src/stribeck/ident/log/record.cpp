@@ -18,8 +18,8 @@ void check_column(const Record& record, const char* name, const std::vector<doub
     if (!(std::abs(column[k]) < kAbsurd)) {
       found.push_back(
           record.source +
-          fmt::format(": column {}, row {}: {:g} is no number that a machine logs; repair or cut the "
-                      "log, or check its unit",
+          fmt::format(": column {}, row {}: {:g} is too large for any machine; repair or cut the log, or "
+                      "check its unit",
                       name, k, column[k]));
       return;
     }

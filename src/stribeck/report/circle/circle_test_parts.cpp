@@ -84,8 +84,8 @@ void add_circular_test(Page& page, const CircleReportInput& input) {
   page.table(table);
   page.remark(
       "G: width of the narrowest ring that holds the path. G(b): the same for both directions together. F: largest "
-      "and smallest distance from the centre less the radius that was meant. H: largest distance between the "
-      "directions at one angle. D: mean radius of both less the radius that was meant. Run-in and run-out are "
+      "and smallest distance from the centre less the nominal radius. H: largest distance between the "
+      "directions at one angle. D: mean radius of both less the nominal radius. Run-in and run-out are "
       "left out. –: not measured.");
 }
 

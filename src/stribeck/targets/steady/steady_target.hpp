@@ -32,11 +32,11 @@ struct Axis {
   friction::AxisModel model;
   bool rotary = false;      ///< carried at a radius of 1 m
   double slowest = 0.0;     ///< smallest speed that counts [m/s]
-  double fastest = 0.0;     ///< [m/s]; 0: nobody said it
-  double gain = 1.0;        ///< force of one unit of the control [N]; NaN: nobody said it
+  double fastest = 0.0;     ///< [m/s]; 0: not known
+  double gain = 1.0;        ///< force of one unit of the control [N]; NaN: not given
   std::string unit;         ///< name of that unit: "%", "A"
-  double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: nobody said it
-  double resolution = 0.0;  ///< step of the encoder [m]; NaN: nobody said it
+  double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: not given
+  double resolution = 0.0;  ///< step of the encoder [m]; NaN: not given
 
   /// Steady friction without load and periodic terms [N].
   [[nodiscard]] double friction(double v) const noexcept;

@@ -234,10 +234,9 @@ std::vector<double> radii_of(const io::Log& log, const BallBarColumns::Series& s
         {log.source, 0, header_of(*s.radial.column),
          fmt::format("row {}: a radius of {} mm, expected about {} mm{}", i + 1,
                      report::short_number(radii[i] * 1e3), report::short_number(radius * 1e3),
-                     s.deviation
-                         ? " (--size is the radius that was meant)"
-                         : " (--size is the radius that was meant; a column of deviations from it is named "
-                           "\"deviation [um]\" or given with --map deviation=…)")});
+                     s.deviation ? " (--size is the nominal radius)"
+                                 : " (--size is the nominal radius; a column of deviations from it is named "
+                                   "\"deviation [um]\" or given with --map deviation=…)")});
   }
   return radii;
 }

@@ -6,7 +6,7 @@
 ///   angle [deg], deviation ccw [um], deviation cw [um]       one column for each direction; others are left out
 ///
 /// Columns are named by --map, or found by the words of their names in English and German. A second radius called nominal (Soll…)
-/// is the one that was meant. `# radius: 100 mm` and `# feed: 1000 mm/min` above the names state both for the whole file.
+/// is the nominal one. `# radius: 100 mm` and `# feed: 1000 mm/min` above the names state both for the whole file.
 ///
 /// The angle counts from +x towards +y. A direction that is told goes before the order of the rows: rows of a clockwise circle that
 /// stand by increasing angle are taken in reversed order, with a note. Angles that go forth and back under one direction are refused.
@@ -27,7 +27,7 @@ struct BallBarColumns {
     std::optional<bool> counter_clockwise;  ///< told by the names of its columns
     NamedColumn angle;
     NamedColumn radial;
-    bool deviation = false;  ///< from the radius that was meant; false: the radius itself
+    bool deviation = false;  ///< from the nominal radius; false: the radius itself
   };
   std::vector<Series> series;             ///< one, or one for each direction
   const io::Column* direction = nullptr;  ///< null: none
