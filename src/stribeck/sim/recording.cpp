@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/control/drive_interface.hpp>
@@ -46,14 +47,42 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   return log;
 }
 
+/// Weaker demands on a closed loop that hunts around standstill, where every error grows to the size of the hunting, with any number
+/// of sub-steps: tracking errors of the same size, as for a contour (contour_run.cpp).
+constexpr double kAlike = 0.1;
+constexpr double kMostLimited =
+    1e-3;  ///< share of the periods at the limit of the drive; more: the loop is unstable
+
+/// Largest and RMS distance from the reference [m].
+std::array<double, 2> tracking_error(const Recording& run, const std::vector<double>& reference) {
+  double most = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < run.x.size(); ++k) {
+    const double e = std::abs(run.x[k] - reference[k]);
+    most = std::max(most, e), squares += e * e;
+  }
+  return {most, std::sqrt(squares / static_cast<double>(run.x.size()))};
+}
+
+bool alike(const Recording& coarse, const Recording& fine, const std::vector<double>& reference,
+           double limit) {
+  const auto a = tracking_error(coarse, reference), b = tracking_error(fine, reference);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a[i] - b[i]) <= kAlike * std::max(a[i], b[i]))) return false;
+  }
+  const auto limited = std::count_if(fine.f.begin(), fine.f.end(),
+                                     [&](double f) { return std::abs(f) >= (1.0 - 1e-9) * limit; });
+  return static_cast<double>(limited) <= kMostLimited * static_cast<double>(fine.f.size());
+}
+
 /// Weaker demands on an open loop that multiplies errors: a share of the travel so far, with many sub-steps before that.
 constexpr double kShareOfTravel = 0.02;
 constexpr int kEnoughSubsteps = 32;
 
 /// Number of sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
-/// one.
+/// one. `reference`: of a closed loop; null: open.
 template <class Run>
-int choose(const Machine& machine, std::size_t which, double accuracy, bool open, Run&& run) {
+int choose(const Machine& machine, std::size_t which, double accuracy, const std::vector<double>* reference,
+           Run&& run) {
   const MachineAxis& axis = machine.axes[which].second;
   const plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
   std::optional<int> acceptable;
@@ -68,7 +97,17 @@ int choose(const Machine& machine, std::size_t which, double accuracy, bool open
       open_error.add(d - kShareOfTravel * travel);
     }
     if (error.within(accuracy)) return Substeps::kEnough;
-    if (open && !acceptable && open_error.within(accuracy)) acceptable = n;
+    if (reference != nullptr) {
+      const double travel_of_axis = axis.limits.travel_max - axis.limits.travel_min;
+      if (n >= kEnoughSubsteps && tracking_error(coarse, *reference)[0] > travel_of_axis &&
+          tracking_error(fine, *reference)[0] > travel_of_axis)
+        return Substeps::kGiveUp;  // the loop is unstable, whatever the number
+      // Accuracy is still searched: more sub-steps may reach it.
+      if (!acceptable && n >= kEnoughSubsteps && alike(coarse, fine, *reference, axis.force_limit()))
+        acceptable = n;
+      return Substeps::kMore;
+    }
+    if (!acceptable && open_error.within(accuracy)) acceptable = n;
     return acceptable && n >= kEnoughSubsteps ? Substeps::kGiveUp : Substeps::kMore;
   };
   const auto n = search_substeps(
@@ -123,7 +162,7 @@ Recording record_closed_loop(const Machine& machine, std::size_t axis, const std
   };
   // The first stretch contains reversals and speeds; a whole log would only double the work.
   const std::size_t part = std::min(reference.size(), static_cast<std::size_t>(20.0 / period) + 1);
-  const int substeps = choose(machine, axis, accuracy, false,
+  const int substeps = choose(machine, axis, accuracy, &reference,
                               [&](const plant::Fidelity& fidelity) { return run(fidelity, part); });
   Recording log = run({substeps, true, true}, reference.size());
   log.r = reference;
@@ -144,7 +183,7 @@ Recording record_open_loop(const Machine& machine, std::size_t axis, const std::
   };
   // Without a loop the position keeps every error of the steps: a hundredth of the noise of the travel
   // is enough.
-  const int substeps = choose(machine, axis, 100.0 * accuracy, true, run);
+  const int substeps = choose(machine, axis, 100.0 * accuracy, nullptr, run);
   return run({substeps, true, true});
 }
 

@@ -7,7 +7,8 @@
 /// The number of sub-steps is what a converged position needs. In open loop, a slip after break-away multiplies every error
 /// (on the y axis of V3, 0.1 µm before it become millimetres after some ramps, with any number of sub-steps). Where the position
 /// therefore does not converge, it must be right up to break-away and within 2 % of the travel after it: such a run is as good as
-/// another run of this axis with other noise.
+/// another run of this axis with other noise. The same holds in closed loop for an axis that hunts around standstill: where its position
+/// does not converge, largest and RMS tracking error must agree within 10 %, without a drive at its limit.
 ///
 /// The log holds what a real control could log, and nothing that only the simulation knows.
 /// Real time: no.

@@ -274,6 +274,40 @@ TEST(Recording, HoldsBothEncodersWhereThereAreTwo) {
   EXPECT_TRUE(record_closed_loop(m, 0, reference, 1).motor.empty());
 }
 
+// 20 kg on bristles of 6 N/um swing with 87 Hz, far too fast for a loop of 5 ms: on slow jogs it hunts around standstill, and the motion
+// of one number of sub-steps is never that of another. Its size is the same.
+TEST(Recording, OfALoopThatHuntsIsOneOfManyAlike) {
+  Machine m = test::biaxial_table();
+  MachineAxis& axis = m.axes[0].second;
+  axis.plant.mass = 20.0;
+  axis.plant.friction = {};
+  axis.plant.friction.steady =
+      friction::Conventional<double>{30.0, 22.0, friction::Stribeck<double>{36.0, 4e-3, 2.0}};
+  friction::LuGre<double> bristles;
+  bristles.sigma0 = 6e6;
+  bristles.sigma1 = 200.0;
+  axis.plant.friction.dynamics = bristles;
+  axis.commissioning.mass = 20.0;
+  axis.commissioning.omega = 40.0;
+  axis.commissioning.observer_pole = 20.0;
+  axis.plant.delay_periods = 1;
+  axis.plant.delay_fraction = 0.5;
+  std::vector<double> reference;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = kPeriod * (k % 1000);
+    reference.push_back(0.2e-3 * (k < 1000 ? t : 1000 * kPeriod - t));
+  }
+  const Recording log = record_closed_loop(m, 0, reference, 1);
+  double most = 0.0;
+  for (std::size_t k = 0; k < log.x.size(); ++k) most = std::max(most, std::abs(log.x[k] - reference[k]));
+  EXPECT_LT(most, 2e-3);
+  EXPECT_GT(most, 1e-6);
+  // An unstable one is refused as before.
+  axis.commissioning.omega = 400.0;
+  reference.resize(300);
+  EXPECT_THROW(static_cast<void>(record_closed_loop(m, 0, reference, 1)), Refused);
+}
+
 TEST(ParallelFor, RunsEveryJobOnceAndPassesTheFirstErrorOn) {
   std::vector<int> done(1000);
   parallel_for(
