@@ -1,7 +1,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/bristle/bristle_fit.hpp>
 #include <stribeck/ident/bristle/place_stiffness.hpp>
 #include <stribeck/ident/drive/describe.hpp>
@@ -144,6 +146,47 @@ double level_at_rest(const Result& result) {
   return std::max(result.friction.parts(0.0, 0.0).level, result.friction.parts(-1e-9, 0.0).level);
 }
 
+/// A fit that was refused has the reason and nothing else.
+bristle::BristleFit fit_of(const std::vector<log::Record>& records, const friction::AxisModel& known,
+                           const bristle::BristleOptions& options) {
+  try {
+    return bristle::fit_bristle(records, known, options);
+  } catch (const Refused& why) {
+    bristle::BristleFit fit;
+    fit.reason = why.what();
+    return fit;
+  }
+}
+
+struct BristleOfLog {
+  bristle::BristleFit fit;
+  std::vector<log::Record> records;
+};
+
+/// Of several logs the one whose reversals tell pre-sliding best when it is fitted alone: fast reversals of the others, which pass the
+/// break-away distance within a few rows, hide it. Absent where none does.
+std::optional<BristleOfLog> best_log_alone(const std::vector<log::Record>& records,
+                                           const friction::AxisModel& known,
+                                           const bristle::BristleOptions& options) {
+  constexpr std::size_t kMostLogs = 6;
+  const std::vector<std::size_t> log = logs_of(records);
+  const std::size_t logs = log.empty() ? 0 : log.back() + 1;
+  if (logs < 2 || logs > kMostLogs) return {};
+  std::optional<BristleOfLog> best;
+  const auto width = [](const Interval& i) { return i.low > 0.0 ? i.high / i.low : kInfinity; };
+  for (std::size_t n = 0; n < logs; ++n) {
+    std::vector<log::Record> own;
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      if (log[r] == n) own.push_back(records[r]);
+    }
+    bristle::BristleFit fit = fit_of(own, known, options);
+    if (!fit.determinable) continue;
+    if (!best || width(fit.break_away_interval) < width(best->fit.break_away_interval))
+      best = BristleOfLog{std::move(fit), std::move(own)};
+  }
+  return best;
+}
+
 }  // namespace
 
 bool below_the_noise(const Result& result) {
@@ -171,20 +214,22 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
              shown.force(level_at_rest(result)).c_str(), shown.force(result.held_out_rms).c_str()));
     return;
   }
-  const std::vector<log::Record> closed = records_of_reversals(log);
+  std::vector<log::Record> closed = records_of_reversals(log);
   bristle::BristleOptions options;
   options.shift = log.shift;
   const bool open = std::none_of(log.motions.begin(), log.motions.end(),
                                  [](const log::Motion& m) { return m.loop == log::Loop::kClosed; });
-  bristle::BristleFit fit;
-  try {
-    fit = bristle::fit_bristle(closed, known, options);
-  } catch (const Refused& why) {
-    fit.reason = why.what();
-  }
+  bristle::BristleFit fit = fit_of(closed, known, options);
   if (!fit.determinable) {
-    notes.cannot_tell.push_back(fit.reason);
-    return;
+    std::optional<BristleOfLog> one = best_log_alone(closed, known, options);
+    if (!one) {
+      notes.cannot_tell.push_back(fit.reason);
+      return;
+    }
+    notes.warn(text(
+        "pre-sliding is that of %s alone: the reversals of the other logs are too fast or too few to tell it",
+        one->records.front().source.c_str()));
+    fit = std::move(one->fit), closed = std::move(one->records);
   }
   const double half = found.intervals.factor * found.intervals.shift_error;
   if (half > kExactShift) {

@@ -311,5 +311,22 @@ TEST(DriveFit, SaysWhatWarmingUpDoes) {
   EXPECT_THAT(steady.warnings, ::testing::Not(::testing::Contains(HasSubstr("warming up"))));
 }
 
+// The fast log passes the break-away distance within a few rows, and has most of the reversals.
+TEST(DriveFit, PreSlidingIsThatOfTheLogThatTellsIt) {
+  test::Drive drive = light();
+  drive.force_per_volt = 250.0;
+  log::Record slow = sine(drive, 3, 4.0);
+  slow.source = "slow.csv";
+  log::Record fast =
+      test::run_closed(drive, drive.mass, test::sine_reference(drive.sample_time, 0.0006, 60.0, 100.0), 4);
+  fast.source = "fast.csv";
+  ASSERT_EQ(identify_drive({fast}, {}).find("sigma0"), nullptr);
+  const Result r = identify_drive({slow, fast}, {});
+  const Parameter* sigma0 = r.find("sigma0");
+  ASSERT_NE(sigma0, nullptr);
+  EXPECT_NEAR(sigma0->value, drive.sigma0, 0.1 * drive.sigma0);
+  EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("pre-sliding is that of slow.csv alone")));
+}
+
 }  // namespace
 }  // namespace stribeck::ident::drive::drive_fit_test
