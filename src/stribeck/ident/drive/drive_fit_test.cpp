@@ -328,5 +328,39 @@ TEST(DriveFit, PreSlidingIsThatOfTheLogThatTellsIt) {
   EXPECT_THAT(r.warnings, ::testing::Contains(HasSubstr("pre-sliding is that of slow.csv alone")));
 }
 
+/// Strokes out and back, each half of constant acceleration a, with a rest between them.
+std::vector<double> parabolas(double T, double stroke, const std::vector<double>& accelerations) {
+  std::vector<double> r;
+  for (const double a : accelerations) {
+    const double half = std::sqrt(stroke / a);
+    for (const double way : {1.0, -1.0}) {
+      for (double t = 0.0; t < 2.0 * half + 0.3; t += T) {
+        const double rest = std::max(0.0, 2.0 * half - t);
+        const double moved = t < half ? 0.5 * a * t * t : stroke - 0.5 * a * rest * rest;
+        r.push_back(way > 0.0 ? moved : stroke - moved);
+      }
+    }
+  }
+  return r;
+}
+
+// Each place has its own speed in every stroke of one acceleration, and the directions differ.
+TEST(DriveFit, FindsARippleOnStrokesOfConstantAcceleration) {
+  test::Drive drive = light();
+  drive.sigma0 = 3e6;
+  drive.wave = 6.0;
+  drive.wave_length = 0.03;
+  drive.friction.negative.eta0 = -14.0;
+  drive.friction.negative.eta1 = 3500.0;
+  for (const std::vector<double>& accelerations : {std::vector{0.04, 0.04, 0.03, 0.03}, std::vector{0.04}}) {
+    const std::vector<double> reference = parabolas(drive.sample_time, 0.1, accelerations);
+    const Result r = identify_drive({test::run_closed(drive, drive.mass, reference, 3)}, quick());
+    ASSERT_FALSE(r.friction.eccentric.empty());
+    EXPECT_NEAR(r.friction.eccentric[0].amplitude, 6.0, 0.15);
+    EXPECT_NEAR(r.friction.eccentric[0].period, 0.03, 3e-4);
+    EXPECT_NEAR(r.mass, drive.mass, 0.01 * drive.mass);
+  }
+}
+
 }  // namespace
 }  // namespace stribeck::ident::drive::drive_fit_test

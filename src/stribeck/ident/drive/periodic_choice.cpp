@@ -137,6 +137,17 @@ void settle_beside_map(const AlignedLog& log, const Rows& rows, const map::Perio
   }
 }
 
+/// Terms that stand out of the residual, but do not predict held-out motion better.
+void note_untold(const Shown& shown, const Terms& terms, Notes& notes) {
+  std::string periods;
+  for (const PeriodicColumns& term : terms.periodic)
+    periods += (periods.empty() ? "" : " and ") + shown.length(term.period);
+  if (periods.empty()) return;
+  notes.cannot_tell.push_back(text(
+      "whether a force repeats every %s: it stands out of the residual, but held-out motion is not predicted better with it, as where each place has its own speed; add strokes at constant speed, slow and fast",
+      periods.c_str()));
+}
+
 }  // namespace
 
 map::PeriodicRows rows_for_periodic(const AlignedLog& log, const Rows& rows, const Terms& terms,
@@ -218,6 +229,7 @@ PeriodicChoice choose_periodic(const AlignedLog& log, const Rows& rows, const Te
   if (better) {
     out.map = std::move(with);
   } else {
+    if (beside_bins) note_untold(Shown(log.records.front()), out.terms, notes);
     out.terms = terms;
     out.fit.curve =
         fit.curve;  // the curve of the fit without periodic terms; the mass starts from its present value
