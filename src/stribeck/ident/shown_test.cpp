@@ -2,7 +2,7 @@
 
 #include <stribeck/ident/shown.hpp>
 
-namespace stribeck::ident {
+namespace stribeck::ident::shown_test {
 namespace {
 
 TEST(Shown, MillimetresAndSmallLengths) {
@@ -33,4 +33,4 @@ TEST(Shown, OtherUnitsStay) {
 }
 
 }  // namespace
-}  // namespace stribeck::ident
+}  // namespace stribeck::ident::shown_test

@@ -130,6 +130,33 @@ void allow_other_bristles(bristle::BristleFit& fit) {
         widened(fit.break_away, fit.break_away_interval, as_other_bristles(fit.break_away));
 }
 
+/// Widens the intervals by how far the values move with the force earlier and later by `half` rows, the half width of its shift.
+void allow_shifts(bristle::BristleFit& fit, const std::vector<log::Record>& records,
+                  const friction::AxisModel& known, bristle::BristleOptions options, double half) {
+  // A law that was not chosen has no intervals to widen, and its fit is the longest of all.
+  if (!std::holds_alternative<friction::Gms<double>>(fit.best)) options.elements = 0;
+  const double shift = options.shift;
+  std::vector<bristle::BristleFit> moved;
+  for (const double by : {-half, half}) {
+    options.shift = shift + by;
+    try {
+      moved.push_back(bristle::fit_bristle(records, known, options));
+    } catch (const Refused&) {
+      // The motion is the same: what was refused now is no statement about the parameters.
+    }
+  }
+  std::vector<const std::vector<Parameter>*> lugre, gms;
+  std::vector<double> distances;
+  for (const bristle::BristleFit& m : moved) {
+    lugre.push_back(&m.lugre_parameters), gms.push_back(&m.gms_parameters);
+    if (m.break_away > 0.0) distances.push_back(m.break_away);
+  }
+  widen(fit.lugre_parameters, lugre);
+  widen(fit.gms_parameters, gms);
+  if (fit.break_away_interval.low > 0.0)
+    fit.break_away_interval = widened(fit.break_away, fit.break_away_interval, distances);
+}
+
 /// Of each record the number of its log: a log that was cut at gaps is several records, one after the other in time.
 std::vector<std::size_t> logs_of(std::span<const log::Record> records) {
   std::vector<std::size_t> out;
@@ -233,27 +260,7 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   }
   const double half = found.intervals.factor * found.intervals.shift_error;
   if (half > kExactShift) {
-    // A law that was not chosen has no intervals to widen, and its fit is the longest of all.
-    if (!std::holds_alternative<friction::Gms<double>>(fit.best)) options.elements = 0;
-    std::vector<bristle::BristleFit> moved;
-    for (const double by : {-half, half}) {
-      options.shift = log.shift + by;
-      try {
-        moved.push_back(bristle::fit_bristle(closed, known, options));
-      } catch (const Refused&) {
-        // The motion is the same: what was refused now is no statement about the parameters.
-      }
-    }
-    std::vector<const std::vector<Parameter>*> lugre, gms;
-    std::vector<double> distances;
-    for (const bristle::BristleFit& m : moved) {
-      lugre.push_back(&m.lugre_parameters), gms.push_back(&m.gms_parameters);
-      if (m.break_away > 0.0) distances.push_back(m.break_away);
-    }
-    widen(fit.lugre_parameters, lugre);
-    widen(fit.gms_parameters, gms);
-    if (fit.break_away_interval.low > 0.0)
-      fit.break_away_interval = widened(fit.break_away, fit.break_away_interval, distances);
+    allow_shifts(fit, closed, known, options, half);
     if (fit.break_away_interval.high > kMostApart * fit.break_away_interval.low) {
       notes.cannot_tell.push_back(text(
           "pre-sliding is not determinable from this log: with the shift between force and motion unknown, "
@@ -265,7 +272,6 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
     }
   }
   allow_other_bristles(fit);
-  options.shift = log.shift;
   reach_beside_unseen_rise(fit, closed, known, options,
                            std::max(found.rows.grid[0].low, found.rows.grid[1].low));
   const bool told = told_beside_unseen_rise(fit, shown, notes);
