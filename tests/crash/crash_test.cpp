@@ -289,12 +289,13 @@ class StoppedStudy : public testing::Test {
             "--report",  f / (folder + "/page"),
             "--threads", std::to_string(threads)};
   }
-  /// All files, the page without the line that tells the command.
+  /// All files, page and JSON without the line that tells the command.
   [[nodiscard]] Texts results(const std::string& folder) const {
     Texts texts = texts_in(f / folder);
     for (auto& [name, text] : texts) {
       const auto at = text.find("stribeck study ");
-      if (name.ends_with(".html") && at != std::string::npos) text.erase(at, text.find('\n', at) - at);
+      if ((name.ends_with(".html") || name.ends_with(".json")) && at != std::string::npos)
+        text.erase(at, text.find('\n', at) - at);
     }
     return texts;
   }
