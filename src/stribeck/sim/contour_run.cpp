@@ -10,29 +10,11 @@ namespace stribeck::sim {
 namespace {
 
 constexpr int kLoopIsLost = 32;
-/// Weaker demand on a loop in stick-slip: largest and RMS error of two runs agree within this share, with many sub-steps.
-constexpr double kAlike = 0.1;
-constexpr int kManySubsteps = 32;
-constexpr double kMostLimited = 1e-3;  ///< share of the periods with the drive at its limit
 
-/// Largest and RMS contour error of a run [m].
-std::array<double, 2> size_of(const std::vector<ContourSample>& run) {
-  double most = 0.0;
-  double squares = 0.0;
-  for (const ContourSample& s : run) {
-    most = std::max(most, std::abs(s.contour_error));
-    squares += s.contour_error * s.contour_error;
-  }
-  return {most, std::sqrt(squares / static_cast<double>(run.size()))};
-}
-
-bool alike(const std::vector<ContourSample>& one, const std::vector<ContourSample>& other) {
-  const auto a = size_of(one);
-  const auto b = size_of(other);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!(std::abs(a[i] - b[i]) <= kAlike * std::max(a[i], b[i]))) return false;
-  }
-  return true;
+ErrorSize size_of(const std::vector<ContourSample>& run) {
+  ErrorSize size;
+  for (const ContourSample& s : run) size.add(s.contour_error);
+  return size;
 }
 
 /// Inputs and outputs of one tick.
@@ -300,8 +282,9 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
       error.add(std::abs(fine[k].contour_error - coarse[k].contour_error));
     // A loop that swings between the limits of its drive is unstable, however alike its swings are.
     const double limited = static_cast<double>(status.count(Status::kOutputLimited));
-    const bool swings = limited > kMostLimited * static_cast<double>(coarse.size());
-    if (follows_now && !swings && !acceptable && n >= kManySubsteps && alike(coarse, fine)) acceptable = n;
+    const bool swings = limited > kMostAtLimit * static_cast<double>(coarse.size());
+    if (follows_now && !swings && !acceptable && n >= kManySubsteps && size_of(coarse).alike(size_of(fine)))
+      acceptable = n;
     return error.within(accuracy) && follows_now ? Substeps::kEnough : Substeps::kMore;
   };
   if (const auto n = search_substeps(least, trace, judge)) return *n;

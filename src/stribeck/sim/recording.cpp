@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/control/drive_interface.hpp>
@@ -47,36 +46,22 @@ Recording record(const Machine& machine, std::size_t which, std::size_t rows, do
   return log;
 }
 
-/// Weaker demands on a closed loop that hunts around standstill, where every error grows to the size of the hunting, with any number
-/// of sub-steps: tracking errors of the same size, as for a contour (contour_run.cpp).
-constexpr double kAlike = 0.1;
-constexpr double kMostLimited =
-    1e-3;  ///< share of the periods at the limit of the drive; more: the loop is unstable
-
-/// Largest and RMS distance from the reference [m].
-std::array<double, 2> tracking_error(const Recording& run, const std::vector<double>& reference) {
-  double most = 0.0, squares = 0.0;
-  for (std::size_t k = 0; k < run.x.size(); ++k) {
-    const double e = std::abs(run.x[k] - reference[k]);
-    most = std::max(most, e), squares += e * e;
-  }
-  return {most, std::sqrt(squares / static_cast<double>(run.x.size()))};
+/// Distances from the reference.
+ErrorSize tracking_error(const Recording& run, const std::vector<double>& reference) {
+  ErrorSize size;
+  for (std::size_t k = 0; k < run.x.size(); ++k) size.add(run.x[k] - reference[k]);
+  return size;
 }
 
-bool alike(const Recording& coarse, const Recording& fine, const std::vector<double>& reference,
-           double limit) {
-  const auto a = tracking_error(coarse, reference), b = tracking_error(fine, reference);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!(std::abs(a[i] - b[i]) <= kAlike * std::max(a[i], b[i]))) return false;
-  }
-  const auto limited = std::count_if(fine.f.begin(), fine.f.end(),
+/// Whether the drive is hardly ever at its limit.
+bool below_limit(const Recording& run, double limit) {
+  const auto limited = std::count_if(run.f.begin(), run.f.end(),
                                      [&](double f) { return std::abs(f) >= (1.0 - 1e-9) * limit; });
-  return static_cast<double>(limited) <= kMostLimited * static_cast<double>(fine.f.size());
+  return static_cast<double>(limited) <= kMostAtLimit * static_cast<double>(run.f.size());
 }
 
 /// Weaker demands on an open loop that multiplies errors: a share of the travel so far, with many sub-steps before that.
 constexpr double kShareOfTravel = 0.02;
-constexpr int kEnoughSubsteps = 32;
 
 /// Number of sub-steps for which the position, without quantisers and noise, is within `accuracy` [m] of a converged
 /// one. `reference`: of a closed loop; null: open.
@@ -98,17 +83,17 @@ int choose(const Machine& machine, std::size_t which, double accuracy, const std
     }
     if (error.within(accuracy)) return Substeps::kEnough;
     if (reference != nullptr) {
+      const ErrorSize one = tracking_error(coarse, *reference), other = tracking_error(fine, *reference);
       const double travel_of_axis = axis.limits.travel_max - axis.limits.travel_min;
-      if (n >= kEnoughSubsteps && tracking_error(coarse, *reference)[0] > travel_of_axis &&
-          tracking_error(fine, *reference)[0] > travel_of_axis)
+      if (n >= kManySubsteps && std::min(one.largest(), other.largest()) > travel_of_axis)
         return Substeps::kGiveUp;  // the loop is unstable, whatever the number
       // Accuracy is still searched: more sub-steps may reach it.
-      if (!acceptable && n >= kEnoughSubsteps && alike(coarse, fine, *reference, axis.force_limit()))
+      if (!acceptable && n >= kManySubsteps && one.alike(other) && below_limit(fine, axis.force_limit()))
         acceptable = n;
       return Substeps::kMore;
     }
     if (!acceptable && open_error.within(accuracy)) acceptable = n;
-    return acceptable && n >= kEnoughSubsteps ? Substeps::kGiveUp : Substeps::kMore;
+    return acceptable && n >= kManySubsteps ? Substeps::kGiveUp : Substeps::kMore;
   };
   const auto n = search_substeps(
       least_substeps(plant.rate_bound(), machine.sample_time),

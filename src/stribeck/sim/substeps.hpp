@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -34,6 +35,36 @@ class RunError {
  private:
   double worst_ = 0.0;
 };
+
+/// Largest and RMS error of a run, for the weaker demand on a loop in stick-slip: around standstill every difference grows to the size
+/// of its hunting, with any number of sub-steps.
+class ErrorSize {
+ public:
+  void add(double error) {
+    most_ = std::max(most_, std::abs(error));
+    squares_ += error * error;
+    ++count_;
+  }
+  [[nodiscard]] double largest() const { return most_; }
+  /// Both agree within a tenth.
+  [[nodiscard]] bool alike(const ErrorSize& other) const {
+    constexpr double kAlike = 0.1;
+    const auto near = [](double a, double b) { return std::abs(a - b) <= kAlike * std::max(a, b); };
+    return near(most_, other.most_) && near(rms(), other.rms());
+  }
+
+ private:
+  [[nodiscard]] double rms() const { return std::sqrt(squares_ / static_cast<double>(count_)); }
+
+  double most_ = 0.0;
+  double squares_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+/// From this number on the weaker demand counts.
+inline constexpr int kManySubsteps = 32;
+/// Share of the periods with the drive at its limit; more: the loop swings between its limits, and is unstable.
+inline constexpr double kMostAtLimit = 1e-3;
 
 enum class Substeps { kEnough, kMore, kGiveUp };
 
