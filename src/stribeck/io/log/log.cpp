@@ -9,6 +9,7 @@
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/keys.hpp>
 #include <stribeck/io/log/column_names.hpp>
+#include <stribeck/io/log/json/json_table.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/io/log/log_formats.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -114,6 +115,19 @@ struct SideFile {
   }
 };
 
+/// Names of the first columns, with what keeps one from being read.
+std::string columns_of(const Log& log) {
+  constexpr std::size_t kMost = 12;
+  std::string all;
+  for (std::size_t c = 0; c < log.columns.size() && c < kMost; ++c) {
+    all += (c > 0 ? ", " : "") + in_quotes(log.columns[c].header);
+    if (!log.columns[c].texts.empty())
+      all += " (text, such as " + in_quotes(log.columns[c].texts.front()) + ")";
+  }
+  if (log.columns.size() > kMost) all += " and " + std::to_string(log.columns.size() - kMost) + " more";
+  return all;
+}
+
 /// Time of a CSV table: found, or computed from the sample time.
 void complete_times(Log& log, const ReadOptions& options) {
   if (!options.time_column.empty()) {
@@ -138,15 +152,34 @@ void complete_times(Log& log, const ReadOptions& options) {
   const std::optional<double> period = options.sample_time ? options.sample_time : told.period;
   if (!period) {
     if (!options.times_needed) return;
-    throw InputError(
-        Problem{log.source, 0, "",
-                "has no time column" + (told.text.empty() ? "" : ", its head says " + in_quotes(told.text)) +
-                    " (give the time between rows with --sample-time \"1 ms\", with your value, "
-                    "or put sample_time = \"1 ms\" into " +
-                    log.source + ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
+    throw InputError(Problem{log.source, 0, "",
+                             "has no time column; the columns are " + columns_of(log) +
+                                 (told.text.empty() ? "" : ", its head says " + in_quotes(told.text)) +
+                                 " (give the time between rows with --sample-time \"1 ms\", with your value, "
+                                 "or put sample_time = \"1 ms\" into " +
+                                 log.source +
+                                 ".toml; a column that is the time is named with --map t=\"COLUMN UNIT\")"});
   }
   std::vector<double> t(log.rows);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = static_cast<double>(i) * *period;
+  if (const Column* counter = detail::row_counter(log);
+      counter != nullptr && counter->values.size() == t.size()) {
+    bool even = true;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const double n = counter->values[i] - counter->values[0];
+      even = even && n == static_cast<double>(i);
+      t[i] = n * *period;
+    }
+    if (!even) {
+      log.notes.push_back("the time is " + in_quotes(counter->header) + " times " + number_text(*period) +
+                          " s" +
+                          (options.sample_time ? ", the given sample time"
+                                               : ", as the head of the file says: " + in_quotes(told.text)) +
+                          "; rows that it does not count are missing");
+      detail::add_time(log, std::move(t), "s");
+      return;
+    }
+  }
   detail::add_time(log, std::move(t), "s");
   log.notes.push_back((options.sample_time ? "the time is made from the given sample time of "
                                            : "there is no time column; the time is made from the head of the "
@@ -155,10 +188,32 @@ void complete_times(Log& log, const ReadOptions& options) {
                       number_text(*period) + " s; a gap would not be seen");
 }
 
+Log read_table(std::string_view text, const std::string& source, const ReadOptions& options) {
+  detail::AbsentCells absent;
+  Log log = detail::read_csv_text(
+      text, source, {options.skip_lines, options.names, detail::TextColumns::kKeep, true, false, true},
+      &absent);
+  if (options.time_column.empty()) detail::pair_times(log);
+  const bool paired =
+      std::any_of(log.columns.begin(), log.columns.end(), [](const Column& c) { return c.time >= 0; });
+  complete_times(log, options);
+  const int time = options.time_column.empty()
+                       ? time_column(log)
+                       : static_cast<int>(&log.at(options.time_column) - log.columns.data());
+  if (absent.first && !paired) detail::leave_out_absent(log, time, *absent.first);
+  return log;
+}
+
 Log read_text_log(std::string_view text, const std::string& source, const ReadOptions& options) {
   using namespace detail;
+  if (may_be_json(text)) {
+    const auto table = csv_of_json(text, source);
+    if (!table) return read_sinumerik_json(text, source, options);
+    Log log = read_table(*table, source, options);
+    log.format = "JSON";
+    return log;
+  }
   const auto start = trimmed(text.substr(0, 4096)).substr(0, 1);
-  if (start == "{" || start == "[") return read_sinumerik_json(text, source, options);
   if (begins_with(trimmed(text), "<!doctype html") || begins_with(trimmed(text), "<html")) {
     throw InputError(
         Problem{source, 0, "",
@@ -172,15 +227,7 @@ Log read_text_log(std::string_view text, const std::string& source, const ReadOp
   if (is_mr_configurator(text)) return read_mr_configurator(text, source);
   if (is_ni_daq(text)) return read_ni_daq(text, source);
   if (is_halsampler(text)) return read_halsampler(text, source, options);
-  AbsentCells absent;
-  Log log = read_csv_text(
-      text, source, {options.skip_lines, options.names, TextColumns::kKeep, true, false, true}, &absent);
-  complete_times(log, options);
-  const int time = options.time_column.empty()
-                       ? time_column(log)
-                       : static_cast<int>(&log.at(options.time_column) - log.columns.data());
-  if (absent.first) leave_out_absent(log, time, *absent.first);
-  return log;
+  return read_table(text, source, options);
 }
 
 CsvDialect dialect(const CsvOptions& options) {

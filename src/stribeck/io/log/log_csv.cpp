@@ -47,7 +47,8 @@ class CsvReader {
     }
     for (const auto& [what, count] : left_out_) note(what + " were left out: " + std::to_string(count));
     for (const auto& [first, again] : head.twice) {
-      if (!drop_same_times(log_, first, again))
+      if (drop_same_times(log_, first, again)) continue;
+      if (options_.text_columns != TextColumns::kKeep || !pair_times(log_))
         fail(0, "columns " + in_quotes(first) + " and " + in_quotes(again) +
                     " hold different times (rename one)");
     }

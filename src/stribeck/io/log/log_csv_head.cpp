@@ -116,8 +116,21 @@ class HeadReader {
     return told_separator_ ? *told_separator_ : best_separator(header, row);
   }
 
+  /// Leaves out rows of data types (IEC 61131-3, C) below the names.
+  void leave_out_types(std::string_view& body) {
+    constexpr std::size_t kMost = 2;
+    for (std::size_t k = 0; k < kMost; ++k) {
+      const std::string_view row = first_row(body);
+      if (!is_row_of_types(row, head_.separator)) return;
+      note("line " + std::to_string(line_number(row.data())) +
+           " names the types of the columns and was left out");
+      body.remove_prefix(static_cast<std::size_t>(row.data() + row.size() - body.data()));
+    }
+  }
+
   /// Units in the row below the names.
   void take_units(std::string_view& body) {
+    leave_out_types(body);
     const std::string_view row = first_row(body);
     const std::vector<std::string> units =
         units_in_row(row, head_.separator, head_.log.columns.size(), head_.log.notes);
@@ -157,16 +170,18 @@ class HeadReader {
         note("column " + std::to_string(i + 1) + " has no name");
       }
       const auto [hit, fresh] = seen.emplace(header, i);
+      std::string again;  // behind a name that stands twice
       if (!fresh && is_time_name(header)) {
-        head_.twice.emplace_back(header, header + " in column " + std::to_string(i + 1));
-        header = head_.twice.back().second;
+        again = " in column " + std::to_string(i + 1);
+        head_.twice.emplace_back(header, header + again);
       } else if (!fresh) {
         fail(line, "column name " + in_quotes(header) + " stands twice, for columns " +
                        std::to_string(hit->second + 1) + " and " + std::to_string(i + 1) + " (rename one)");
       }
       const std::string split = with_unit_in_brackets(header, slashes, options_.unit_after_blank);
       head_.log.columns.push_back(column_of(split, head_.log.notes));
-      head_.log.columns.back().header = header;
+      head_.log.columns.back().header = header + again;
+      head_.log.columns.back().name += again;
     }
     // x_mm and x_um: what is left without the unit is no name.
     std::map<std::string, int> names;

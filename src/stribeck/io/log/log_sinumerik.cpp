@@ -225,9 +225,10 @@ class CaptureReader : Reader {
 
   void build() {
     if (rows_ == 0 || signals_.empty()) {
-      fail(0,
-           "is JSON but no SINUMERIK capture with samples, expected Header.SignalListHFData and rows in "
-           "Payload[].HFData");
+      fail(
+          0,
+          "is JSON, but no SINUMERIK capture with samples (Header.SignalListHFData, and rows in Payload[].HFData) and "
+          "no table, expected one object in each line, a list of objects or a list for each column");
     }
     if (width_ != signals_.size()) {
       fail(0, "has rows of " + std::to_string(width_) + " values, expected " +

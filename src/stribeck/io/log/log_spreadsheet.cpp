@@ -135,8 +135,11 @@ std::size_t lines_of_head(std::string_view text) {
     const std::size_t cells = split(lines[*names].text, separator).size();
     if (cells <= most) continue;
     most = cells;
-    // As many cells in the first line as in the table: it is no head.
-    above = *names > 0 && split(lines.front().text, separator).size() != cells ? lines[*names].number : 0;
+    // As many cells in the first line as in the table: it is no head, but where it is a key and its value.
+    const auto first = split(lines.front().text, separator);
+    const bool told = first.size() == 2 && !unquoted(first[1]).empty() &&
+                      is_digit(unquoted(first[1]).front()) && !looks_like_number(first[0]);
+    above = *names > 0 && (first.size() != cells || told) ? lines[*names].number : 0;
   }
   return above;
 }
@@ -187,14 +190,28 @@ std::string_view take_unended_row(std::string_view& body) {
   return row;
 }
 
+namespace {
+
+/// Whether a cell that is no time of day has a comma: "10:15:23,124" may stand beside "0.75".
+bool has_comma(std::string_view text, char separator) {
+  for (auto at = text.find(','); at != std::string_view::npos; at = text.find(',', at + 1)) {
+    const auto begin = text.find_last_of(std::string{separator, '\n'}, at);
+    const std::string_view before = text.substr(begin + 1, at - begin - 1);  // npos + 1 is 0
+    if (before.find(':') == std::string_view::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 char decimal_mark(std::string_view body, char separator) {
   if (separator == ',') return '.';
   std::string_view rest = body;
   for (int k = 0; k < 100 && !rest.empty(); ++k) {
     const auto line = take_line(rest);
-    if (!is_comment(line) && line.find(',') != std::string_view::npos) return ',';
+    if (!is_comment(line) && has_comma(line, separator)) return ',';
   }
-  const bool comma = body.find(',') != std::string_view::npos;
+  const bool comma = has_comma(body, separator);
   return comma && body.find('.') == std::string_view::npos ? ',' : '.';
 }
 
@@ -287,6 +304,22 @@ std::vector<std::string> units_in_row(std::string_view row, char separator, std:
   return units;
 }
 
+bool is_row_of_types(std::string_view row, char separator) {
+  constexpr std::array<std::string_view, 36> kTypes{
+      "lreal",  "real",   "int",     "dint",    "udint", "sint",  "usint", "uint",   "lint",
+      "ulint",  "bool",   "byte",    "word",    "dword", "lword", "time",  "ltime",  "string",
+      "float",  "double", "float32", "float64", "int8",  "int16", "int32", "int64",  "uint16",
+      "uint32", "uint64", "boolean", "s16",     "s32",   "u16",   "u32",   "moment", "single"};
+  bool any = false;
+  for (const std::string_view cell : split(row, separator)) {
+    const std::string text = lower_case(unquoted(cell));
+    if (text.empty()) continue;
+    if (std::find(kTypes.begin(), kTypes.end(), text) == kTypes.end()) return false;
+    any = true;
+  }
+  return any;
+}
+
 const char* why_no_number(std::string_view cell, char decimal) {
   constexpr std::array<std::string_view, 17> kMonths{"jan", "feb", "mar", "m\u00E4r", "mrz", "apr",
                                                      "may", "mai", "jun", "jul",      "aug", "sep",
@@ -331,7 +364,7 @@ std::optional<double> time_of_day(std::string_view text) {
   const auto second = take_two(text, 61);
   if (!second) return std::nullopt;
   double part = 0.0;
-  if (take(text, '.') || take(text, ',') || take(text, ':')) {
+  if (take(text, '.') || take(text, ',') || take(text, ':') || take(text, ';')) {
     // Digits as a whole number and one division: 0.123 is then the double nearest to it.
     double scale = 1.0;
     while (!text.empty() && is_digit(text.front())) {
@@ -440,7 +473,8 @@ bool read_times_of_day(Column& column) {
     last = *t;
     values.push_back(*t + before);
   }
-  if (values.empty()) return false;
+  // A stamp that stays the same, such as the begin of a query, is no time of the rows.
+  if (values.empty() || (values.size() > 1 && values.back() == values.front())) return false;
   const double first = values.front();
   for (double& t : values) t -= first;
   column.values = std::move(values);

@@ -76,6 +76,9 @@ bool below_the_table(std::string_view rest, char separator);
 std::vector<std::string> units_in_row(std::string_view row, char separator, std::size_t columns,
                                       Notes& notes);
 
+/// Whether all cells of a row that are not blank are types of data: "LREAL", "S32", "float".
+bool is_row_of_types(std::string_view row, char separator);
+
 /// What to add where a cell is no number: decimal sign, or a date that a spreadsheet made of it; "" for others.
 const char* why_no_number(std::string_view cell, char decimal);
 
@@ -91,7 +94,8 @@ std::optional<double> minutes_and_seconds(std::string_view text);
 /// Seconds of `0.002 sec`, as MATLAB writes a duration, and of `0 days 00:00:00.002000`, as pandas does.
 std::optional<double> duration(std::string_view text);
 
-/// Makes a column of times of day, durations, or of minutes and seconds, one of seconds since its first row; false where a cell is none.
+/// Makes a column of times of day, durations, or of minutes and seconds, one of seconds since its first row; false where a cell is none, or
+/// where the last is the first.
 /// Past midnight, or a full hour, it goes on.
 bool read_times_of_day(Column& column);
 

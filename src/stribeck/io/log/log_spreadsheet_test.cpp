@@ -46,8 +46,16 @@ TEST(Spreadsheet, ATimeForEachVariable) {
   const Log log = parse("Timestamp;x;Timestamp;f\n0;1;0;5\n10;2;10;6\n");
   ASSERT_EQ(log.columns.size(), 3U);
   EXPECT_EQ(log.columns.at(2).header, "f");
-  EXPECT_THAT([] { parse("Time;x;Time;f\n0;1;0;5\n10;2;11;6\n"); },
-              ::testing::ThrowsMessage<InputError>(HasSubstr("hold different times")));
+  const Log letters = parse("Time A [ms];x [mm];Time B [ms];f [N]\n0;1;30;5\n10;2;40;6\n");
+  EXPECT_THAT(letters.columns.at(letters.at("f").time).values, ElementsAre(30.0, 40.0));
+  const Log own = parse("Time [ms];x [mm];Time [ms];f [N]\n0;1;0;5\n10;2;11;6\n");
+  EXPECT_THAT(own.columns.at(own.at("f").time).values, ElementsAre(0.0, 11.0));
+  EXPECT_THAT(own.columns.at(own.at("x").time).values, ElementsAre(0.0, 10.0));
+  // Rows that the slower signal does not have are blank.
+  const Log slow = parse("Time 1 [ms];x [mm];Time 2 [ms];f [N]\n0;1;0;5\n2;2;8;6\n4;3;16;7\n6;4;;\n8;5;;\n");
+  EXPECT_THAT(slow.columns.at(slow.at("f").time).values, ElementsAre(0.0, 8.0, 16.0));
+  EXPECT_THAT(slow.at("f").values, ElementsAre(5.0, 6.0, 7.0));
+  EXPECT_THAT(slow.at("x").values, ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0));
   EXPECT_THAT([] { parse("t;x;x\n0;1;0\n10;2;11\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("stands twice")));
 }
@@ -269,6 +277,67 @@ TEST(Spreadsheet, UnitsOfScopesAndMicrocontrollers) {
   EXPECT_EQ(counts.columns.at(1).unit_text, "count");
   EXPECT_EQ(counts.columns.at(2).name, "Torque");
   EXPECT_DOUBLE_EQ(in_si(counts.columns.at(2), quantity("", "")).at(0), 0.001);
+}
+
+// What drive tools and databases write, as a service engineer found it.
+TEST(Spreadsheet, AMinusOfATypesetterIsAMinus) {
+  const Log log = parse("Zeit;Position\ns;mm\n0,000;\u22120,0002\n0,002;\u22121,5e-3\n");
+  EXPECT_THAT(log.at("Position").values, ElementsAre(-0.0002, -0.0015));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,\u2212\u22121\n1,2\n2,3\n"); }, ::testing::Throws<InputError>());
+}
+
+TEST(Spreadsheet, AStampThatStaysIsNoTime) {
+  const Log log = parse(
+      "_start,_time,pos_mm\n2026-11-26T10:00:00Z,2026-11-26T10:15:23.124Z,0.5\n"
+      "2026-11-26T10:00:00Z,2026-11-26T10:15:23.126Z,0.6\n");
+  EXPECT_THAT(log.at("_time").values, ElementsAre(0.0, ::testing::DoubleNear(2e-3, 1e-9)));
+  EXPECT_FALSE(log.at("_start").texts.empty());
+}
+
+TEST(Spreadsheet, MillisecondsBehindASemicolon) {
+  EXPECT_DOUBLE_EQ(time_of_day("10:15:23;124").value(), 36923.124);
+  const Log log = parse(
+      "Header:,\"Date\",\"Time\",\"Pos\"\nData,\"11/26/2026\",\"10:15:23;124\",0\n"
+      "Data,\"11/26/2026\",\"10:15:23;128\",1\n");
+  EXPECT_THAT(log.at("Time").values, ElementsAre(0.0, ::testing::DoubleNear(4e-3, 1e-9)));
+}
+
+TEST(Spreadsheet, ACommaInATimeOfDayIsNoDecimalCommaOfOthers) {
+  const Log log = parse("Zeit;x\n10:15:23,124;0.25\n10:15:23,126;0.75\n");
+  EXPECT_THAT(log.at("x").values, ElementsAre(0.25, 0.75));
+}
+
+TEST(Spreadsheet, NamesWithBlanksBetweenWideColumns) {
+  const Log log = parse(
+      "Time (sec)   Mtr 1 Act Pos (mm)   Mtr 1 DAC Out (volts)\n0.000   -0.5   1.5\n0.002   0.5   2.5\n");
+  ASSERT_EQ(log.columns.size(), 3U);
+  EXPECT_EQ(log.columns.at(1).name, "Mtr 1 Act Pos");
+  EXPECT_THAT(log.columns.at(2).values, ElementsAre(1.5, 2.5));
+}
+
+TEST(Spreadsheet, TypesBelowTheNamesAreLeftOut) {
+  const Log log =
+      parse("Time,Axis.ActPos,Axis.ActTrq\nLTIME,LREAL,REAL\n[ms],[mm],[N m]\n0.0,0.5,1\n2.0,0.6,2\n");
+  EXPECT_EQ(log.at("Axis.ActPos").unit_text, "mm");
+  EXPECT_THAT(log.at("Axis.ActTrq").values, ElementsAre(1.0, 2.0));
+}
+
+TEST(Spreadsheet, AHeadMayHaveAsManyCellsAsTheTable) {
+  const Log log = parse("Sampling frequency;500 Hz\nx [mm];i [A]\n1;2\n2;3\n3;4\n");
+  EXPECT_DOUBLE_EQ(log.columns.at(0).values.at(1), 2e-3);
+  EXPECT_DOUBLE_EQ(
+      parse("Abtastzeit [\u00B5s];2000\nx [mm];i [A]\n1;2\n2;3\n3;4\n").columns.at(0).values.at(1), 2e-3);
+}
+
+TEST(Spreadsheet, LengthsOfTheUserHaveNoUnit) {
+  for (const char* unit : {"[units]", "(Units)", "[EU]", "[LU]"}) {
+    const Log log = parse("t [ms],Lage " + std::string(unit) + "\n0,1\n1,2\n");
+    EXPECT_EQ(log.at("Lage").unit_text, "") << unit;
+    EXPECT_THAT(log.notes, Contains(HasSubstr("is not known"))) << unit;
+  }
+  EXPECT_EQ(parse("t [ms],PL.FB (Counts16Bit)\n0,1\n1,2\n").at("PL.FB").unit_text, "count");
+  EXPECT_EQ(parse("t [0.1ms],x [0.1um]\n0,1\n1,2\n").at("x").unit_text, "0.1um");
+  EXPECT_EQ(parse("t [ms],Position [cnt] (a01)\n0,1\n1,2\n").at("Position (a01)").unit_text, "count");
 }
 
 TEST(Spreadsheet, PerMilleIsAUnit) {

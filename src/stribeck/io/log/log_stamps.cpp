@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
 #include <stribeck/io/log/log_text.hpp>
@@ -140,8 +141,125 @@ ToldSampling told_sampling(const Log& log) {
     if (period && told.period && std::abs(*period - *told.period) > 1e-3 * *told.period) differ = true;
     if (period && !told.period) told.period = period;
   }
+  // "Downsampling: 16": whether the time between rows is that of the head or 16 of it is not said.
+  for (const auto& [key, value] : log.metadata) {
+    if (!has_one_of(lower_case(key), {"downsampl", "undersampl", "subsampl", "decimat", "dezim", "divi",
+                                      "prescal", "teiler", "every n"}))
+      continue;
+    const auto factor = cell_number(value, '.');
+    if (factor && *factor == 1.0) continue;
+    if (told.period) told.text += ", " + key + ": " + value;
+    told.period.reset();
+  }
   if (differ) told.period.reset();
   return told;
+}
+
+const Column* row_counter(const Log& log) {
+  constexpr std::array<std::string_view, 14> kNames{"index", "sample",  "samples", "sample number", "no",
+                                                    "no.",   "nr",      "nr.",     "number",        "cycle",
+                                                    "count", "counter", "row",     "takt"};
+  for (const Column& c : log.columns) {
+    if (!c.texts.empty() || c.values.size() < 2 || (!c.unit_text.empty() && c.unit_text != "1")) continue;
+    if (std::find(kNames.begin(), kNames.end(), lower_case(c.name)) == kNames.end()) continue;
+    const bool counts = std::adjacent_find(c.values.begin(), c.values.end(), [](double a, double b) {
+                          return !(b > a) || b != std::floor(b) || a != std::floor(a);
+                        }) == c.values.end();
+    if (counts) return &c;
+  }
+  return nullptr;
+}
+
+namespace {
+
+/// "Time", "Time 2", "Zeit_2", "TIME in column 3"; with a unit of time also "Time A".
+bool begins_with_time(const Column& c) {
+  const std::string name = lower_case(c.name);
+  constexpr std::array<std::string_view, 4> kUnits{"s", "ms", "us", "ns"};
+  const bool unit = std::find(kUnits.begin(), kUnits.end(), c.unit_text) != kUnits.end();
+  for (const std::string_view word : {"timestamp", "time", "zeit", "t"}) {
+    if (!name.starts_with(word)) continue;
+    const std::string_view rest = std::string_view(name).substr(word.size());
+    if (rest.empty() || rest.find_first_not_of("0123456789 _#") == std::string_view::npos ||
+        rest.starts_with(" in column ") || (unit && rest.find_first_of(" _-.") == 0))
+      return true;
+  }
+  return false;
+}
+
+/// Whether the times that are there increase; there are at least two.
+bool increases(const std::vector<double>& t) {
+  std::size_t count = 0;
+  double before = 0.0;
+  for (const double x : t) {
+    if (std::isnan(x)) continue;
+    if (count++ > 0 && !(x > before)) return false;
+    before = x;
+  }
+  return count >= 2;
+}
+
+bool same_stamps(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+}  // namespace
+
+bool pair_times(Log& log) {
+  const auto is_time = [](const Column& c) {
+    return begins_with_time(c) && c.texts.empty() && increases(c.values);
+  };
+  std::vector<std::size_t> times;
+  for (std::size_t c = 0; c < log.columns.size(); ++c) {
+    if (log.columns[c].time >= 0) return false;  // paired
+    if (is_time(log.columns[c])) times.push_back(c);
+  }
+  if (times.size() < 2 || times.front() != 0) return false;
+  const Column& first = log.columns.front();
+  const auto other = [&](std::size_t c) { return !same_stamps(log.columns[c].values, first.values); };
+  const auto behind = [&](std::size_t c) {
+    return c + 1 < log.columns.size() && !is_time(log.columns[c + 1]);
+  };
+  if (std::none_of(times.begin(), times.end(), other) || !std::all_of(times.begin(), times.end(), behind) ||
+      !std::all_of(times.begin(), times.end(),
+                   [&](std::size_t c) { return log.columns[c].unit_text == first.unit_text; }))
+    return false;
+  const std::string unit = first.unit_text;
+  std::vector<Group> groups;
+  std::vector<Column> texts;
+  for (std::size_t c = 0; c < log.columns.size(); ++c) {
+    Column& column = log.columns[c];
+    if (std::find(times.begin(), times.end(), c) != times.end()) {
+      groups.push_back({std::move(column.values), {}});
+    } else if (column.texts.empty()) {
+      groups.back().channels.push_back(std::move(column));
+    } else {
+      texts.push_back(std::move(column));
+    }
+  }
+  for (Group& group : groups) {
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < group.t.size(); ++k) {
+      if (!std::isnan(group.t[k])) rows.push_back(k);
+    }
+    const auto keep = [&](std::vector<double>& values) {
+      std::vector<double> kept;
+      for (const std::size_t k : rows) kept.push_back(values[k]);
+      values = std::move(kept);
+    };
+    if (rows.size() == group.t.size()) continue;
+    for (Column& channel : group.channels) keep(channel.values);
+    keep(group.t);
+  }
+  log.columns.clear();
+  log.rows = 0;
+  add_groups(log, std::move(groups), unit);
+  log.notes.push_back("each column has the time that stands before it: the table has " +
+                      std::to_string(times.size()) + " columns of times");
+  for (const Column& text : texts)
+    log.notes.push_back("column " + in_quotes(text.header) + " was left out: it holds text");
+  return true;
 }
 
 bool leave_out_coarse_time(Log& log) {

@@ -101,7 +101,8 @@ TEST(LogStamps, TheHeadIsQuotedWhereTheTimeIsMissing) {
       HasSubstr("its head says \"Sample rate: 8 kHz\""));
   EXPECT_THAT(refusal("Scope\nCycle;2 ms\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
               HasSubstr("its head says \"Cycle: 2 ms\""));
-  EXPECT_THAT(refusal("x_mm,i_A\n0,1\n1,2\n"), HasSubstr("has no time column (give"));
+  EXPECT_THAT(refusal("x_mm,i_A\n0,1\n1,2\n"),
+              HasSubstr("has no time column; the columns are \"x_mm\", \"i_A\" (give"));
 }
 
 TEST(LogStamps, TheHeadTellsThePeriodWhereNoColumnTellsTheTime) {
@@ -115,6 +116,27 @@ TEST(LogStamps, TheHeadTellsThePeriodWhereNoColumnTellsTheTime) {
   EXPECT_DOUBLE_EQ(period("\"Sampling Time[us]\";\"1000\""), 1e-3);
   EXPECT_DOUBLE_EQ(period("Sampling rate;2.0;ms"), 2e-3);
   EXPECT_DOUBLE_EQ(period("Sampling duration;12 s\nAbtastzeit;4 ms"), 4e-3);
+}
+
+// A row that the tool left out shows in its counter alone.
+TEST(LogStamps, ACounterOfRowsTellsWhichAreMissing) {
+  const Log log = parse("Scope\nSample Period;2 ms\nIndex;x [mm];i [A]\n7;1;2\n8;2;3\n11;3;4\n12;3;4\n");
+  EXPECT_THAT(log.columns.at(0).values, testing::Pointwise(testing::DoubleEq(), {0.0, 2e-3, 8e-3, 10e-3}));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("the time is \"Index\" times 0.002 s")));
+  ReadOptions options;
+  options.sample_time = 0.25;
+  EXPECT_DOUBLE_EQ(parse("sample,x_mm\n0,1\n2,2\n4,3\n", options).columns.at(0).values.at(2), 1.0);
+  // Not every number that increases counts rows.
+  EXPECT_DOUBLE_EQ(parse("x_mm,f\n0,1\n2,2\n4,3\n", options).columns.at(0).values.at(2), 0.5);
+}
+
+TEST(LogStamps, AHeadWithADownsamplingDoesNotTellThePeriod) {
+  EXPECT_THAT(refusal("Scope\nSample time;125 us\nDownsampling;16\nx [mm];i [A]\n1;2\n2;3\n3;4\n"),
+              HasSubstr("its head says \"Sample time: 125 us, Downsampling: 16\""));
+  EXPECT_DOUBLE_EQ(parse("Scope\nSample time;2 ms\nDownsampling;1\nx [mm];i [A]\n1;2\n2;3\n3;4\n")
+                       .columns.at(0)
+                       .values.at(1),
+                   2e-3);
 }
 
 TEST(LogStamps, FilesThatAreNoText) {

@@ -100,6 +100,14 @@ std::optional<double> cell_number(std::string_view cell, char decimal) {
   cell = trimmed(cell);
   if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
     cell = trimmed(cell.substr(1, cell.size() - 2));
+  // The minus of a typesetter, which word processors and some spreadsheets write.
+  constexpr std::string_view kMinus = "\u2212";
+  if (cell.starts_with(kMinus)) {
+    const std::string_view rest = cell.substr(kMinus.size());
+    const bool sign = rest.starts_with('-') || rest.starts_with('+') || rest.starts_with(kMinus);
+    const auto value = sign ? std::nullopt : cell_number(rest, decimal);
+    return value ? std::optional(-*value) : std::nullopt;
+  }
   if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-') cell.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] =

@@ -166,6 +166,13 @@ void add_groups(Log& log, std::vector<Group> groups, const std::string& time_uni
 /// Notes on gaps and jitter of the time columns; throws on a time that does not increase.
 void note_times(Log& log);
 
+/// A column of whole numbers that increase and is called index, sample, …; null: there is none.
+const Column* row_counter(const Log& log);
+
+/// "Time 1, x, Time 2, f": a table in which each signal has a time of its own before it, at rates that differ. The columns get their times;
+/// false for other tables, and where all times are the same.
+bool pair_times(Log& log);
+
 /// Blank, or one of the words that tools write where there is no number: nan, n/a, null, none.
 bool is_absent(std::string_view cell);
 /// The samples of a channel that are not absent (NaN), with their times.

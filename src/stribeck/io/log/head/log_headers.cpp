@@ -6,6 +6,7 @@
 #include <functional>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/log/column_names.hpp>
+#include <stribeck/io/log/head/unit_spellings.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
 #include <stribeck/io/units.hpp>
@@ -13,146 +14,6 @@
 
 namespace stribeck::io::detail {
 namespace {
-
-/// Unit written as the last part of a name, x_mm. Only units that occur in logs of machines:
-/// "X1_CurrentFeedback" or "run_a" must not get one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kSuffixes{{
-    {"s", "s"},
-    {"ms", "ms"},
-    {"us", "us"},
-    {"ns", "ns"},
-    {"m", "m"},
-    {"mm", "mm"},
-    {"um", "um"},
-    {"nm", "nm"},
-    {"N", "N"},
-    {"kN", "kN"},
-    {"V", "V"},
-    {"mV", "mV"},
-    {"A", "A"},
-    {"mA", "mA"},
-    {"Nm", "Nm"},
-    {"mNm", "mNm"},
-    {"W", "W"},
-    {"kW", "kW"},
-    {"rad", "rad"},
-    {"deg", "deg"},
-    {"rev", "rev"},
-    {"rpm", "rpm"},
-    {"pct", "%"},
-    {"percent", "%"},
-    {"permil", "\u2030"},
-    {"counts", "count"},
-    {"incr", "count"},
-    {"Hz", "Hz"},
-    {"kHz", "kHz"},
-    {"kg", "kg"},
-    {"degC", "degC"},
-    {"m_s", "m/s"},
-    {"mm_s", "mm/s"},
-    {"um_s", "um/s"},
-    {"m_min", "m/min"},
-    {"mm_min", "mm/min"},
-    {"m_s2", "m/s2"},
-    {"mm_s2", "mm/s2"},
-    {"m_s3", "m/s3"},
-    {"mm_s3", "mm/s3"},
-    {"rad_s", "rad/s"},
-    {"deg_s", "deg/s"},
-    {"rad_s2", "rad/s2"},
-    {"deg_s2", "deg/s2"},
-    {"N_s", "N/s"},
-    {"N_m", "N m"},
-    {"N_V", "N/V"},
-    {"V_s", "V/s"},
-    {"A_s", "A/s"},
-    {"m_per_s", "m/s"},
-    {"mm_per_s", "mm/s"},
-    {"um_per_s", "um/s"},
-    {"m_per_min", "m/min"},
-    {"mm_per_min", "mm/min"},
-    {"m_per_s2", "m/s2"},
-    {"mm_per_s2", "mm/s2"},
-    {"rad_per_s", "rad/s"},
-    {"deg_per_s", "deg/s"},
-    {"rev_per_s", "rev/s"},
-    {"N_per_V", "N/V"},
-    {"N_per_A", "N/A"},
-}};
-
-/// Spellings of units in controls, drives and their tools.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 52> kSpellings{{
-    {"Ampere", "A"},
-    {"Aeff", "A"},
-    {"Arms", "A"},
-    {"A_rms", "A"},
-    {"A rms", "A"},
-    {"Amp", "A"},
-    {"Volt", "V"},
-    {"Grad", "deg"},
-    {"degree", "deg"},
-    {"degrees", "deg"},
-    {"Grad/s", "deg/s"},
-    {"Grad/min", "deg/min"},
-    {"°", "deg"},
-    {"°/s", "deg/s"},
-    {"°/min", "deg/min"},
-    {"°/s²", "deg/s2"},
-    {"1000 mm/min", "m/min"},
-    {"r/min", "rpm"},
-    {"rev/min", "rpm"},
-    {"Umdr/min", "rpm"},
-    {"U/min", "rpm"},
-    {"RPM", "rpm"},
-    {"Rpm", "rpm"},
-    {"Umdr", "rev"},
-    {"Prozent", "%"},
-    {"percent", "%"},
-    {"Incr", "count"},
-    {"incr", "count"},
-    {"Inkr", "count"},
-    {"Inc", "count"},
-    {"inc", "count"},
-    {"INC", "count"},
-    {"pulse", "count"},
-    {"pulses", "count"},
-    {"pls", "count"},
-    {"pls.", "count"},
-    {"qc", "count"},
-    {"counts", "count"},
-    {"cnt", "count"},
-    {"cnts", "count"},
-    {"cts", "count"},
-    {"Sek", "s"},
-    {"sec", "s"},
-    {"second", "s"},
-    {"seconds", "s"},
-    {"Sekunde", "s"},
-    {"Sekunden", "s"},
-    {"msec", "ms"},
-    {"usec", "us"},
-    {"NM", "N m"},
-    {"-", "1"},
-    {"Mikrometer", "um"},
-}};
-
-/// Torques written together or with a hyphen, which the library of units does not know or takes for a mass at a distance.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kTorques{{
-    {"lb-in", "lbf in"},
-    {"lbf-in", "lbf in"},
-    {"in-lb", "lbf in"},
-    {"in-lbf", "lbf in"},
-    {"lb-ft", "lbf ft"},
-    {"lbf-ft", "lbf ft"},
-    {"ft-lb", "lbf ft"},
-    {"ft-lbf", "lbf ft"},
-    {"Ncm", "N cm"},
-    {"N-cm", "N cm"},
-    {"kgf-cm", "kgf cm"},
-    {"kgf-m", "kgf m"},
-    {"oz-in", "ozf in"},
-    {"ozf-in", "ozf in"},
-}};
 
 std::string_view torque_of(std::string_view unit) {
   const auto found =
@@ -162,7 +23,8 @@ std::string_view torque_of(std::string_view unit) {
 
 /// Increments of an encoder, as headers call them.
 bool is_count_word(std::string_view unit) {
-  return unit == "counts" || unit == "count" ||
+  // "Counts16Bit"
+  return lower_case(std::string(unit)).starts_with("count") ||
          std::any_of(kSpellings.begin(), kSpellings.end(),
                      [&](const auto& s) { return s.first == unit && s.second == "count"; });
 }
@@ -174,9 +36,20 @@ std::string_view spelling_of(std::string_view unit) {
   return found == kSpellings.end() ? std::string_view() : found->second;
 }
 
+/// A length that the user set in the drive: no unit says how long it is.
+bool is_user_unit(std::string_view unit) {
+  constexpr std::array<std::string_view, 8> kWords{"unit", "units", "user unit", "user units",
+                                                   "uu",   "lu",    "puu",       "eu"};
+  const std::string word = lower_case(std::string(unit));
+  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+}
+
 /// "0.00029296875 mm": a unit of the size that the number says, e.g. of one count.
 bool is_scaled_unit(std::string_view text) {
-  const auto end = std::min(text.find_first_of(" %"), text.size());
+  // "0.1um" needs no blank where the number has a decimal point; "2D" is a word.
+  auto end = std::min(text.find_first_of(" %"), text.size());
+  const auto digits = std::min(text.find_first_not_of("0123456789."), text.size());
+  if (text.substr(0, digits).find('.') != std::string_view::npos) end = std::min(end, digits);
   const auto unit = trimmed(text.substr(end));
   const auto factor = cell_number(text.substr(0, end), '.');
   return factor && *factor > 0.0 && std::isfinite(*factor) && !unit.empty() &&
@@ -186,9 +59,24 @@ bool is_scaled_unit(std::string_view text) {
 
 }  // namespace
 
+namespace {
+
+/// "Position [cnt] (a01)": what is behind the unit belongs to the name.
+std::optional<Column> column_with_words_behind(const std::string& header, Notes& notes) {
+  const auto behind = header.rfind("] (");
+  if (behind == std::string::npos || header.back() != ')') return std::nullopt;
+  Column c = column_of(header.substr(0, behind + 1), notes);
+  c.name = c.unit_text.empty() ? header : c.name + header.substr(behind + 1);
+  c.header = header;
+  return c;
+}
+
+}  // namespace
+
 Column column_of(std::string header, Notes& notes) {
   Column c;
   c.name = header;
+  if (const auto named = column_with_words_behind(header, notes)) return *named;
   for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
     const auto at = header.rfind(open);
     if (at == std::string::npos || header.back() != close) continue;
@@ -203,7 +91,8 @@ Column column_of(std::string header, Notes& notes) {
     std::string_view spelled = !named && !scaled && !counts ? spelling_of(inside) : "";
     const std::string_view torque = torque_of(inside);
     if (!torque.empty()) spelled = torque;
-    const bool unit = !inside.empty() && !counts && !scaled &&
+    const bool user = is_user_unit(inside);
+    const bool unit = !inside.empty() && !counts && !scaled && !user &&
                       !(inside[0] >= '0' && inside[0] <= '9' && inside.substr(0, 2) != "1/") &&
                       is_unit(inside);
     if (dimensionless || unit || counts || scaled || !spelled.empty()) {
@@ -212,9 +101,10 @@ Column column_of(std::string header, Notes& notes) {
                     : counts                             ? "count"
                     : torque.empty() && (unit || scaled) ? inside
                                                          : std::string(spelled);
-    } else if (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos) {
+    } else if (user || (open == '[' && inside.find_first_not_of("0123456789") != std::string::npos)) {
       // A number in brackets is an index, r0482[0].
       notes.push_back("column " + in_quotes(header) + ": unit " + in_quotes(inside) + " is not known");
+      if (user && !before.empty()) c.name = before;
     }
     c.header = std::move(header);
     return c;
@@ -252,6 +142,9 @@ Column column_of(std::string header, Notes& notes) {
     c.name = header.substr(0, at - 1);
     c.unit_text = unit;
     c.unit_assumed = suffix.size() == 1;  // "i_A" may be that of axis A
+    const std::string name = lower_case(c.name);
+    const bool torque = name.find("torque") != std::string::npos || name.find("moment") != std::string::npos;
+    if (suffix == "nm" && torque) c.unit_text = "N m";
   }
   c.header = std::move(header);
   return c;
@@ -343,7 +236,7 @@ std::string plain_unit(std::string_view text, std::string_view column, Notes& no
   if (unit.empty()) return unit;
   if (const auto plain = spelling_of(unit); !plain.empty()) return std::string(plain);
   const bool number = unit[0] >= '0' && unit[0] <= '9' && unit.substr(0, 2) != "1/";
-  if ((!number || unit == "1") && is_unit(unit)) return unit;
+  if ((!number || unit == "1") && !is_user_unit(unit) && is_unit(unit)) return unit;
   notes.push_back("column " + in_quotes(column) + ": unit " + in_quotes(unit) + " is not known");
   return {};
 }
@@ -400,6 +293,19 @@ bool has_twice(const Cells& names) {
   });
 }
 
+/// Names with single blanks in them, columns of more than one blank: "Mtr 1 Act Pos (mm)   Mtr 1 DAC Out".
+Cells at_wide_blanks(std::string_view header) {
+  Cells names;
+  header = trimmed(header);
+  while (!header.empty()) {
+    std::size_t end = 0;
+    while (end < header.size() && header[end] != '\t' && header.substr(end, 2) != "  ") ++end;
+    names.push_back(trimmed(header.substr(0, end)));
+    header = trimmed(header.substr(end));
+  }
+  return names;
+}
+
 bool is_number_cell(std::string_view cell) { return cell_number(cell, '.') || cell_number(cell, ','); }
 
 }  // namespace
@@ -418,6 +324,11 @@ std::vector<std::string> names_of_columns(std::string_view header, std::string_v
     return std::count_if(all.begin(), all.end(), std::not_fn(is_blank_cell));
   };
   const std::string_view row = first_row(body);
+  if (separator == ' ') {
+    const Cells wide = at_wide_blanks(header);
+    const std::size_t cells = split(row, separator).size();
+    if (names.size() != cells && wide.size() == cells) return {wide.begin(), wide.end()};
+  }
   Cells cells = split(row, separator);
   if (separator != ' ' && !cells.empty() && std::none_of(cells.begin(), cells.end(), is_number_cell)) {
     const auto take_row = [&] {
