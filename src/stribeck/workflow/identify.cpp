@@ -329,63 +329,10 @@ bool tells_mass(Method method) {
          method != Method::kGravity;
 }
 
-/// The records of one axis, log by log.
-class RecordsOfAxis {
- public:
-  explicit RecordsOfAxis(const LogOptions& options) : options_(options) { axis_.axis = options.axis; }
-
-  void add(const io::Log& log, const std::string& name) {
-    constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
-    std::vector<std::string> notes;
-    // Cleaning the log finds the gaps again and repairs them.
-    for (const io::Note& note : log.notes) {
-      if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
-    }
-    LoggedAxis logged = logged_axis(log, options_);
-    if (axis_.rotary) std::erase(logged.notes, kRotaryNote);  // said of the first log
-    notes.insert(notes.end(), logged.notes.begin(), logged.notes.end());
-    axis_.rotary = axis_.rotary || logged.rotary;
-    ident::log::Conditioned clean = condition_axis(std::move(logged), log.source, options_);
-    for (const ident::log::Finding& f : clean.findings) notes.push_back(f.text);
-    if (auto encoders = both_encoders(log, options_, notes)) axis_.encoders.push_back(std::move(*encoders));
-    for (std::string& note : notes) {
-      axis_.notes.push_back(note.starts_with(name) ? std::move(note) : fmt::format("{}: {}", name, note));
-    }
-    forward_ = forward_ || clean.coverage.forward > kFewForward;
-    backward_ = backward_ || clean.coverage.forward < 1.0 - kFewForward;
-    axis_.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
-    for (ident::log::Record& r : clean.records) axis_.records.push_back(std::move(r));
-    axis_.sources += (axis_.sources.empty() ? "" : ", ") + name;
-  }
-
-  [[nodiscard]] AxisRecords all() && {
-    axis_.one_direction = forward_ != backward_;
-    return std::move(axis_);
-  }
-
- private:
-  const LogOptions& options_;
-  AxisRecords axis_;
-  bool forward_ = false;
-  bool backward_ = false;
-};
-
 }  // namespace
 
 void check_options(const IdentifyOptions& options) {
   check_taken(options, options.method, "--method " + std::string(enum_name(options.method)));
-}
-
-AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options) {
-  RecordsOfAxis records(options);
-  for (const std::string& path : logs) records.add(read_log(path, options), path);
-  return std::move(records).all();
-}
-
-AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options) {
-  RecordsOfAxis records(options);
-  for (const io::Log& log : logs) records.add(log, log.source);
-  return std::move(records).all();
 }
 
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options) {
@@ -393,6 +340,12 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
   Identification found =
       diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
   ident::Result& result = found.result;
+  if (!axis.irregular.empty() && !found.holding_only)
+    throw ident::Refused(
+        axis.irregular +
+        ": the rows were taken at irregular times, so that neither speeds nor accelerations are known; only force over position at "
+        "rest could be told (record with a fixed period, or with the times at which the rows were taken; leave this log out where there "
+        "are others)");
   result.rotary = axis.rotary;
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
   if (!axis.encoders.empty()) found.lost_motion = ident::lost_motion::identify(axis.encoders);

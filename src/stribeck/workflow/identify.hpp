@@ -61,6 +61,7 @@ struct AxisRecords {
   std::string axis;                                       ///< name of the axis; empty: none was given
   bool rotary = false;                                    ///< travel is the arc at a radius of 1 m
   std::vector<ident::lost_motion::Positions> encoders{};  ///< of logs with two positions
+  std::string irregular{};  ///< a log whose rows were taken at irregular times; empty: none
 };
 
 struct Identification {

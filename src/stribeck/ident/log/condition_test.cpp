@@ -224,6 +224,28 @@ TEST(Condition, ShortGapsAreBridgedAndNotFitted) {
   EXPECT_EQ(condition(log).records.size(), 2U);
 }
 
+// A counter of the control as the time: the stamps are exact, and every seventh row is missing at random.
+TEST(Condition, ManyMissingRowsAreBridgedWhereStampsCountThem) {
+  RawLog log = logged();
+  std::size_t missing = 0;
+  std::uint32_t random = 1;
+  for (std::size_t at = 7990; at > 10; --at) {
+    random = random * 1664525u + 1013904223u;
+    if (random >> 16 > 65536u / 7u) continue;
+    erase(log, at, at + 1);
+    ++missing;
+  }
+  const Conditioned c = condition(log);
+  EXPECT_THAT(only(c, "gap").text, HasSubstr("are put in between their neighbours"));
+  ASSERT_EQ(c.records.size(), 1U);
+  ASSERT_EQ(c.records[0].x.size(), 8000U);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(c.records[0].skip.begin(), c.records[0].skip.end(), 1)),
+            missing);
+  const Axis axis;
+  for (std::size_t k = 0; k < c.records[0].x.size(); k += 13)
+    EXPECT_NEAR(c.records[0].x[k], axis.x(c.records[0].t[k]), 1.5e-6) << k;
+}
+
 // The time jumps, the motion does not: rows put in would be a standstill that never was.
 TEST(Condition, AClockThatJumpsIsNotBridged) {
   RawLog log = logged();

@@ -9,8 +9,11 @@
 namespace stribeck::ident::log::parts {
 namespace {
 
-constexpr double kOffGrid = 0.25;        // of a row, by which a gap may differ from whole rows
-constexpr double kMostShare = 0.05;      // of the rows; where more is missing, the record is not bridged
+constexpr double kOffGrid = 0.25;    // of a row, by which a gap may differ from whole rows
+constexpr double kMostShare = 0.05;  // of the rows; where more is missing, the record is not bridged
+constexpr double kExactGrid =
+    0.02;  // of a row, by which stamps may be off whole rows that count them exactly
+constexpr double kMostOfGrid = 0.5;      // of the rows, where the stamps count them exactly
 constexpr double kLeastOfMissing = 0.5;  // of the travel of the missing rows
 constexpr double kResolutions = 4.0;
 constexpr double kMostlyTrue = 0.8;  // of the gaps, which the motion must have
@@ -23,14 +26,24 @@ struct ShortGap {
 
 /// Whether two rows on either side follow each other without a gap.
 bool regular_around(const Table& m, std::size_t next, double T) {
-  if (next < 2 || next + 1 >= m.rows()) return false;
   return m.t[next - 1] - m.t[next - 2] < 1.5 * T && m.t[next + 1] - m.t[next] < 1.5 * T;
 }
 
+/// Whether all stamps are whole numbers of rows apart, as where a counter of the control is the time: any number of rows may be missing.
+bool counts_rows(const Table& m, double T) {
+  for (std::size_t k = 1; k < m.rows(); ++k) {
+    const double steps = (m.t[k] - m.t[k - 1]) / T;
+    if (!(steps > 0.5) || std::abs(steps - std::round(steps)) > kExactGrid) return false;
+  }
+  return true;
+}
+
 /// Whether the position goes on as if rows were missing. Where only the clock jumped, it takes one step in place of several.
-bool motion_goes_on(const std::vector<double>& y, const ShortGap& gap, double resolution) {
+bool motion_goes_on(const Table& m, double T, const ShortGap& gap, double resolution) {
+  const std::vector<double>& y = m.x;
   const std::size_t k = gap.next;
-  const double before = y[k - 1] - y[k - 2], after = y[k + 1] - y[k];
+  const double before = (y[k - 1] - y[k - 2]) * T / (m.t[k - 1] - m.t[k - 2]);
+  const double after = (y[k + 1] - y[k]) * T / (m.t[k + 1] - m.t[k]);
   const auto steps = static_cast<double>(gap.steps);
   const double off = std::abs(y[k] - y[k - 1] - 0.5 * steps * (before + after));
   const double missing = 0.5 * (steps - 1.0) * std::abs(before + after);
@@ -38,7 +51,7 @@ bool motion_goes_on(const std::vector<double>& y, const ShortGap& gap, double re
          std::max({kLeastOfMissing * missing, steps * std::abs(after - before), kResolutions * resolution});
 }
 
-std::vector<ShortGap> short_gaps(const Table& m, double T) {
+std::vector<ShortGap> short_gaps(const Table& m, double T, bool exact) {
   const double resolution = quantum(m.x);
   std::vector<ShortGap> out;
   std::size_t uneven = 0, on_grid = 0;
@@ -47,18 +60,33 @@ std::vector<ShortGap> short_gaps(const Table& m, double T) {
     if (std::abs(steps - 1.0) > kOffGrid) ++uneven;
     if (steps < 1.5 || steps > static_cast<double>(kMostLost) + 1.5) continue;
     const ShortGap gap{k, static_cast<std::size_t>(std::lround(steps))};
-    if (std::abs(steps - std::round(steps)) > kOffGrid || !regular_around(m, k, T)) continue;
+    if (std::abs(steps - std::round(steps)) > kOffGrid || k < 2 || k + 1 >= m.rows()) continue;
+    if (!exact && !regular_around(m, k, T)) continue;
     ++on_grid;
-    if (motion_goes_on(m.x, gap, resolution)) out.push_back(gap);
+    if (motion_goes_on(m, T, gap, resolution)) out.push_back(gap);
   }
   // Rows at uneven times, or stamps that are rounded: the gaps are in the stamps, not in the rows.
-  const bool regular = static_cast<double>(uneven) <= kMostShare * static_cast<double>(m.rows());
+  const bool regular = exact || static_cast<double>(uneven) <= kMostShare * static_cast<double>(m.rows());
   if (!regular || static_cast<double>(out.size()) < kMostlyTrue * static_cast<double>(on_grid)) out.clear();
   return out;
 }
 
+/// The cubic through rows k − 2 to k + 1, which may stand at any times, at `at`.
+double on_cubic_of(const std::vector<double>& t, const std::vector<double>& y, std::size_t k, double at) {
+  double sum = 0.0;
+  for (std::size_t i = k - 2; i < k + 2; ++i) {
+    double weight = 1.0;
+    for (std::size_t j = k - 2; j < k + 2; ++j) {
+      if (j != i) weight *= (at - t[j]) / (t[i] - t[j]);
+    }
+    sum += weight * (y[i] - y[k - 1]);
+  }
+  return y[k - 1] + sum;
+}
+
 /// Values of one column with the missing ones put in: on a cubic, or on a straight line.
-std::vector<double> filled(const std::vector<double>& y, const std::vector<ShortGap>& gaps, bool smooth) {
+std::vector<double> filled(const std::vector<double>& t, const std::vector<double>& y,
+                           const std::vector<ShortGap>& gaps, bool smooth) {
   std::vector<double> out;
   if (y.empty()) return out;
   auto gap = gaps.begin();
@@ -67,7 +95,7 @@ std::vector<double> filled(const std::vector<double>& y, const std::vector<Short
       const auto steps = static_cast<double>(gap->steps);
       for (std::size_t i = 1; i < gap->steps; ++i) {
         const auto at = static_cast<double>(i);
-        out.push_back(smooth ? on_cubic({y[k - 2], y[k - 1], y[k], y[k + 1]}, steps, at)
+        out.push_back(smooth ? on_cubic_of(t, y, k, t[k - 1] + (t[k] - t[k - 1]) * at / steps)
                              : y[k - 1] + (y[k] - y[k - 1]) * at / steps);
       }
       ++gap;
@@ -97,10 +125,12 @@ void bridge_short_gaps(Table& m, Sampling& sampling, Notes& notes) {
   if (m.x.empty() || m.rows() < kFewestRows || !notes.wanted("gap")) return;
   const double T = median_step(m.t);
   if (!(T > 0.0)) return;
-  const std::vector<ShortGap> gaps = short_gaps(m, T);
+  const bool exact = counts_rows(m, T);
+  const std::vector<ShortGap> gaps = short_gaps(m, T, exact);
   std::size_t missing = 0;
   for (const ShortGap& g : gaps) missing += g.steps - 1;
-  if (missing == 0 || static_cast<double>(missing) > kMostShare * static_cast<double>(m.rows())) return;
+  const double most = exact ? kMostOfGrid : kMostShare;
+  if (missing == 0 || static_cast<double>(missing) > most * static_cast<double>(m.rows())) return;
   notes.add(
       "gap", m, gaps.front().next, true,
       fmt::format(
@@ -117,11 +147,11 @@ void bridge_short_gaps(Table& m, Sampling& sampling, Notes& notes) {
   out.run = m.run;
   out.gap_before = m.gap_before;
   out.sample_time = m.sample_time;
-  out.t = filled(m.t, gaps, false);
-  out.x = filled(m.x, gaps, true);
-  out.r = filled(m.r, gaps, true);
-  out.v = filled(m.v, gaps, false);
-  out.f = filled(m.f, gaps, false);
+  out.t = filled(m.t, m.t, gaps, false);
+  out.x = filled(m.t, m.x, gaps, true);
+  out.r = filled(m.t, m.r, gaps, true);
+  out.v = filled(m.t, m.v, gaps, false);
+  out.f = filled(m.t, m.f, gaps, false);
   auto gap = gaps.begin();
   for (std::size_t k = 0; k < m.rows(); ++k) {
     if (gap != gaps.end() && gap->next == k) {
