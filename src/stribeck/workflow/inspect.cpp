@@ -8,6 +8,8 @@
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/units.hpp>
 #include <stribeck/workflow/inspect.hpp>
+#include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/log/encoders.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -190,6 +192,20 @@ void add_findings(const ident::log::Conditioned& c, const io::Log& log, Inspecti
   }
 }
 
+/// The positions of motor and table; whether both tell the lost motion.
+bool add_encoders(const io::Log& log, const LogOptions& options, std::vector<std::string>& why_not,
+                  Inspection& out) {
+  const AxisColumns columns(log, options);
+  for (const LogQuantity encoder : {LogQuantity::kMotor, LogQuantity::kScale}) {
+    const auto found = columns.find(encoder);
+    if (!found) continue;
+    const std::string quantity(enum_name(encoder));
+    out.text += fmt::format("  {:<9} {}\n", quantity, header_with_unit(*found));
+    out.json["axis"][quantity] = header_with_unit(*found);
+  }
+  return both_encoders(log, options, why_not).has_value();
+}
+
 }  // namespace
 
 Inspection inspect(const io::Log& log, const LogOptions& options) {
@@ -240,12 +256,18 @@ Inspection inspect(const io::Log& log, const LogOptions& options) {
       out.text += fmt::format("  {:<9} {}\n", quantity, column);
       out.json["axis"][quantity] = column;
     }
+    std::vector<std::string> why_no_encoders;
+    const bool encoders = add_encoders(log, options, why_no_encoders, out);
     if (axis.runs.size() > 1) out.text += fmt::format("  {} runs\n", axis.runs.size());
     add_lines(out.text, axis.notes, "-");
     for (const std::string& note : axis.notes) out.json["notes"].push_back(note);
-    const ident::log::Conditioned c = condition_axis(std::move(axis), log.source, options);
+    ident::log::Conditioned c = condition_axis(std::move(axis), log.source, options);
     add_sampling(c, out);
     add_findings(c, log, out);
+    if (encoders)
+      c.determinable.emplace_back(
+          "lost motion: backlash and wind-up between motor and table, from both positions");
+    c.cannot_tell.insert(c.cannot_tell.end(), why_no_encoders.begin(), why_no_encoders.end());
     out.text += "\nCan be identified\n";
     add_lines(out.text, c.determinable, "+");
     out.text += "\nCannot be identified from this log\n";

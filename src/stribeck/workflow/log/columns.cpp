@@ -64,7 +64,7 @@ std::vector<Label> labels_of(const io::Column& c, const std::string& axis) {
     if (at != std::string::npos && at > 0 && at + 1 < name.size())
       out.push_back({name.substr(0, at), name.substr(at + 1)});
   }
-  const auto bar = name.find('_');
+  const auto bar = name.find_first_of("_ ");  // "z_pos", "z scale"
   if (bar != std::string::npos && bar > 0 && bar <= 3 && bar + 1 < name.size()) {
     const std::string prefix = name.substr(0, bar);
     const bool is_axis =
@@ -420,9 +420,14 @@ const io::Column* column_of(const io::Log& log, const std::vector<std::string>& 
 }  // namespace
 
 std::optional<NamedColumn> commanded_column(const io::Log& log, const std::string& axis) {
-  const io::Column* c = column_of(log, {"r" + axis, axis + "_ref", axis + "_cmd", axis + "_soll"},
-                                  LogQuantity::kReference, axis);
-  if (c == nullptr) return std::nullopt;
+  // "rx [deg]" is a rotation.
+  std::vector<std::string> names;
+  for (const std::string& name : {"r" + axis, axis + "_ref", axis + "_cmd", axis + "_soll"}) {
+    const io::Column* named = log.find(name);
+    if (named == nullptr || conversion_between(named->unit_text, "m")) names.push_back(name);
+  }
+  const io::Column* c = column_of(log, names, LogQuantity::kReference, axis);
+  if (c == nullptr || !conversion_between(c->unit_text, "m")) return std::nullopt;
   return NamedColumn{c, c->unit_text};
 }
 
@@ -438,7 +443,7 @@ NamedColumn position_column(const io::Log& log, const std::string& axis) {
 
 std::vector<double> positions(const io::Log& log, const NamedColumn& named) {
   const Quantity q = known_column(LogQuantity::kPosition).quantity;
-  check_unit(log, *named.column, named.unit, q);
+  check_unit(log, *named.column, named.unit, LogQuantity::kPosition, q);
   return converted(*named.column, io::conversion(named.unit, q.unit), 1.0);
 }
 
@@ -449,7 +454,8 @@ bool is_per_minute(const std::string& unit) {
   return hertz && std::abs(60.0 * hertz->factor - 1.0) < 1e-9;
 }
 
-void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q) {
+void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, LogQuantity what,
+                const Quantity& q) {
   io::Column empty;
   empty.name = column.name;
   empty.unit_text = unit;
@@ -463,7 +469,7 @@ void check_unit(const io::Log& log, const io::Column& column, const std::string&
     if (!all.empty())
       p.message += "; or give all that is missing, with your units: " + all;
     else if (unit.empty())
-      p.message += fmt::format("; or give it with --map QUANTITY=\"{} {}\"", column.name,
+      p.message += fmt::format("; or give it with --map {}=\"{} {}\"", enum_name(what), column.name,
                                q.shown.empty() ? q.unit : q.shown);
     throw io::InputError(p);
   }

@@ -115,8 +115,9 @@ inline constexpr std::string_view kTurnsPerMinute = "rpm";
 /// Refuses a column whose unit contradicts its quantity.
 [[noreturn]] void refuse_column(const io::Log& log, const NamedColumn& named, const std::string& message);
 
-/// Throws, naming the file, where a column with this unit cannot be the quantity.
-void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, const Quantity& q);
+/// Throws, naming the file, where a column with this unit cannot be the quantity, whose own one is `q`.
+void check_unit(const io::Log& log, const io::Column& column, const std::string& unit, LogQuantity what,
+                const Quantity& q);
 
 }  // namespace stribeck::workflow
 

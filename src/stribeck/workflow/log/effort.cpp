@@ -23,7 +23,8 @@ std::string_view without_factor(std::string_view unit) {
   return unit.substr(word == std::string_view::npos ? 0 : word);
 }
 
-/// Kind of effort by its unit, whatever its name: a torque in percent is a percentage.
+}  // namespace
+
 LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
   for (const LogQuantity what : kForces) {
     const bool fits = what == LogQuantity::kPercent
@@ -32,6 +33,16 @@ LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name) {
     if (fits) return what;
   }
   return by_name;
+}
+
+namespace {
+
+/// Values with a unit of a force that are none: an override, the load of the motor over minutes, the supply of the drive.
+bool is_of_supply(const std::string& name) {
+  constexpr std::array<std::string_view, 12> kWords{
+      "override", "utilization", "utilisation", "auslastung", "i2t",           "i\u00B2t",
+      "bus",      "dc",          "temperature", "temperatur", "zwischenkreis", "supply"};
+  return any_word(words_of_name(name), kWords);
 }
 
 /// All columns that could be the force, and messages on columns that could not be distinguished.
@@ -73,7 +84,8 @@ Candidates find_candidates(const AxisColumns& columns, bool with_gain, bool all,
   }
   if (!found.efforts.empty()) return found;
   if (found.ambiguous) throw *found.ambiguous;
-  const std::vector<NamedColumn> some = columns.with_unit_of({"N", "N m", "A", "V", "%"});
+  std::vector<NamedColumn> some = columns.with_unit_of({"N", "N m", "A", "V", "%"});
+  std::erase_if(some, [](const NamedColumn& n) { return is_of_supply(header_of(*n.column)); });
   if (some.size() == 1) {
     Effort e;
     e.from = some.front();
@@ -341,7 +353,7 @@ void set_conversion(Effort& e, const io::Log& log) {
     e.conversion = *c;
     if (e.unit == "%") e.factor = 100.0;
   } else {
-    check_unit(log, *e.from.column, unit, q);
+    check_unit(log, *e.from.column, unit, e.what, q);
   }
 }
 

@@ -22,6 +22,9 @@ struct Effort {
   bool by_lead = false;    ///< a torque that --lead converts to a force
 };
 
+/// Kind of effort by its unit, whatever its name: a torque in percent is a percentage.
+LogQuantity kind_by_unit(const std::string& unit, LogQuantity by_name);
+
 /// The mapped column; else the one with the gain's unit; else the first of force, current, torque, percent, voltage.
 Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, const LogOptions& options,
                    std::vector<std::string>& notes);

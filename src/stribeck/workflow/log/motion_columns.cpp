@@ -53,9 +53,16 @@ void take_lead(const std::string& lead, MotionColumns& motion) {
 }
 
 /// The columns that exist, in the order in which they are shown.
-std::vector<MotionColumn> motion_of(const AxisColumns& columns) {
-  const std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
+std::vector<MotionColumn> motion_of(const AxisColumns& columns, std::vector<std::string>& notes) {
+  std::optional<NamedColumn> x = columns.find(LogQuantity::kPosition);
   const std::optional<NamedColumn> v = columns.find(LogQuantity::kVelocity);
+  // Of two encoders the one on the motor, where the force acts.
+  for (const LogQuantity encoder : {LogQuantity::kMotor, LogQuantity::kScale}) {
+    if (x || v) break;
+    x = columns.find(encoder);
+    if (x)
+      notes.push_back(fmt::format("the position is that of column {}", io::in_quotes(header_of(*x->column))));
+  }
   if (!x && !v) {
     if (const std::string others = columns.of_other_axes(LogQuantity::kPosition); !others.empty()) {
       throw io::InputError(
@@ -113,7 +120,7 @@ void convert(const io::Log& log, MotionColumn& m) {
   const auto linear = conversion_between(unit, velocity ? "m/s" : "m");
   const auto turning = conversion_between(unit, velocity ? "rad/s" : "rad");
   if (!linear && !turning) {
-    check_unit(log, *m.from.column, unit, velocity ? quantity("m/s", "mm/s") : quantity("m", "mm"));
+    check_unit(log, *m.from.column, unit, m.what, velocity ? quantity("m/s", "mm/s") : quantity("m", "mm"));
     refuse_column(
         log, m.from,
         fmt::format("{} is not a unit of a {}", io::in_quotes(unit), velocity ? "velocity" : "position"));
@@ -165,7 +172,7 @@ MotionColumns find_motion(const AxisColumns& columns, const LogOptions& options,
   MotionColumns motion;
   take_lead(options.lead.empty() ? options.drive.lead : options.lead, motion);
   motion.of_table = options.drive.rotary;
-  const std::vector<MotionColumn> all = motion_of(columns);
+  const std::vector<MotionColumn> all = motion_of(columns, notes);
   for (MotionColumn m : all) {
     const bool base = is_base(m, all);
     const bool counts = is_count(m.from.unit);

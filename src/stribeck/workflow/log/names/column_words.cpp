@@ -270,6 +270,28 @@ void take_role(std::string& axis, std::string& name) {
   axis.erase(dot);
 }
 
+/// "axis0.encoder" is a part of axis0, and "PL.FB", "VL.FB", "IL.FB" are values of the loops of a drive, of no axis: what is left tells the
+/// axis. A loop tells the quantity.
+void drop_part_of_drive(std::string& axis, std::string& name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kParts{{{"encoder", ""},
+                                                                                 {"motor", ""},
+                                                                                 {"controller", ""},
+                                                                                 {"current_control", ""},
+                                                                                 {"drv", ""},
+                                                                                 {"pl", "position "},
+                                                                                 {"vl", "velocity "},
+                                                                                 {"il", "current "}}};
+  while (!axis.empty()) {
+    const auto dot = axis.rfind('.');
+    const std::string last = axis.substr(dot == std::string::npos ? 0 : dot + 1);
+    const auto part =
+        std::find_if(kParts.begin(), kParts.end(), [&](const auto& p) { return p.first == last; });
+    if (part == kParts.end()) return;
+    name.insert(0, part->second);
+    axis.erase(dot == std::string::npos ? 0 : dot);
+  }
+}
+
 /// Words of all parts; a letter alone, or in front of actual or commanded, may stand for a quantity.
 std::optional<NameMeaning> from_parts(const std::vector<std::string>& parts, const std::string& unit) {
   std::vector<Word> words;
@@ -344,7 +366,10 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
   if (const auto dot = name.rfind(divider); dot != std::string::npos && dot > 0 && dot + 1 < name.size()) {
     axis = name.substr(0, dot);
     name.erase(0, dot + 1);
-    if (divider == '.') take_role(axis, name);
+    if (divider == '.') {
+      take_role(axis, name);
+      drop_part_of_drive(axis, name);
+    }
   }
   auto numbered = sinamics(name);
   if (!numbered) numbered = cia402(name);
@@ -361,6 +386,8 @@ std::optional<NameMeaning> meaning_of_name(std::string name, const std::string& 
     if (parts.size() < 2) break;
     const auto at = at_end ? parts.end() - 1 : parts.begin();
     if (!is_axis(*at)) continue;
+    // "_v_act [rpm]" is the actual velocity, not that of an axis V.
+    if (*at == "v" && by_unit(unit) == Word::kVelocity) continue;
     std::vector<std::string> others = parts;
     others.erase(others.begin() + (at - parts.begin()));
     if (auto found = from_parts(others, unit)) {

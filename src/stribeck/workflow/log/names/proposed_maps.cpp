@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <stribeck/workflow/log/effort.hpp>
 #include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/log/names/proposed_maps.hpp>
 
@@ -27,8 +28,31 @@ std::string unit_of_time(const std::vector<double>& t) {
   return step <= 1e3 * kLongest ? "ms" : step <= 1e6 * kLongest ? "us" : "ns";
 }
 
-std::string usual_unit(LogQuantity what) {
-  return what == LogQuantity::kPercent ? "%" : std::string(known_column(what).quantity.shown);
+/// ROS counts in m, m/s and N.
+bool of_ros(const io::Log& log) {
+  return std::any_of(log.columns.begin(), log.columns.end(), [](const io::Column& c) {
+    const std::string name = lower_case(c.name);
+    return name.find("joint_state") != std::string::npos || name.starts_with("effort");
+  });
+}
+
+/// Torques of these names are in percent or per mille of the rated one.
+std::string unit_of_torque(const io::Column& c) {
+  constexpr std::array<std::string_view, 4> kPercent{"torquereference", "torquefeedback", "act.trq",
+                                                     "cmd.trq"};
+  constexpr std::array<std::string_view, 4> kPerMille{"torque actual value", "torque demand value",
+                                                      "target torque", "6077"};
+  const std::string name = lower_case(c.name);
+  const auto in = [&](std::string_view word) { return name.find(word) != std::string::npos; };
+  if (std::any_of(kPercent.begin(), kPercent.end(), in)) return "%";
+  return std::any_of(kPerMille.begin(), kPerMille.end(), in) ? "\u2030" : "N m";
+}
+
+std::string usual_unit(LogQuantity what, const io::Column& c, bool ros) {
+  if (what == LogQuantity::kTorque) return unit_of_torque(c);
+  if (what == LogQuantity::kPercent) return "%";
+  const Quantity& q = known_column(what).quantity;
+  return std::string(ros ? q.unit : q.shown);
 }
 
 /// What a column is by its name alone; "Y act" is taken for a position where it has no unit.
@@ -81,14 +105,19 @@ std::string proposed_maps(const io::Log& log, const std::string& axis) {
     return fmt::format("--map {}=\"{} {}\"", what, c.name, c.unit_text.empty() ? usual : c.unit_text);
   };
   // A time with a unit is found by itself; one that was made of two columns has no name in the file.
+  const bool ros = of_ros(log);
   std::string all =
       t.unit_text.empty() || t.unit_assumed ? option("t", t, unit_of_time(t.values)) : std::string();
   for (const LogQuantity what :
        {LogQuantity::kPosition, LogQuantity::kReference, LogQuantity::kVelocity, *effort}) {
     if (what == LogQuantity::kVelocity && best.contains(LogQuantity::kPosition)) continue;
     const auto found = best.find(what);
-    if (found != best.end())
-      all += (all.empty() ? "" : " ") + option(enum_name(what), *found->second.column, usual_unit(what));
+    if (found == best.end()) continue;
+    const io::Column& c = *found->second.column;
+    const std::string usual = usual_unit(what, c, ros);
+    const std::string& unit = c.unit_text.empty() ? usual : c.unit_text;
+    const LogQuantity kind = what == *effort ? kind_by_unit(unit, what) : what;
+    all += (all.empty() ? "" : " ") + option(enum_name(kind), c, usual);
   }
   return all;
 }
