@@ -22,7 +22,7 @@ const std::string kController =
     "[controller]\nkind = \"pd\"\nstiffness = \"400000 N/m\"\ndamping = \"12000 N s/m\"\n";
 
 /// x = A·(1 − cos wt) with the force that a rigid axis with this friction needs, read as a control would log it.
-std::string log_text(double coulomb) {
+std::string log_text(double coulomb, double spring = 0.0) {
   std::string text = "t [s],r [mm],x [mm],f [N]\n";
   for (int k = 0; k < 2000; ++k) {
     const double w = 3.0;
@@ -31,8 +31,9 @@ std::string log_text(double coulomb) {
     const double v = 0.02 * w * std::sin(w * mid);
     const double f = 100.0 * 0.02 * w * w * std::cos(w * mid) + 200.0 * v + (v > 0 ? coulomb : -coulomb);
     const double x = 20.0 * (1.0 - std::cos(w * t));
-    text += std::to_string(t) + ',' + std::to_string(x) + ',' + std::to_string(x) + ',' + std::to_string(f) +
-            '\n';
+    const double pull = spring * (x - 20.0);  // [N/mm]
+    text += std::to_string(t) + ',' + std::to_string(x) + ',' + std::to_string(x) + ',' +
+            std::to_string(f + pull) + '\n';
   }
   return text;
 }
@@ -83,6 +84,18 @@ TEST(Verify, GivesAVerdictAndAnExitCode) {
   EXPECT_THAT(bad.out, HasSubstr("axis.toml is not usable"));
   EXPECT_EQ(command({"verify", axis, volts, "--gain", "10 N/V", "--usable", "1000"}).code, 0);
   EXPECT_EQ(command({"verify", axis, log, "--good", "20", "--usable", "10"}).code, 2);
+}
+
+TEST(Verify, NamesASpringThatTheModelHasNoPlaceFor) {
+  const Folder folder;
+  const std::string axis = folder.write("axis.toml", kAxis);
+  const Said pulled = command({"verify", axis, folder.write("spring.csv", log_text(20.0, 2.0))});
+  EXPECT_THAT(pulled.out + pulled.err,
+              HasSubstr("100 % of what the model misses grows with position, by 1.98 N/mm"));
+  // Nor is a wrong model taken for a late force.
+  EXPECT_THAT(pulled.out + pulled.err, ::testing::Not(HasSubstr("the force stands")));
+  const Said level = command({"verify", axis, folder.write("level.csv", log_text(26.0))});
+  EXPECT_THAT(level.out + level.err, ::testing::Not(HasSubstr("grows with position")));
 }
 
 TEST(Verify, NoticesAnotherAxisAndAnotherController) {

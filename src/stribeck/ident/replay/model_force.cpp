@@ -1,5 +1,6 @@
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <stribeck/core/numbers.hpp>
@@ -26,7 +27,9 @@ constexpr int kPasses = 4;  // of Gauss–Newton; the shift moves by less than 1
 constexpr int kFarPasses = 12;
 constexpr double kFarStep = 10.0;     // rows
 constexpr double kWorthShift = 0.25;  // rows: what a shift must differ by to be used
-constexpr double kWorthGain = 0.98;   // of the error: what a shift beside periodic terms must leave at most
+constexpr double kToldShift =
+    1e-4;  // share of the column of the shift that the errors of the model do not explain
+constexpr double kWorthGain = 0.98;  // of the error: what a shift beside periodic terms must leave at most
 constexpr double kWholePart = 0.01;
 constexpr double kAtStandstill = 1e-3;  // of the top speed: what a filter leaves of an axis at rest
 constexpr double kWorthPhase = 0.1 * kPi;
@@ -74,6 +77,7 @@ class Scored {
     out_.measured = thin(record_.f);
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
+    errors_ = errors_of_model();
     filed_ = force_of(model_.friction, motion_);
     std::tie(out_.relative, out_.rms) = error_of(thin(filed_));
     if (options_.of_log) out_.of_log = share_of_log();
@@ -140,11 +144,34 @@ class Scored {
     if (ff > 0.0) out_.moving_relative = std::sqrt(ee / ff);
   }
 
-  /// Columns of the shift (unless it is known) and of sine and cosine of each periodic term.
+  /// What a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
+  [[nodiscard]] MatrixXd errors_of_model() const {
+    std::array<Column, 5> columns;
+    for (std::size_t k = 0; k < motion_.x.size(); ++k) {
+      const double v = motion_.v[k];
+      columns[0].push_back(motion_.a[k]);
+      columns[1].push_back(v);
+      columns[2].push_back(v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0);
+      columns[3].push_back(motion_.x[k] - motion_.x.front());
+      columns[4].push_back(1.0);
+    }
+    MatrixXd X(static_cast<Index>(used_.size()), std::ssize(columns));
+    for (Index j = 0; j < X.cols(); ++j) {
+      const Column c = thin(columns[static_cast<std::size_t>(j)]);
+      for (std::size_t i = 0; i < used_.size(); ++i) X(static_cast<Index>(i), j) = c[used_[i]];
+      const double norm = X.col(j).norm();
+      if (norm > 0.0) X.col(j) *= std::sqrt(static_cast<double>(used_.size())) / norm;
+    }
+    return X;
+  }
+
+  /// Columns of the shift (unless it is known), of sine and cosine of each periodic term, and beside a shift those of the model's errors.
   [[nodiscard]] MatrixXd regressors(const Column& modelled, bool shift_known) const {
     const auto& terms = model_.friction.eccentric;
     const Index first = shift_known ? 0 : 1;
-    MatrixXd X(static_cast<Index>(used_.size()), first + 2 * static_cast<Index>(terms.size()));
+    const Index behind = first + 2 * static_cast<Index>(terms.size());
+    MatrixXd X(static_cast<Index>(used_.size()), behind + (shift_known ? 0 : errors_.cols()));
+    if (!shift_known) X.rightCols(errors_.cols()) = errors_;
     const auto put = [&](Index j, const Column& column) {
       const Column c = thin(column);
       for (std::size_t i = 0; i < used_.size(); ++i) X(static_cast<Index>(i), j) = -c[used_[i]];
@@ -167,7 +194,7 @@ class Scored {
   }
 
   [[nodiscard]] double share_of_log() const;
-  [[nodiscard]] double far_shift(double from) const;
+  [[nodiscard]] std::optional<double> far_shift(double from) const;
   [[nodiscard]] OwnFit fit_from(double shift, bool shift_known) const;
   [[nodiscard]] OwnFit best_fit(double expected) const;
   void fit_own();
@@ -180,6 +207,7 @@ class Scored {
   Filtered motion_;
   Column filed_;                   ///< force of the model as it stands, at every row [N]
   std::vector<std::size_t> used_;  ///< decimated rows that count
+  MatrixXd errors_;                ///< errors_of_model()
   ForceError out_;
 };
 
@@ -209,22 +237,27 @@ double Scored::share_of_log() const {
   return ff > 0.0 ? std::sqrt(sum / ff) : kNaN;
 }
 
-/// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away.
-double Scored::far_shift(double from) const {
+/// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away. Absent where the motion does
+/// not tell it from the errors of the model.
+std::optional<double> Scored::far_shift(double from) const {
   friction::Model plain = model_.friction;
   plain.eccentric.clear();
   const Column modelled = model_.friction.eccentric.empty() ? filed_ : force_of(plain, motion_);
   const Column model_thin = thin(modelled), slope = thin(derivative(modelled, 1.0));
+  VectorXd late(static_cast<Index>(used_.size())), e(late.size());
+  for (Index i = 0; i < late.size(); ++i) late(i) = -slope[used_[static_cast<std::size_t>(i)]];
+  const double whole = late.squaredNorm();
+  late -= errors_ * stats::least_squares(errors_, late).x;
+  const double square = late.squaredNorm();
+  if (!(square > kToldShift * whole)) return {};
   double shift = from;
   for (int pass = 0; pass < kFarPasses; ++pass) {
     const Column measured = thin(log::align_force(record_.f, shift));
-    double se = 0.0, ss = 0.0;
-    for (const std::size_t i : used_) {
-      se -= slope[i] * (measured[i] - model_thin[i]);
-      ss += slope[i] * slope[i];
+    for (Index i = 0; i < e.size(); ++i) {
+      const std::size_t row = used_[static_cast<std::size_t>(i)];
+      e(i) = measured[row] - model_thin[row];
     }
-    if (!(ss > 0.0)) break;
-    const double step = std::clamp(se / ss, -kFarStep, kFarStep);
+    const double step = std::clamp(late.dot(e) / square, -kFarStep, kFarStep);
     shift = std::clamp(shift + step, -kMostShift, kMostShift);
     if (std::abs(step) < 0.05) break;
   }
@@ -268,7 +301,9 @@ OwnFit Scored::fit_from(double shift, bool shift_known) const {
 /// Without periodic terms one least sum of squares is near. Beside them the search from far off takes a part of their force for a
 /// shift, so the search begins at the expected one as well.
 OwnFit Scored::best_fit(double expected) const {
-  OwnFit best = fit_from(far_shift(expected), false);
+  const std::optional<double> far = far_shift(expected);
+  if (!far) return fit_from(expected, true);
+  OwnFit best = fit_from(*far, false);
   if (model_.friction.eccentric.empty()) return best;
   OwnFit near = fit_from(expected, false);
   return near.rms < best.rms ? std::move(near) : std::move(best);

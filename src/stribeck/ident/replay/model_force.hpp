@@ -12,7 +12,8 @@
 /// The protocol pairs force k with motion k. The other two errors take out what belongs to the record and not to the
 /// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: −½ row and the model's delay, unless
 /// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
-/// least squares on the same rows; amplitudes and everything else stay as they are.
+/// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v, sgn v, x and 1 take what a wrong
+/// mass, friction, load or a spring leaves: a model that is wrong in these is not late.
 ///
 /// Not every error is the model's. A right model misses on this record what noise and resolution of the position, the time
 /// between rows and a force that changed anywhere between two of them make: the force under a position with as much noise again,

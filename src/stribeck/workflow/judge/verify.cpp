@@ -100,7 +100,7 @@ std::vector<Model> read_models(const VerifyOptions& o, LogOptions& log) {
         read_one<sim::AxisFile>(path, "expected an axis file as identify -o writes it; the log comes last");
     add(path, file, file.axis.value_or(""));
   }
-  for (const auto& [name, file] : o.models) add(name, file, o.log.axis);
+  for (const auto& [name, file] : o.models) add(name, file, file.axis.value_or(o.log.axis));
   if (!o.machine.empty()) {
     log = read_as_axis(o, models);
     if (log.drive.rotary != rotary)
@@ -174,6 +174,28 @@ void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<s
       "{}: in {:.0f} % of the rows the axis stands, where a model without pre-sliding knows no force; where it moves the error is {:.3g} % in "
       "place of {:.3g} % (identify the pre-sliding, or verify with a motion without rests)",
       m.file, 100.0 * e.at_rest, 100.0 * e.moving_relative, 100.0 * e.own_relative));
+}
+
+/// A force that grows with position, which a model has no place for, among what it misses.
+void note_spring(const std::string& file, const ident::replay::ForceError& e,
+                 const ident::log::Record& record, std::vector<std::string>& warnings) {
+  constexpr double kMuch = 0.05;  // of the force
+  constexpr double kShare = 0.5;  // of what is missed
+  if (!(e.own_relative > kMuch) || e.row.size() < 3) return;
+  const auto n = static_cast<double>(e.row.size());
+  double x_mean = 0.0, d_mean = 0.0;
+  for (std::size_t k = 0; k < e.row.size(); ++k)
+    x_mean += record.x[e.row[k]] / n, d_mean += (e.measured[k] - e.modelled[k]) / n;
+  double xx = 0.0, xd = 0.0, dd = 0.0;
+  for (std::size_t k = 0; k < e.row.size(); ++k) {
+    const double x = record.x[e.row[k]] - x_mean, d = e.measured[k] - e.modelled[k] - d_mean;
+    xx += x * x, xd += x * d, dd += d * d;
+  }
+  if (!(xd * xd > kShare * xx * dd)) return;
+  warnings.push_back(fmt::format(
+      "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance, which identify takes off "
+      "and an axis file has no place for; or a wrong mass, where the motion is a sine",
+      file, 100.0 * xd * xd / (xx * dd), ident::Shown(record).force_per_length(xd / xx)));
 }
 
 class Verification {
@@ -253,6 +275,7 @@ class Verification {
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
                      notes);
     note_rest(m, one.force, notes);
+    note_spring(m.file, one.force, record, notes);
     ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)
       open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,
