@@ -10,7 +10,7 @@ namespace {
 
 /// The shifts that count, by what they are; 0 where one does not count.
 struct Pattern {
-  double forward = 0.0, backward = 0.0, coulomb = 0.0, viscous = 0.0, offset = 0.0, mass = 0.0;
+  double forward = 0.0, backward = 0.0, coulomb = 0.0, viscous = 0.0, offset = 0.0, mass = 0.0, spring = 0.0;
   double place = 0.0, periodic = 0.0, circle = 0.0;
   const Channel* where = nullptr;  ///< of the place with the largest rise
   const Channel* wave = nullptr;
@@ -42,6 +42,9 @@ Pattern pattern_of(const std::vector<Channel>& channels, const std::vector<Shift
         break;
       case Number::kMass:
         p.mass = s.share;
+        break;
+      case Number::kSpring:
+        p.spring = s.share;
         break;
       case Number::kPlace:
         if (s.share > p.place) {
@@ -133,6 +136,10 @@ std::vector<Cause> causes_of(const std::vector<Channel>& channels, const std::ve
     out.push_back({"load or counterbalance",
                    "the force changed by the same amount and sign in both directions of motion",
                    "check counterbalance, gas spring, brake and what lies on the axis"});
+  if (p.spring != 0.0)
+    out.push_back(
+        {"cable chain, hose, bellows or balance", "the force that grows with position changed",
+         "look at what is pulled along with the axis: a chain that jams, a hose that was tied, a gas spring"});
   add_place(p, out);
   if (p.periodic > 0.0)
     out.push_back(

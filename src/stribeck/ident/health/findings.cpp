@@ -69,6 +69,17 @@ void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::v
         },
         first.mass->value);
   }
+  if (first.spring) {
+    using Value = std::optional<std::array<double, 2>>;
+    const double end = 0.5 * (first.motion.travel[1] - first.motion.travel[0]);
+    add(
+        Number::kSpring, {},
+        [end](const HealthTest& t) {
+          return t.axis->spring ? Value({end * t.axis->spring->value, end * t.axis->spring->half_width})
+                                : Value();
+        },
+        std::max(level, std::abs(end * first.spring->value)));
+  }
   for (std::size_t j = 0; j < first.places.size(); ++j)
     add(
         Number::kPlace, {first.places[j].from, first.places[j].to},

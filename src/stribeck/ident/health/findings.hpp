@@ -54,6 +54,7 @@ enum class Number {
   kViscous,
   kOffset,
   kMass,
+  kSpring,  ///< force at the end of the travel
   kPlace,
   kPeriodic,
   kCircularDeviation,
@@ -134,6 +135,7 @@ struct stribeck::EnumNames<stribeck::ident::health::Number> {
                                     std::pair{N::kViscous, std::string_view{"viscous"}},
                                     std::pair{N::kOffset, std::string_view{"offset"}},
                                     std::pair{N::kMass, std::string_view{"mass"}},
+                                    std::pair{N::kSpring, std::string_view{"spring"}},
                                     std::pair{N::kPlace, std::string_view{"place"}},
                                     std::pair{N::kPeriodic, std::string_view{"periodic"}},
                                     std::pair{N::kCircularDeviation, std::string_view{"circular-deviation"}},

@@ -2,11 +2,12 @@
 /// What one test of an axis measures, by linear least squares: comparable from day to day because speeds, places and periods are those of
 /// the first test.
 ///
-///   f = m·a + Σ_k h_k(|v|)·F_k± + Σ_j sgn v·P_j(x) + Σ_λ (s_λ·sin + c_λ·cos)(2πx/λ) + noise
+///   f = m·a + k·(x − x₀) + Σ_k h_k(|v|)·F_k± + Σ_j sgn v·P_j(x) + Σ_λ (s_λ·sin + c_λ·cos)(2πx/λ) + noise
 ///
 ///   F_k±   friction and load at speed k of the plan, by direction. A motion that dwells at these speeds (jogs): rows within 5 % of one
 ///          count for it, and all others for twelve speeds of their own, so that the shape of the curve between does not matter.
 ///          Other motions: between two speeds on a straight line (h_k)
+///   k      a spring, a cable chain or a balance, where the first test shows one; x₀ is the middle of its travel
 ///   P_j    how much more friction a quarter of the travel has than the mean of all four; sum 0
 ///   a, v   log::reconstruct; rows within 1/400 of the stroke after a reversal are left out
 ///
@@ -57,6 +58,17 @@ struct Mass {
   static constexpr auto fields() {
     return std::tuple{field("value", &Mass::value, quantity("kg", "N s2/mm"), "measured value"),
                       field("half_width", &Mass::half_width, quantity("kg", "N s2/mm").not_negative(),
+                            "half of the 95 % interval")};
+  }
+};
+
+struct Stiffness {
+  double value = 0.0;       ///< [N/m]
+  double half_width = 0.0;  ///< [N/m]
+
+  static constexpr auto fields() {
+    return std::tuple{field("value", &Stiffness::value, quantity("N/m", "N/mm"), "measured value"),
+                      field("half_width", &Stiffness::half_width, quantity("N/m", "N/mm").not_negative(),
                             "half of the 95 % interval")};
   }
 };
@@ -125,7 +137,8 @@ struct Measured {
   std::optional<Force> coulomb;
   std::optional<Viscous> viscous;
   std::optional<Mass> mass;
-  std::vector<AtPlace> places;  ///< none: the motion does not determine them
+  std::optional<Stiffness> spring;  ///< absent: the first test showed none
+  std::vector<AtPlace> places;      ///< none: the motion does not determine them
   std::vector<Periodic> periodic;
   double residual = 0.0;  ///< RMS [N]
 
@@ -140,6 +153,10 @@ struct Measured {
         field("coulomb", &M::coulomb, "friction of the straight line at rest").or_default(),
         field("viscous", &M::viscous, "slope of the straight line").or_default(),
         field("mass", &M::mass, "equivalent mass").or_default(),
+        field(
+            "spring", &M::spring,
+            "force that grows with position, from the middle of the travel on: a spring, a cable chain or a balance")
+            .or_default(),
         field("places", &M::places, "friction along the travel").or_default(),
         field("periodic", &M::periodic, "forces periodic in position").or_default(),
         field("residual", &M::residual, quantity("N", "N").not_negative(), "RMS that remains")};
@@ -152,6 +169,8 @@ struct Plan {
   bool dwells = false;          ///< the motion dwells at them
   std::vector<double> borders;  ///< of the places; empty: none
   std::vector<double> periods;  ///< [m]
+  bool spring = false;          ///< a force that grows with position is fitted too
+  double middle = 0.0;          ///< of the travel [m]
 };
 
 /// From the motion of a first test. `period`: travel of one turn, 0 where none is known.

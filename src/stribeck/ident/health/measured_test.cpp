@@ -14,6 +14,7 @@ struct Truth {
   double coulomb = 200.0, viscous = 4000.0, load = 30.0;  ///< [N], [N·s/m], [N]
   double bump = 0.0;                                      ///< more friction beyond 60 mm [N]
   double wave = 0.0;                                      ///< of 10 mm [N]
+  double spring = 0.0;                                    ///< about 40 mm [N/m]
   double noise = 1.0;                                     ///< [N]
 };
 
@@ -33,7 +34,7 @@ log::Record record_of(const Truth& truth, double top = 20e-3, std::uint32_t seed
     r.r.push_back(x);
     const double middle = x + 0.5 * kPeriod * v;
     r.f.push_back(truth.mass * a + sign * (truth.coulomb + (middle > 0.06 ? truth.bump : 0.0)) +
-                  truth.viscous * v + truth.load +
+                  truth.viscous * v + truth.load + truth.spring * (middle - 0.04) +
                   truth.wave * std::sin(2.0 * std::numbers::pi * middle / 0.01) +
                   truth.noise * normal(generator));
   };
@@ -92,6 +93,26 @@ TEST(HealthMeasured, FindsMoreFrictionAtAPlaceAndAWave) {
   ASSERT_EQ(m.periodic.size(), 2U);
   EXPECT_NEAR(m.periodic[0].amplitude.value, 15.0, 0.5);
   EXPECT_NEAR(m.periodic[1].amplitude.value, 0.0, 0.5);
+}
+
+// A chain that pulls with up to a fifth of the friction: without its column it would be mass.
+TEST(HealthMeasured, ASpringIsNoMass) {
+  Truth truth;
+  truth.spring = 1000.0;
+  const std::vector<log::Record> logs{record_of(truth)};
+  const Plan plan = plan_of(logs, 0.01);
+  EXPECT_TRUE(plan.spring);
+  const Measured m = measure(logs, plan);
+  ASSERT_TRUE(m.spring && m.mass);
+  EXPECT_NEAR(m.spring->value, 1000.0, 3.0 * m.spring->half_width);
+  EXPECT_LT(m.spring->half_width, 50.0);
+  EXPECT_NEAR(m.mass->value, 500.0, 3.0 * m.mass->half_width);
+  EXPECT_NEAR(m.offset.value, 30.0, 0.5);
+  // A test on another day is fitted in the same way, also where the chain is gone.
+  const Measured later = measure({record_of({}, 20e-3, 2)}, plan_of(m));
+  ASSERT_TRUE(later.spring);
+  EXPECT_NEAR(later.spring->value, 0.0, 3.0 * later.spring->half_width);
+  EXPECT_FALSE(plan_of({record_of({})}, 0.01).spring);
 }
 
 // Mirror: with x and f turned around, forward and backward change places and the offset its sign.

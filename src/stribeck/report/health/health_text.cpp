@@ -107,6 +107,8 @@ std::string name_of(const Channel& c) {
       return "offset (load)";
     case Number::kMass:
       return "mass";
+    case Number::kSpring:
+      return "spring, at the end of the travel";
     case Number::kPlace:
       return fmt::format("above the mean, {} to {} {}", decimals(travel.per_si * c.at[0], 1),
                          decimals(travel.per_si * c.at[1], 1), travel.name);

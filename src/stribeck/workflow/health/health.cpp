@@ -299,6 +299,16 @@ report::HealthReportInput check_health(const HealthOptions& options, const Archi
   return session.judge();
 }
 
+namespace {
+
+/// The next number of three digits below: a speed that was rounded up may have no room in the travel.
+double three_digits_below(double value) {
+  const double digit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::floor(value / digit * (1.0 + 1e-12)) * digit;
+}
+
+}  // namespace
+
 std::vector<std::string> motion_commands(const std::string& file, const MachineDescription& machine,
                                          std::size_t axis, double turn) {
   const auto& [name, described] = machine.axes[axis];
@@ -316,7 +326,8 @@ std::vector<std::string> motion_commands(const std::string& file, const MachineD
   if (unit <= stretch) stretch = unit * std::floor(stretch / unit);
   std::string speeds;
   for (const double share : {kSlowest, 0.25, 0.5, 1.0})
-    speeds += fmt::format(" \"{:.3g} {}/s\"", 0.999 * u.per_metre * share * top, u.travel);
+    speeds +=
+        fmt::format(" \"{:.3g} {}/s\"", three_digits_below(0.999 * u.per_metre * share * top), u.travel);
   const std::string begin = fmt::format("stribeck excite {} --axis {} --method", quoted(file), quoted(name));
   return {fmt::format("{} jog --speeds{} --lead \"{:.6g} {}\" -o {}-health-jog.csv --gcode {}-health-jog.ngc",
                       begin, speeds, u.per_metre * stretch, u.travel, name, name),
