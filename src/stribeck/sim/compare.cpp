@@ -139,6 +139,12 @@ void conclude(CompareRow& row, const std::vector<StatusCounter>& status, double 
   }
 }
 
+/// Trials that were not computed are as the first.
+template <class T>
+void repeat_trials(std::vector<T>& trials, std::uint32_t computed) {
+  if (computed > 0) std::fill(trials.begin() + computed, trials.end(), trials.front());
+}
+
 template <std::size_t N>
 void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowledge,
                   const CompareSpec& spec, const std::vector<std::size_t>& axes, CompareResult& result,
@@ -172,7 +178,8 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
     }
   }
   const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
-  const std::size_t total = cells.size() * (spec.trials + 1);
+  const std::uint32_t computed = trials_that_differ(machine, axes, spec.trials);
+  const std::size_t total = cells.size() * (computed + 1);
   std::size_t before = 0;
   const auto report = [&](std::size_t done, std::size_t) {
     if (progress) progress(before + done, total);
@@ -192,12 +199,12 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
       report);
   before = cells.size();
   parallel_for(
-      cells.size() * spec.trials, spec.threads, make_drives,
+      cells.size() * computed, spec.threads, make_drives,
       [&](Drives& drives, std::size_t job) {
-        Cell<N>& cell = cells[job / spec.trials];
-        CompareRow& row = result.rows[job / spec.trials];
+        Cell<N>& cell = cells[job / computed];
+        CompareRow& row = result.rows[job / computed];
         if (!row.refused.empty()) return;
-        const auto trial = static_cast<std::uint32_t>(job % spec.trials);
+        const auto trial = static_cast<std::uint32_t>(job % computed);
         row.trials[trial] = drives.run<N>(cell.controller, *cell.route, {row.substeps, true, true}, spec.seed,
                                           trial, trial == 0 ? &row.trace : nullptr, &cell.status[trial],
                                           trial == 0 ? &row.drift : nullptr);
@@ -205,8 +212,11 @@ void compare_axes(const Machine& machine, const std::vector<AxisKnowledge>& know
           estimate_cutting<N>(row.trace, *cutting, cell.setup);
       },
       report);
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    repeat_trials(result.rows[i].trials, computed);
+    repeat_trials(cells[i].status, computed);
     conclude(result.rows[i], cells[i].status, cells[i].route->size);
+  }
   const auto done = [](const CompareRow& row) { return row.refused.empty(); };
   if (std::none_of(result.rows.begin(), result.rows.end(), done)) {
     const CompareRow& first = result.rows.front();

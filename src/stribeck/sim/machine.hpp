@@ -4,7 +4,10 @@
 /// axis files, never from `plant`. Everybody knows the data on the name plates of drive and encoder (NamePlate).
 /// Real time: no.
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <stribeck/control/compensation/compensation_settings.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/plant/params.hpp>
@@ -188,5 +191,15 @@ struct Machine {
     }
   }
 };
+
+/// Number of trials that differ: they do so by their noise alone, so that one is all of them on axes without any.
+inline std::uint32_t trials_that_differ(const Machine& machine, std::span<const std::size_t> axes,
+                                        std::uint32_t trials) {
+  const bool noise = std::any_of(axes.begin(), axes.end(), [&](std::size_t i) {
+    const std::optional<plant::ForceNoise>& n = machine.axes[i].second.plant.noise;
+    return n && n->rms > 0.0;
+  });
+  return noise ? trials : std::min(trials, 1U);
+}
 
 }  // namespace stribeck::sim

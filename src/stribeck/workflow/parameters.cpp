@@ -65,24 +65,41 @@ std::vector<Given> given_models(const sim::Machine& machine, const std::string& 
   return models;
 }
 
+bool is_gaussian(const friction::AxisModel& model) {
+  const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
+  return map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
+}
+
+/// Whether a file has all models of its axis that the controllers need: nothing is identified beside it.
+bool has_all(const Given& given, const sim::MachineAxis& axis, const Needs& needs) {
+  const friction::AxisModel& model = given.content.model;
+  const bool gaussian = is_gaussian(model);
+  const bool eccentric = !gaussian && !model.friction.eccentric.empty();
+  const bool conventional = !gaussian && !eccentric;
+  const bool bristles = friction::has_pre_sliding(model.friction.dynamics) || !axis.truth_from.empty();
+  return (!needs.gaussian || gaussian) && (!needs.eccentric || eccentric) &&
+         (!needs.conventional || conventional) && (!needs.whole || bristles);
+}
+
+/// Adds a part to the sentence that tells where the models are from.
+void say(Parameters& p, const std::string& part) { p.words += (p.words.empty() ? "" : "; ") + part; }
+
 /// In place of what was identified or printed.
 void take(const Given& given, const sim::Machine& machine, Parameters& p) {
   const friction::AxisModel& model = given.content.model;
   sim::AxisKnowledge& knowledge = p.knowledge[given.axis];
   // A Gaussian-augmented map without a Gaussian is Coulomb and viscous friction, by direction.
-  const auto* map = std::get_if<friction::Gaussian<double>>(&model.friction.steady);
-  const bool gaussian =
-      map != nullptr && !(map->positive.gaussians.empty() && map->negative.gaussians.empty());
+  const bool gaussian = is_gaussian(model);
   const bool eccentric = !gaussian && !model.friction.eccentric.empty();
   // A model without bristles does not take the place of one that has them.
   if (!knowledge.whole || friction::has_pre_sliding(model.friction.dynamics)) knowledge.whole = model;
   (gaussian ? knowledge.gaussian : eccentric ? knowledge.eccentric : knowledge.conventional) = model;
   knowledge.lost_motion = given.content.lost_motion;
-  p.words += fmt::format("; {} model of axis {} from {}",
-                         gaussian    ? "Gaussian"
-                         : eccentric ? "eccentric"
-                                     : "conventional",
-                         machine.axes[given.axis].first, given.file);
+  say(p, fmt::format("{} model of axis {} from {}",
+                     gaussian    ? "Gaussian"
+                     : eccentric ? "eccentric"
+                                 : "conventional",
+                     machine.axes[given.axis].first, given.file));
 }
 
 /// Takes it out where it is not wanted; says in words what is compensated, and where it cannot be.
@@ -92,16 +109,14 @@ void use_lost_motion(Parameters& p, const sim::Machine& machine, const std::stri
     if (!lost) continue;
     const auto& [name, axis] = machine.axes[i];
     if (use == "off") {
-      p.words +=
-          fmt::format("; lost motion of axis {} is known and not compensated (--lost-motion off)", name);
+      say(p, fmt::format("lost motion of axis {} is known and not compensated (--lost-motion off)", name));
       lost.reset();
     } else if (axis.plant.encoder.side == plant::EncoderSide::kTable) {
-      p.words +=
-          fmt::format("; lost motion of axis {} is within its loop, which closes over the table", name);
+      say(p, fmt::format("lost motion of axis {} is within its loop, which closes over the table", name));
       lost.reset();
     } else {
-      p.words +=
-          fmt::format("; lost motion of axis {} compensated: backlash {:.3g} um", name, 1e6 * lost->backlash);
+      say(p,
+          fmt::format("lost motion of axis {} compensated: backlash {:.3g} um", name, 1e6 * lost->backlash));
       if (lost->stiffness)
         p.words += fmt::format(" and wind-up {:.3g} um ({:.3g} N/um)",
                                2e6 * lost->table_friction / *lost->stiffness, 1e-6 * *lost->stiffness);
@@ -125,13 +140,23 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     p.words = "printed parameters of the thesis";
   } else {
     p.axes.resize(machine.axes.size());
+    std::vector<std::size_t> commissioned;
+    for (const std::size_t i : axes) {
+      const bool given = std::any_of(models.begin(), models.end(), [&](const Given& g) {
+        return g.axis == i && has_all(g, machine.axes[i].second, needs);
+      });
+      if (!given) commissioned.push_back(i);
+    }
     sim::parallel_for(
-        axes.size(), spec.threads, [] { return 0; },
-        [&](int&, std::size_t k) { p.axes[axes[k]] = commission_axis(machine, axes[k], needs, spec.seed); });
-    for (const std::size_t i : axes) p.knowledge[i] = p.axes[i].knowledge;
+        commissioned.size(), spec.threads, [] { return 0; },
+        [&](int&, std::size_t k) {
+          const std::size_t i = commissioned[k];
+          p.axes[i] = commission_axis(machine, i, needs, spec.seed);
+        });
+    for (const std::size_t i : commissioned) p.knowledge[i] = p.axes[i].knowledge;
     // Axes that cannot take pulses have logs of their own (commission.hpp).
     std::vector<std::string> closed;
-    for (const std::size_t i : axes) {
+    for (const std::size_t i : commissioned) {
       const auto pulses = [](const CommissionedLog& log) {
         return log.method == ident::excitation::ExcitationMethod::kPulses;
       };
@@ -147,8 +172,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
     if (by_jogs) what.push_back("jogs");
     if (needs.gaussian || (needs.whole && machine.axes.size() <= 2))
       what.push_back(fmt::format("{} periods of a sine", kSinePeriods));
-    p.words = "identified from simulated logs of this machine: ";
-    if (closed.size() == axes.size()) {
+    if (!commissioned.empty()) p.words = "identified from simulated logs of this machine: ";
+    if (commissioned.empty()) {
+      // The files say it.
+    } else if (closed.size() == commissioned.size()) {
       p.words += in_closed_loop + " on each axis";
     } else {
       if (!closed.empty()) p.words += fmt::format("{} on {}; ", in_closed_loop, report::listed(closed));
@@ -163,8 +190,7 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   for (const std::size_t i : axes) {
     const auto& [name, axis] = machine.axes[i];
     if (axis.truth_from.empty()) continue;
-    p.words +=
-        fmt::format("; the machine file has no plant for axis {}: its identified model is simulated", name);
+    say(p, fmt::format("the machine file has no plant for axis {}: its identified model is simulated", name));
     p.assumed.push_back(fmt::format(
         "axis {} is simulated as the model in {} says, because {} has no plant: noise, drift and whatever else the model does not "
         "hold are not in these figures, so the machine itself will have larger errors",

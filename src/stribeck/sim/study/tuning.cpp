@@ -60,8 +60,8 @@ void tune_axes(const Machine& machine, const std::vector<AxisKnowledge>& knowled
   }
   const auto make_drives = [&] { return Drives(machine, axes, 1.05 * fastest); };
   const auto& controllers = spec.compare.controllers;
-  Trials search{kSearchTrial, spec.search_trials, {}};
-  Trials check{kCheckTrial, kCheckTrials, {}};
+  Trials search{kSearchTrial, trials_that_differ(machine, axes, spec.search_trials), {}};
+  Trials check{kCheckTrial, trials_that_differ(machine, axes, kCheckTrials), {}};
   if (spec.limits.input_variation) {
     search.variation_limit.assign(routes.size(), *spec.limits.input_variation);
     check.variation_limit = search.variation_limit;
