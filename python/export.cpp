@@ -45,9 +45,9 @@ Outcome export_files(const py::object& files, const std::string& to, const py::o
   keywords.done();
   return unlocked([&] {
     io::check_distinct(targets::inputs_of(o), {o.output});
-    const std::string rotary = targets::rotary_note(o);
+    const std::string notes = targets::axis_notes(o);
     targets::Exported written = target->write(o);
-    return Outcome{std::move(written.json), written.text + rotary, std::nullopt, true};
+    return Outcome{std::move(written.json), written.text + notes, std::nullopt, true};
   });
 }
 

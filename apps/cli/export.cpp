@@ -38,9 +38,9 @@ int run_export(const ExportCommand& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   targets::ExportRequest request = o.what;
   request.command = typed_command();
-  const std::string rotary = targets::rotary_note(request);
+  const std::string notes = targets::axis_notes(request);
   targets::Exported written = targets::find_target(o.to)->write(request);
-  written.text += rotary;
+  written.text += notes;
   write_json(o.common.json, written.json, made_from(inputs));
   say(o.common, written.text);
   return 0;

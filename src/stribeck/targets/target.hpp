@@ -59,8 +59,8 @@ std::span<const Target> all_targets();
 
 /// Whether one of the files is an axis file of a rotary axis.
 bool any_rotary(const ExportRequest& request);
-/// What the units of an export mean where an axis file is of a rotary axis; empty: none is.
-std::string rotary_note(const ExportRequest& request);
+/// What an export does not show of its axis files, a line each: what the units of a rotary axis mean, a backlash; empty: nothing.
+std::string axis_notes(const ExportRequest& request);
 
 /// The target of this name; null when there is none.
 const Target* find_target(std::string_view name);

@@ -79,7 +79,18 @@ TEST(Target, ATableOfARotaryAxisIsInDegrees) {
   EXPECT_LT(written.json["lincurve"][0]["max_error_N"], 3e-4);
   EXPECT_NEAR(written.json["lincurve"][0]["points_deg_per_s_N"].back()[0].get<double>(), 5.7296, 1e-3);
   EXPECT_THAT(text_of(request.output), HasSubstr("A rotary axis: its velocities are in deg/s"));
-  EXPECT_THAT(targets::rotary_note(request), HasSubstr("N stands for N m"));
+  EXPECT_THAT(targets::axis_notes(request), HasSubstr("N stands for N m"));
+}
+
+// The largest contour error of a worn axis must not be lost on the way.
+TEST(Target, ABacklashIsNamed) {
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("z.toml", std::string(kAxis) + "\n[lost_motion]\nbacklash = \"45.4 um\"\n"),
+                   folder.write("x.toml", kAxis)};
+  const std::string notes = targets::axis_notes(request);
+  EXPECT_THAT(notes, HasSubstr("z.toml has a backlash of 45.4 um between motor and table"));
+  EXPECT_EQ(notes.find("x.toml"), std::string::npos);
 }
 
 TEST(Target, OptionsWithoutEffectAreRefused) {

@@ -3,7 +3,9 @@
 #include <array>
 #include <vector>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/all.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
@@ -79,12 +81,20 @@ bool any_rotary(const ExportRequest& request) {
   return std::any_of(request.files.begin(), request.files.end(), is_rotary);
 }
 
-std::string rotary_note(const ExportRequest& request) {
-  std::string note;
+std::string axis_notes(const ExportRequest& request) {
+  std::string notes;
   for (const std::string& file : request.files) {
-    if (is_rotary(file)) note += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
+    if (is_rotary(file)) notes += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
+    const io::Node content = io::load_toml(file);
+    if (content.find("lost_motion") == nullptr || content.find("axes") != nullptr) continue;
+    const auto axis = io::read_toml<sim::AxisFile>(file);
+    const ident::Shown shown("m", "N", axis.rotary.value_or(false));
+    notes += fmt::format(
+        "{} has a backlash of {} between motor and table, which is not in what was written: type it in where the control "
+        "compensates backlash.\n",
+        file, shown.length(axis.lost_motion->backlash));
   }
-  return note;
+  return notes;
 }
 
 const Target* find_target(std::string_view name) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
@@ -170,11 +171,13 @@ Error error_of(const Axis& axis, const Form& form) {
 }
 
 std::vector<std::string> left_out(const Axis& axis, const Form& form) {
+  const ident::Shown shown("m", "N", axis.rotary);
   std::vector<std::string> out;
   double periodic = 0.0;
   for (const auto& term : axis.model.friction.eccentric) periodic += term.amplitude;
   if (periodic > 0.0 && !form.periodic)
-    out.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
+    out.push_back(
+        fmt::format("{} {} periodic in position", report::significant(periodic, 3), shown.force_unit()));
   double most = 0.0;
   for (const friction::Place& p : axis.model.friction.places) most = std::max(most, std::abs(p.level - 1.0));
   if (most > 0.0)
@@ -189,7 +192,8 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   if (friction::has_pre_sliding(axis.model.friction.dynamics) && !form.pre_sliding)
     out.emplace_back("pre-sliding (the force jumps at a reversal)");
   if (axis.model.load != 0.0 && !form.load)
-    out.push_back(fmt::format("the load of {} N", report::significant(axis.model.load, 4)));
+    out.push_back(
+        fmt::format("the load of {} {}", report::significant(axis.model.load, 4), shown.force_unit()));
   return out;
 }
 
@@ -272,10 +276,12 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
     const Error e = error_of(axis, form);
     refuse_nothing(axis, form, e);
     const std::vector<std::string> missing = left_out(axis, form);
+    const ident::Shown shown("m", "N", axis.rotary);
     std::string words =
-        fmt::format("up to {} mm/s at most {} N beside the friction of {} N RMS, RMS {} N",
-                    report::significant(1e3 * axis.fastest, 4), report::significant(e.largest, 3),
-                    report::significant(e.friction, 3), report::significant(e.rms, 3));
+        fmt::format("up to {0} {1}/s at most {2} {5} beside the friction of {3} {5} RMS, RMS {4} {5}",
+                    report::significant(shown.scale() * axis.fastest, 4), shown.length_unit(),
+                    report::significant(e.largest, 3), report::significant(e.friction, 3),
+                    report::significant(e.rms, 3), shown.force_unit());
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     if (axis.rotary)
