@@ -182,8 +182,15 @@ TEST_F(StudyVerb, ChangedResultsAreRefused) {
   // Sample, a drawn value, the controller, the state, a figure.
   const std::size_t state = static_cast<std::size_t>(std::count(
       lines[0].begin(), lines[0].begin() + static_cast<std::ptrdiff_t>(lines[0].find("state")), ','));
-  for (const auto& [cell, value] : std::vector<std::pair<std::size_t, std::string>>{
-           {1, "nan"}, {2, "9.999"}, {state - 2, "z"}, {state, "okay"}, {count, "nan"}, {count, "inf"}}) {
+  for (const auto& [cell, value] : std::vector<std::pair<std::size_t, std::string>>{{1, "nan"},
+                                                                                    {2, "9.999"},
+                                                                                    {state - 2, "z"},
+                                                                                    {state, "okay"},
+                                                                                    {state, "refused"},
+                                                                                    {state + 1, "banana"},
+                                                                                    {state + 1, ""},
+                                                                                    {count, "nan"},
+                                                                                    {count, "inf"}}) {
     f.write("o/results.csv", with_cell(cell, value));
     const Said said = command(words);
     EXPECT_EQ(said.code, 2) << cell << " " << value;

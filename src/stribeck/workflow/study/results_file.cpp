@@ -183,7 +183,7 @@ void ResultsFile::take_up() {
         path_,
         number + 2,
         {},
-        "is no row that this study writes: the file was changed (choose another folder, or remove this one)"});
+        "is no row that this study writes: the file was changed (delete this line and all behind it: the study computes them again)"});
   }
   finished_ = number / layout_.lines;
   if (finished_ > layout_.runs) {

@@ -194,18 +194,18 @@ class Summary {
     if (own != beginning_ + runner_.case_of(row)) throw changed(path, line);
     const std::string_view state = cells[begin + 2];
     if (state != kRunDone && state != kRunLost && state != kRunRefused) throw changed(path, line);
+    const bool refused = state == kRunRefused;
+    const bool any_figure = std::any_of(cells.begin() + static_cast<std::ptrdiff_t>(begin) + 4, cells.end(),
+                                        [](std::string_view cell) { return !cell.empty(); });
+    const bool at_limit = std::isfinite(number_of(cells[begin + 3], path, line));
+    if (refused == at_limit || (refused && any_figure) || (state == kRunDone && !any_figure))
+      throw changed(path, line);
     const bool lost = state == kRunLost;
     lost_[row] += lost ? 1 : 0;
-    refused_[row] += state == kRunRefused ? 1 : 0;
+    refused_[row] += refused ? 1 : 0;
     for (std::size_t c = 0; c < s_.columns.size(); ++c) {
       const std::size_t at = row * s_.columns.size() + c;
-      double x = kNaN;
-      const std::string_view cell = cells[begin + 4 + c];
-      if (!cell.empty()) {
-        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
-        if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(x))
-          throw changed(path, line);
-      }
+      double x = number_of(cells[begin + 4 + c], path, line);
       if (lost) x = kInfinity;
       // With indices, the other runs of a sample repeat values of A and B: they would count them several times.
       if (!std::isnan(x) && within < 2) spreads_[at].add(x);
@@ -264,7 +264,17 @@ class Summary {
         path,
         static_cast<std::size_t>(line),
         {},
-        "is no row that this study writes: the file was changed (choose another folder, or remove this one)"});
+        "is no row that this study writes: the file was changed (delete this line and all behind it: the study computes them again)"});
+  }
+
+  /// NaN: the cell is blank.
+  static double number_of(std::string_view cell, const std::string& path, std::uint64_t line) {
+    if (cell.empty()) return kNaN;
+    double x = kNaN;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
+    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(x))
+      throw changed(path, line);
+    return x;
   }
 
   void close_sample() {
@@ -302,6 +312,14 @@ class Summary {
   std::uint64_t sample_ = 0;
 };
 
+Summary sum_up(const Study& study, const Runner& runner, const ResultsFile& file) {
+  Summary summary(study, runner);
+  for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
+    summary.add(line, cells, file.path());
+  });
+  return summary;
+}
+
 }  // namespace
 
 report::StudyResult run_study(const Study& study, const StudyOptions& options,
@@ -312,6 +330,7 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options,
   const Runner runner(study, parameters);
   ResultsFile file(options.folder, inputs_of(study, parameters, options.version),
                    {head_of(study), runner.rows(), study.runs});
+  if (file.finished() > 0) sum_up(study, runner, file);  // refuses a changed file before hours of runs
   check_machines(study, runner.design(), file.finished(), options.threads);
   sim::in_order(
       file.finished(), study.runs, options.threads, [&](std::uint64_t run) { return runner.text(run); },
@@ -320,11 +339,7 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options,
         if (progress) progress(run + 1, study.runs);
       });
   file.keep();
-  Summary summary(study, runner);
-  for_each_row(file.path(), [&](std::uint64_t line, const std::vector<std::string_view>& cells) {
-    summary.add(line, cells, file.path());
-  });
-  return summary.result(runner.nominal(), parameters);
+  return sum_up(study, runner, file).result(runner.nominal(), parameters);
 }
 
 }  // namespace stribeck::workflow
