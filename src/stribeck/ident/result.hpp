@@ -127,7 +127,8 @@ struct Result {
   std::vector<std::string> cannot_tell;  ///< what this log does not determine
   friction::Model friction;              ///< is written into an axis file unchanged
   double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not determined
-  std::size_t rows = 0;                                                   ///< rows that were fitted
+  bool bristles_too_fine = false;  ///< for the encoder: no other motion would tell them
+  std::size_t rows = 0;            ///< rows that were fitted
   std::optional<std::array<int, 2>>
       peaks;  ///< number of terms for v > 0 and v < 0 by the rule of the thesis, for comparison
 

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <string>
 #include <string_view>
 
@@ -31,21 +32,25 @@ class Shown {
   template <class T>
   explicit Shown(const T& of) : Shown(of.position_unit, of.force_unit, of.rotary) {}
 
-  /// Three digits and the unit; small lengths are in um.
+  /// Three digits and the unit, four from a hundred on; small lengths are in um.
   [[nodiscard]] std::string length(double x) const {
     constexpr double kSmall = 1e-3;
-    if (unit_ == "mm" && std::abs(x) < kSmall) return fmt::format("{:.3g} um", 1e6 * x);
-    return fmt::format("{:.3g} {}", scale_ * x, unit_);
+    if (unit_ == "mm" && x != 0.0 && std::abs(x) < kSmall) return three(1e6 * x) + " um";
+    constexpr double kFourDigits = 100.0;
+    const double shown = scale_ * x;
+    return std::abs(shown) < kFourDigits     ? fmt::format("{:.3g} {}", shown, unit_)
+           : std::abs(shown) < kExponentFrom ? fmt::format("{:.4g} {}", shown, unit_)
+                                             : three(shown) + " " + unit_;
   }
-  [[nodiscard]] std::string speed(double v) const { return fmt::format("{:.3g} {}/s", scale_ * v, unit_); }
+  [[nodiscard]] std::string speed(double v) const { return fmt::format("{} {}/s", three(scale_ * v), unit_); }
   /// With the sign of a direction.
   [[nodiscard]] std::string velocity(double v) const {
-    return fmt::format("{:+.3g} {}/s", scale_ * v, unit_);
+    return fmt::format("{}{} {}/s", v < 0.0 ? "" : "+", three(scale_ * v + 0.0), unit_);
   }
-  [[nodiscard]] std::string force(double f) const { return fmt::format("{:.3g} {}", f, force_); }
+  [[nodiscard]] std::string force(double f) const { return fmt::format("{} {}", three(f), force_); }
   /// A stiffness.
   [[nodiscard]] std::string force_per_length(double k) const {
-    return fmt::format("{:.3g} {}/{}", k / scale_, force_, unit_);
+    return fmt::format("{} {}/{}", three(k / scale_), force_, unit_);
   }
 
   [[nodiscard]] const std::string& length_unit() const noexcept { return unit_; }
@@ -54,6 +59,13 @@ class Shown {
   [[nodiscard]] double scale() const noexcept { return scale_; }
 
  private:
+  static constexpr double kExponentFrom = 999.5;  ///< "{:.3g}" would write 1.5e+03
+
+  /// Three digits without zeros behind them; from a thousand on all that stand before the point.
+  static std::string three(double value) {
+    return std::abs(value) < kExponentFrom ? fmt::format("{:.3g}", value) : digits(value);
+  }
+
   std::string unit_ = "mm";
   double scale_ = 1e3;
   std::string force_ = "N";

@@ -45,8 +45,12 @@ struct BristleOptions {
   int elements = 4;     ///< of GMS, 2 … 6; 0: LuGre only
 };
 
+/// Begins the reason where nothing was determined.
+inline constexpr const char* kNotDeterminable = "pre-sliding is not determinable from this log: ";
+
 struct BristleFit {
   bool determinable = false;
+  bool too_coarse = false;         ///< the encoder does not show the break-away distance, in any motion
   std::string reason;              ///< a sentence: what was determined, or why nothing
   friction::DynamicsVariant best;  ///< Static when not determinable
   std::optional<friction::LuGre<double>> lugre;

@@ -25,8 +25,6 @@
 
 namespace stribeck::ident::bristle {
 
-inline constexpr const char* kNotDeterminable = "pre-sliding is not determinable from this log: ";
-
 /// Units of the log.
 struct Units {
   std::string length;

@@ -65,7 +65,7 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
                       const BristleFit& out) {
   const auto& [low, high] = out.break_away_interval;
   const auto& level = out.level_factor;
-  if (f.break_away < kLeastQuanta * given.quantum)
+  if (out.too_coarse)
     return "the encoder, with steps of about " + given.shown.length(given.quantum) +
            ", is too coarse for a break-away distance of at most " +
            given.shown.length(std::max(high, kLeastQuanta * given.quantum));
@@ -153,6 +153,7 @@ void answer(const Given& given, const Rows& rows, const Fitted& f, std::size_t b
   out.level_factor = {1.0 + p(f.own + kForward), 1.0 + p(f.own + kBackward)};
   out.break_away = f.break_away;
   out.break_away_interval = log_interval(f.break_away, f.half);
+  out.too_coarse = f.break_away < kLeastQuanta * given.quantum;
   const std::string why_not = objection(given, f, best, chosen, out);
   out.determinable = why_not.empty();
   if (!out.determinable) {

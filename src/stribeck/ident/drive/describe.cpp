@@ -19,6 +19,7 @@ constexpr double kApart = 0.05;       ///< of friction: difference of the direct
 constexpr double kWorthRise = 0.005;  // of the Coulomb force: less is rounding, and has no Stribeck speed
 constexpr double kMostOfStribeckSpeed = 0.5;  ///< slowest rows, from which the rise is seen but for a fifth
 constexpr double kUsualStribeckSpeed = 2e-3;  ///< [m/s] guides and screws have 1 to 10 mm/s
+constexpr double kFastStribeckSpeed = 0.05;   ///< [m/s]
 constexpr double kSlowOfTop = 0.01;           ///< the same for angles, as a share of the top speed
 constexpr double kWorthSlow = 0.02;  ///< of the top speed: a curve that begins below it needs no word
 constexpr double kMostUnseen =
@@ -76,6 +77,7 @@ class Description {
   void write_head();
   void write_summary(int s);
   bool slow_enough(int s, const std::optional<Figure>& stribeck_speed);
+  [[nodiscard]] bool is_stribeck(const Summary& summary) const;
   void write_speeds(int s);
   /// Standard error of a figure of one direction.
   [[nodiscard]] double error_of(const Figure& figure, int s) const;
@@ -145,6 +147,15 @@ double Description::error_of(const Figure& figure, int s) const {
   return found_.intervals.error_of(h);
 }
 
+/// Whether the rise towards standstill is that of mixed lubrication, or a wide bend of the map that may stand beside one: at speeds far above
+/// those of guides and screws it must be a good part of friction.
+bool Description::is_stribeck(const Summary& summary) const {
+  constexpr double kGoodPart = 0.1;  // of the Coulomb force
+  return result_.position_unit != "m" || !summary.stribeck_speed ||
+         summary.stribeck_speed->value <= kFastStribeckSpeed ||
+         summary.rise.value > kGoodPart * std::abs(summary.coulomb.value);
+}
+
 void Description::write_summary(int s) {
   const auto side = static_cast<std::size_t>(s);
   const Summary summary = summary_of(map(), s, found_.rows.grid[side]);
@@ -153,7 +164,8 @@ void Description::write_summary(int s) {
   add("coulomb" + tail, d * summary.coulomb.value, "N", "N", level_error(summary.coulomb, s), true);
   const bool rises = summary.rise.value > found_.intervals.factor * error_of(summary.rise, s) &&
                      summary.rise.value > kWorthRise * std::abs(summary.coulomb.value);
-  const bool seen_at_rest = slow_enough(s, rises ? summary.stribeck_speed : std::nullopt);
+  const bool seen_at_rest =
+      slow_enough(s, rises && is_stribeck(summary) ? summary.stribeck_speed : std::nullopt);
   at_rest_seen_[side] = seen_at_rest;
   add("static" + tail, d * summary.at_rest.value, "N", "N", curve_error(summary.at_rest, s, 0.0),
       seen_at_rest);

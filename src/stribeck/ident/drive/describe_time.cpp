@@ -185,6 +185,12 @@ bristle::BristleFit fit_of(const std::vector<log::Record>& records, const fricti
   }
 }
 
+/// "pre-sliding is not determinable from this log: the encoder …" goes on a sentence without its beginning.
+std::string without_beginning(const std::string& reason) {
+  const std::string_view beginning = bristle::kNotDeterminable;
+  return reason.starts_with(beginning) ? reason.substr(beginning.size()) : reason;
+}
+
 struct BristleOfLog {
   bristle::BristleFit fit;
   std::vector<log::Record> records;
@@ -250,12 +256,12 @@ void add_bristle(Result& result, const Found& found, Notes& notes) {
   if (!fit.determinable) {
     std::optional<BristleOfLog> one = best_log_alone(closed, known, options);
     if (!one) {
+      result.bristles_too_fine = fit.too_coarse;
       notes.cannot_tell.push_back(fit.reason);
       return;
     }
-    notes.warn(text(
-        "pre-sliding is that of %s alone: the reversals of the other logs are too fast or too few to tell it",
-        one->records.front().source.c_str()));
+    notes.warn(text("pre-sliding is that of %s, fitted alone; all logs together did not tell it: %s",
+                    one->records.front().source.c_str(), without_beginning(fit.reason).c_str()));
     fit = std::move(one->fit), closed = std::move(one->records);
   }
   const double half = found.intervals.factor * found.intervals.shift_error;

@@ -140,11 +140,16 @@ void settle_beside_map(const AlignedLog& log, const Rows& rows, const map::Perio
 /// Terms that stand out of the residual, but do not predict held-out motion better.
 void note_untold(const Shown& shown, const Terms& terms, Notes& notes) {
   std::string periods;
-  for (const PeriodicColumns& term : terms.periodic)
-    periods += (periods.empty() ? "" : " and ") + shown.length(term.period);
+  std::string before;
+  for (const PeriodicColumns& term : terms.periodic) {
+    const std::string period = shown.length(term.period);
+    if (period == before) continue;  // a force and its change with speed
+    periods += (periods.empty() ? "" : " and ") + period;
+    before = period;
+  }
   if (periods.empty()) return;
   notes.cannot_tell.push_back(text(
-      "whether a force repeats every %s: it stands out of the residual, but held-out motion is not predicted better with it, as where each place has its own speed; add strokes at constant speed, slow and fast",
+      "whether a force repeats every %s: it stands out of the residual, but held-out motion is not predicted better with it; the motion may pass each place always at the same speed: add strokes at constant speed, slow and fast",
       periods.c_str()));
 }
 

@@ -179,7 +179,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     whole_strokes += whole ? 1 : 0;
     if (flat < kShortestJog) {
       throw Refused(fmt::format(
-          "jog: {:g} {}/s has only {:.3g} s of constant speed in the travel; start elsewhere or leave it out",
+          "jog: {:g} {}/s has only {:.3g} s of constant speed in the travel from the start of the motion; leave it out",
           v * u.per_metre, u.travel, flat));
     }
     check_rows("speeds", static_cast<double>(e.r.size()) + rows_of(ramp, flat, sample_time), sample_time,

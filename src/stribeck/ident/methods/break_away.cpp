@@ -6,6 +6,7 @@
 #include <stribeck/ident/map/steady_runs.hpp>
 #include <stribeck/ident/methods/break_away.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
 
@@ -162,22 +163,20 @@ Judged first_slip(const log::Record& rec, std::size_t begin, std::size_t first, 
 
 /// Classifies the stretches without a slip.
 std::string reasons(const std::array<std::size_t, static_cast<std::size_t>(No::kCount)>& count, double travel,
-                    const std::string& position_unit) {
+                    const Shown& shown) {
   std::string out;
   const auto say = [&](No no, const std::string& what) {
     const std::size_t n = count[static_cast<std::size_t>(no)];
     if (n > 0) out += (out.empty() ? "" : "; ") + fmt::format("{} ", n) + what;
   };
-  const bool turns = position_unit == "rad";
   say(No::kReference, "while the reference moves, where the force follows the motion");
   say(No::kMoving, "not from rest");
   say(No::kCrooked, "with a force that does not rise steadily");
   say(No::kStill, "without any sliding (a higher force is needed)");
   say(No::kCreeping,
-      fmt::format(
-          "during which the axis moves by as much as {:.3g} {} but never slips suddenly (the ramp is too "
-          "quick, or noise in force or friction lets the axis creep)",
-          turns ? travel : 1e3 * travel, turns ? "rad" : "mm"));
+      fmt::format("during which the axis moves by as much as {} but never slips suddenly (the ramp is too "
+                  "quick, or noise in force or friction lets the axis creep)",
+                  shown.length(travel)));
   return out;
 }
 
@@ -282,7 +281,7 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
   for (std::size_t r = 0; r < records.size(); ++r)
     find_slips(map::with_positions(records[r]), r, options, out.slips, stretches);
   if (out.slips.empty()) {
-    const std::string why = reasons(stretches.no, stretches.creep, records.front().position_unit);
+    const std::string why = reasons(stretches.no, stretches.creep, Shown(records.front()));
     throw Refused(
         fmt::format(
             "break-away: none of {} stretches with one sign of force is a slow ramp that ends in a slip",
@@ -303,7 +302,7 @@ BreakAway identify_break_away(const std::vector<log::Record>& records, const Bre
         fmt::format(
             "{} of {} stretches with one sign of force were left out, because they are not slow ramps that end in a slip: ",
             stretches.count - out.slips.size(), stretches.count) +
-        reasons(stretches.no, stretches.creep, r.position_unit));
+        reasons(stretches.no, stretches.creep, Shown(records.front())));
   }
   if (!options.mass) {
     r.warnings.push_back(

@@ -3,6 +3,7 @@
 #include <limits>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/methods/position_map_parts.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::methods::position_map {
@@ -143,6 +144,7 @@ map::PeriodicResult search(const Rows& rows, const Fit& fit, const PositionMapOp
       e += fit.X.middleCols(fit.term(j), 2) * fit.theta.segment(fit.term(j), 2);
   }
   map::PeriodicRows left;
+  left.shown = Shown(rows.records->front());
   for (std::size_t i = 0; i < rows.groups.size(); ++i) {
     left.x.push_back(rows.x(static_cast<Index>(i)));
     left.e.push_back(e(static_cast<Index>(i)));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <stribeck/ident/residual/residual_parts.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
@@ -138,6 +139,31 @@ Columns unbalance_columns(const Rows& rows) {
   return columns;
 }
 
+/// Half width of column `at`, at least how far its coefficient moves where only the slower or the faster half of the rows counts, or one
+/// half of the travel: a wrong shape of friction, pre-sliding after reversals and a force that is no straight line look the same in
+/// every stroke and show in no residual.
+double half_width_by_halves(const Rows& rows, const Columns& columns, std::size_t at, const Fit& whole) {
+  std::vector<double> speeds;
+  for (const Row& r : rows.rows) speeds.push_back(std::abs(r.v));
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  const std::array<std::function<bool(const Row&)>, 4> halves{
+      [&](const Row& r) { return std::abs(r.v) >= *middle; },
+      [&](const Row& r) { return std::abs(r.v) < *middle; },
+      [&](const Row& r) { return rows.along(r) >= 0.0; }, [&](const Row& r) { return rows.along(r) < 0.0; }};
+  double half = whole.half[at];
+  for (const auto& belongs : halves) {
+    Rows some = rows;
+    std::erase_if(some.rows, [&](const Row& r) { return !belongs(r); });
+    if (some.rows.size() < kFewestRows) continue;
+    const Fit f = fit(some, columns);
+    if (f.told[at] < kTold) continue;
+    const auto j = static_cast<Index>(at);
+    half = std::max(half, std::abs(f.theta(j) - whole.theta(j)) - f.half[at]);
+  }
+  return half;
+}
+
 void find_spring(const Rows& rows, Diagnosis& out) {
   Columns columns = model_columns(rows);
   const std::size_t at = columns.size();
@@ -148,8 +174,11 @@ void find_spring(const Rows& rows, Diagnosis& out) {
     const double seconds = mass_of_spring(rows);
     if (seconds == 0.0) return;
     const bool newtons = rows.force_unit == "N" && rows.position_unit == "m";
-    const std::string much = newtons ? fmt::format("{:.3g} kg for each N/mm", 1e3 * seconds)
-                                     : fmt::format("{:.3g} s² times its stiffness", seconds);
+    const Shown shown(rows);
+    const std::string much =
+        newtons ? fmt::format("{:.3g} {} for each {}/{}", seconds * shown.scale(),
+                              rows.rotary ? "kg m2" : "kg", shown.force_unit(), shown.length_unit())
+                : fmt::format("{:.3g} s² times its stiffness", seconds);
     out.cannot_tell.push_back(fmt::format(
         "a force that grows with position (spring, cable chain): this motion cannot separate it from mass, {}; add strokes at constant speed, or a sine of another frequency",
         much));
@@ -157,11 +186,13 @@ void find_spring(const Rows& rows, Diagnosis& out) {
   }
   const double force = f.theta(static_cast<Index>(at));
   if (std::abs(force) < kSure * f.half[at] || std::abs(force) < kWorthForce * rows.friction) return;
-  out.spring = Spring{force * scale, f.half[at] * scale, rows.middle()};
+  const double half = scale * half_width_by_halves(rows, columns, at, f);
+  out.spring = Spring{force * scale, half, rows.middle(), half * std::abs(mass_of_spring(rows)), false};
   if (!may_be_unbalanced(rows)) return;
   // Part of a sine beside a straight line is another mass.
   const Fit weight = fit(rows, unbalance_columns(rows));
-  out.spring->mass = std::abs(weight.theta(0) - f.theta(0)) + weight.half.front();
+  out.spring->may_be_weight = true;
+  out.spring->mass_half_width += std::abs(weight.theta(0) - f.theta(0)) + weight.half.front();
 }
 
 void find_unbalance(const Rows& rows, Diagnosis& out) {

@@ -48,11 +48,12 @@ struct Quality {
 
 /// A force that grows with position: f += stiffness·(x − middle).
 struct Spring {
-  double stiffness = 0.0;   ///< [N/m]
-  double half_width = 0.0;  ///< 95 % [N/m]
-  double middle = 0.0;      ///< of the travel [m]
-  double mass =
-      0.0;  ///< half width of the mass, were the force on this angle an unbalance, 95 % [kg]; 0: it cannot be one
+  double stiffness = 0.0;        ///< [N/m]
+  double half_width = 0.0;       ///< 95 % [N/m]
+  double middle = 0.0;           ///< of the travel [m]
+  double mass_half_width = 0.0;  ///< of the mass, by the error of this force, 95 % [kg]
+  bool may_be_weight =
+      false;  ///< on this angle it may as well be a weight that hangs; the mass allows for it
 };
 
 /// A force that follows the angle: f += sine·sin x + cosine·cos x.

@@ -166,13 +166,14 @@ TEST(Residual, ASpringOfAnAxisThatTurnsMayBeAWeight) {
   log::Record r = record_of(strokes, weight);
   const Diagnosis linear = diagnose({r}, truth());
   ASSERT_TRUE(linear.spring);
-  EXPECT_EQ(linear.spring->mass, 0.0);
+  EXPECT_FALSE(linear.spring->may_be_weight);
   r.rotary = true;
   const Diagnosis turning = diagnose({r}, truth());
   ASSERT_TRUE(turning.spring);
   // The mass of the fit with the spring, and that of the fit with the weight: the model here has the true one.
-  EXPECT_GT(turning.spring->mass, 0.1);
-  EXPECT_LT(turning.spring->mass, 0.1 * kMass);
+  EXPECT_TRUE(turning.spring->may_be_weight);
+  EXPECT_GT(turning.spring->mass_half_width, 0.1);
+  EXPECT_LT(turning.spring->mass_half_width, 0.1 * kMass);
 }
 
 TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {

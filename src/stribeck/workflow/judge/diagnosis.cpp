@@ -78,15 +78,19 @@ void widen_mass(double half_width, ident::Result& r) {
 
 void write_spring(const ident::residual::Spring& s, const ident::residual::Quality& q, bool rotary,
                   ident::Result& r) {
-  widen_mass(s.mass, r);
+  widen_mass(s.mass_half_width, r);
   const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
   r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
                           s.stiffness + s.half_width, true});
   const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance; it was taken off the log and the fit made again; load and friction are those at {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
-      people.force_per_length(s.stiffness), people.force_per_length(s.half_width), people.length(s.middle),
-      ringing(q)));
+      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance{}; it was taken off the log and the fit made again; load and friction are those at {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
+      people.force_per_length(s.stiffness), people.force_per_length(s.half_width),
+      s.may_be_weight
+          ? ", or a weight that hangs, which this angle is too small to tell (the interval of the mass holds "
+            "both; move over a larger angle)"
+          : "",
+      people.length(s.middle), ringing(q)));
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
@@ -119,7 +123,8 @@ void without_mass(ident::Result& r) {
 void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all) {
   if (more.spring && all.spring) {
     all.spring->stiffness += more.spring->stiffness;
-    all.spring->mass = std::max(all.spring->mass, more.spring->mass);
+    all.spring->mass_half_width = std::max(all.spring->mass_half_width, more.spring->mass_half_width);
+    all.spring->may_be_weight = all.spring->may_be_weight || more.spring->may_be_weight;
   }
   if (more.spring && !all.spring) all.spring = more.spring;
   if (more.unbalance && all.unbalance) {

@@ -114,6 +114,7 @@ std::vector<Wanted> not_yet(const Identification& found, const AxisDescription& 
   const ExpectedHalf told = told_by(found, axis, period);
   std::vector<Wanted> open;
   for (const Wanted w : {Wanted::kMass, Wanted::kFriction, Wanted::kBristles}) {
+    if (w == Wanted::kBristles && found.result.bristles_too_fine) continue;
     if (!told.good(w)) open.push_back(w);
   }
   return open;
