@@ -71,6 +71,7 @@ int choose(const Machine& machine, std::size_t which, double accuracy, const std
   const MachineAxis& axis = machine.axes[which].second;
   const plant::Axis plant(axis.plant, machine.sample_time, axis.limits.speed);
   std::optional<int> acceptable;
+  bool runs_away = false;
   const auto judge = [&](int n, const Recording& coarse, const Recording& fine) {
     RunError error;       // [m]
     RunError open_error;  // the same less a share of the travel so far [m]
@@ -85,8 +86,8 @@ int choose(const Machine& machine, std::size_t which, double accuracy, const std
     if (reference != nullptr) {
       const ErrorSize one = tracking_error(coarse, *reference), other = tracking_error(fine, *reference);
       const double travel_of_axis = axis.limits.travel_max - axis.limits.travel_min;
-      if (n >= kManySubsteps && std::min(one.largest(), other.largest()) > travel_of_axis)
-        return Substeps::kGiveUp;  // the loop is unstable, whatever the number
+      runs_away = n >= kManySubsteps && std::min(one.largest(), other.largest()) > travel_of_axis;
+      if (runs_away) return Substeps::kGiveUp;
       // Accuracy is still searched: more sub-steps may reach it.
       if (!acceptable && n >= kManySubsteps && one.alike(other) && below_limit(fine, axis.force_limit()))
         acceptable = n;
@@ -103,6 +104,11 @@ int choose(const Machine& machine, std::size_t which, double accuracy, const std
       judge);
   if (n) return *n;
   if (acceptable) return *acceptable;
+  if (runs_away)
+    throw Refused(
+        "axis " + machine.axes[which].first +
+        ": the loop with the commissioning gains is unstable: the error grows beyond the travel (choose a lower "
+        "commissioning.omega)");
   throw Refused("axis " + machine.axes[which].first +
                 ": its position does not settle within the accuracy for up to 512 sub-steps per control "
                 "period: unstable with the commissioning gains, or too stiff for sample_time");

@@ -126,18 +126,20 @@ bool belongs(const std::vector<double>& commanded, const std::vector<double>& me
   return true;
 }
 
-/// The commanded positions of both axes, found by their names; absent where one is missing, is no position or does not belong to the
-/// measured ones: nobody has asked for them.
-std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack& measured) {
-  try {
-    const auto rx = commanded_column(log, "x"), ry = commanded_column(log, "y");
-    if (!rx || !ry) return {};
-    Positions found{positions(log, *rx), positions(log, *ry)};
-    if (!belongs(found.first, measured.x) || !belongs(found.second, measured.y)) return {};
-    return found;
-  } catch (const io::InputError&) {
-    return {};
-  }
+/// The commanded positions of both axes, found by their names; absent where one is missing or does not belong to the measured ones,
+/// which is noted.
+std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack& measured,
+                                          std::vector<std::string>& notes) {
+  const auto rx = commanded_column(log, "x"), ry = commanded_column(log, "y");
+  if (!rx || !ry) return {};
+  Positions found{positions(log, *rx), positions(log, *ry)};
+  if (belongs(found.first, measured.x) && belongs(found.second, measured.y)) return found;
+  notes.push_back(fmt::format(
+      "{} and {} are not the commanded positions of x and y: they differ by more than a fifth of the travel; the centre is that of "
+      "the measured circle (where they are, give --map rx=\"{} mm\" --map ry=\"{} mm\", with your columns and units)",
+      io::in_quotes(header_of(*rx->column)), io::in_quotes(header_of(*ry->column)), rx->column->name,
+      ry->column->name));
+  return {};
 }
 
 }  // namespace
@@ -165,7 +167,7 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
   if (map.count("rx") > 0) {
     t.rx = values(named_column(log, map.at("rx")));
     t.ry = values(named_column(log, map.at("ry")));
-  } else if (auto found = commanded_circle(log, t)) {
+  } else if (auto found = commanded_circle(log, t, t.notes)) {
     t.rx = std::move(found->first);
     t.ry = std::move(found->second);
   }
