@@ -305,7 +305,8 @@ const char* stribeck_controller_parameter_word(const char* name, std::uint32_t i
 stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t axis, const char* name,
                                         double value) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) return capi::bad_argument(c, "axis: there is none of this number");
+  if (axis >= c->axes)
+    return capi::bad_argument(c, "axis: expected a number below that of the axes of the controller");
   return with(c, [&](auto& whole) {
     return capi::set_parameter(target_of(whole.settings[axis]), name, value, kAxis[axis], whole.problem);
   });
@@ -314,7 +315,8 @@ stribeck_result stribeck_controller_set(stribeck_controller* c, std::uint32_t ax
 stribeck_result stribeck_controller_choose(stribeck_controller* c, std::uint32_t axis, const char* name,
                                            const char* word) noexcept {
   if (!good(c)) return STRIBECK_BAD_HANDLE;
-  if (axis >= c->axes) return capi::bad_argument(c, "axis: there is none of this number");
+  if (axis >= c->axes)
+    return capi::bad_argument(c, "axis: expected a number below that of the axes of the controller");
   return with(c, [&](auto& whole) {
     return capi::choose_parameter(target_of(whole.settings[axis]), name, word, kAxis[axis], whole.problem);
   });

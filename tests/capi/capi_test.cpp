@@ -196,7 +196,7 @@ TEST(CInterface, SaysWhatIsWrongWithAnArgument) {
   EXPECT_EQ(stribeck_controller_choose(c, 0, "observer", nullptr), STRIBECK_BAD_ARGUMENT);
   EXPECT_EQ(problem(), "axis 0: word: is null, expected a word of the parameter");
   EXPECT_EQ(stribeck_controller_set(c, 1, "mass", 1.0), STRIBECK_BAD_ARGUMENT);
-  EXPECT_EQ(problem(), "axis: there is none of this number");
+  EXPECT_EQ(problem(), "axis: expected a number below that of the axes of the controller");
   EXPECT_EQ(stribeck_controller_step(c, nullptr, &force), STRIBECK_BAD_ARGUMENT);
   EXPECT_EQ(problem(), "in: is null, expected one input for each axis");
   EXPECT_EQ(stribeck_controller_step(c, &in, nullptr), STRIBECK_BAD_ARGUMENT);
@@ -640,7 +640,7 @@ void expect_same(WithLaw& h, const Law&, double slowest, int ticks, Step step) {
   }
 }
 
-// The row of a law: | `contouring` | 16 700 / 49 400 | …; numbers are rounded to hundreds.
+// The row of a law: | `contouring` | 16 600 / 49 400 | …; numbers are rounded to hundreds.
 TEST(CLaws, TheGuideStatesTheirSizes) {
   std::ifstream guide(STRIBECK_SOURCE_DIR "/docs/guides/c-interface.md");
   std::size_t found = 0;
