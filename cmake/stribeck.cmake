@@ -98,15 +98,11 @@ set(STRIBECK_STANDARD_HEADERS <algorithm> <array> <cmath> <functional> <limits> 
                               <stdexcept> <string> <string_view> <variant> <vector>)
 
 # stribeck_texts(<target> [HEADERS <header>...]): for what writes pages, tables and messages. -O1 costs a third less to compile than
-# -O2 and nothing that a user feels; under the sanitizers they are not optimised. The headers that all of them include are compiled once, or with more HEADERS once more.
+# -O2 and nothing that a user feels. The headers that all of them include are compiled once, or with more HEADERS once more.
 function(stribeck_texts target)
   cmake_parse_arguments(P "" "" "HEADERS" ${ARGN})
   set(headers ${STRIBECK_STANDARD_HEADERS} <fmt/format.h> <nlohmann/json.hpp>)
-  set(optimisation $<$<CONFIG:Release>:-O1>)
-  if(STRIBECK_SANITIZE)
-    set(optimisation -O0)
-  endif()
-  target_compile_options(${target} PRIVATE ${optimisation})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(P_HEADERS)
     stribeck_precompile(${target} ${headers} ${P_HEADERS})
     return()
@@ -115,7 +111,7 @@ function(stribeck_texts target)
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/text_headers.cpp CONTENT "")
     add_library(stribeck_text_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/text_headers.cpp)
     target_link_libraries(stribeck_text_headers PRIVATE stribeck_flags fmt::fmt nlohmann_json::nlohmann_json)
-    target_compile_options(stribeck_text_headers PRIVATE ${optimisation})
+    target_compile_options(stribeck_text_headers PRIVATE $<$<CONFIG:Release>:-O1>)
     stribeck_precompile(stribeck_text_headers ${headers})
   endif()
   stribeck_precompile(${target} REUSE_FROM stribeck_text_headers)
@@ -176,12 +172,8 @@ function(stribeck_test name)
   add_executable(${name} ${T_SOURCES})
   target_link_libraries(${name} PRIVATE ${T_LINKS} stribeck_flags GTest::gmock GTest::gtest GTest::gtest_main)
   # Tests are three fifths of everything that is compiled, and little of what runs in them is theirs: the libraries keep their -O2. With
-  # -O0 the tests took longer than the compiler gained. Under the sanitizers the optimiser takes two thirds of the compiler's time: there
-  # tests are compiled without it.
+  # -O0 the tests took longer than the compiler gained.
   set(optimisation $<$<CONFIG:Release>:-O1>)
-  if(STRIBECK_SANITIZE)
-    set(optimisation -O0)
-  endif()
   target_compile_options(${name} PRIVATE ${optimisation})
   if(NOT TARGET stribeck_test_headers)
     # Compiled once for all test programs. A program, because position-independent code differs between one and a library.
