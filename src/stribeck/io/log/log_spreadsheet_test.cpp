@@ -56,6 +56,10 @@ TEST(Spreadsheet, ATimeForEachVariable) {
   EXPECT_THAT(slow.columns.at(slow.at("f").time).values, ElementsAre(0.0, 8.0, 16.0));
   EXPECT_THAT(slow.at("f").values, ElementsAre(5.0, 6.0, 7.0));
   EXPECT_THAT(slow.at("x").values, ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0));
+  // Without a unit a second time may be anything.
+  const Log vague = parse("Time;x;Time 2;f\n0;1;30;5\n10;2;40;6\n");
+  EXPECT_EQ(vague.columns.size(), 4U);
+  EXPECT_THAT(vague.notes, Contains(HasSubstr("\"Time\" and \"Time 2\" hold different times")));
   EXPECT_THAT([] { parse("t;x;x\n0;1;0\n10;2;11\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("stands twice")));
 }

@@ -226,6 +226,13 @@ bool pair_times(Log& log) {
                    [&](std::size_t c) { return log.columns[c].unit_text == first.unit_text; }))
     return false;
   const std::string unit = first.unit_text;
+  if (unit.empty()) {
+    log.notes.push_back(
+        "columns " + in_quotes(first.header) + " and " + in_quotes(log.columns[times[1]].header) +
+        " hold different times, and the first one is used for all columns: write a unit into both names, as in " +
+        in_quotes(first.header + " [ms]") + ", where each is the time of the columns behind it");
+    return false;
+  }
   std::vector<Group> groups;
   std::vector<Column> texts;
   for (std::size_t c = 0; c < log.columns.size(); ++c) {
