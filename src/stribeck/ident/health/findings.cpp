@@ -33,6 +33,16 @@ Channel channel_of(const std::vector<HealthTest>& tests, Number number, std::arr
 
 std::optional<std::array<double, 2>> pair_of(const Force& f) { return {{f.value, f.half_width}}; }
 
+/// A number that a test may lack, times a factor.
+template <class T>
+Get scaled(std::optional<T> Measured::*number, double factor) {
+  return [=](const HealthTest& t) -> std::optional<std::array<double, 2>> {
+    const std::optional<T>& n = (*t.axis).*number;
+    if (!n) return std::nullopt;
+    return {{factor * n->value, factor * n->half_width}};
+  };
+}
+
 void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::vector<Channel>& out) {
   const Measured& first = *tests.front().axis;
   const double level = 0.5 * std::abs(first.forward.value + first.backward.value);
@@ -45,39 +55,17 @@ void add_axis(const std::vector<HealthTest>& tests, const Limits& limits, std::v
   add(
       Number::kBackward, {}, [](const HealthTest& t) { return pair_of(t.axis->backward); }, level);
   if (first.coulomb && first.viscous) {
-    using Value = std::optional<std::array<double, 2>>;
     const double top = first.motion.top_speed;
-    add(
-        Number::kCoulomb, {},
-        [](const HealthTest& t) { return t.axis->coulomb ? pair_of(*t.axis->coulomb) : Value(); }, level);
-    add(
-        Number::kViscous, {},
-        [top](const HealthTest& t) {
-          return t.axis->viscous ? Value({top * t.axis->viscous->value, top * t.axis->viscous->half_width})
-                                 : Value();
-        },
+    add(Number::kCoulomb, {}, scaled(&Measured::coulomb, 1.0), level);
+    add(Number::kViscous, {}, scaled(&Measured::viscous, top),
         std::max(level, std::abs(top * first.viscous->value)));
   }
   add(
       Number::kOffset, {}, [](const HealthTest& t) { return pair_of(t.axis->offset); }, level);
-  if (first.mass) {
-    using Value = std::optional<std::array<double, 2>>;
-    add(
-        Number::kMass, {},
-        [](const HealthTest& t) {
-          return t.axis->mass ? Value({t.axis->mass->value, t.axis->mass->half_width}) : Value();
-        },
-        first.mass->value);
-  }
+  if (first.mass) add(Number::kMass, {}, scaled(&Measured::mass, 1.0), first.mass->value);
   if (first.spring) {
-    using Value = std::optional<std::array<double, 2>>;
     const double end = 0.5 * (first.motion.travel[1] - first.motion.travel[0]);
-    add(
-        Number::kSpring, {},
-        [end](const HealthTest& t) {
-          return t.axis->spring ? Value({end * t.axis->spring->value, end * t.axis->spring->half_width})
-                                : Value();
-        },
+    add(Number::kSpring, {}, scaled(&Measured::spring, end),
         std::max(level, std::abs(end * first.spring->value)));
   }
   for (std::size_t j = 0; j < first.places.size(); ++j)

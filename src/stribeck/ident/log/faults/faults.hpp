@@ -17,8 +17,8 @@ inline constexpr std::size_t kMostLost = 5;  ///< rows in one place that are put
 /// Puts in up to kMostLost rows that are missing in one place, time stamps included, and marks them as not fitted. Longer gaps
 /// stay, as do those that the motion does not have.
 void bridge_short_gaps(Table& table, Sampling& sampling, Notes& notes);
-/// Value at step `at` of a hole of `hole` steps, on the cubic through the two samples before it and the two after it.
-double on_cubic(const std::array<double, 4>& y, double hole, double at);
+/// Value at the time `at` on the cubic through four samples y at the times t, two before a hole and two after it.
+double on_cubic(const std::array<double, 4>& t, const std::array<double, 4>& y, double at);
 
 // lost_rows.cpp
 /// Puts in rows that a logger lost, takes out those that it wrote twice, and mends those that it did not renew,

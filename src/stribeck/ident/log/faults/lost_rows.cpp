@@ -243,10 +243,11 @@ class Mender {
         const double at = static_cast<double>(i + 1);
         const bool renewed = in_log && c > 0 && (*raw)[k + i] != (*raw)[k - 1];
         fresh[c].push_back(
-            renewed    ? (*raw)[k + i]
-            : position ? on_cubic({(*done)[done->size() - 2], done->back(), (*raw)[next], (*raw)[next + 1]},
-                                  hole, at)
-                       : done->back() + ((*raw)[next] - done->back()) * at / hole);
+            renewed ? (*raw)[k + i]
+            : position
+                ? on_cubic({-1.0, 0.0, hole, hole + 1.0},
+                           {(*done)[done->size() - 2], done->back(), (*raw)[next], (*raw)[next + 1]}, at)
+                : done->back() + ((*raw)[next] - done->back()) * at / hole);
       }
     }
     for (std::size_t c = 0; c < columns.size(); ++c)

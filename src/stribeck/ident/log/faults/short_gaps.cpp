@@ -71,19 +71,6 @@ std::vector<ShortGap> short_gaps(const Table& m, double T, bool exact) {
   return out;
 }
 
-/// The cubic through rows k − 2 to k + 1, which may stand at any times, at `at`.
-double on_cubic_of(const std::vector<double>& t, const std::vector<double>& y, std::size_t k, double at) {
-  double sum = 0.0;
-  for (std::size_t i = k - 2; i < k + 2; ++i) {
-    double weight = 1.0;
-    for (std::size_t j = k - 2; j < k + 2; ++j) {
-      if (j != i) weight *= (at - t[j]) / (t[i] - t[j]);
-    }
-    sum += weight * (y[i] - y[k - 1]);
-  }
-  return y[k - 1] + sum;
-}
-
 /// Values of one column with the missing ones put in: on a cubic, or on a straight line.
 std::vector<double> filled(const std::vector<double>& t, const std::vector<double>& y,
                            const std::vector<ShortGap>& gaps, bool smooth) {
@@ -95,7 +82,9 @@ std::vector<double> filled(const std::vector<double>& t, const std::vector<doubl
       const auto steps = static_cast<double>(gap->steps);
       for (std::size_t i = 1; i < gap->steps; ++i) {
         const auto at = static_cast<double>(i);
-        out.push_back(smooth ? on_cubic_of(t, y, k, t[k - 1] + (t[k] - t[k - 1]) * at / steps)
+        out.push_back(smooth ? on_cubic({t[k - 2], t[k - 1], t[k], t[k + 1]},
+                                        {y[k - 2], y[k - 1], y[k], y[k + 1]},
+                                        t[k - 1] + (t[k] - t[k - 1]) * at / steps)
                              : y[k - 1] + (y[k] - y[k - 1]) * at / steps);
       }
       ++gap;
@@ -107,8 +96,7 @@ std::vector<double> filled(const std::vector<double>& t, const std::vector<doubl
 
 }  // namespace
 
-double on_cubic(const std::array<double, 4>& y, double hole, double at) {
-  const std::array<double, 4> t{-1.0, 0.0, hole, hole + 1.0};
+double on_cubic(const std::array<double, 4>& t, const std::array<double, 4>& y, double at) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     double weight = 1.0;

@@ -17,8 +17,6 @@ using Json = nlohmann::ordered_json;
 
 /// Deepest nesting of a row.
 constexpr int kDeepest = 8;
-/// Rows whose keys become columns: a key that appears later is not known before the table is written.
-constexpr std::size_t kRowsWithKeys = 100;
 /// Cells of the table for each byte of the file. A cell with a value takes more than one byte; rows without most of their keys would
 /// otherwise make a table far larger than the file.
 constexpr std::size_t kCellsPerByte = 4;
@@ -37,9 +35,12 @@ std::optional<Json> parsed(std::string_view text) {
 
 bool is_scalar(const Json& value) { return !value.is_structured(); }
 
-/// Text of a cell; blank for null.
+/// A cell without a value. A blank one at the end of a line would be no cell.
+constexpr const char* kAbsent = "null";
+
+/// Text of a cell.
 std::string cell_of(const Json& value) {
-  if (value.is_null()) return {};
+  if (value.is_null()) return kAbsent;
   if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
   if (!value.is_string()) return value.dump();
   std::string out = "\"";
@@ -73,18 +74,17 @@ class Table {
   Table(std::size_t bytes, std::string source) : bytes_(bytes), source_(std::move(source)) {}
 
   void add(const Json& row) {
-    std::vector<std::string> cells(names_.size());
+    std::vector<std::string> cells(names_.size(), kAbsent);
     each_cell("", row, [&](const std::string& name, const Json& value) {
       auto at = columns_.find(name);
-      if (at == columns_.end() && rows_.size() < kRowsWithKeys && names_.size() < kMaxColumns) {
+      if (at == columns_.end()) {
         at = columns_.emplace(name, names_.size()).first;
         names_.push_back(name);
         cells.emplace_back();
       }
-      if (at != columns_.end()) cells[at->second] = cell_of(value);
+      cells[at->second] = cell_of(value);
     });
-    cells_ += names_.size();
-    if (cells_ > kCellsPerByte * bytes_)
+    if ((rows_.size() + 1) * names_.size() > kCellsPerByte * bytes_)
       throw InputError(
           Problem{source_, 0, "", "most of its rows lack most of the keys, expected the same keys in each"});
     rows_.push_back(joined(cells));
@@ -96,8 +96,11 @@ class Table {
     std::vector<std::string> names;
     for (const std::string& name : names_) names.push_back(cell_of(Json(name)));
     out += joined(names) + '\n';
-    for (std::size_t k = 0; k < rows_.size(); ++k)
-      out += rows_[k] + std::string(names_.size() - widths_[k], ',') + '\n';
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      out += rows_[k];
+      for (std::size_t c = widths_[k]; c < names_.size(); ++c) out += std::string(",") + kAbsent;
+      out += '\n';
+    }
     return out;
   }
   [[nodiscard]] bool empty() const { return names_.empty(); }
@@ -112,8 +115,7 @@ class Table {
   std::map<std::string, std::size_t> columns_;
   std::vector<std::string> names_;
   std::vector<std::string> rows_;
-  std::vector<std::size_t> widths_;  ///< cells in each row
-  std::size_t cells_ = 0;
+  std::vector<std::size_t> widths_;  ///< cells in each row: a key may come later
 };
 
 std::optional<std::string> lines_of_objects(std::string_view text, const std::string& source) {
@@ -192,6 +194,25 @@ std::string head_of(const Json& object) {
   return head;
 }
 
+/// Python writes NaN, which is no JSON, for what is absent.
+std::string with_null_for_nan(std::string_view text) {
+  std::string out;
+  bool in_quotes = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (in_quotes && text[i] == '\\' && i + 1 < text.size()) {
+      out += text[i++];
+    } else if (text[i] == '"') {
+      in_quotes = !in_quotes;
+    } else if (!in_quotes && text.substr(i, 3) == "NaN") {
+      out += "null";
+      i += 2;
+      continue;
+    }
+    out += text[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 bool may_be_json(std::string_view text) {
@@ -211,6 +232,11 @@ std::optional<std::string> csv_of_json(std::string_view text, const std::string&
   // The captures of a SINUMERIK are larger than others, and have a reader of their own.
   for (const std::string_view key : {"\"HFData\"", "\"SignalListHFData\"", "\"Payload\""}) {
     if (text.find(key) != std::string_view::npos) return std::nullopt;
+  }
+  std::string plain;
+  if (text.find("NaN") != std::string_view::npos) {
+    plain = with_null_for_nan(text);
+    text = plain;
   }
   if (auto table = lines_of_objects(text, source)) return table;
   const auto value = parsed(text);

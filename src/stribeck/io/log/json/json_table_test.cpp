@@ -65,10 +65,17 @@ TEST(JsonTable, ValuesInsideARow) {
 
 TEST(JsonTable, WhatARowLacksIsAbsent) {
   const Log log = parse(
-      R"([{"t_s": 0, "x_mm": 1}, {"t_s": 1}, {"t_s": 2, "x_mm": null}, {"t_s": 3, "x_mm": 4, "f_N": 5}])");
-  EXPECT_EQ(log.rows, 4U);
+      R"([{"t_s": 0, "x_mm": 1}, {"t_s": 1}, {"t_s": 2, "x_mm": null}, {"t_s": 2.5, "x_mm": NaN, "who": "NaN \" NaN"}, {"t_s": 3, "x_mm": 4, "f_N": 5}])");
+  EXPECT_EQ(log.rows, 5U);
   EXPECT_THAT(log.at("x").values, ElementsAre(1.0, 4.0));
-  EXPECT_THAT(log.notes, Contains(HasSubstr("\"x_mm\" has numbers in 2 of 4 rows")));
+  EXPECT_THAT(log.notes, Contains(HasSubstr("\"x_mm\" has numbers in 2 of 5 rows")));
+}
+
+TEST(JsonTable, AKeyMayComeLate) {
+  std::string text;
+  for (int i = 0; i < 300; ++i)
+    text += "{\"t_s\": " + std::to_string(i) + (i < 150 ? "" : ", \"x_mm\": 2") + "}\n";
+  EXPECT_EQ(parse(text).at("x").values.size(), 150U);
 }
 
 TEST(JsonTable, DamageIsNamed) {
