@@ -39,10 +39,12 @@ namespace {
 
 /// Values with a unit of a force that are none: an override, the load of the motor over minutes, the supply of the drive.
 bool is_of_supply(const std::string& name) {
-  constexpr std::array<std::string_view, 12> kWords{
-      "override", "utilization", "utilisation", "auslastung", "i2t",           "i\u00B2t",
-      "bus",      "dc",          "temperature", "temperatur", "zwischenkreis", "supply"};
-  return any_word(words_of_name(name), kWords);
+  constexpr std::array<std::string_view, 11> kWords{
+      "override", "utilization", "utilisation", "auslastung",    "i2t",   "i\u00B2t",
+      "bus",      "temperature", "temperatur",  "zwischenkreis", "supply"};
+  constexpr std::array<std::string_view, 1> kDirect{"dc"}, kLink{"link"};
+  const std::vector<std::string> words = words_of_name(name);
+  return any_word(words, kWords) || (any_word(words, kDirect) && any_word(words, kLink));
 }
 
 /// All columns that could be the force, and messages on columns that could not be distinguished.

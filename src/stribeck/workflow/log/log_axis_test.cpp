@@ -192,6 +192,25 @@ TEST(LogAxis, TurnsPerMinuteInOtherWords) {
   EXPECT_THAT(told.notes, Contains(HasSubstr("has the unit 1/s in the file; --map gives rpm instead")));
 }
 
+// The one column with a unit of a force need not be one.
+TEST(LogAxis, WhatIsOfTheSupplyIsNoForce) {
+  for (const char* name :
+       {"Feed override [%]", "Motor utilization [%]", "DC link voltage [V]", "Bus voltage [V]"})
+    EXPECT_THAT(refusal(csv(std::string("t [s],x [mm],") + name, {"t", "x_mm", "percent"})),
+                HasSubstr("no column for the force"))
+        << name;
+  EXPECT_EQ(axis_of(csv("t [s],x [mm],DC motor [A]", {"t", "x_mm", "percent"})).force_unit, "A");
+}
+
+// A drive with two encoders.
+TEST(LogAxis, OfTwoEncodersTheMotorIsThePosition) {
+  const io::Log log = log_of(csv("t [s],Z motor [mm],Z scale [mm],f [N]", {"t", "x_mm", "x_mm", "f"}));
+  EXPECT_THAT(workflow::logged_axis(log, {}).notes,
+              Contains(HasSubstr("the position is that of column \"Z motor")));
+  EXPECT_THAT(workflow::inspect(log, {}).text,
+              AllOf(HasSubstr("lost motion: backlash and wind-up"), HasSubstr("Z scale")));
+}
+
 // A log in counts of the encoder needs the length of one, in --map or in the side file.
 TEST(LogAxis, IncrementsOfTheEncoder) {
   const std::string text = csv("t [s],r [Inkr],x [Inkr],f [N]", {"t", "x_mm", "x_mm", "f"});

@@ -198,8 +198,8 @@ class Summary {
     const bool any_figure = std::any_of(cells.begin() + static_cast<std::ptrdiff_t>(begin) + 4, cells.end(),
                                         [](std::string_view cell) { return !cell.empty(); });
     const bool at_limit = std::isfinite(number_of(cells[begin + 3], path, line));
-    if (refused == at_limit || (refused && any_figure) || (state == kRunDone && !any_figure))
-      throw changed(path, line);
+    // A run that was done may have no figure: not every path has quadrants.
+    if (refused == at_limit || (refused && any_figure)) throw changed(path, line);
     const bool lost = state == kRunLost;
     lost_[row] += lost ? 1 : 0;
     refused_[row] += refused ? 1 : 0;
