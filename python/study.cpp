@@ -22,7 +22,9 @@ Outcome study(const py::object& file, const py::object& folder, const py::kwargs
     const workflow::Study what = workflow::read_study(path);
     io::make_directory(o.folder);
     io::check_writable(netcdf);
-    const report::StudyResult result = workflow::run_study(what, o, interruptible());
+    workflow::StudyOptions with_progress = o;
+    with_progress.progress = interruptible();
+    const report::StudyResult result = workflow::run_study(what, with_progress);
     if (!netcdf.empty()) workflow::write_netcdf(what, o.folder, netcdf, STRIBECK_VERSION);
     return Outcome{report::to_json(result), report::text_table(result), std::nullopt, true};
   });

@@ -1,12 +1,18 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
 #include <apps/cli/shared.hpp>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
 #include <stribeck/io/file.hpp>
+#include <stribeck/io/printable.hpp>
 #include <stribeck/report/study/study_report.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <thread>
 
 namespace stribeck::cli {
 namespace {
@@ -17,7 +23,25 @@ struct StudyCommand {
   std::string out;
   std::string netcdf;
   unsigned threads = 0;
+  bool shared = false;
 };
+
+/// What mpirun (Open MPI, MPICH) and srun (Slurm) tell a process that they started; 0 where they did not.
+unsigned from_launcher(std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    const char* text = std::getenv(name);
+    unsigned n = 0;
+    if (text != nullptr && std::from_chars(text, text + std::strlen(text), n).ec == std::errc()) return n;
+  }
+  return 0;
+}
+
+/// Cores of this computer for one of the processes that a launcher started on it; 0: all.
+unsigned threads_of_launched() {
+  const unsigned beside =
+      from_launcher({"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"});
+  return beside > 1 ? std::max(1U, std::thread::hardware_concurrency() / beside) : 0;
+}
 
 int study(const StudyCommand& o) {
   const Study study = read_study(o.file);
@@ -27,12 +51,24 @@ int study(const StudyCommand& o) {
   const OutputFolder page_folder = check_outputs(o.common);
   io::check_writable(o.netcdf);
   StudyOptions options{o.out, o.threads, STRIBECK_VERSION};
+  options.rank = from_launcher({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"});
+  const bool shared = o.shared || from_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_NTASKS"}) > 1;
+  if (shared && options.threads == 0) options.threads = threads_of_launched();
   report::StudyResult result;
   {
     Progress progress("study", o.common.quiet);
-    result = run_study(study, options, [&](std::uint64_t done, std::uint64_t all) {
+    options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
-    });
+    };
+    if (shared) {
+      const auto ours = run_shared_study(study, options, [](const std::string& text) {
+        fmt::print(stderr, "stribeck: {}\n", io::printable(text));
+      });
+      if (!ours) return 0;  // another process tells the result
+      result = *ours;
+    } else {
+      result = run_study(study, options);
+    }
   }
   if (!o.netcdf.empty()) write_netcdf(study, o.out, o.netcdf, STRIBECK_VERSION);
   write_json(o.common.json, report::to_json(result), made_from(study.inputs));
@@ -62,6 +98,10 @@ void add_study(CLI::App& app, Action& action) {
                    "Number of threads; 0: all cores. The result does not depend on it")
       ->check(whole_from(0, 4096))
       ->capture_default_str();
+  verb->add_flag(
+      "--shared", o->shared,
+      "Share the runs with other processes that were started with the same study and folder, here or on computers "
+      "that have the folder too; mpirun and srun turn it on");
   add_common(*verb, o->common);
   refuse_empty_options(*verb);
   verb->footer("Example:\n  stribeck study examples/study/friction.toml -o friction --report friction");

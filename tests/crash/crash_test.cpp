@@ -1,5 +1,6 @@
 // The program is killed, or the disk is full, at every single call that changes a file (shim.c): each file is the earlier one or the
 // new one, whole, and nothing is left lying about.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -373,6 +374,79 @@ TEST_F(StoppedStudy, GoesOnAfterAFullDisk) {
 }
 
 // It ended with an exception that nobody caught.
+/// A process of the program that is not waited for; its words are not kept.
+pid_t started(std::vector<std::string> words) {
+  words.insert(words.begin(), STRIBECK_PROGRAM);
+  std::vector<char*> argv;
+  for (auto& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child != 0) return child;
+  const int none = open("/dev/null", O_WRONLY);
+  if (none < 0 || dup2(none, STDOUT_FILENO) < 0 || dup2(none, STDERR_FILENO) < 0) _exit(99);
+  execv(argv[0], argv.data());
+  _exit(98);
+}
+
+/// A study of 160 machines, as one process computes it.
+std::string study_file(const Folder& f) {
+  return f.write("study.toml",
+                 "machine = \"" + std::string(STRIBECK_SOURCE_DIR) +
+                     "/machines/biaxial-table.toml\"\ncontrollers = [\"f\"]\nfigures = [\"rms_um\"]\n"
+                     "sampling = \"random\"\nsamples = 160\nseed = 3\n"
+                     "[motion]\nsize = \"10 mm\"\nlaps = 1\nsettle_laps = 1\nspeeds = [\"9.5 mm/s\"]\n"
+                     "[[factors]]\nkey = \"*.friction\"\n"
+                     "scale = { kind = \"uniform\", low = 0.7, high = 1.3 }\n");
+}
+
+// Whoever leads is killed, and then the one that took its place; the third ends the study, and nothing of the sharing is left.
+TEST(CrashOfAStudy, SharedByThreeOfWhichTwoAreKilled) {
+  const Folder f;
+  const std::string study = study_file(f);
+  ASSERT_EQ(run(f, {"study", study, "-o", f / "alone", "--quiet"}), 0) << text_of(f / "said");
+  const std::string whole = text_of(f / "alone/results.csv");
+  std::vector<pid_t> processes;
+  for (int k = 0; k < 3; ++k)
+    processes.push_back(started({"study", study, "-o", f / "shared", "--shared", "--threads", "1"}));
+  const auto rows = [&] {
+    const std::string path = f / "shared/results.csv";
+    return fs::exists(path) ? fs::file_size(path) : 0;
+  };
+  for (std::size_t k = 0; k < 2; ++k) {
+    // Some rows further, or at the end, whatever the computer is doing.
+    const std::uintmax_t goal = std::min<std::uintmax_t>(whole.size(), rows() + whole.size() / 5);
+    while (rows() < goal) usleep(2000);
+    kill(processes[k], SIGKILL);
+    waitpid(processes[k], nullptr, 0);
+  }
+  int status = -1;
+  waitpid(processes[2], &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(text_of(f / "shared/results.csv"), whole);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(f / "shared"))
+    names.push_back(entry.path().filename().string());
+  EXPECT_THAT(names, testing::UnorderedElementsAre("inputs.txt", "results.csv"));
+}
+
+TEST(CrashOfAStudy, UnderMpirunItIsTheSameBytes) {
+  if (std::system("command -v mpirun > /dev/null") != 0) GTEST_SKIP() << "there is no mpirun here";
+  const Folder f;
+  const std::string study = study_file(f);
+  ASSERT_EQ(run(f, {"study", study, "-o", f / "alone", "--quiet"}), 0) << text_of(f / "said");
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+  const std::string command = "mpirun --oversubscribe -n 3 '" + std::string(STRIBECK_PROGRAM) + "' study '" +
+                              study + "' -o '" + f / "shared" + "' > '" + f / "said" + "' 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << text_of(f / "said");
+  EXPECT_EQ(text_of(f / "shared/results.csv"), text_of(f / "alone/results.csv"));
+  // One of the three tells the result.
+  const std::string said = text_of(f / "said");
+  const std::size_t first = said.find("160 machines");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("160 machines", first + 1), std::string::npos);
+}
+
 TEST(Messages, ThatNobodyCanReadDoNotChangeTheExitCode) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
   const int status = std::system("'" STRIBECK_PROGRAM "' machine no-such-file.toml 2>/dev/full");

@@ -74,7 +74,8 @@ inline std::string study_in_words(const StudyResult& r) {
       r.factors.empty() ? fmt::format("run{} of", plural) : fmt::format("machine{} that differ from", plural);
   std::string words = fmt::format("{} {} \"{}\": {}", r.runs, what, clean_text(r.machine), how);
   if (r.runs != r.samples)
-    words += fmt::format(" of {} samples, {} runs each", r.samples, r.runs / r.samples);
+    words += fmt::format(" of {} samples, {} runs each (means and quantiles over the first two, {} machines)",
+                         r.samples, r.runs / r.samples, 2 * r.samples);
   return words + fmt::format(", seed {}", r.seed);
 }
 

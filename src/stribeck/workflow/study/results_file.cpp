@@ -106,11 +106,11 @@ ResultsFile::ResultsFile(const std::string& folder, const std::string& inputs, R
     if (!S_ISREG(info.st_mode))
       throw io::InputError(io::Problem{path_, 0, {}, "is no regular file, to which runs could be added"});
     if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-      throw io::InputError(io::Problem{
+      throw ResultsInUse(io::Problem{
           path_,
           0,
           {},
-          "another program adds runs to it at the moment (wait for it, or choose another folder)"});
+          "another program adds runs to it at the moment (wait for it, choose another folder, or give --shared to both)"});
     }
     const std::string head = layout_.head + '\n';
     std::string begin(std::min<std::size_t>(static_cast<std::size_t>(info.st_size), head.size()), '\0');

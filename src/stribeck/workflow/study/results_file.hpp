@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stribeck/io/error.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +27,15 @@ struct ResultsLayout {
   std::uint64_t runs = 1;   ///< of the whole study
 };
 
+/// Another program adds runs at the moment.
+class ResultsInUse : public io::InputError {
+ public:
+  using io::InputError::InputError;
+};
+
 class ResultsFile {
  public:
-  /// Opens the results in a folder for more runs, or begins them. One at a time: another program that writes them is refused.
+  /// Opens the results in a folder for more runs, or begins them. One at a time: ResultsInUse where another program writes them.
   ResultsFile(const std::string& folder, const std::string& inputs, ResultsLayout layout);
   ~ResultsFile();
   ResultsFile(const ResultsFile&) = delete;

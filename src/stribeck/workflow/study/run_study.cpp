@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <memory>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/file.hpp>
@@ -12,6 +14,7 @@
 #include <stribeck/sim/study/machine_runs.hpp>
 #include <stribeck/workflow/study/results_file.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <thread>
 
 namespace stribeck::workflow {
 namespace {
@@ -320,26 +323,146 @@ Summary sum_up(const Study& study, const Runner& runner, const ResultsFile& file
   return summary;
 }
 
+/// What the processes of a study have in common: compensators, how a run is computed, where its rows go.
+class Task {
+ public:
+  Task(const Study& study, const StudyOptions& options)
+      : study_(study),
+        options_(options),
+        parameters_(parameters_of(study, options)),
+        runner_(study, parameters_),
+        inputs_(inputs_of(study, parameters_, options.version)) {}
+
+  [[nodiscard]] const std::string& inputs() const { return inputs_; }
+  [[nodiscard]] std::uint64_t rows() const { return runner_.rows(); }
+  [[nodiscard]] std::unique_ptr<ResultsFile> open() const {
+    return std::make_unique<ResultsFile>(options_.folder, inputs_,
+                                         ResultsLayout{head_of(study_), runner_.rows(), study_.runs});
+  }
+  /// Refuses a changed file and draws that are no machine, before hours of runs.
+  void check(const ResultsFile& file) const {
+    if (file.finished() > 0) sum_up(study_, runner_, file);
+    check_machines(study_, runner_.design(), file.finished(), options_.threads);
+  }
+  /// The rows of runs, handed over in their order: take(run, rows).
+  template <class Take>
+  void compute(std::uint64_t begin, std::uint64_t end, Take&& take) const {
+    sim::in_order(
+        begin, end, options_.threads, [&](std::uint64_t run) { return runner_.text(run); },
+        [&](std::uint64_t run, const std::string& rows) { take(run, rows); });
+  }
+  void progress(std::uint64_t done) const {
+    if (options_.progress) options_.progress(done, study_.runs);
+  }
+  [[nodiscard]] report::StudyResult result(ResultsFile& file) const {
+    file.keep();
+    return sum_up(study_, runner_, file).result(runner_.nominal(), parameters_);
+  }
+
+ private:
+  static Parameters parameters_of(const Study& study, const StudyOptions& options) {
+    sim::CompareSpec spec = study.spec;
+    spec.threads = options.threads;
+    return get_parameters(study.machine, study.machine_file, study.parameters, spec);
+  }
+
+  const Study& study_;
+  const StudyOptions& options_;
+  Parameters parameters_;
+  Runner runner_;
+  std::string inputs_;
+};
+
+constexpr std::chrono::milliseconds kLook{50};  // between two looks at what the others do
+
+/// Computes one block that nobody has; false: there is none.
+bool compute_one(const Task& task, SharedRuns& shared) {
+  const auto block = shared.claim();
+  if (!block) return false;
+  std::string rows;
+  task.compute(shared.begin_of(*block), shared.end_of(*block),
+               [&](std::uint64_t, const std::string& some) { rows += some; });
+  shared.finish(*block, rows);
+  return true;
+}
+
+/// Adds the rows of a block from the next run of the file on; false: they are damaged.
+bool take_over(const std::string& rows, const Task& task, const SharedRuns& shared, std::uint64_t block,
+               ResultsFile& file) {
+  const auto lines = static_cast<std::uint64_t>(std::count(rows.begin(), rows.end(), '\n'));
+  if (rows.empty() || rows.back() != '\n' ||
+      lines != task.rows() * (shared.end_of(block) - shared.begin_of(block)))
+    return false;
+  std::size_t at = 0;
+  for (std::uint64_t run = shared.begin_of(block); run < shared.end_of(block); ++run) {
+    std::size_t end = at;
+    for (std::uint64_t k = 0; k < task.rows(); ++k) end = rows.find('\n', end) + 1;
+    if (run == file.finished()) file.add(std::string_view(rows).substr(at, end - at));
+    at = end;
+  }
+  return true;
+}
+
+/// Takes blocks over in order, and computes those that nobody has.
+void lead(const Task& task, std::uint64_t runs, SharedRuns& shared, ResultsFile& file) {
+  std::optional<std::uint64_t> shared_from;
+  while (file.finished() < runs) {
+    const std::uint64_t block = shared.block_of(file.finished());
+    if (shared_from != block) shared.share_from(block);
+    shared_from = block;
+    if (const auto rows = shared.rows(block)) {
+      if (!take_over(*rows, task, shared, block, file)) shared.discard(block);
+      task.progress(file.finished());
+    } else if (!compute_one(task, shared)) {
+      std::this_thread::sleep_for(kLook);
+    }
+  }
+  shared.close();
+}
+
+/// Null where another process leads, as long as it does.
+std::unique_ptr<ResultsFile> open_if_free(const Task& task) {
+  try {
+    return task.open();
+  } catch (const ResultsInUse&) {
+    return nullptr;
+  }
+}
+
 }  // namespace
 
-report::StudyResult run_study(const Study& study, const StudyOptions& options,
-                              const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  sim::CompareSpec spec = study.spec;
-  spec.threads = options.threads;
-  const Parameters parameters = get_parameters(study.machine, study.machine_file, study.parameters, spec);
-  const Runner runner(study, parameters);
-  ResultsFile file(options.folder, inputs_of(study, parameters, options.version),
-                   {head_of(study), runner.rows(), study.runs});
-  if (file.finished() > 0) sum_up(study, runner, file);  // refuses a changed file before hours of runs
-  check_machines(study, runner.design(), file.finished(), options.threads);
-  sim::in_order(
-      file.finished(), study.runs, options.threads, [&](std::uint64_t run) { return runner.text(run); },
-      [&](std::uint64_t run, const std::string& rows) {
-        file.add(rows);
-        if (progress) progress(run + 1, study.runs);
-      });
-  file.keep();
-  return sum_up(study, runner, file).result(runner.nominal(), parameters);
+report::StudyResult run_study(const Study& study, const StudyOptions& options) {
+  const Task task(study, options);
+  const auto file = task.open();
+  task.check(*file);
+  task.compute(file->finished(), study.runs, [&](std::uint64_t run, const std::string& rows) {
+    file->add(rows);
+    task.progress(run + 1);
+  });
+  return task.result(*file);
+}
+
+std::optional<report::StudyResult> run_shared_study(const Study& study, const StudyOptions& options,
+                                                    const SharedRuns::Note& note, SharedRuns::Pace pace) {
+  const Task task(study, options);
+  SharedRuns shared(options.folder, task.inputs(), study.runs, note, pace);
+  for (bool helped = options.rank > 0;; helped = true) {
+    if (const auto file = open_if_free(task)) {
+      // The leader has ended, and has said the result.
+      if (helped && file->finished() == study.runs) return std::nullopt;
+      task.check(*file);
+      lead(task, study.runs, shared, *file);
+      return task.result(*file);
+    }
+    if (!shared.open() && shared.others())
+      throw io::InputError(io::Problem{
+          options.folder,
+          0,
+          {},
+          "other processes share the runs of another study, machine or version there (choose another folder; processors of "
+          "another kind may identify other last digits)"});
+    if (!compute_one(task, shared)) std::this_thread::sleep_for(kLook);
+  }
 }
 
 }  // namespace stribeck::workflow

@@ -12,10 +12,12 @@
 /// Real time: no. Errors: InputError; sim::Refused of controllers.
 
 #include <functional>
+#include <optional>
 #include <stribeck/report/study/study_report.hpp>
 #include <stribeck/sim/compare.hpp>
 #include <stribeck/workflow/parameters.hpp>
 #include <stribeck/workflow/study/factors.hpp>
+#include <stribeck/workflow/study/shared_runs.hpp>
 #include <stribeck/workflow/study/study_file.hpp>
 #include <string>
 #include <vector>
@@ -59,11 +61,17 @@ struct StudyOptions {
   std::string folder;
   unsigned threads = 0;
   std::string version;
+  unsigned rank = 0;  ///< of several processes; where nothing is left to do, 0 gets the result
+  std::function<void(std::uint64_t, std::uint64_t)> progress{};  ///< done, all; on one thread at a time
 };
 
-/// Runs what is not in the folder yet, and sums up. progress(done, all) is called on one thread at a time.
-report::StudyResult run_study(const Study& study, const StudyOptions& options,
-                              const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+/// Runs what is not in the folder yet, and sums up.
+report::StudyResult run_study(const Study& study, const StudyOptions& options);
+
+/// The same by several processes that call it with the same study and folder (shared_runs.hpp). The first one leads and gets the result;
+/// one of the others takes its place if it dies. Absent: this process helped until nothing was left.
+std::optional<report::StudyResult> run_shared_study(const Study& study, const StudyOptions& options,
+                                                    const SharedRuns::Note& note, SharedRuns::Pace pace = {});
 
 /// The rows of a finished study as a netCDF-4 file: factors over `run`, figures over `run` and `case` (controller and motion), with units.
 void write_netcdf(const Study& study, const std::string& folder, const std::string& path,

@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/sim/in_order.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <thread>
+#include <vector>
 
 namespace stribeck::workflow::study_test {
 namespace {
@@ -47,6 +52,49 @@ TEST(Study, SameBytesOnAnyNumberOfThreads) {
   EXPECT_THAT(rows,
               testing::StartsWith("run,sample,x.friction (scale),x.mass (scale),controller,motion,state,"
                                   "at_limit_percent,rms_um,input_variation_V\n0,0,"));
+}
+
+TEST(Study, SharedByThreeItIsTheSameBytes) {
+  Folder f;
+  const std::string text = with_machine("samples = 60\nseed = 7\n") + kFriction + kMass;
+  const auto alone = run(f, text, "alone");
+  std::filesystem::create_directories(f / "shared");
+  const Study study = read_study(f / "study.toml");
+  std::array<std::optional<report::StudyResult>, 3> results;
+  std::array<std::atomic<std::uint64_t>, 3> done{};
+  {
+    std::vector<std::jthread> processes;
+    for (unsigned k = 0; k < 3; ++k) {
+      processes.emplace_back([&, k] {
+        StudyOptions o{f / "shared", 1, "1", k};
+        o.progress = [&, k](std::uint64_t n, std::uint64_t) { done[k] = n; };
+        results[k] = run_shared_study(study, o, {});
+      });
+    }
+  }
+  EXPECT_EQ(text_of(f / "shared/results.csv"), text_of(f / "alone/results.csv"));
+  // One of them led, and tells the result.
+  std::vector<std::string> told;
+  for (const auto& r : results) {
+    if (r) told.push_back(report::text_table(*r));
+  }
+  ASSERT_FALSE(told.empty());
+  for (const std::string& t : told) EXPECT_EQ(t, report::text_table(alone));
+  EXPECT_EQ(std::max({done[0].load(), done[1].load(), done[2].load()}), 60U);
+  // Nothing is left of the sharing.
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(f / "shared"))
+    names.insert(entry.path().filename().string());
+  EXPECT_THAT(names, testing::ElementsAre("inputs.txt", "results.csv"));
+  // It goes on from any place, here within a block, and rows that were damaged on the way are computed again.
+  const std::string rows = text_of(f / "alone/results.csv");
+  f.write("shared/results.csv", rows.substr(0, rows.size() / 2));
+  const auto second = run_shared_study(study, {f / "shared", 2, "1"}, {});
+  ASSERT_TRUE(second);
+  EXPECT_EQ(text_of(f / "shared/results.csv"), rows);
+  // Of a finished study the first process tells the result, and no other.
+  EXPECT_FALSE(run_shared_study(study, {f / "shared", 2, "1", 1}, {}));
+  EXPECT_TRUE(run_shared_study(study, {f / "shared", 2, "1", 0}, {}));
 }
 
 TEST(Study, GoesOnWhereItStopped) {
