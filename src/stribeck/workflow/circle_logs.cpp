@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <stribeck/core/numbers.hpp>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/causes.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
 #include <stribeck/io/error.hpp>
@@ -72,6 +74,13 @@ void add_circles(report::CircleLog& one, const io::Log& log, const Track& t, con
   const circle::CircleMotion motion = motion_of(t, radius);
   // Where no circle is found, the test says what is missing.
   if (motion.runs.empty()) {
+    if (motion.longest_arc > 0.0)
+      throw io::InputError(
+          {log.source, 0, where,
+           fmt::format(
+               "the longest arc in one direction is one of {:.0f} deg, expected at least one revolution; got {} rows "
+               "(--where COLUMN=VALUE chooses rows, --size is the nominal radius)",
+               motion.longest_arc * 180.0 / kPi, t.x.size())});
     one.circles.push_back(tested(log, t, where, radius));
     rows.push_back(where);
     return;

@@ -15,6 +15,7 @@ constexpr double kLeastShare = 0.01;  // of the largest effect
 constexpr double kBeyond = 1.5;       // half widths of the 95 % interval: three standard deviations
 
 struct Fitted {
+  std::vector<Offset> offsets;  ///< of each log, taken off its rows
   CauseRows rows;
   Design design;
   CauseFit fit;
@@ -54,6 +55,12 @@ double amplitude_width(const stats::Uncertainty& u, const CauseFit& fit, const C
   const double amplitude = std::hypot(a, b);
   g(c.first) = amplitude > 0.0 ? a / amplitude : 1.0;
   g(c.first + 1) = amplitude > 0.0 ? b / amplitude : 0.0;
+  return u.half_width(g);
+}
+
+double width_of_second(const stats::Uncertainty& u, const CauseFit& fit, const CauseColumns& c) {
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(fit.coefficients.size());
+  g(c.first + 1) = 1.0;
   return u.half_width(g);
 }
 
@@ -119,12 +126,16 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
       figure("lag, if of second order", 1e3 * std::sqrt(std::max(0.0, 2.0 * first * radius)) / f.rows.fastest,
              std::nan(""), "ms");
       break;
-    case CauseKind::kCentre:
-      out.size = std::hypot(first, second);
-      out.half_width = amplitude_width(u, f.fit, c);
-      figure("x", first * 1e6, std::nan(""), "um");
-      figure("y", second * 1e6, std::nan(""), "um");
+    case CauseKind::kCentre: {
+      const Offset& off = f.offsets[static_cast<std::size_t>(c.log)];
+      const double x = off.x + first, y = off.y + second;
+      out.size = std::hypot(x, y);
+      out.half_width = std::max(u.half_width(g), width_of_second(u, f.fit, c));
+      out.effect = 2.0 * out.size;
+      figure("x", x * 1e6, std::nan(""), "um");
+      figure("y", y * 1e6, std::nan(""), "um");
       break;
+    }
     default:
       break;
   }
@@ -235,6 +246,17 @@ void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radi
   }
 }
 
+/// Rows in a second; NaN: no times.
+double row_rate(const std::vector<CircleMotion>& motions) {
+  for (const CircleMotion& m : motions) {
+    for (const CircleRun& r : m.runs) {
+      if (r.time.size() > 1 && r.time.back() > r.time.front())
+        return static_cast<double>(r.time.size() - 1) / (r.time.back() - r.time.front());
+    }
+  }
+  return std::nan("");
+}
+
 bool is_found(const std::vector<Cause>& causes, CauseKind kind) {
   return std::any_of(causes.begin(), causes.end(), [&](const Cause& c) { return c.kind == kind && c.found; });
 }
@@ -294,6 +316,10 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cau
   if (is_found(causes, CauseKind::kRadius))
     out.emplace_back(
         "a radius cannot be distinguished from an error of the instrument's length, unless that was calibrated");
+  if (const double rate = row_rate(motions); is_found(causes, CauseKind::kVibration) && std::isfinite(rate))
+    out.push_back(fmt::format(
+        "rows at {:.4g} Hz tell vibrations up to {:.4g} Hz: one that is faster shows at a lower frequency",
+        rate, 0.5 * rate));
   if (!commanded)
     out.emplace_back("without a commanded circle (--map rx=…, ry=…) an offset of the centre cannot be seen");
   add_remarks_on_instrument(rows, motions, out);
@@ -302,8 +328,10 @@ std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cau
 
 }  // namespace
 
-std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& motions) {
+std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   Fitted f;
+  std::vector<CircleMotion> motions = given;
+  for (CircleMotion& m : motions) f.offsets.push_back(m.commanded ? take_off_centre(m) : Offset{});
   f.rows = cause_rows(motions);
   if (f.rows.rows.size() < 144) return std::nullopt;  // a row for each 2.5 degrees
   const std::vector<Pitch> pitches = find_pitches(f.rows);
@@ -339,7 +367,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& motions) {
     c.size = vibration->amplitude;
     c.half_width = vibration->half_width;
     c.effect = 2.0 * vibration->amplitude;
-    c.figures.push_back({"frequency", vibration->frequency, std::nan(""), "Hz"});
+    c.figures.push_back({"frequency", vibration->frequency, vibration->frequency_half_width, "Hz"});
     out.causes.push_back(std::move(c));
   }
   rank(out.causes);

@@ -35,6 +35,18 @@ struct CauseRows {
   double fastest = 0.0;       ///< [m/s]
 };
 
+/// Where the circle is, from the centre of the motion [m].
+struct Offset {
+  double x = 0.0;
+  double y = 0.0;
+};
+/// Angles and errors of the runs about the centre that the circle has. An offset d bends the circle by d²/(2R), which would be taken for
+/// a radius, a scale mismatch and a squareness.
+///
+///   positions p            |p − c − d| − R
+///   ball-bar of length r   √(r² − (d × u)²) − d·u − R      u direction in which the machine was commanded to be
+Offset take_off_centre(CircleMotion& motion);
+
 CauseRows cause_rows(const std::vector<CircleMotion>& motions);
 
 /// Angle from the last reversal of either axis, in the direction of travel: 0 to 90 degrees [rad].
@@ -105,6 +117,7 @@ struct Vibration {
   double amplitude = 0.0;  ///< [m]
   double half_width = 0.0;
   double frequency = 0.0;  ///< [Hz]
+  double frequency_half_width = 0.0;
 };
 /// The strongest line of the rest over time between the reversals; absent: none, or no times.
 std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,

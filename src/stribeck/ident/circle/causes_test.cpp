@@ -91,6 +91,71 @@ TEST(Causes, AxesExchanged) {
   EXPECT_NEAR(cyclic.figures[1].value, 0.7 * 180.0 / kPi, 3.0);
 }
 
+// The instrument 1 mm off, on a circle of 100 mm: the second order of the offset, 2.5 um, is no radius, no mismatch and no squareness.
+TEST(Causes, AnOffsetOfTheCentreIsNoOtherCause) {
+  VirtualMachine m;
+  m.offset[0] = 0.8e-3;
+  m.offset[1] = 0.6e-3;
+  m.backlash[0] = 5e-6;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  EXPECT_EQ(found_in(d), (std::vector<std::string>{"backlash x", "centre offset"}));
+  const Cause& centre = cause_in(d, CauseKind::kCentre, 0);
+  EXPECT_NEAR(centre.size, 1e-3, 1e-6);
+  EXPECT_NEAR(centre.effect, 2e-3, 2e-6);
+  EXPECT_NEAR(centre.figures[0].value, 800.0, 1.0);
+  EXPECT_NEAR(centre.figures[1].value, 600.0, 1.0);
+  EXPECT_NEAR(cause_in(d, CauseKind::kBacklash, 0).size, 5e-6, 0.05e-6);
+  EXPECT_NEAR(cause_in(d, CauseKind::kRadius, 0).size, 0.0, 0.03e-6);
+  EXPECT_NEAR(cause_in(d, CauseKind::kSquareness, 0).size, 0.0, 0.03e-6);
+}
+
+/// A ball-bar 1 mm off the centre of a machine that is larger by 3 um and 4 um oval; the angle of the command, or of the positions.
+CircleMotion ball_bar_off(bool of_command) {
+  std::vector<double> x, y, rx, ry;
+  for (const double way : {1.0, -1.0}) {
+    for (int i = 0; i < 2000; ++i) {
+      const double a = 0.1 + way * 2.0 * kPi * 1.05 * i / 2000;
+      const double r = 0.1 + 3e-6 + 4e-6 * std::cos(2.0 * a);
+      const double px = r * std::cos(a) + 0.8e-3, py = r * std::sin(a) + 0.6e-3;
+      const double angle = of_command ? a : std::atan2(py, px);
+      x.push_back(std::hypot(px, py) * std::cos(angle)), y.push_back(std::hypot(px, py) * std::sin(angle));
+      rx.push_back(0.1 * std::cos(angle)), ry.push_back(0.1 * std::sin(angle));
+    }
+  }
+  CircleMotion m = circle_motion({x, y, rx, ry}, {}, 0.1);
+  m.ball_bar = true;
+  return m;
+}
+
+TEST(Causes, ABallBarMayHaveTheAngleOfTheCommandOrOfThePositions) {
+  for (const bool of_command : {true, false}) {
+    const auto d = diagnose({ball_bar_off(of_command)});
+    ASSERT_TRUE(d);
+    EXPECT_NEAR(cause_in(*d, CauseKind::kRadius, 0).size, 3e-6, 0.02e-6) << of_command;
+    EXPECT_NEAR(cause_in(*d, CauseKind::kScaleMismatch, 0).size, 4e-6, 0.02e-6) << of_command;
+    EXPECT_NEAR(cause_in(*d, CauseKind::kSquareness, 0).size, 0.0, 0.02e-6) << of_command;
+    EXPECT_NEAR(cause_in(*d, CauseKind::kCentre, 0).size, 1e-3, 0.02e-6) << of_command;
+  }
+}
+
+// The line lies between two of the spectrum, which are 0.49 Hz apart.
+TEST(Causes, TheFrequencyOfAVibrationIsBetweenTheLinesToo) {
+  VirtualMachine m;
+  m.vibration = 1e-6;
+  for (const double f : {31.0, 31.2, 31.35}) {
+    m.vibration_frequency = f;
+    const Diagnosis d = diagnosis_of(m, {kFeed});
+    EXPECT_EQ(found_in(d), std::vector<std::string>{"vibration"});
+    const Cause& v = cause_in(d, CauseKind::kVibration, 0);
+    EXPECT_NEAR(v.size, 1e-6, 0.1e-6);
+    EXPECT_EQ(v.figures[0].name, "frequency");
+    EXPECT_NEAR(v.figures[0].value, f, 0.05) << f;
+    EXPECT_GT(v.figures[0].half_width, 0.0);
+    EXPECT_LT(v.figures[0].half_width, 0.1);
+    EXPECT_THAT(d.remarks, Contains(HasSubstr("rows at 250 Hz tell vibrations up to 125 Hz")));
+  }
+}
+
 // One direction cannot tell squareness from servo mismatch, and says so; two feeds tell a lag from a small radius.
 TEST(Causes, SaysWhatCannotBeToldApart) {
   VirtualMachine m;

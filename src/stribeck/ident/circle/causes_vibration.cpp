@@ -126,8 +126,21 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
   Vibration v;
   v.amplitude = std::sqrt(middle);
   v.half_width = 1.96 * std::sqrt(scatter / (pieces_used * (pieces_used - 1.0))) / (2.0 * v.amplitude);
-  v.frequency = static_cast<double>(line) / static_cast<double>(kSegment) *
-                static_cast<double>(run.time.size() - 1) / (run.time.back() - run.time.front());
+  // Between two lines Hann's window gives them amplitudes in the ratio (1 + δ)/(2 − δ), δ from the larger one.
+  const auto between = [&](const std::vector<double>& of) {
+    const bool above = of[std::min(line + 1, of.size() - 1)] > of[line - 1];
+    const double next = std::max(0.0, of[above ? std::min(line + 1, of.size() - 1) : line - 1] - floor);
+    const double ratio = std::sqrt(next / std::max(of[line] - floor, 1e-300));
+    const double offset = std::clamp((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0, 0.5);
+    return above ? offset : -offset;
+  };
+  const double per_line = static_cast<double>(run.time.size() - 1) / static_cast<double>(kSegment) /
+                          (run.time.back() - run.time.front());
+  const double offset = between(mean);
+  double strays = 0.0;
+  for (const auto& one : squares) strays += (between(one) - offset) * (between(one) - offset);
+  v.frequency = (static_cast<double>(line) + offset) * per_line;
+  v.frequency_half_width = 1.96 * per_line * std::sqrt(strays / (pieces_used * (pieces_used - 1.0)));
   return v;
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/circle/circularity.hpp>
@@ -81,6 +82,71 @@ TEST(CircleMotion, RunInOffDirectionsAndLapsApart) {
     }
     EXPECT_TRUE(m.notes.empty());
   }
+}
+
+/// A revolution of 50 mm at full speed between approaches: along a radius, or along a half circle of half the radius.
+Travel approached(bool along_an_arc, double oval) {
+  Travel t;
+  const double step = kRate * 50e-3 * 1e-3;
+  const auto add = [&](double x, double y, double rx, double ry) {
+    t.t.push_back(1e-3 * static_cast<double>(t.t.size()));
+    t.x.push_back(0.2 + x), t.y.push_back(-0.1 + y), t.cx.push_back(0.2 + rx), t.cy.push_back(-0.1 + ry);
+  };
+  const double length = along_an_arc ? kPi * 25e-3 : 50e-3;
+  const auto approach = [&](double s) {
+    const double a = kPi - s / 25e-3;
+    const double x = along_an_arc ? 25e-3 + 25e-3 * std::cos(a) : s;
+    const double y = along_an_arc ? -25e-3 * std::sin(a) : 0.0;
+    add(x, y, x, y);
+  };
+  for (double s = 0.0; s < length; s += step) approach(s);
+  for (double a = 0.0; a < 2.2 * kPi; a += step / 50e-3) {
+    const double r = 50e-3 + oval * std::cos(2.0 * a);
+    add(r * std::cos(a), r * std::sin(a), 50e-3 * std::cos(a), 50e-3 * std::sin(a));
+  }
+  return t;
+}
+
+TEST(CircleMotion, TheApproachIsNoPartOfTheCircle) {
+  for (const bool along_an_arc : {false, true}) {
+    for (const bool commanded : {true, false}) {
+      const CircleMotion m = approached(along_an_arc, 3e-6).motion(commanded);
+      ASSERT_EQ(m.runs.size(), 1U);
+      // Without a command a part of the approach is within the error of a machine, a thousandth of the radius.
+      const double near = commanded ? 1e-7 : 60e-6;
+      EXPECT_NEAR(m.centre_x, 0.2, near);
+      EXPECT_NEAR(m.centre_y, -0.1, near);
+      const auto [low, high] = std::minmax_element(m.runs[0].error.begin(), m.runs[0].error.end());
+      EXPECT_NEAR(*low, -3e-6, near);
+      EXPECT_NEAR(*high, 3e-6, near);
+      EXPECT_NEAR(m.runs[0].revolutions, 1.1, 0.04);
+      EXPECT_GT(m.longest_arc, 2.1 * kPi);
+    }
+  }
+}
+
+TEST(CircleMotion, ACommandOfAnotherRadiusIsSaid) {
+  Travel travel;
+  travel.go(0.1, kRate, [](double, double) { return 0.0; });
+  travel.go(1.4, kRate, [](double, double) { return 0.0; });
+  EXPECT_TRUE(circle_motion(travel.samples(), travel.t, 50e-3 + 0.4e-6).notes.empty());
+  const CircleMotion m = circle_motion(travel.samples(), travel.t, 49.9e-3);
+  ASSERT_EQ(m.notes.size(), 1U);
+  EXPECT_THAT(m.notes[0], HasSubstr("the commanded circle has a radius of 50 mm, and 49.9 mm were given"));
+  EXPECT_THAT(m.notes[0], HasSubstr("holds the difference of 100 um (give --size \"50 mm\")"));
+  EXPECT_TRUE(circle_motion(travel.samples(false), travel.t, 49.9e-3).notes.empty());
+}
+
+TEST(CircleMotion, ARowThatStandsOutIsNamed) {
+  const auto oval = [](double a, double) { return 2e-6 * std::cos(2.0 * a); };
+  Travel travel;
+  travel.go(0.1, kRate, oval);
+  travel.go(1.4, kRate, oval);
+  EXPECT_TRUE(travel.motion().notes.empty());
+  travel.x[900] += 200e-6;
+  const CircleMotion m = travel.motion();
+  ASSERT_EQ(m.notes.size(), 1U);
+  EXPECT_THAT(m.notes[0], HasSubstr("row 901 stands out of its neighbours by"));
 }
 
 // Without enough travel the run-in stays, and this is said; an arc is left out, and said.

@@ -186,20 +186,42 @@ CircleRun run_of(const std::vector<double>& turned, std::span<const double> time
   return run;
 }
 
-}  // namespace
+/// The stretch without the rows at both ends whose guide is off the circle: an approach along a line or an arc, at full speed too.
+Stretch without_approach(const std::vector<double>& radii, bool commanded, double radius, const Stretch& s) {
+  constexpr double kScatter = 6.0;
+  // A command has its own rounding alone; positions have the errors of the machine.
+  const double least = (commanded ? 1e-5 : 1e-3) * radius;
+  std::vector<double> r(radii.begin() + static_cast<std::ptrdiff_t>(s.first),
+                        radii.begin() + static_cast<std::ptrdiff_t>(s.last));
+  const double usual = stats::median(r);
+  for (double& one : r) one = std::abs(one - usual);
+  const double most = std::max(kScatter * stats::median(r), least);
+  const auto off = [&](std::size_t i) { return std::abs(radii[i] - usual) > most; };
+  Stretch out = s;
+  while (out.first + 1 < out.last && off(out.first)) ++out.first;
+  while (out.last > out.first + 1 && off(out.last - 1)) --out.last;
+  return out;
+}
 
-CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time, double radius) {
-  CircleMotion out;
-  out.radius = radius;
-  out.commanded = !s.command_x.empty();
-  const std::span<const double> guide_x = out.commanded ? s.command_x : s.x;
-  const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
-  const auto centre = centre_of(guide_x, guide_y, radius);
-  if (!centre) return out;
-  const OnCircle on = on_circle(guide_x, guide_y, time, *centre, radius);
+/// The revolutions of a record about a centre.
+struct Found {
+  std::vector<double> turned;
+  std::vector<Stretch> scored;
+  std::vector<std::string> notes;
+  double longest = 0.0;  ///< arc in one direction [rad]
+};
+
+Found revolutions(std::span<const double> x, std::span<const double> y, std::span<const double> time,
+                  bool commanded, const Centre& c, double radius) {
+  OnCircle on = on_circle(x, y, time, c, radius);
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < x.size(); ++i) radii.push_back(std::hypot(x[i] - c.x, y[i] - c.y));
+  Found out;
   for (const Stretch& rows : on.rows) {
-    for (const Stretch& one : one_direction(on.turned, rows.first, rows.last)) {
+    for (const Stretch& whole : one_direction(on.turned, rows.first, rows.last)) {
+      const Stretch one = without_approach(radii, commanded, radius, whole);
       const double turn = turn_of(on.turned, one);
+      out.longest = std::max(out.longest, turn);
       if (turn < kWholeTurn) {
         if (turn > 2.0 * kTurnedBack)
           out.notes.push_back(
@@ -214,24 +236,96 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
             one.first + 1, one.last));
         scored = one;
       }
-      out.runs.push_back(run_of(on.turned, time, scored, radius));
+      out.scored.push_back(scored);
     }
   }
+  out.turned = std::move(on.turned);
+  return out;
+}
+
+/// Least-squares circle of the rows that are scored, not of the approach to them.
+LeastSquaresCircle circle_of_scored(std::span<const double> x, std::span<const double> y,
+                                    const std::vector<Stretch>& scored) {
+  std::vector<double> some_x, some_y;
+  for (const Stretch& s : scored) {
+    some_x.insert(some_x.end(), x.begin() + static_cast<std::ptrdiff_t>(s.first),
+                  x.begin() + static_cast<std::ptrdiff_t>(s.last));
+    some_y.insert(some_y.end(), y.begin() + static_cast<std::ptrdiff_t>(s.first),
+                  y.begin() + static_cast<std::ptrdiff_t>(s.last));
+  }
+  return least_squares_circle(some_x, some_y);
+}
+
+/// An intended radius that is not that of the command is mostly a slip, and would be taken for an error of the scales.
+void note_other_radius(double commanded, double radius, std::vector<std::string>& notes) {
+  const double most = std::max(1e-5 * radius, 2e-6);
+  if (!(std::abs(commanded - radius) > most)) return;
+  notes.push_back(fmt::format(
+      "the commanded circle has a radius of {0:.7g} mm, and {1:.7g} mm were given: the radius that is found holds the difference "
+      "of {2:.4g} um (give --size \"{0:.7g} mm\")",
+      1e3 * commanded, 1e3 * radius, 1e6 * (commanded - radius)));
+}
+
+/// Rows that stand out of their neighbours by more than all others together: a fault of the record.
+void note_outliers(const CircleRun& run, std::vector<std::string>& notes) {
+  constexpr double kOfSpan = 0.3;
+  constexpr double kScatter = 30.0;
+  constexpr std::size_t kMost = 3;
+  const std::size_t n = run.error.size();
+  if (n < CircleTest::kFewest) return;
+  std::vector<double> apart(n, 0.0);
+  for (std::size_t i = 2; i + 2 < n; ++i) {
+    const double before = 0.5 * (run.error[i - 2] + run.error[i - 1]);
+    const double behind = 0.5 * (run.error[i + 1] + run.error[i + 2]);
+    apart[i] = std::min(std::abs(run.error[i] - before), std::abs(run.error[i] - behind));
+  }
+  const auto [low, high] = std::minmax_element(run.error.begin(), run.error.end());
+  const double most = std::max(kOfSpan * (*high - *low), kScatter * stats::median(apart));
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < n && out.size() <= kMost; ++i) {
+    if (apart[i] > most) out.push_back(i);
+  }
+  if (out.empty() || out.size() > kMost) return;
+  for (const std::size_t i : out)
+    notes.push_back(fmt::format(
+        "row {} stands out of its neighbours by {:.3g} um, and the largest errors and G are those of this row (if the "
+        "record is at fault there, take the row out)",
+        run.first + i + 1, apart[i] * 1e6));
+}
+
+}  // namespace
+
+CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time, double radius) {
+  CircleMotion out;
+  out.radius = radius;
+  out.commanded = !s.command_x.empty();
+  const std::span<const double> guide_x = out.commanded ? s.command_x : s.x;
+  const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
+  auto centre = centre_of(guide_x, guide_y, radius);
+  if (!centre) return out;
+  Found found = revolutions(guide_x, guide_y, time, out.commanded, *centre, radius);
+  // The approach moves the centre, which tells what belongs to the approach.
+  constexpr int kMostPasses = 12;
+  double guide_radius = radius;
+  for (int k = 0; k < kMostPasses && !found.scored.empty(); ++k) {
+    const Centre before = *centre;
+    const LeastSquaresCircle guide = circle_of_scored(guide_x, guide_y, found.scored);
+    centre = {guide.x, guide.y};
+    guide_radius = guide.radius;
+    if (std::hypot(centre->x - before.x, centre->y - before.y) <= 1e-9 * radius) break;
+    found = revolutions(guide_x, guide_y, time, out.commanded, *centre, radius);
+  }
+  if (!out.commanded && !found.scored.empty()) {
+    const LeastSquaresCircle own = circle_of_scored(s.x, s.y, found.scored);
+    centre = {own.x, own.y};
+  }
+  out.notes = std::move(found.notes);
+  if (out.commanded) note_other_radius(guide_radius, radius, out.notes);
+  out.longest_arc = found.longest;
   out.centre_x = centre->x;
   out.centre_y = centre->y;
-  if (!out.commanded && !out.runs.empty()) {
-    // The centre of what is scored, not of the approach to it.
-    std::vector<double> x;
-    std::vector<double> y;
-    for (const CircleRun& run : out.runs) {
-      x.insert(x.end(), s.x.begin() + run.first, s.x.begin() + run.last);
-      y.insert(y.end(), s.y.begin() + run.first, s.y.begin() + run.last);
-    }
-    const LeastSquaresCircle all = least_squares_circle(x, y);
-    out.centre_x = all.x;
-    out.centre_y = all.y;
-  }
-  for (CircleRun& run : out.runs) {
+  for (const Stretch& scored : found.scored) {
+    CircleRun run = run_of(found.turned, time, scored, radius);
     for (std::size_t i = run.first; i < run.last; ++i) {
       const double x = s.x[i] - out.centre_x;
       const double y = s.y[i] - out.centre_y;
@@ -240,6 +334,8 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
           i == run.first ? angle : run.angle.back() + std::remainder(angle - run.angle.back(), kTurn));
       run.error.push_back(std::hypot(x, y) - radius);
     }
+    note_outliers(run, out.notes);
+    out.runs.push_back(std::move(run));
   }
   return out;
 }

@@ -4,11 +4,12 @@
 ///   e = |p − c| − R          radial error over the angle of travel
 ///
 /// Motion of one direction is a run; it ends where the angle turns back by more than 10 degrees, or where the positions leave the
-/// circle by more than a fifth of R. At both ends of a run, sectors of 5 degrees that take clearly longer than usual are
+/// circle by more than a fifth of R. At both ends of a run, rows off the circle are its approach (a line or an arc): those more than
+/// six times the usual deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take clearly longer than usual are
 /// run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a revolution would be left. A gap
 /// of the time ends a run too. The ends are those of the command where there is one: it has no noise.
 ///
-///   p positions [m], R intended radius [m], c centre of the command, or of all runs' least-squares circle
+///   p positions [m], R intended radius [m], c centre of the least-squares circle of all runs' rows, of the command where there is one
 ///
 /// Not modelled: a feed that changes within a run. Real time: no. Errors: none; a record without a circle has no runs.
 
@@ -38,6 +39,7 @@ struct CircleMotion {
   double centre_y = 0.0;
   bool commanded = false;       ///< the centre is that of the command
   bool ball_bar = false;        ///< set by the caller: distances from the centre alone are measured
+  double longest_arc = 0.0;     ///< in one direction [rad]
   std::vector<CircleRun> runs;  ///< of at least a revolution, in order of time
   std::vector<std::string> notes;
 };

@@ -112,6 +112,34 @@ std::vector<double> circle_times(const io::Log& log, std::size_t rows) {
 
 namespace {
 
+/// Leaves out rows whose time the next row repeats, and refuses times that go back again and again. A time that goes back a few
+/// times belongs to logs that were put one behind the other.
+CircleTrack in_order_of_time(const io::Log& log, CircleTrack t) {
+  constexpr double kOften = 0.01;  // of the rows
+  if (t.t.empty()) return t;
+  std::size_t back = 0, first = 0, repeated = 0;
+  for (std::size_t i = 1; i < t.t.size(); ++i) {
+    if (t.t[i] == t.t[i - 1]) ++repeated;
+    if (!(t.t[i] < t.t[i - 1])) continue;
+    if (back++ == 0) first = i;
+  }
+  if (static_cast<double>(back) > kOften * static_cast<double>(t.t.size()))
+    throw io::InputError(
+        {log.source, 0, log.columns[static_cast<std::size_t>(io::time_column(log))].name,
+         fmt::format(
+             "goes back in {} of {} rows, first from {:.6g} to {:.6g} s in row {}: expected rows in order of time (sort them)",
+             back, t.t.size(), t.t[first - 1], t.t[first], t.row[first] + 1)});
+  if (repeated == 0) return t;
+  CircleTrack out = t.empty_copy();
+  for (std::size_t i = 0; i < t.t.size(); ++i) {
+    if (i + 1 == t.t.size() || t.t[i] != t.t[i + 1]) out.append(t, i);
+  }
+  out.notes = std::move(t.notes);
+  out.notes.push_back(
+      fmt::format("{} of {} rows have the time of the row behind and are left out", repeated, t.t.size()));
+  return out;
+}
+
 using Positions = std::pair<std::vector<double>, std::vector<double>>;
 
 /// Whether commanded positions belong to the measured ones: nowhere farther than a fifth of the travel.
@@ -173,7 +201,7 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
   }
   t.t = circle_times(log, t.x.size());
   for (std::size_t i = 0; i < t.x.size(); ++i) t.row.push_back(i);
-  return t;
+  return in_order_of_time(log, std::move(t));
 }
 
 }  // namespace stribeck::workflow
