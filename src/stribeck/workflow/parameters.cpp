@@ -8,6 +8,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/parallel.hpp>
+#include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/parameters.hpp>
 
@@ -189,6 +190,10 @@ Parameters get_parameters(const sim::Machine& machine, const std::string& path,
   use_lost_motion(p, machine, options.lost_motion);
   for (const std::size_t i : axes) {
     const auto& [name, axis] = machine.axes[i];
+    if (axis.rotary)
+      p.assumed.push_back(
+          fmt::format("axis {} is {}; so um stands for urad and mm/s for mrad/s in these figures", name,
+                      kRotaryAsLinear));
     if (axis.truth_from.empty()) continue;
     say(p, fmt::format("the machine file has no plant for axis {}: its identified model is simulated", name));
     p.assumed.push_back(fmt::format(

@@ -10,7 +10,8 @@ namespace stribeck::workflow {
 
 sim::TuneSpec tune_spec(const TuneOptions& o, const ParameterOptions& parameters, const sim::Machine& machine,
                         const std::string& machine_file) {
-  const std::string experiment = o.experiment.empty() ? default_experiment(machine, o.path) : o.experiment;
+  const std::string experiment =
+      o.experiment.empty() ? default_experiment(machine, o.path, o.speeds) : o.experiment;
   sim::TuneSpec s;
   s.compare = experiment_spec(experiment, o.path, o.speeds, machine, machine_file);
   s.reference = s.compare.controllers.back();  // the last of the thesis's own controllers

@@ -62,7 +62,7 @@ double Travel::constant_speed() const {
 
 std::string Travel::pace_in_words() const {
   if (part() != nullptr)
-    return std::isfinite(feed) ? fmt::format("at most {:.6g} mm/s", feed * 1e3) : "its programmed feed";
+    return std::isfinite(feed) ? fmt::format("up to {:.6g} mm/s", feed * 1e3) : "its programmed feed";
   if (pace == path::Pace::kRate) return fmt::format("one lap in {:.4g} s", lap() / speed);
   return fmt::format("{:.6g} mm/s", speed * 1e3);
 }

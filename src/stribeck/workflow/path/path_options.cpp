@@ -131,7 +131,8 @@ void use_path(sim::CompareSpec& spec, const PathOptions& path, const std::vector
   for (const double speed : speeds) spec.travels.push_back(make_travel(path, speed));
 }
 
-std::string default_experiment(const sim::Machine& machine, const PathOptions& path) {
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path,
+                               const std::vector<std::string>& speeds) {
   if (is_file(path)) return kVaried;
   if (!is_of_thesis(machine) && machine.axes.size() != 5 && path.path == PathOptions{}.path) return kOwn;
   switch (machine.axes.size()) {
@@ -140,6 +141,8 @@ std::string default_experiment(const sim::Machine& machine, const PathOptions& p
     case 2:
       return kVaried;
     case 5:
+      // It has its own path and speeds.
+      if (!is_of_thesis(machine) && (!(path == PathOptions{}) || !speeds.empty())) return kOwn;
       return "five-axis";
     default:
       return "tri-circle";
@@ -151,6 +154,25 @@ std::vector<std::string> experiment_ids() {
   for (const sim::Experiment& e : sim::experiments()) ids.push_back(e.id);
   ids.emplace_back(kOwn);
   return ids;
+}
+
+sim::CompareSpec printed_spec(const std::string& experiment, const sim::Machine& machine,
+                              const std::string& machine_file) {
+  const auto all = sim::experiments();
+  sim::CompareSpec spec = sim::find_experiment(all, experiment)->settings.front().spec;
+  for (sim::Travel& t : spec.travels) {
+    auto* cone = std::get_if<path::ConeFrustum>(&t.path);
+    if (cone == nullptr || machine.axes.size() < 5) continue;
+    const auto turns = [&](std::size_t i) { return machine.axes[i].second.rotary; };
+    if (turns(3) != turns(4))
+      throw io::InputError({machine_file, 0,
+                            fmt::format("axes.{}.rotary", machine.axes[turns(3) ? 4 : 3].first),
+                            fmt::format("missing beside that of axis {}: {} turns both (write rotary = true)",
+                                        machine.axes[turns(3) ? 3 : 4].first, experiment)});
+    // An axis that says so is carried at 1 m; one that does not is a travel at the radius of the experiment.
+    if (turns(3)) cone->table.radius = 1.0;
+  }
+  return spec;
 }
 
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,
@@ -179,11 +201,11 @@ sim::CompareSpec experiment_spec(const std::string& experiment, const PathOption
     if (!(path == PathOptions{}) || !speeds.empty()) {
       refuse_option(
           "--experiment",
-          fmt::format("{} has its own path, speeds and gains: options of a path can be used with {} only",
-                      experiment, kVaried));
+          fmt::format(
+              "{} has its own path, speeds and gains: options of a path can be used with {} and {} only",
+              experiment, kVaried, kOwn));
     }
-    const auto all = sim::experiments();
-    return sim::find_experiment(all, experiment)->settings.front().spec;
+    return printed_spec(experiment, machine, machine_file);
   }
   sim::CompareSpec s;
   std::vector<double> in_si;

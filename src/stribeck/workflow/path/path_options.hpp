@@ -58,11 +58,16 @@ inline constexpr const char* kVaried = "bi-table";
 /// speeds as its limits allow.
 inline constexpr const char* kOwn = "own";
 
-/// The default experiment for a machine.
-std::string default_experiment(const sim::Machine& machine, const PathOptions& path);
+/// The default experiment for a machine, for the options of a path and the speeds that were given.
+std::string default_experiment(const sim::Machine& machine, const PathOptions& path,
+                               const std::vector<std::string>& speeds = {});
 
 /// Names of all experiments.
 std::vector<std::string> experiment_ids();
+
+/// Path, speeds and controllers of an experiment of sim/experiments.hpp, on the axes that this machine has.
+sim::CompareSpec printed_spec(const std::string& experiment, const sim::Machine& machine,
+                              const std::string& machine_file);
 
 /// Path, speeds and the thesis's own controllers of an experiment; options of a path and speeds are allowed with kVaried and kOwn only.
 sim::CompareSpec experiment_spec(const std::string& experiment, const PathOptions& path,

@@ -112,8 +112,8 @@ TEST(PointPath, SpeedsAreToldApart) {
   sim::CompareSpec spec;
   workflow::use_points(spec, o, {1e-3, 2e-3}, workflow::built_in_machine("biaxial-table"));
   ASSERT_EQ(spec.travels.size(), 2U);
-  EXPECT_EQ(spec.travels[0].pace_in_words(), "at most 1 mm/s");
-  EXPECT_EQ(spec.travels[1].pace_in_words(), "at most 2 mm/s");
+  EXPECT_EQ(spec.travels[0].pace_in_words(), "up to 1 mm/s");
+  EXPECT_EQ(spec.travels[1].pace_in_words(), "up to 2 mm/s");
 }
 
 TEST(PointPath, RefusesPointsThatMeanNothing) {

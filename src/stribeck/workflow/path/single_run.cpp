@@ -11,7 +11,14 @@ namespace stribeck::workflow {
 sim::CompareSpec single_run(const SingleRunOptions& o, const ParameterOptions& parameters,
                             const sim::Machine& machine, const std::string& machine_file) {
   sim::CompareSpec spec;
-  if (o.experiment.empty()) {
+  if (o.experiment.empty() && machine.axes.size() == 1 && !is_file(o.path)) {
+    // The circle of the options needs two axes.
+    std::vector<std::string> speeds;
+    if (!o.speed.empty()) speeds.push_back(o.speed);
+    spec =
+        experiment_spec(default_experiment(machine, o.path, speeds), o.path, speeds, machine, machine_file);
+    spec.travels.resize(1);
+  } else if (o.experiment.empty()) {
     if (source_of(o.path) == PathSource::kProgram && !o.speed.empty())
       refuse_option("--speed", "a part program has its own feed (leave it out)");
     use_path(
@@ -25,8 +32,7 @@ sim::CompareSpec single_run(const SingleRunOptions& o, const ParameterOptions& p
       refuse_option("--experiment",
                     o.experiment + " has its own path, speed and gains: leave out the options of a path");
     }
-    const auto all = sim::experiments();
-    spec = sim::find_experiment(all, o.experiment)->settings.front().spec;
+    spec = printed_spec(o.experiment, machine, machine_file);
     spec.travels.resize(1);
   }
   const std::size_t printed = spec.controllers.size();

@@ -11,7 +11,8 @@
 namespace stribeck::workflow {
 
 struct SingleRunOptions {
-  std::string experiment;  ///< its path, gains and controllers; empty: those of `path`
+  std::string
+      experiment;  ///< its path, gains and controllers; empty: those of `path`, of one axis those of compare
   PathOptions path;
   std::string speed;       ///< empty: 9.5 mm/s
   std::string controller;  ///< id of one of them, or a file; empty: the default

@@ -55,7 +55,7 @@ std::vector<std::string> inputs_of(const ComparisonOptions& o) {
 ComparisonPlan plan_comparison(const ComparisonOptions& o, sim::Machine machine) {
   ComparisonPlan plan{o.experiment, std::move(machine), {}};
   if (!o.drive.empty()) set_drive_mode(plan.machine, o.drive);
-  if (plan.experiment.empty()) plan.experiment = default_experiment(plan.machine, o.path);
+  if (plan.experiment.empty()) plan.experiment = default_experiment(plan.machine, o.path, o.speeds);
   plan.spec = spec_of(o, plan.experiment, plan.machine);
   check_travel(plan.machine, o.machine, plan.spec);
   return plan;

@@ -1,0 +1,65 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stribeck/io/error.hpp>
+#include <stribeck/workflow/machine/machine_file.hpp>
+#include <stribeck/workflow/path/path_options.hpp>
+#include <stribeck/workflow/path/single_run.hpp>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace stribeck::workflow::path_options_test {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+sim::Machine mill() {
+  return read_virtual_machine(std::string(STRIBECK_SOURCE_DIR) + "/machines/five-axis-mill.toml");
+}
+
+double reference_radius(const sim::CompareSpec& spec) {
+  return std::get<path::ConeFrustum>(spec.travels.front().path).table.radius;
+}
+
+// An axis that turns is carried at a radius of 1 m; one that does not say so is a travel at that of the experiment.
+TEST(PathOptions, TheTableTurnsAtTheRadiusOfItsAxes) {
+  sim::Machine machine = mill();
+  EXPECT_DOUBLE_EQ(reference_radius(printed_spec("five-axis", machine, "m.toml")), 0.1);
+  machine.axes[3].second.rotary = true;
+  EXPECT_THAT([&] { printed_spec("five-axis", machine, "m.toml"); },
+              ThrowsMessage<io::InputError>(HasSubstr("write rotary = true")));
+  machine.axes[4].second.rotary = true;
+  EXPECT_DOUBLE_EQ(reference_radius(printed_spec("five-axis", machine, "m.toml")), 1.0);
+  SingleRunOptions one;
+  one.experiment = "five-axis";
+  EXPECT_DOUBLE_EQ(reference_radius(single_run(one, {}, machine, "m.toml")), 1.0);
+}
+
+TEST(PathOptions, FiveAxesOfOnesOwnTakeSpeeds) {
+  sim::Machine machine = mill();
+  for (auto& [name, axis] : machine.axes) axis.published = {};
+  EXPECT_EQ(default_experiment(machine, {}), "five-axis");
+  EXPECT_EQ(default_experiment(machine, {}, {"40 mm/s"}), kOwn);
+  PathOptions path;
+  path.size = "5 mm";
+  EXPECT_EQ(default_experiment(machine, path), kOwn);
+}
+
+// The circle needs two axes; compare takes a sine.
+TEST(PathOptions, ARunOnOneAxisIsThatOfCompare) {
+  const sim::Machine machine = read_virtual_machine(std::string(STRIBECK_SOURCE_DIR) +
+                                                    "/examples/own-machine/rotary-table-virtual.toml");
+  ASSERT_EQ(machine.axes.size(), 1U);
+  const sim::CompareSpec compared =
+      experiment_spec(default_experiment(machine, {}), {}, {}, machine, "m.toml");
+  const sim::CompareSpec run = single_run({}, {}, machine, "m.toml");
+  ASSERT_EQ(run.travels.size(), 1U);
+  EXPECT_EQ(run.travels.front().name, compared.travels.front().name);
+  EXPECT_EQ(run.travels.front().axes(), 1U);
+  ASSERT_EQ(run.controllers.size(), 1U);
+}
+
+}  // namespace
+}  // namespace stribeck::workflow::path_options_test
