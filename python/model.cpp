@@ -155,7 +155,7 @@ void add_models(py::module_& module) {
       "friction($self, v, x=0.0)\n--\n\n"
       "Steady friction [N] while sliding with v [m/s] at position x [m]: positive for v > 0; at v = 0 without level.\n\n"
       "v: a number or an array of any shape. x: one number, or an array of the same shape; it matters for terms that are periodic "
-      "in position.\n"
+      "in position, places and a spring.\n"
       "Returns an array of that shape. Raises InputError for NaN and for shapes that differ.");
   c.def(
       "parts", &parts_at, py::arg("v"), py::arg("x") = 0.0,

@@ -1,12 +1,16 @@
 #pragma once
-/// A complete friction model, as files and compensators hold it: one steady map, places and eccentric terms over it, and a dynamic
-/// law (or none) whose steady state is their sum.
+/// A complete friction model, as files and compensators hold it: one steady map, places, eccentric terms and a spring over it, and a
+/// dynamic law (or none) whose steady state is their sum.
+///
+/// The spring is no friction. It stands here because it depends on the position, as the weight of an unbalanced rotary axis does
+/// (unbalance.hpp): whoever evaluates a model at a position has both.
 ///
 /// Variants hold the map and the law; which of them runs is decided once, when the model is read. Loops run on Composed<Map> and on
 /// the law. A new one is a header and a name in SteadyVariant (steady.hpp lists what a map offers) or in DynamicsVariant
 /// (dynamics.hpp).
 /// Real time: safe.
 
+#include <optional>
 #include <stribeck/friction/conventional.hpp>
 #include <stribeck/friction/dynamics.hpp>
 #include <stribeck/friction/eccentric.hpp>
@@ -14,6 +18,7 @@
 #include <stribeck/friction/gms.hpp>
 #include <stribeck/friction/lugre.hpp>
 #include <stribeck/friction/places.hpp>
+#include <stribeck/friction/spring.hpp>
 #include <stribeck/friction/static.hpp>
 #include <variant>
 
@@ -31,12 +36,13 @@ decltype(auto) near_or_itself(const Map& map, const T& v) noexcept {
   }
 }
 
-/// A base map with places and eccentric terms; the sum is again a steady map.
+/// A base map with places, eccentric terms and a spring; the sum is again a steady map.
 template <class Map, Real T = double>
 struct Composed {
   Map base;
   FixedVector<Eccentric<T>, kMaxEccentricTerms> eccentric;
   Places places{};
+  std::optional<Spring> spring{};
 
   [[nodiscard]] SteadyParts<T> parts(const T& v, const T& x) const noexcept {
     SteadyParts<T> p = base.parts(v, x);
@@ -46,6 +52,7 @@ struct Composed {
   void lay_over(SteadyParts<T>& p, const T& x) const noexcept {
     if (!places.empty()) p.level = p.level * T(shares_at(places, value_of(x)).level);
     for (const auto& term : eccentric) term.add_to(p, x);
+    if (spring) p.additive = p.additive + spring->at(x);
   }
 
   /// The same around v, where the base has a cheaper form (table.hpp).
@@ -75,6 +82,7 @@ struct BasicModel {
   FixedVector<Eccentric<double>, kMaxEccentricTerms> eccentric;
   Dynamics dynamics;
   Places places{};
+  std::optional<Spring> spring{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -84,6 +92,9 @@ struct BasicModel {
         field(
             "places", &BasicModel::places,
             "friction that differs along the travel, at most thirteen places in ascending order; left out: everywhere the same")
+            .or_default(),
+        field("spring", &BasicModel::spring,
+              "force that grows with the position: a cable chain, a hose, a gas spring; left out: none")
             .or_default()};
   }
 
@@ -114,6 +125,7 @@ struct BasicModel {
     SteadyParts<double> p = std::visit([&](const auto& map) noexcept { return map.parts(v, x); }, steady);
     if (!places.empty()) p.level *= shares_at(places, x).level;
     for (const auto& term : eccentric) term.add_to(p, x);
+    if (spring) p.additive += spring->at(x);
     return p;
   }
 
@@ -133,5 +145,11 @@ struct BasicModel {
 };
 
 using Model = BasicModel<DynamicsVariant>;
+
+/// A base map with all that the model lays over its own.
+template <class Map, class Dynamics>
+[[nodiscard]] Composed<Map> composed(const Map& base, const BasicModel<Dynamics>& model) noexcept {
+  return {base, model.eccentric, model.places, model.spring};
+}
 
 }  // namespace stribeck::friction

@@ -44,9 +44,9 @@ TEST(Places, ScaleTheLevelAndLeaveTheRest) {
   EXPECT_EQ(placed.viscous, plain.viscous);
   EXPECT_EQ(placed.additive, plain.additive);
   // What loops run on says the same as what files hold.
-  const Composed<Conventional<double>> composed{map, model.eccentric, model.places};
-  EXPECT_EQ(composed.parts(0.02, 0.013).level, model.parts(0.02, 0.013).level);
-  EXPECT_EQ(composed.near(0.02).parts(0.02, 0.013).level, model.parts(0.02, 0.013).level);
+  const Composed<Conventional<double>> whole = composed(map, model);
+  EXPECT_EQ(whole.parts(0.02, 0.013).level, model.parts(0.02, 0.013).level);
+  EXPECT_EQ(whole.near(0.02).parts(0.02, 0.013).level, model.parts(0.02, 0.013).level);
 }
 
 TEST(Places, MustAscend) {

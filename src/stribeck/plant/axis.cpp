@@ -13,9 +13,9 @@ using Map = friction::Composed<friction::Table>;
 auto make(const AxisParams& p, double v_max) {
   const friction::Table table = std::visit(
       [&](const auto& steady) { return friction::Table::build(steady, v_max); }, p.friction.steady);
-  auto terms = p.friction.eccentric;
-  if (p.unbalance) terms.push_back(p.unbalance->term());
-  return make_mechanics(p, Map{table, terms, p.friction.places}, p.friction.dynamics);
+  Map map = friction::composed(table, p.friction);
+  if (p.unbalance) map.eccentric.push_back(p.unbalance->term());
+  return make_mechanics(p, map, p.friction.dynamics);
 }
 
 double rounded(double x, double step) { return step * std::nearbyint(x / step); }
@@ -148,7 +148,8 @@ void Axis::start(double x, const Fidelity& fidelity, const Stream& stream) {
   s.waiting_offsets = {};
   if (s.loop) {
     const double weight = s.params.unbalance ? s.params.unbalance->at(x) : 0.0;
-    s.loop->start(x, s.params.load + weight, fidelity.quantised);
+    const double spring = s.params.friction.spring ? s.params.friction.spring->at(x) : 0.0;
+    s.loop->start(x, s.params.load + weight + spring, fidelity.quantised);
     if (s.params.drive_loop->loop.mode == friction::DriveMode::kPosition) s.waiting.fill(x);
   }
   s.voltage = 0.0;

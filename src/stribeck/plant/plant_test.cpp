@@ -87,6 +87,23 @@ TEST(Axis, StaysWithinMicrometresBelowBreakAway) {
   EXPECT_LT(axis.position(), 10e-6);
 }
 
+// 1000 N at the start against 250 N of static friction; at rest the spring pulls with no more than that.
+TEST(Axis, ASpringPullsItBackUntilFrictionHoldsIt) {
+  auto p = biaxial_x();
+  p.mass = 100.0;
+  p.drive = CurrentDrive{1000.0, {}};
+  p.friction.steady =
+      friction::Conventional<double>{200.0, 500.0, friction::Stribeck<double>{250.0, 2e-3, 2.0}};
+  p.friction.dynamics = friction::LuGre<double>{1e8, 50e3, 0.5e-3};
+  p.friction.spring = friction::Spring{20e3, 0.1};
+  Axis axis(p, kPeriod, 1.0);
+  axis.start(0.15, kExact, {});
+  for (int k = 0; k < 5000; ++k) axis.step(0.0);
+  EXPECT_NEAR(axis.velocity(), 0.0, 1e-9);
+  EXPECT_LE(std::abs(axis.position() - 0.1), 250.0 / 20e3 + 1e-5);
+  EXPECT_GT(std::abs(axis.position() - 0.15), 0.03);
+}
+
 TEST(Axis, MirrorsUnderSignForAMirroredMap) {
   auto p = biaxial_x();
   auto& map = std::get<friction::Gaussian<double>>(p.friction.steady);

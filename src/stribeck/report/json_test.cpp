@@ -229,7 +229,8 @@ TEST(IdentifyJson, IsAsDescribed) {
     "dynamics": {
       "kind": "static"
     },
-    "places": []
+    "places": [],
+    "spring": null
   },
   "break_away_um": null,
   "cannot_tell": [],

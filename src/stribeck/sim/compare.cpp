@@ -62,6 +62,7 @@ friction::Model straightened(const friction::Model& model, double fastest) {
   }
   friction::Model straight;
   straight.steady = line;
+  straight.spring = model.spring;
   return straight;
 }
 

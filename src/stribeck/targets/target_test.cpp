@@ -93,6 +93,17 @@ TEST(Target, ABacklashIsNamed) {
   EXPECT_EQ(notes.find("x.toml"), std::string::npos);
 }
 
+TEST(Target, TheEndsOfASpringAreNamed) {
+  const Folder folder;
+  targets::ExportRequest request;
+  const std::string spring = "\n[friction.spring]\nstiffness = \"2 N/mm\"\nzero_at = \"10 mm\"\n";
+  request.files = {folder.write("x.toml", kAxis + spring + "from = \"-100 mm\"\nto = \"120 mm\"\n"),
+                   folder.write("y.toml", kAxis + spring)};
+  EXPECT_THAT(targets::axis_notes(request),
+              testing::EndsWith(
+                  "x.toml has a spring that is known from -100 mm to 120 mm; beyond, its force stays.\n"));
+}
+
 TEST(Target, OptionsWithoutEffectAreRefused) {
   const Folder folder;
   targets::ExportRequest request;

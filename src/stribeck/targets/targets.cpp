@@ -85,10 +85,14 @@ std::string axis_notes(const ExportRequest& request) {
   std::string notes;
   for (const std::string& file : request.files) {
     if (is_rotary(file)) notes += fmt::format("{} is of {}.\n", file, workflow::kRotaryAsLinear);
-    const io::Node content = io::load_toml(file);
-    if (content.find("lost_motion") == nullptr || content.find("axes") != nullptr) continue;
+    if (io::load_toml(file).find("axes") != nullptr) continue;
     const auto axis = io::read_toml<sim::AxisFile>(file);
     const ident::Shown shown("m", "N", axis.rotary.value_or(false));
+    if (const auto& spring = axis.model.friction.spring; spring && (spring->from || spring->to))
+      notes += fmt::format("{} has a spring that is known from {} to {}; beyond, its force stays.\n", file,
+                           spring->from ? shown.length(*spring->from) : "the beginning",
+                           spring->to ? shown.length(*spring->to) : "the end");
+    if (!axis.lost_motion) continue;
     notes += fmt::format(
         "{} has a backlash of {} between motor and table, which is not in what was written: type it in where the control "
         "compensates backlash.\n",

@@ -198,6 +198,26 @@ bool coarse_encoder(const sim::Machine& machine, std::size_t axis) {
   return a.plant.encoder.resolution / machine.sample_time > kCounts * a.limits.speed;
 }
 
+/// The record with control periods put together to at least a millisecond. The method of the thesis takes acceleration from second
+/// differences, in which the step of the encoder grows with the square of the rate: at 31 us it hid three quarters of the mass.
+ident::log::Record put_together(const ident::log::Record& r) {
+  constexpr double kLeast = 1e-3;  // [s]
+  const auto group = static_cast<std::size_t>(std::ceil(kLeast / r.sample_time * (1.0 - 1e-9)));
+  if (group < 2) return r;
+  ident::log::Record out = r;
+  out.sample_time = r.sample_time * static_cast<double>(group);
+  for (std::vector<double>* column : {&out.t, &out.r, &out.x, &out.f, &out.v}) column->clear();
+  for (std::size_t k = 0; k + group <= r.t.size(); k += group) {
+    out.t.push_back(r.t[k]);
+    if (!r.r.empty()) out.r.push_back(r.r[k]);
+    out.x.push_back(r.x[k]);
+    double force = 0.0;  // each is held for a period
+    for (std::size_t i = k; i < k + group; ++i) force += r.f[i] / static_cast<double>(group);
+    out.f.push_back(force);
+  }
+  return out;
+}
+
 /// A model by jogs: map with or without Gaussians, mass and load of the `whole` model, which other logs tell.
 ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::Result& whole,
                      bool gaussians) {
@@ -215,12 +235,11 @@ ident::Result jogged(const std::vector<ident::log::Record>& jogs, const ident::R
   return result;
 }
 
-/// The whole drive; of a rotary axis with what its unbalance makes, see judge/diagnosis.hpp.
+/// The whole drive, with the unbalance or the spring that the records show, see judge/diagnosis.hpp.
 ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
-  if (!records.front().rotary) return ident::drive::identify_drive(records, {});
   AxisRecords axis;
   axis.records = records;
-  axis.rotary = true;
+  axis.rotary = records.front().rotary;
   return diagnosed(axis,
                    [](const AxisRecords& a) {
                      Identification found;
@@ -230,9 +249,14 @@ ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
       .result;
 }
 
-/// The records without the unbalance that the whole drive has shown: jogs by direction would take it for friction.
+/// The records without the unbalance and the spring that the whole drive has shown: jogs by direction would take them for friction.
 std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records,
                                          const ident::Result& whole) {
+  if (const auto& spring = whole.friction.spring) {
+    for (ident::log::Record& r : records) {
+      for (std::size_t k = 0; k < r.f.size(); ++k) r.f[k] -= spring->at(r.x[k]);
+    }
+  }
   for (const auto& term : whole.friction.eccentric) {
     if (!friction::is_unbalance(term)) continue;
     for (ident::log::Record& r : records) {
@@ -242,9 +266,10 @@ std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records
   return records;
 }
 
-/// Of the terms over position only the unbalance, which is a weight and no friction.
-void keep_unbalance_only(friction::Model& model, const ident::Result& whole, bool keep_others) {
+/// Of what depends on the position only the unbalance and the spring, which are no friction; with keep_others the rest too.
+void keep_balance_only(friction::Model& model, const ident::Result& whole, bool keep_others) {
   if (!keep_others) model.eccentric = {};
+  model.spring = whole.friction.spring;
   for (const auto& term : whole.friction.eccentric) {
     if (friction::is_unbalance(term)) model.eccentric.push_back(term);
   }
@@ -298,8 +323,9 @@ ident::log::Record Run::pulses() {
   const ident::excitation::Excitation first = design(machine_, axis_, ExcitationMethod::kPulses, 0);
   const ident::log::Record tried = as_record(play(machine_, axis_, first.r, first.force, seed_),
                                              machine_.axes[axis_].first + ", first pulses");
-  return add(ExcitationMethod::kPulses, 0,
-             ident::excitation::rough_drive(ident::methods::identify_least_squares_a({tried}).result));
+  return add(
+      ExcitationMethod::kPulses, 0,
+      ident::excitation::rough_drive(ident::methods::identify_least_squares_a({put_together(tried)}).result));
 }
 
 /// Jogs for friction, triangles of speed for the mass.
@@ -314,11 +340,11 @@ CommissionedAxis Run::in_closed_loop() {
   const Records steady = balanced({jogs()}, whole);
   if (needs_.conventional) {
     knows.conventional = keep("conventional", {jogs(), triangles, turns}, jogged(steady, whole, false));
-    keep_unbalance_only(knows.conventional->friction, whole, false);
+    keep_balance_only(knows.conventional->friction, whole, false);
   }
   if (needs_.gaussian) {
     knows.gaussian = keep("gaussian", {jogs(), triangles, turns}, jogged(steady, whole, true));
-    keep_unbalance_only(knows.gaussian->friction, whole, true);
+    keep_balance_only(knows.gaussian->friction, whole, true);
   }
   return std::move(out_);
 }
@@ -343,8 +369,8 @@ CommissionedAxis Run::by_pulses() {
     }
   }
   if (needs_.conventional && !by_jogs) {
-    knows.conventional =
-        keep("conventional", {strong}, ident::methods::identify_least_squares_a({strong}).result);
+    knows.conventional = keep("conventional", {strong},
+                              ident::methods::identify_least_squares_a({put_together(strong)}).result);
   }
   if (needs_.gaussian || (needs_.whole && !by_jogs)) {
     const Records records{strong, add(ExcitationMethod::kSine, kSinePeriods)};
@@ -378,9 +404,10 @@ CommissionedAxis commission_axis(const sim::Machine& machine, std::size_t axis, 
                                  std::uint64_t seed) {
   try {
     Run run(machine, axis, needs, seed);
-    // Where the drive takes no force, or forces in open loop would let the axis fall, or the methods for open loop do not suit the
-    // encoder, everything is recorded in closed loop.
-    const bool closed = machine.axes[axis].second.plant.drive_loop || coarse_encoder(machine, axis) ||
+    // Where the drive takes no force, or forces in open loop would let the axis fall or a spring would pull it back, or the methods for
+    // open loop do not suit the encoder, everything is recorded in closed loop.
+    const plant::AxisParams& truth = machine.axes[axis].second.plant;
+    const bool closed = truth.drive_loop || truth.friction.spring || coarse_encoder(machine, axis) ||
                         hold(machine, axis, seed).falls();
     if (!closed) {
       try {

@@ -92,6 +92,26 @@ ident::excitation::Doubt with_identified_unbalance(ident::excitation::Doubt d, c
   return d;
 }
 
+/// What is open of an axis that was identified: `drive` is a rough idea of its model.
+ident::excitation::Doubt doubt_of_known(const friction::AxisModel& model, const AxisDescription& axis,
+                                        const ident::excitation::RoughDrive& drive,
+                                        const ident::excitation::Limits& limits) {
+  const RoughAxis& rough = axis.commissioning;
+  // A range holds for every workpiece, the identified load for the one that was on the table.
+  const bool one_load = model.load != 0.0 && !rough.load.is_range();
+  ident::excitation::Doubt doubt =
+      doubt_of(drive, one_load ? model.load : rough.load_force(), axis.plant.has_value());
+  doubt.load_spread = rough.load_spread();
+  if (axis.rotary) doubt = with_identified_unbalance(doubt, rough, model);
+  if (const auto& spring = model.friction.spring) {
+    const double middle = spring->at(0.5 * (limits.travel_min + limits.travel_max));
+    doubt.load += middle;
+    doubt.load_spread += std::max(std::abs(spring->at(limits.travel_max) - middle),
+                                  std::abs(spring->at(limits.travel_min) - middle));
+  }
+  return doubt;
+}
+
 ident::excitation::MultisineDesign multisine_design(const ExcitationOptions& o, bool rotary, double middle) {
   ident::excitation::MultisineDesign design;
   design.start = middle;
@@ -139,11 +159,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
                                            machine.axes[which].first));
     const friction::AxisModel& model = file.model;
     drive = rough_idea(model, axis.limits);
-    // A range holds for every workpiece, the identified load for the one that was on the table.
-    const bool one_load = model.load != 0.0 && !rough.load.is_range();
-    doubt = doubt_of(drive, one_load ? model.load : rough.load_force(), axis.plant.has_value());
-    doubt.load_spread = rough.load_spread();
-    if (axis.rotary) doubt = with_identified_unbalance(doubt, rough, model);
+    doubt = doubt_of_known(model, axis, drive, limits);
   }
   if (o.method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;

@@ -438,8 +438,8 @@ void require_determined(const ident::Result& result, const std::string& source) 
   if (!(result.mass_interval.low > 0.0)) {
     throw ident::Refused(fmt::format(
         "{}: the mass is not determined, {:.4g} {} with a 95 % interval from {:.4g} to {:.4g}: the log "
-        "has too little acceleration (add a log of pulses), or its columns are not the quantities that "
-        "their names say",
+        "has too little acceleration (add a log of pulses), a force that changes with position (spring, cable chain, balance) looks like a mass "
+        "in it (add strokes at constant speed over the travel), or its columns are not the quantities that their names say",
         source, scale * result.mass, unit, scale * result.mass_interval.low,
         scale * result.mass_interval.high));
   }

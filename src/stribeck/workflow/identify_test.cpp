@@ -95,6 +95,15 @@ TEST(Identify, TakesASpringOffTheLog) {
   EXPECT_NEAR(spring->value, 400.0, 0.03 * 400.0);
   EXPECT_NEAR(found.result.mass, kMass, 0.02 * kMass);
   EXPECT_THAT(text_of(found, ""), HasSubstr("a force grows with position by 0.4"));
+  // The axis file holds it over the travel of the log, and as far again on either side.
+  const auto& filed = found.result.friction.spring;
+  ASSERT_TRUE(filed);
+  EXPECT_EQ(filed->stiffness, spring->value);
+  EXPECT_NEAR(*filed->from, -3.0 * 0.0596, 0.0003);
+  EXPECT_NEAR(*filed->to, 3.0 * 0.0596, 0.0003);
+  // Load and spring together are the force of 400·(x − 10 mm).
+  EXPECT_NEAR(found.result.load + filed->at(0.03), 400.0 * 0.02, 0.5);
+  EXPECT_NEAR(found.result.load + filed->at(-0.03), 400.0 * -0.04, 0.5);
   ASSERT_TRUE(found.quality);
   EXPECT_GT(found.quality->r_squared, 0.99);
   EXPECT_TRUE(to_json(found, "x")["quality"]["r_squared"].is_number());

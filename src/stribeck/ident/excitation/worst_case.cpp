@@ -201,8 +201,8 @@ SafeExcitation design_safe_pulses(const Limits& limits, const RoughDrive& drive,
     if (why.empty()) {
       if (i > 0) {
         e.says +=
-            " Pulses are short, as friction and mass are known roughly: the axis may hardly move. Identify, "
-            "then design again with --known, or write ranges for mass and friction.";
+            " Pulses are short, because friction, mass and load may be other than said: the axis may hardly move. Identify, then design "
+            "again with --known (or with the file of a longer log), or write ranges for mass and friction.";
       }
       tell(e, reach, design.start, shown(limits));
       return {std::move(e), reach};

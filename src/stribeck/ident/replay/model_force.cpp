@@ -396,7 +396,7 @@ std::vector<double> friction_along(const friction::Model& model, std::span<const
   const double still = kAtStandstill * top;
   std::visit(
       [&]<class Base, class Law>(const Base& base, const Law& law) {
-        const friction::Composed<Base> map{base, model.eccentric, model.places};
+        const friction::Composed<Base> map = friction::composed(base, model);
         if constexpr (friction::PreSlidingLaw<Law>) {
           typename Law::State state{};
           const auto begin = map.parts(v[0], x[0]);

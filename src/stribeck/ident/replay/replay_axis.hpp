@@ -221,7 +221,7 @@ void with_axis(double mass, double load, const Model& model, double speed, Run&&
   std::visit(
       [&]<class Base, class Law>(const Base& base, const Law& law) {
         using Map = friction::Composed<Base>;
-        const Map map{base, model.eccentric, model.places};
+        const Map map = composed(base, model);
         if constexpr (friction::PreSlidingLaw<Law>) {
           DynamicAxis<Map, Law> axis(mass, load, map, law);
           run(axis);

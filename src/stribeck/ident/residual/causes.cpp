@@ -20,14 +20,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSure = 2.0;         // half widths of 95 %
-constexpr double kWorthForce = 0.05;  // of friction
-constexpr double kWorthLevel = 0.08;  // of friction, change along the travel
-constexpr double kTold = 0.05;        // share of a column that the other columns do not explain
+constexpr double kSure = 2.0;          // half widths of 95 %
+constexpr double kWorthForce = 0.05;   // of friction
+constexpr double kLeastForce = 0.003;  // of friction, where it counts for the mass
+constexpr double kWorthLevel = 0.08;   // of friction, change along the travel
+constexpr double kTold = 0.05;         // share of a column that the other columns do not explain
 // Sine and cosine of a part of a turn are mostly a constant and a straight line, which friction and mass have too; the half width
 // says what is left. A sine of position leaves 1e-5, with strokes of constant acceleration 2e-2.
 constexpr double kToldOfAngle = 0.005;
 constexpr double kLeastTurn = 0.7;   // rad of travel, to tell sine and cosine from a straight line
+constexpr double kStraighter = 0.8;  // of the square that is left, for a straight line in place of a sine
 constexpr std::size_t kPlaces = 60;  // along the travel
 constexpr double kTight = 0.15;      // of friction
 constexpr double kWidestSpot = 0.2;  // of the travel
@@ -140,23 +142,27 @@ Columns unbalance_columns(const Rows& rows) {
 }
 
 /// Half width of column `at`, at least how far its coefficient moves where only the slower or the faster half of the rows counts, or one
-/// half of the travel: a wrong shape of friction, pre-sliding after reversals and a force that is no straight line look the same in
-/// every stroke and show in no residual.
-double half_width_by_halves(const Rows& rows, const Columns& columns, std::size_t at, const Fit& whole) {
+/// half of the travel, or what is farther behind a reversal: a wrong shape of friction, pre-sliding after reversals and a force that is no
+/// straight line look the same in every stroke and show in no residual.
+double half_width_by_halves(const Rows& rows, const Columns& columns, std::size_t at, const Fit& whole,
+                            double Row::*target) {
   std::vector<double> speeds;
   for (const Row& r : rows.rows) speeds.push_back(std::abs(r.v));
   const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
   std::nth_element(speeds.begin(), middle, speeds.end());
-  const std::array<std::function<bool(const Row&)>, 4> halves{
+  constexpr double kFarther = 0.2;  // of the travel
+  const double farther = kFarther * (rows.high - rows.low);
+  const std::array<std::function<bool(const Row&)>, 5> halves{
       [&](const Row& r) { return std::abs(r.v) >= *middle; },
       [&](const Row& r) { return std::abs(r.v) < *middle; },
-      [&](const Row& r) { return rows.along(r) >= 0.0; }, [&](const Row& r) { return rows.along(r) < 0.0; }};
+      [&](const Row& r) { return rows.along(r) >= 0.0; }, [&](const Row& r) { return rows.along(r) < 0.0; },
+      [&](const Row& r) { return r.travelled >= farther; }};
   double half = whole.half[at];
   for (const auto& belongs : halves) {
     Rows some = rows;
     std::erase_if(some.rows, [&](const Row& r) { return !belongs(r); });
     if (some.rows.size() < kFewestRows) continue;
-    const Fit f = fit(some, columns);
+    const Fit f = fit(some, columns, target);
     if (f.told[at] < kTold) continue;
     const auto j = static_cast<Index>(at);
     half = std::max(half, std::abs(f.theta(j) - whole.theta(j)) - f.half[at]);
@@ -168,7 +174,11 @@ void find_spring(const Rows& rows, Diagnosis& out) {
   Columns columns = model_columns(rows);
   const std::size_t at = columns.size();
   columns.emplace_back([&](const Row& r) { return rows.along(r); });
-  const Fit f = fit(rows, columns);
+  // A strong one bends the map that was fitted without it; then the whole force on the same columns leaves less.
+  Fit f = fit(rows, columns);
+  double Row::*target = &Row::e;
+  if (Fit whole = fit(rows, columns, &Row::f); whole.square < f.square)
+    f = std::move(whole), target = &Row::f;
   const double scale = 2.0 / (rows.high - rows.low);
   if (f.told[at] < kTold) {
     const double seconds = mass_of_spring(rows);
@@ -185,9 +195,15 @@ void find_spring(const Rows& rows, Diagnosis& out) {
     return;
   }
   const double force = f.theta(static_cast<Index>(at));
-  if (std::abs(force) < kSure * f.half[at] || std::abs(force) < kWorthForce * rows.friction) return;
-  const double half = scale * half_width_by_halves(rows, columns, at, f);
-  out.spring = Spring{force * scale, half, rows.middle(), half * std::abs(mass_of_spring(rows)), false};
+  if (std::abs(force) < std::max(kSure * f.half[at], kLeastForce * rows.friction)) return;
+  const double half = scale * half_width_by_halves(rows, columns, at, f, target);
+  // A force that is small beside friction may be large beside that of the acceleration: then it counts for the mass.
+  if (std::abs(force) < kWorthForce * rows.friction) {
+    const double moved = std::abs(fit(rows, model_columns(rows), target).theta(0) - f.theta(0));
+    if (std::abs(force) * scale < kSure * half || moved < f.half.front()) return;
+  }
+  out.spring = Spring{
+      force * scale, half, rows.middle(), rows.low, rows.high, half * std::abs(mass_of_spring(rows)), false};
   if (!may_be_unbalanced(rows)) return;
   // Part of a sine beside a straight line is another mass.
   const Fit weight = fit(rows, unbalance_columns(rows));
@@ -203,6 +219,10 @@ void find_unbalance(const Rows& rows, Diagnosis& out) {
   // on the same columns leaves less.
   Fit f = fit(rows, columns);
   if (Fit whole = fit(rows, columns, &Row::f); whole.square < f.square) f = std::move(whole);
+  // A spring over part of a turn follows a sine, too, and leaves less beside a straight line.
+  Columns line = model_columns(rows);
+  line.emplace_back([&](const Row& r) { return rows.along(r); });
+  if (std::min(fit(rows, line).square, fit(rows, line, &Row::f).square) < kStraighter * f.square) return;
   const double sine = f.theta(static_cast<Index>(at)), cosine = f.theta(static_cast<Index>(at) + 1);
   const double size = std::hypot(sine, cosine);
   const double half = std::max(f.half[at], f.half[at + 1]);

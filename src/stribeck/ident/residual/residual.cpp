@@ -97,7 +97,7 @@ class Collector {
       if (rows_.rows.empty()) rows_.low = rows_.high = m.x[k];
       rows_.low = std::min(rows_.low, m.x[k]), rows_.high = std::max(rows_.high, m.x[k]);
       rows_.rows.push_back({number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k], v, m.a[k], e,
-                            v > 0.0 ? 1.0 : -1.0, m.f[k]});
+                            v > 0.0 ? 1.0 : -1.0, m.f[k], m.distance[k]});
     }
     first_stretch_ += last + 1;
     left.push_back(std::move(one));

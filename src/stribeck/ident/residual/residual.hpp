@@ -51,6 +51,8 @@ struct Spring {
   double stiffness = 0.0;        ///< [N/m]
   double half_width = 0.0;       ///< 95 % [N/m]
   double middle = 0.0;           ///< of the travel [m]
+  double from = 0.0;             ///< lowest position of the rows [m]
+  double to = 0.0;               ///< highest position of the rows [m]
   double mass_half_width = 0.0;  ///< of the mass, by the error of this force, 95 % [kg]
   bool may_be_weight =
       false;  ///< on this angle it may as well be a weight that hangs; the mass allows for it

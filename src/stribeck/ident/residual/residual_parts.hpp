@@ -31,7 +31,8 @@ struct Row {
   double a = 0.0;   ///< [m/s²]
   double e = 0.0;   ///< residual behind the low-pass [N]
   double sign = 1.0;
-  double f = 0.0;  ///< force behind the low-pass [N]
+  double f = 0.0;          ///< force behind the low-pass [N]
+  double travelled = 0.0;  ///< since the reversal [m]
 };
 
 struct Rows {

@@ -118,6 +118,18 @@ TEST(Residual, FindsASpringWhereTheMotionTellsItFromMass) {
               Contains(AllOf(HasSubstr("spring, cable chain"), HasSubstr("-111 kg for each N/mm"))));
 }
 
+// Four hundredths of friction at the ends, and yet the mass would be off by more than its interval.
+TEST(Residual, ASpringThatCountsForTheMassIsFoundBelowFriction) {
+  const auto weak = [](const Moment& m) { return 8.0 * m.x; };
+  const Diagnosis d = diagnose({record_of(two_sines, weak)}, truth());
+  ASSERT_TRUE(d.spring);
+  EXPECT_NEAR(d.spring->stiffness, 8.0, 1.0);
+  EXPECT_LT(d.spring->half_width, 2.0);
+  // One that neither friction nor mass feels is none.
+  const auto none_to_speak_of = [](const Moment& m) { return 0.3 * m.x; };
+  EXPECT_FALSE(diagnose({record_of(two_sines, none_to_speak_of)}, truth()).spring);
+}
+
 TEST(Residual, FindsAnUnbalancedArm) {
   const auto turn = [](double t) {
     Moment m = two_sines(t);
@@ -143,6 +155,24 @@ TEST(Residual, FindsAnUnbalancedArm) {
   r.rotary = true;
   ASSERT_TRUE(diagnose({r}, truth()).unbalance);
   EXPECT_GT(diagnose({r}, truth()).unbalance->mass, 0.0);
+}
+
+// Over 2.8 rad a sine could take most of a straight line; a torsion spring is one nevertheless.
+TEST(Residual, ATorsionSpringIsNoUnbalance) {
+  const auto turn = [](double t) {
+    Moment m{t, 0.0, 0.0, 0.0};
+    for (const double w : {2.0, 0.7}) {
+      m.x += 0.7 * std::sin(w * t), m.v += 0.7 * w * std::cos(w * t), m.a -= 0.7 * w * w * std::sin(w * t);
+    }
+    return m;
+  };
+  const auto spring = [](const Moment& m) { return 30.0 * (m.x - 0.1); };
+  log::Record r = record_of(turn, spring);
+  r.rotary = true;
+  const Diagnosis d = diagnose({r}, truth());
+  EXPECT_FALSE(d.unbalance);
+  ASSERT_TRUE(d.spring);
+  EXPECT_NEAR(d.spring->stiffness, 30.0, std::max(d.spring->half_width, 0.3));
 }
 
 // Strokes of constant acceleration over 1.2 rad, fast and slow ones in turn: sine and cosine of the angle are nearly friction and a

@@ -119,6 +119,8 @@ std::vector<std::string> not_in_the_table(const Axis& axis) {
   std::vector<std::string> out{"friction over velocity"};
   if (friction::has_pre_sliding(axis.model.friction.dynamics)) out.emplace_back("pre-sliding");
   if (!axis.model.friction.places.empty()) out.emplace_back("friction along the travel");
+  if (const auto& spring = axis.model.friction.spring)
+    out.push_back(fmt::format("a spring of {} N/mm", report::significant(1e-3 * spring->stiffness, 3)));
   for (const auto& t : axis.model.friction.eccentric) {
     if (t.amplitude <= 0.0 || fits_the_turn(t, axis.lead)) continue;
     const char* why = t.form == friction::EccentricForm::kProportional

@@ -38,7 +38,8 @@ constexpr const char* kGms =
     "mass = \"500 kg\"\n[friction]\n"
     "steady = { kind = \"conventional\", alpha0 = \"60 N\", alpha2 = \"0.5 N s/mm\", stribeck = { alpha1 = \"100 N\", v0 = \"5 mm/s\" } }\n"
     "dynamics = { kind = \"gms\", attraction = \"4000 N/s\", damping = \"3 N s/mm\", elements = [{ stiffness = \"9000 N/mm\", share = 0.3 }, "
-    "{ stiffness = \"2000 N/mm\", share = 0.3 }, { stiffness = \"700 N/mm\", share = 0.4 }] }\n";
+    "{ stiffness = \"2000 N/mm\", share = 0.3 }, { stiffness = \"700 N/mm\", share = 0.4 }] }\n"
+    "spring = { stiffness = \"2 N/mm\", zero_at = \"1 mm\", from = \"-1 mm\", to = \"3 mm\" }\n";
 
 /// Files of a zip archive by name: read by the directory at its end, as an importer does.
 std::map<std::string, std::string> unzipped(const std::string& bytes) {
@@ -208,8 +209,7 @@ class LibraryModel {
   double step(double v, double x, double dt) {
     return std::visit(
         [&](const auto& map) {
-          using Map = std::decay_t<decltype(map)>;
-          const friction::Composed<Map> whole{map, model_.eccentric};
+          const auto whole = friction::composed(map, model_);
           return friction::with_law(model_.dynamics, state_, [&]<class Law>(const Law& law, auto& s) {
             if constexpr (friction::PreSlidingLaw<Law>) {
               return law.step(whole, s, v, x, dt);
@@ -232,6 +232,7 @@ double velocity_at(double t) {
   return 0.045 * std::sin(7.0 * t) * std::sin(1.3 * t + 0.1) + 2e-4 * std::sin(90.0 * t);
 }
 
+// The third axis has a spring, whose ends the position passes.
 TEST(Fmu, InCoSimulationItsForceIsThatOfTheLibrary) {
   FmuExport x({kStatic, kLuGre, kGms});
   Imported fmu(x.files(), true);
@@ -240,7 +241,7 @@ TEST(Fmu, InCoSimulationItsForceIsThatOfTheLibrary) {
   std::vector<LibraryModel> library;
   for (const auto& m : x.models) library.emplace_back(m);
   double t = 0.0;
-  double position = 0.0;
+  double position = 0.0, lowest = 0.0, highest = 0.0;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(2e-4, 2e-3);
   std::array<double, 3> worst{};
@@ -248,6 +249,7 @@ TEST(Fmu, InCoSimulationItsForceIsThatOfTheLibrary) {
     const double dt = any(random);
     const double v = velocity_at(t);
     position += v * dt;
+    lowest = std::min(lowest, position), highest = std::max(highest, position);
     for (const auto& name : names) {
       ASSERT_EQ(fmu.set(name + ".velocity", v), 0);
       ASSERT_EQ(fmu.set(name + ".position", position), 0);
@@ -263,6 +265,8 @@ TEST(Fmu, InCoSimulationItsForceIsThatOfTheLibrary) {
     }
   }
   EXPECT_GT(t, 3.0);
+  EXPECT_LT(lowest, -1e-3);
+  EXPECT_GT(highest, 3e-3);
   for (std::size_t i = 0; i < names.size(); ++i)
     RecordProperty("worst_N_" + names[i], std::to_string(worst[i] * 1e15) + "e-15");
 }
@@ -347,8 +351,8 @@ TEST(Fmu, TheArchiveHasWhatTheStandardAsksFor) {
   const std::regex reference("<Float64 name=\"[^\"]*\" valueReference=\"([0-9]+)\"");
   for (std::sregex_iterator at(description.begin(), description.end(), reference), end; at != end; ++at)
     EXPECT_EQ(std::stoul((*at)[1]), expected++);
-  // 2·3 inputs and outputs, 4 states with rates, 5 indicators, 14 + 3 and 5 + 3 + 6 parameters; the time.
-  EXPECT_EQ(expected, 1U + 6 + 8 + 5 + 18 + 14);
+  // 2·3 inputs and outputs, 4 states with rates, 5 indicators, 14 + 3 and 5 + 3 + 6 parameters, 4 of each spring; the time.
+  EXPECT_EQ(expected, 1U + 6 + 8 + 5 + 18 + 14 + 8);
   EXPECT_THAT(written.text, HasSubstr("with sources and the binary for "));
   EXPECT_EQ(std::count_if(files.begin(), files.end(),
                           [](const auto& f) { return f.first.starts_with("binaries/"); }),

@@ -99,6 +99,11 @@ FmuAxis fmu_axis(const Axis& axis) {
     a.add(fmt::format("periodic.period[{}]", i + 1), terms[i].period, "m", "its period");
     a.add(fmt::format("periodic.phase[{}]", i + 1), terms[i].phase, "rad", "its phase");
   }
+  const friction::Spring spring = axis.model.friction.spring.value_or(friction::Spring{});
+  a.add("spring.stiffness", spring.stiffness, "N/m", "force that grows with the position; 0: none");
+  a.add("spring.zero_at", spring.zero_at, "m", "position at which that force is zero");
+  a.add("spring.from", spring.lowest(), "m", "below this position that force stays");
+  a.add("spring.to", spring.highest(), "m", "above this position that force stays");
   std::visit([&](const auto& law) { add_law(a, law); }, axis.model.friction.dynamics);
   return a;
 }
@@ -147,7 +152,8 @@ class Variables {
     for (const FmuAxis& a : axes)
       add(a.axis->name + ".velocity", "m/s", "velocity of the axis", "causality=\"input\" start=\"0\"");
     for (const FmuAxis& a : axes)
-      add(a.axis->name + ".position", "m", "position of the axis; without periodic terms it has no effect",
+      add(a.axis->name + ".position", "m",
+          "position of the axis; without periodic terms and a spring it has no effect",
           "causality=\"input\" start=\"0\"");
     for (const FmuAxis& a : axes) {
       outputs_ += one("Output");

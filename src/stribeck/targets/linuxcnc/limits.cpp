@@ -41,6 +41,8 @@ double friction_up_to(const sim::MachineAxis& a, double speed) {
     }
   }
   for (const auto& term : a.plant.friction.eccentric) most += term.amplitude;
+  if (const auto& spring = a.plant.friction.spring)
+    most += std::max(std::abs(spring->at(a.limits.travel_min)), std::abs(spring->at(a.limits.travel_max)));
   return most + std::abs(a.plant.load);
 }
 

@@ -130,6 +130,8 @@ std::string lincurve_words(const Lincurve& table, const friction::AxisModel& mod
   std::vector<std::string> missing;
   if (periodic > 0.0)
     missing.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
+  if (const auto& spring = model.friction.spring)
+    missing.push_back(fmt::format("a spring of {} N/mm", report::significant(1e-3 * spring->stiffness, 3)));
   if (!model.friction.places.empty()) missing.emplace_back("what differs along the travel");
   if (friction::has_pre_sliding(model.friction.dynamics))
     missing.emplace_back("pre-sliding: the force jumps at a reversal");

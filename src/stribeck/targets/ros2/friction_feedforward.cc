@@ -17,6 +17,7 @@
 //     <class name="stribeck_friction/FrictionFeedforward" type="stribeck_friction::FrictionFeedforward"
 //            base_class_type="controller_interface::ChainableControllerInterface"/>
 //   </library>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -62,10 +63,12 @@ struct JointFriction {
   std::vector<double> period;
   std::vector<double> phase;
   std::vector<bool> proportional;  // changes its sign with the velocity
+  double spring_stiffness = 0.0;   // of a force that grows with the position
+  std::vector<double> spring_positions;  // lowest, without force, highest; empty: no such force
 
   bool valid() const {
     const std::size_t terms = amplitude.size();
-    bool good = std::isfinite(mass) && std::isfinite(load) && positive.valid() && negative.valid() && period.size() == terms &&
+    bool good = std::isfinite(mass) && std::isfinite(load) && std::isfinite(spring_stiffness) && spring_positions.size() % 3 == 0 && positive.valid() && negative.valid() && period.size() == terms &&
       phase.size() == terms && proportional.size() == terms;
     for (std::size_t i = 0; good && i < terms; ++i)
       good = std::isfinite(amplitude[i]) && std::isfinite(phase[i]) && std::isfinite(period[i]) && period[i] > 0.0;
@@ -75,6 +78,8 @@ struct JointFriction {
   double effort(double acceleration, double velocity, double position) const {
     const double two_pi = 6.283185307179586;
     double other = load + (std::isfinite(acceleration) ? mass * acceleration : 0.0);
+    if (std::isfinite(position) && spring_positions.size() == 3)
+      other += spring_stiffness * (std::min(std::max(position, spring_positions[0]), spring_positions[2]) - spring_positions[1]);
     double level = 0.0;
     if (std::isfinite(velocity) && velocity != 0.0) level = (velocity > 0.0 ? positive : negative).at(std::fabs(velocity));
     for (std::size_t i = 0; i < amplitude.size() && std::isfinite(position); ++i) {
@@ -108,6 +113,8 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
       f.period = auto_declare<std::vector<double>>(joint + ".period", {});
       f.phase = auto_declare<std::vector<double>>(joint + ".phase", {});
       f.proportional = auto_declare<std::vector<bool>>(joint + ".proportional", {});
+      f.spring_stiffness = auto_declare<double>(joint + ".spring_stiffness", 0.0);
+      f.spring_positions = auto_declare<std::vector<double>>(joint + ".spring_positions", {});
       if (!f.valid()) {
         RCLCPP_ERROR(
           get_node()->get_logger(),

@@ -48,6 +48,17 @@ std::string joint_periodic(const Axis& axis, const JointUnits& u) {
          list_line("proportional", proportional, "to the sign of the velocity");
 }
 
+std::string joint_spring(const Axis& axis, const JointUnits& u) {
+  const auto& spring = axis.model.friction.spring;
+  if (!spring) return {};
+  return fmt::format("      spring_stiffness: {:.9e}  # {}/{}\n", spring->stiffness * u.radius * u.radius,
+                     u.force, u.position) +
+         list_line("spring_positions",
+                   fmt::format("{:.9e}, {:.9e}, {:.9e}", spring->lowest() / u.radius,
+                               spring->zero_at / u.radius, spring->highest() / u.radius),
+                   fmt::format("{}: lowest, without force, highest", u.position));
+}
+
 Form ros2_form(const Axis& axis) {
   const JointUnits u = joint_units(axis);
   const SourceTables tables(axis);
@@ -66,7 +77,8 @@ Form ros2_form(const Axis& axis) {
   form.text += list_line("speed_positive", speeds_of(positive), speed) +
                list_line("force_positive", forces_of(positive), u.force) +
                list_line("speed_negative", speeds_of(negative), speed) +
-               list_line("force_negative", forces_of(negative), u.force) + joint_periodic(axis, u);
+               list_line("force_negative", forces_of(negative), u.force) + joint_periodic(axis, u) +
+               joint_spring(axis, u);
   form.to_do =
       "Give the YAML file to the controller manager, and friction_feedforward.cpp to a package of yours; its head tells what else the "
       "package needs. The controller before it writes effort and the commanded velocity into its references. Nothing here was tried "

@@ -150,7 +150,7 @@ std::string parameters_in(const std::string& yaml) {
 
 /// The controller that was written, compiled against the stand-in and run with the parameters that were written; what it says.
 struct Controller {
-  SteadyExport x;
+  SteadyExport x{std::string(kSteadyAxis) + kItsSpring};
   targets::Exported written;
   std::string program;
 
@@ -212,7 +212,9 @@ TEST(Ros2Control, TheControllerAddsTheFrictionOfTheYamlToTheEffort) {
       ASSERT_TRUE(said >> value);
       const double ripple = 7.0 * std::sin(2.0 * 3.14159265358979 * p / 5e-3 - 0.4);
       const double friction = v == 0.0 ? 0.0 : friction_of(v) + (v < 0.0 ? -ripple : ripple);
-      EXPECT_NEAR(value, 11.0 + r * (1600.0 + 30.0 + friction), r * (error_of(c.written) + 1e-5)) << v;
+      EXPECT_NEAR(value, 11.0 + r * (1600.0 + 30.0 + friction + spring_of(p)),
+                  r * (error_of(c.written) + 1e-5))
+          << v;
     }
     // Without a velocity there is no friction: the load alone. Without an effort the command stays.
     ASSERT_TRUE(said >> value);

@@ -40,6 +40,10 @@ Form write_c(const Axis& axis) {
                              t.form == friction::EccentricForm::kAdditive ? "other" : "level", t.amplitude,
                              2.0 * kPi / t.period, t.phase);
   }
+  if (const auto& spring = axis.model.friction.spring)
+    form.text += fmt::format(
+        "  other += {0:.9e} * ((position < {2:.9e} ? {2:.9e} : position > {3:.9e} ? {3:.9e} : position) - {1:.9e});\n",
+        spring->stiffness, spring->zero_at, spring->lowest(), spring->highest());
   form.text += fmt::format(
       "  (void)position;\n"
       "  if (velocity > 0.0) return other + level + {0}_at({0}_positive_speed, {0}_positive_force, {1}, velocity);\n"

@@ -72,6 +72,12 @@ Packed json_file(const std::vector<Axis>& axes, const SteadyText& known, const s
                                {"velocity_mm_per_s", velocity},
                                {"friction_N", friction},
                                {"periodic", periodic_terms(axis)}};
+    if (const auto& spring = axis.model.friction.spring) {
+      one["spring"] = {{"stiffness_N_per_mm", 1e-3 * spring->stiffness},
+                       {"zero_at_mm", 1e3 * spring->zero_at}};
+      if (spring->from) one["spring"]["from_mm"] = 1e3 * *spring->from;
+      if (spring->to) one["spring"]["to_mm"] = 1e3 * *spring->to;
+    }
     for (const char* key : {"max_error_N", "rms_error_N", "rms_friction_N", "left_out"})
       one[key] = known.json[i][key];
     list.push_back(one);

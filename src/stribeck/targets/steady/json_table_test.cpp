@@ -49,8 +49,8 @@ TEST(JsonTable, IsReadBackWithTheErrorThatIsPrinted) {
 
 TEST(JsonTable, HoldsThePeriodicTermsAndSaysThatPlacesAreLeftOut) {
   SteadyExport x((std::string(kSteadyAxis) + "[[friction.places]]\nposition = \"0 mm\"\nlevel = 1\n"
-                                             "[[friction.places]]\nposition = \"100 mm\"\nlevel = 1.25\n")
-                     .c_str());
+                                             "[[friction.places]]\nposition = \"100 mm\"\nlevel = 1.25\n") +
+                 kItsSpring);
   const auto file = nlohmann::json::parse(x.text("json"));
   const auto& axis = file["axes"][0];
   ASSERT_EQ(axis["periodic"].size(), 1U);
@@ -58,6 +58,10 @@ TEST(JsonTable, HoldsThePeriodicTermsAndSaysThatPlacesAreLeftOut) {
   EXPECT_NEAR(axis["periodic"][0]["period_mm"], 5.0, 1e-12);
   EXPECT_EQ(axis["periodic"][0]["phase_rad"], 0.4);
   EXPECT_EQ(axis["periodic"][0]["form"], "proportional");
+  EXPECT_NEAR(axis["spring"]["stiffness_N_per_mm"], 1.5, 1e-12);
+  EXPECT_NEAR(axis["spring"]["zero_at_mm"], 4.0, 1e-12);
+  EXPECT_NEAR(axis["spring"]["from_mm"], -12.0, 1e-12);
+  EXPECT_NEAR(axis["spring"]["to_mm"], 15.0, 1e-12);
   ASSERT_EQ(axis["left_out"].size(), 1U);
   EXPECT_THAT(axis["left_out"][0].get<std::string>(), HasSubstr("25 % of friction along the travel"));
 }

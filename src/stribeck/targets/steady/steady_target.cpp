@@ -178,6 +178,8 @@ std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   if (periodic > 0.0 && !form.periodic)
     out.push_back(
         fmt::format("{} {} periodic in position", report::significant(periodic, 3), shown.force_unit()));
+  if (const auto& spring = axis.model.friction.spring; spring && !form.periodic)
+    out.push_back(fmt::format("a spring of {}", shown.force_per_length(spring->stiffness)));
   double most = 0.0;
   for (const friction::Place& p : axis.model.friction.places) most = std::max(most, std::abs(p.level - 1.0));
   if (most > 0.0)

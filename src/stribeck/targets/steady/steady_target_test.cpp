@@ -26,7 +26,7 @@ using Export = SteadyExport;
 constexpr const char* kAxis = kSteadyAxis;
 
 TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
-  Export x;
+  Export x(std::string(kAxis) + kItsSpring);
   x.request.output = x.folder / "x.h";
   const targets::Exported written = x.to("c");
   const std::string main = x.folder.write(
@@ -52,11 +52,23 @@ TEST(SteadyTarget, TheCSourceGivesTheFrictionWithinTheErrorThatIsPrinted) {
     ASSERT_TRUE(values >> friction >> force);
     const double ripple =
         v == 0.0 ? 0.0 : 7.0 * std::sin(2.0 * 3.14159265358979 * p / 5e-3 - 0.4) * (v < 0.0 ? -1.0 : 1.0);
-    const double truth = v == 0.0 ? 0.0 : friction_of(v) + ripple;
+    const double truth = spring_of(p) + (v == 0.0 ? 0.0 : friction_of(v) + ripple);
     EXPECT_NEAR(friction, truth, error_of(written) + 1e-6) << v;
     EXPECT_NEAR(force, 1600.0 + friction + 30.0, 1e-6) << v;
   }
   EXPECT_LT(error_of(written), 0.1);
+}
+
+TEST(SteadyTarget, ASpringIsInStructuredTextAndElsewhereSaidToBeLeftOut) {
+  Export x(std::string(kAxis) + kItsSpring);
+  EXPECT_THAT(x.text("structured-text"),
+              HasSubstr("other := other + 1.500000000e+03 * (LIMIT(-1.200000000e-02, position, "
+                        "1.500000000e-02) - 4.000000000e-03);"));
+  x.request.gain = "12 N/%";
+  x.request.lead = "10 mm";
+  EXPECT_THAT(x.to("keba").text, HasSubstr("a spring of 1.5 N/mm"));
+  Export c(std::string(kAxis) + kItsSpring);
+  EXPECT_THAT(c.to("c").text, Not(HasSubstr("spring")));
 }
 
 TEST(SteadyTarget, FewerPointsMakeALargerErrorAndItIsPrinted) {

@@ -64,6 +64,9 @@ std::string function_of(const Axis& axis, const SourceTables& tables, const std:
                        t.form == friction::EccentricForm::kAdditive ? "other" : "level", t.amplitude,
                        2.0 * kPi / t.period, t.phase);
   }
+  if (const auto& spring = axis.model.friction.spring)
+    out += fmt::format("other := other + {0:.9e} * (LIMIT({2:.9e}, position, {3:.9e}) - {1:.9e});\n",
+                       spring->stiffness, spring->zero_at, spring->lowest(), spring->highest());
   out +=
       "IF velocity < 0.0 THEN\n"
       "  level := -level;\n"

@@ -16,6 +16,12 @@ inline constexpr const char* kSteadyAxis =
     "stribeck = { alpha1 = \"100 N\", v0 = \"5 mm/s\", delta = 1 }\n"
     "[[friction.eccentric]]\namplitude = \"7 N\"\nperiod = \"5 mm\"\nphase = \"0.4 rad\"\nform = \"proportional\"\n";
 
+/// To be written behind kSteadyAxis.
+inline constexpr const char* kItsSpring =
+    "[friction.spring]\nstiffness = \"1.5 N/mm\"\nzero_at = \"4 mm\"\nfrom = \"-12 mm\"\nto = \"15 mm\"\n";
+/// Truth of kItsSpring at a position [m], in N.
+inline double spring_of(double x) { return x < -12e-3 ? -24.0 : x > 15e-3 ? 16.5 : 1500.0 * x - 6.0; }
+
 /// Truth of kSteadyAxis, written down once more: level by Stribeck's law and viscous part [N]. Without load and periodic term.
 inline double friction_of(double v) {
   const double s = std::abs(v);
@@ -27,7 +33,7 @@ struct SteadyExport {
   Folder folder;
   targets::ExportRequest request;
 
-  explicit SteadyExport(const char* axis = kSteadyAxis) {
+  explicit SteadyExport(const std::string& axis = kSteadyAxis) {
     request.files = {folder.write("x.toml", axis)};
     request.output = folder / "out.txt";
     request.speed = "100 mm/s";

@@ -82,15 +82,18 @@ void write_spring(const ident::residual::Spring& s, const ident::residual::Quali
   const std::string unit = "N/m", shown = "N/mm";  // result.hpp: N stands for the unit of the force
   r.parameters.push_back({"position_stiffness", s.stiffness, unit, shown, s.stiffness - s.half_width,
                           s.stiffness + s.half_width, true});
+  // As far again on either side: a log of half of the travel serves the whole of it, and a short one no long axis.
+  const double travel = s.to - s.from;
+  r.friction.spring = friction::Spring{s.stiffness, s.middle, s.from - travel, s.to + travel};
   const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance{}; it was taken off the log and the fit made again; load and friction are those at {}, the middle of the travel; an axis file has no place for the spring, and a compensation does not know it{}",
+      "a force grows with position by {} (95 %: ±{}): a spring, a cable chain or a balance{}; it was taken off the log, the fit was made again, and it is part of the model as friction.spring; load and friction are those at {}, the middle of the travel; beyond {} to {} its force stays, because nobody measured it{}",
       people.force_per_length(s.stiffness), people.force_per_length(s.half_width),
       s.may_be_weight
           ? ", or a weight that hangs, which this angle is too small to tell (the interval of the mass holds "
             "both; move over a larger angle)"
           : "",
-      people.length(s.middle), ringing(q)));
+      people.length(s.middle), people.length(s.from - travel), people.length(s.to + travel), ringing(q)));
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {

@@ -176,9 +176,9 @@ void note_rest(const Model& m, const ident::replay::ForceError& e, std::vector<s
       m.file, 100.0 * e.at_rest, 100.0 * e.moving_relative, 100.0 * e.own_relative));
 }
 
-/// A force that grows with position, which a model has no place for, among what it misses.
-void note_spring(const std::string& file, const ident::replay::ForceError& e,
-                 const ident::log::Record& record, std::vector<std::string>& warnings) {
+/// A force that grows with position among what a model misses.
+void note_spring(const Model& m, const ident::replay::ForceError& e, const ident::log::Record& record,
+                 std::vector<std::string>& warnings) {
   constexpr double kMuch = 0.05;  // of the force
   constexpr double kShare = 0.5;  // of what is missed
   if (!(e.own_relative > kMuch) || e.row.size() < 3) return;
@@ -193,9 +193,25 @@ void note_spring(const std::string& file, const ident::replay::ForceError& e,
   }
   if (!(xd * xd > kShare * xx * dd)) return;
   warnings.push_back(fmt::format(
-      "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance, which identify takes off "
-      "and an axis file has no place for; or a wrong mass, where the motion is a sine",
-      file, 100.0 * xd * xd / (xx * dd), ident::Shown(record).force_per_length(xd / xx)));
+      "{}: {:.0f} % of what the model misses grows with position, by {}: a spring, a cable chain or a balance{} (identify this log); or a "
+      "wrong mass, where the motion is a sine",
+      m.file, 100.0 * xd * xd / (xx * dd), ident::Shown(record).force_per_length(xd / xx),
+      m.model.friction.spring ? ", which is another one than that of the file" : ""));
+}
+
+/// Rows beyond the ends of the model's spring, where its force stays.
+void note_beyond_spring(const Model& m, const ident::log::Record& record,
+                        std::vector<std::string>& warnings) {
+  constexpr double kSome = 0.01;
+  const auto& spring = m.model.friction.spring;
+  if (!spring) return;
+  const auto outside = std::count_if(record.x.begin(), record.x.end(),
+                                     [&](double x) { return x < spring->lowest() || x > spring->highest(); });
+  if (static_cast<double>(outside) < kSome * static_cast<double>(record.x.size())) return;
+  const ident::Shown shown(record);
+  warnings.push_back(fmt::format(
+      "{}: {} of {} rows lie beyond {} to {}, where the force of the model's spring stays (identify a log of the whole travel)",
+      m.file, outside, record.x.size(), shown.length(spring->lowest()), shown.length(spring->highest())));
 }
 
 class Verification {
@@ -275,7 +291,8 @@ class Verification {
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
                      notes);
     note_rest(m, one.force, notes);
-    note_spring(m.file, one.force, record, notes);
+    note_spring(m, one.force, record, notes);
+    note_beyond_spring(m, record, notes);
     ident::replay::ReplayOptions open;
     if (shift || one.force.shifted)
       open.delay = -std::clamp(shift ? *shift : one.force.shift, -kMostGivenShift * record.sample_time,

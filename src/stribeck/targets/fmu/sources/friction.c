@@ -13,7 +13,7 @@ static int steady_count(const struct axis* a) {
 }
 
 static const double* law_of(const struct axis* a, const double* parameters) {
-  return parameters + a->first + steady_count(a) + 3 * a->periodic;
+  return parameters + a->first + steady_count(a) + 3 * a->periodic + 4;
 }
 
 struct parts steady_parts(const struct axis* a, const double* parameters, double v, double x) {
@@ -45,6 +45,8 @@ struct parts steady_parts(const struct axis* a, const double* parameters, double
     else
       out.additive += s;
   }
+  term += 3 * a->periodic;
+  out.additive += term[0] * ((x < term[2] ? term[2] : x > term[3] ? term[3] : x) - term[1]);
   return out;
 }
 

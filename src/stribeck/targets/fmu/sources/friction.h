@@ -20,6 +20,7 @@ enum dynamics_kind { STATIC, LUGRE, GMS };
  *   conventional  coulomb, viscous, static, Stribeck velocity, shape
  *   gaussian      lowest and highest velocity; for each direction level, viscous, then height, centre, width of each term
  *   periodic      amplitude, period, phase of each term
+ *   spring        stiffness, position without force, lowest and highest position
  *   lugre         s0, s1, velocity at which s1 has faded (0: it does not fade)
  *   gms           C, s, velocity at which s has faded, then stiffness and share of each element */
 struct axis {
