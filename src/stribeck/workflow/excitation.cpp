@@ -164,6 +164,7 @@ ident::excitation::SafeExcitation designed(const ExcitationOptions& o, const Mac
   if (o.method == ExcitationMethod::kJog) {
     ident::excitation::JogDesign jog;
     jog.start = middle;
+    jog.both_sides = true;  // the whole travel tells more than half of it: a spring, places
     jog.way = ident::excitation::kSeveralTurns;
     jog.speeds = ident::excitation::in_mixed_order(
         ident::excitation::jog_speeds(ident::excitation::fastest_jog(limits, machine.sample_time, jog)));

@@ -104,6 +104,7 @@ struct JogDesign {
   std::vector<double> speeds = jog_speeds(9.0e-3);  ///< [m/s]
   double start = 0.0;                               ///< [m]
   double direction = 1.0;                           ///< of the first stroke: +1 or −1
+  bool both_sides = false;  ///< the strokes of every other speed lie on the other side of the start
   double period =
       0.0;  ///< of a term periodic in position: every stroke is a whole number of it long, where it fits [m]
   double way = 0.0;  ///< of the fastest speed without a period, where travel and ten seconds suffice [m]

@@ -95,6 +95,20 @@ TEST(Excitation, FastestJogGoesSeveralTurns) {
   EXPECT_NEAR(*std::max_element(far.r.begin(), far.r.end()), 0.0475, 1e-3);
 }
 
+TEST(Excitation, JogsOnBothSidesStayInTheSmallerRoom) {
+  JogDesign design;
+  design.speeds = {9e-3, 8e-3, 1e-3};
+  design.way = kSeveralTurns;
+  design.both_sides = true;
+  design.start = 0.01;  // 40 mm above, 60 mm below
+  const Excitation e = design_jog(kTable, kPeriod, design);
+  const auto [low, high] = std::minmax_element(e.r.begin(), e.r.end());
+  EXPECT_NEAR(*high - 0.01, 0.038, 1e-3);
+  EXPECT_LT(*low, 0.01 - 0.015);  // two seconds of the second speed
+  EXPECT_GT(*low, 0.01 - 0.04);
+  EXPECT_NEAR(e.r.back(), 0.01, 1e-9);
+}
+
 // What is asked for is counted before it is filled.
 TEST(Excitation, RefusesWhatWouldTakeForEver) {
   const auto parameter_of = [](auto&& design) -> std::string {

@@ -16,7 +16,9 @@ constexpr double kLongestWay = 10.0;  // for the way of the fastest speed [s]
 constexpr double kSettle = 0.5;       // left out by the identification [s]
 
 double room_of(const Limits& limits, const JogDesign& design) {
-  return design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;
+  const double above = limits.travel_max - design.start, below = design.start - limits.travel_min;
+  if (design.both_sides) return std::min(above, below);
+  return design.direction > 0 ? above : below;
 }
 
 /// Whether two rows of the fastest speed fit into the period, and the period into the travel.
@@ -167,6 +169,7 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
   e.r.push_back(design.start);
   check_period(design, u, room, sample_time);
   std::size_t whole_strokes = 0;
+  double direction = design.direction;
   for (const double v : design.speeds) {
     if (!(v > 0.0) || v > limits.speed) {
       throw BadDesign(
@@ -185,7 +188,8 @@ Excitation design_jog(const Limits& limits, double sample_time, const JogDesign&
     check_rows("speeds", static_cast<double>(e.r.size()) + rows_of(ramp, flat, sample_time), sample_time,
                fmt::format("jog: {:g} {}/s, with the speeds before it,", v * u.per_metre, u.travel),
                "leave out the slowest");
-    append({design.start, design.direction, v, ramp, flat}, e);
+    append({design.start, direction, v, ramp, flat}, e);
+    if (design.both_sides) direction = -direction;
   }
   stamp(e, e.r.size());
   check_positions(e, limits);
