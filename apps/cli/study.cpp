@@ -1,6 +1,10 @@
 #include <fmt/format.h>
+#include <sched.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include <apps/cli/commands.hpp>
 #include <apps/cli/expected.hpp>
@@ -36,11 +40,16 @@ unsigned from_launcher(std::initializer_list<const char*> names) {
   return 0;
 }
 
-/// Cores of this computer for one of the processes that a launcher started on it; 0: all.
+/// Cores for one of the processes that a launcher started on this computer: those that it bound the process to, or its part of all.
 unsigned threads_of_launched() {
-  const unsigned beside =
-      from_launcher({"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"});
-  return beside > 1 ? std::max(1U, std::thread::hardware_concurrency() / beside) : 0;
+  const unsigned all = std::max(1U, std::thread::hardware_concurrency());
+  cpu_set_t own;
+  CPU_ZERO(&own);
+  if (sched_getaffinity(0, sizeof own, &own) == 0 && CPU_COUNT(&own) > 0 &&
+      static_cast<unsigned>(CPU_COUNT(&own)) < all)
+    return static_cast<unsigned>(CPU_COUNT(&own));
+  const unsigned beside = from_launcher({"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"});
+  return std::max(1U, all / std::max(1U, beside));
 }
 
 int study(const StudyCommand& o) {
@@ -48,11 +57,14 @@ int study(const StudyCommand& o) {
   check_distinct(study.inputs,
                  {o.out + "/results.csv", o.out + "/inputs.txt", o.netcdf, page_of(o.common), o.common.json});
   const OutputFolder folder(o.out);
-  const OutputFolder page_folder = check_outputs(o.common);
+  const bool shared =
+      o.shared || from_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) > 1;
+  // Of several processes only the one that gets the result makes folders for it: another would take them away at its end.
+  std::optional<OutputFolder> page_folder;
+  if (!shared) page_folder.emplace(check_outputs(o.common));
   io::check_writable(o.netcdf);
   StudyOptions options{o.out, o.threads, STRIBECK_VERSION};
   options.rank = from_launcher({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"});
-  const bool shared = o.shared || from_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_NTASKS"}) > 1;
   if (shared && options.threads == 0) options.threads = threads_of_launched();
   report::StudyResult result;
   {
@@ -70,6 +82,7 @@ int study(const StudyCommand& o) {
       result = run_study(study, options);
     }
   }
+  if (!page_folder) page_folder.emplace(check_outputs(o.common));
   if (!o.netcdf.empty()) write_netcdf(study, o.out, o.netcdf, STRIBECK_VERSION);
   write_json(o.common.json, report::to_json(result), made_from(study.inputs));
   report::write_study_report(folders_of(o.common), {result, typed_command(), STRIBECK_VERSION});

@@ -97,7 +97,8 @@ class Reader {
   void set_up(Study& s) const {
     const StudyMotion& m = s.file.motion;
     const PathOptions path = path_options(s);
-    const std::string experiment = m.experiment.empty() ? default_experiment(s.machine, path) : m.experiment;
+    const std::string experiment =
+        m.experiment.empty() ? default_experiment(s.machine, path, m.speeds) : m.experiment;
     const std::vector<std::string> known = experiment_ids();
     if (std::find(known.begin(), known.end(), experiment) == known.end()) {
       refuse("motion.experiment",

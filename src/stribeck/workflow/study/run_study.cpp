@@ -15,6 +15,7 @@
 #include <stribeck/workflow/study/results_file.hpp>
 #include <stribeck/workflow/study/study.hpp>
 #include <thread>
+#include <vector>
 
 namespace stribeck::workflow {
 namespace {
@@ -344,11 +345,21 @@ class Task {
     if (file.finished() > 0) sum_up(study_, runner_, file);
     check_machines(study_, runner_.design(), file.finished(), options_.threads);
   }
-  /// The rows of runs, handed over in their order: take(run, rows).
+  [[nodiscard]] std::size_t threads() const {
+    return options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
+  }
+  /// The rows of these runs, handed over in their order: take(run, rows).
   template <class Take>
-  void compute(std::uint64_t begin, std::uint64_t end, Take&& take) const {
+  void compute(const std::vector<std::uint64_t>& runs, Take&& take) const {
     sim::in_order(
-        begin, end, options_.threads, [&](std::uint64_t run) { return runner_.text(run); },
+        0, runs.size(), options_.threads, [&](std::uint64_t i) { return runner_.text(runs[i]); },
+        [&](std::uint64_t i, const std::string& rows) { take(runs[i], rows); });
+  }
+  /// The same of all runs from `begin` on.
+  template <class Take>
+  void compute_from(std::uint64_t begin, Take&& take) const {
+    sim::in_order(
+        begin, study_.runs, options_.threads, [&](std::uint64_t run) { return runner_.text(run); },
         [&](std::uint64_t run, const std::string& rows) { take(run, rows); });
   }
   void progress(std::uint64_t done) const {
@@ -375,14 +386,32 @@ class Task {
 
 constexpr std::chrono::milliseconds kLook{50};  // between two looks at what the others do
 
-/// Computes one block that nobody has; false: there is none.
-bool compute_one(const Task& task, SharedRuns& shared) {
-  const auto block = shared.claim();
-  if (!block) return false;
+/// Computes blocks that nobody has, as many as keep all threads busy; false: there is none.
+bool compute_some(const Task& task, SharedRuns& shared) {
+  std::vector<std::uint64_t> runs;
+  while (runs.size() < task.threads()) {
+    const auto block = shared.claim();
+    if (!block) break;
+    for (std::uint64_t run = shared.begin_of(*block); run < shared.end_of(*block); ++run) runs.push_back(run);
+  }
   std::string rows;
-  task.compute(shared.begin_of(*block), shared.end_of(*block),
-               [&](std::uint64_t, const std::string& some) { rows += some; });
-  shared.finish(*block, rows);
+  task.compute(runs, [&](std::uint64_t run, const std::string& some) {
+    rows += some;
+    const std::uint64_t block = shared.block_of(run);
+    if (run + 1 != shared.end_of(block)) return;
+    shared.finish(block, rows);
+    rows.clear();
+  });
+  return !runs.empty();
+}
+
+/// Whether these are the lines of one run: each begins with its number.
+bool are_of_run(std::string_view lines, std::uint64_t run) {
+  const std::string begin = std::to_string(run) + ',';
+  while (!lines.empty()) {
+    if (!lines.starts_with(begin)) return false;
+    lines.remove_prefix(lines.find('\n') + 1);
+  }
   return true;
 }
 
@@ -397,7 +426,9 @@ bool take_over(const std::string& rows, const Task& task, const SharedRuns& shar
   for (std::uint64_t run = shared.begin_of(block); run < shared.end_of(block); ++run) {
     std::size_t end = at;
     for (std::uint64_t k = 0; k < task.rows(); ++k) end = rows.find('\n', end) + 1;
-    if (run == file.finished()) file.add(std::string_view(rows).substr(at, end - at));
+    const std::string_view own = std::string_view(rows).substr(at, end - at);
+    if (!are_of_run(own, run)) return false;
+    if (run == file.finished()) file.add(own);
     at = end;
   }
   return true;
@@ -413,7 +444,7 @@ void lead(const Task& task, std::uint64_t runs, SharedRuns& shared, ResultsFile&
     if (const auto rows = shared.rows(block)) {
       if (!take_over(*rows, task, shared, block, file)) shared.discard(block);
       task.progress(file.finished());
-    } else if (!compute_one(task, shared)) {
+    } else if (!compute_some(task, shared)) {
       std::this_thread::sleep_for(kLook);
     }
   }
@@ -435,7 +466,7 @@ report::StudyResult run_study(const Study& study, const StudyOptions& options) {
   const Task task(study, options);
   const auto file = task.open();
   task.check(*file);
-  task.compute(file->finished(), study.runs, [&](std::uint64_t run, const std::string& rows) {
+  task.compute_from(file->finished(), [&](std::uint64_t run, const std::string& rows) {
     file->add(rows);
     task.progress(run + 1);
   });
@@ -450,6 +481,7 @@ std::optional<report::StudyResult> run_shared_study(const Study& study, const St
     if (const auto file = open_if_free(task)) {
       // The leader has ended, and has said the result.
       if (helped && file->finished() == study.runs) return std::nullopt;
+      shared.clear_others();
       task.check(*file);
       lead(task, study.runs, shared, *file);
       return task.result(*file);
@@ -461,7 +493,7 @@ std::optional<report::StudyResult> run_shared_study(const Study& study, const St
           {},
           "other processes share the runs of another study, machine or version there (choose another folder; processors of "
           "another kind may identify other last digits)"});
-    if (!compute_one(task, shared)) std::this_thread::sleep_for(kLook);
+    if (!compute_some(task, shared)) std::this_thread::sleep_for(kLook);
   }
 }
 

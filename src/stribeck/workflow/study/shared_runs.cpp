@@ -10,7 +10,6 @@
 #include <condition_variable>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
@@ -53,17 +52,32 @@ std::optional<std::string> text_if_there(const std::string& path) {
   }
 }
 
-/// At once, and now: a command keeps the files that io writes until its end.
-void replace(const std::string& path, const std::string& owner, const std::string& text) {
+[[noreturn]] void cannot_write(const std::string& path, int code) {
+  throw io::InputError(io::Problem{
+      path, 0, {}, "cannot be written: " + std::generic_category().message(code == 0 ? EIO : code)});
+}
+
+/// Zero, or what went wrong.
+int write_new(const std::string& path, int flags, std::string_view text) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
+  if (fd < 0) return errno;
+  int code = 0;
+  while (code == 0 && !text.empty()) {
+    const ssize_t n = ::write(fd, text.data(), text.size());
+    if (n < 0 && errno != EINTR) code = errno;
+    if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  if (::close(fd) != 0 && code == 0) code = errno;
+  return code;
+}
+
+/// At once, and now: a command keeps the files that io writes until its end. Zero, or what went wrong.
+int replace(const std::string& path, const std::string& owner, const std::string& text) {
   const std::string fresh = path + '~' + owner;
-  std::ofstream out(fresh, std::ios::binary);
-  out << text;
-  out.close();
-  if (out && std::rename(fresh.c_str(), path.c_str()) == 0) return;
-  const int code = errno;
-  ::unlink(fresh.c_str());
-  throw io::InputError(
-      io::Problem{path, 0, {}, "cannot be written: " + std::generic_category().message(code)});
+  int code = write_new(fresh, O_TRUNC, text);
+  if (code == 0 && std::rename(fresh.c_str(), path.c_str()) != 0) code = errno;
+  if (code != 0) ::unlink(fresh.c_str());
+  return code;
 }
 
 std::optional<std::uint64_t> number_in(std::string_view text) {
@@ -96,7 +110,9 @@ bool among(const std::vector<std::uint64_t>& sorted, std::uint64_t n) {
 SharedRuns::SharedRuns(const std::string& folder, const std::string& inputs, std::uint64_t runs, Note note,
                        Pace pace)
     : parent_(folder),
-      folder_(fmt::format("{}/{}{}", folder, kPrefix, io::hexadecimal(io::sha256(inputs)).substr(0, 16))),
+      folder_(
+          fmt::format("{}/{}{}", folder, kPrefix,
+                      io::hexadecimal(io::sha256(fmt::format("{} runs\n{}", runs, inputs))).substr(0, 16))),
       owner_(new_owner()),
       runs_(runs),
       size_(std::clamp<std::uint64_t>(runs / kBlocks, 1, kLargest)),
@@ -108,7 +124,7 @@ SharedRuns::~SharedRuns() {
   counting_.request_stop();
   counting_.join();
   std::error_code ignored;
-  if (claimed_) fs::remove(file(*claimed_, ".claim"), ignored);
+  for (const std::uint64_t block : claimed_) fs::remove(file(block, ".claim"), ignored);
   fs::remove(folder_ + '/' + kAlive + owner_, ignored);
 }
 
@@ -127,19 +143,41 @@ std::optional<std::uint64_t> SharedRuns::first() const {
 
 bool SharedRuns::open() const { return first().has_value(); }
 
-bool SharedRuns::others() const {
+std::vector<std::string> SharedRuns::other_folders() const {
+  std::vector<std::string> out;
   std::error_code error;
   for (fs::directory_iterator at(parent_, error), end; !error && at != end; at.increment(error)) {
     if (at->path().filename().string().starts_with(kPrefix) &&
         at->path().filename() != fs::path(folder_).filename())
-      return true;
+      out.push_back(at->path().string());
   }
-  return false;
+  return out;
+}
+
+bool SharedRuns::others() {
+  bool any = false;
+  for (const std::string& folder : other_folders()) {
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      const std::string path = at->path().string();
+      if (!at->path().filename().string().starts_with(kAlive)) continue;
+      const std::string text = text_if_there(path).value_or("");
+      const auto [known, fresh] = counts_.try_emplace(path, Count{text, std::chrono::steady_clock::now()});
+      any = any || (!fresh && known->second.text != text);
+    }
+  }
+  return any;
+}
+
+void SharedRuns::clear_others() const {
+  std::error_code ignored;
+  for (const std::string& folder : other_folders()) fs::remove_all(folder, ignored);
 }
 
 void SharedRuns::share_from(std::uint64_t block) {
   io::make_directory(folder_);
-  replace(folder_ + "/first", owner_, std::to_string(block));
+  if (const int code = replace(folder_ + "/first", owner_, std::to_string(block)); code != 0)
+    cannot_write(folder_ + "/first", code);
   std::error_code ignored;
   for (const char* kind : {".rows", ".claim"}) {
     for (const std::uint64_t done : blocks_with(folder_, kind)) {
@@ -149,8 +187,13 @@ void SharedRuns::share_from(std::uint64_t block) {
 }
 
 void SharedRuns::close() {
+  // Others may write a last count into it meanwhile.
+  constexpr int kTries = 50;
   std::error_code ignored;
-  fs::remove_all(folder_, ignored);
+  for (int k = 0; k < kTries && fs::exists(folder_, ignored); ++k) {
+    fs::remove_all(folder_, ignored);
+    if (fs::exists(folder_, ignored)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
 }
 
 std::optional<std::uint64_t> SharedRuns::claim() {
@@ -164,7 +207,7 @@ std::optional<std::uint64_t> SharedRuns::claim() {
     // It may have been finished and taken over while the folder was read.
     const auto now = first();
     if (now && *now <= b && ::access(file(b, ".rows").c_str(), F_OK) != 0) {
-      claimed_ = b;
+      claimed_.push_back(b);
       return b;
     }
     std::error_code ignored;
@@ -175,17 +218,19 @@ std::optional<std::uint64_t> SharedRuns::claim() {
 }
 
 bool SharedRuns::create(std::uint64_t block) const {
-  const int fd = ::open(file(block, ".claim").c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd < 0) return false;
-  const ssize_t n = ::write(fd, owner_.data(), owner_.size());
-  ::close(fd);
-  return n == static_cast<ssize_t>(owner_.size());
+  const std::string path = file(block, ".claim");
+  const int code = write_new(path, O_EXCL, owner_);
+  if (code == EEXIST || code == ENOENT) return false;  // another one has it, or the leader has ended
+  if (code == 0) return true;
+  ::unlink(path.c_str());
+  cannot_write(path, code);
 }
 
 void SharedRuns::finish(std::uint64_t block, const std::string& rows) {
   // Where the folder is gone, the leader has ended: somebody else has finished the block.
-  if (open()) replace(file(block, ".rows"), owner_, rows);
-  claimed_.reset();
+  const int code = open() ? replace(file(block, ".rows"), owner_, rows) : 0;
+  if (code != 0 && open()) cannot_write(file(block, ".rows"), code);
+  std::erase(claimed_, block);
 }
 
 std::optional<std::string> SharedRuns::rows(std::uint64_t block) const {
@@ -226,13 +271,7 @@ void SharedRuns::count(const std::stop_token& stop) {
   std::unique_lock lock(mutex);
   for (std::uint64_t n = 0; !stop.stop_requested(); ++n) {
     // The folder comes and goes with the leader.
-    const int fd =
-        ::open((folder_ + '/' + kAlive + owner_).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (fd >= 0) {
-      const std::string text = std::to_string(n);
-      static_cast<void>(!::write(fd, text.data(), text.size()));
-      ::close(fd);
-    }
+    static_cast<void>(write_new(folder_ + '/' + kAlive + owner_, O_TRUNC, std::to_string(n)));
     wake.wait_for(lock, stop, pace_.beat, [] { return false; });
   }
 }

@@ -10,7 +10,7 @@
 ///   FOLDER/shared-KEY/12.rows      its rows
 ///   FOLDER/shared-KEY/alive-OWNER  a number that its process counts up
 ///
-/// KEY belongs to the inputs of the study. A process whose number stands still for `patience` is taken for dead, and what it has claimed
+/// KEY belongs to the inputs of the study and the number of its runs. A process whose number stands still for `patience` is taken for dead, and what it has claimed
 /// is free again. No clock of another computer is read. Of the folder is asked only that a file is created once, and renamed at once.
 /// Real time: no. Errors: InputError where the folder cannot be written.
 
@@ -22,6 +22,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace stribeck::workflow {
 
@@ -46,14 +47,16 @@ class SharedRuns {
 
   /// Whether a leader shares these runs at the moment.
   [[nodiscard]] bool open() const;
-  /// Whether another study is shared in the folder.
-  [[nodiscard]] bool others() const;
+  /// Whether processes share another study in the folder at the moment: one of them has counted on since it was looked at first.
+  [[nodiscard]] bool others();
+  /// As the leader: takes away what other studies left.
+  void clear_others() const;
   /// As the leader: shares the blocks from this one on, and again after each that it took over.
   void share_from(std::uint64_t block);
   /// As the leader: nothing is left to do.
   void close();
 
-  /// The first block that nobody has; absent: all are claimed, or no leader shares them.
+  /// The first block that nobody has; absent: all are claimed, or no leader shares them. Several may be held at a time.
   std::optional<std::uint64_t> claim();
   void finish(std::uint64_t block, const std::string& rows);
   /// Absent: not finished.
@@ -72,6 +75,7 @@ class SharedRuns {
   [[nodiscard]] bool dead(const std::string& owner);
   [[nodiscard]] bool create(std::uint64_t block) const;
   void free_those_of_the_dead();
+  [[nodiscard]] std::vector<std::string> other_folders() const;
   void count(const std::stop_token& stop);
 
   std::string parent_;
@@ -82,7 +86,7 @@ class SharedRuns {
   Note note_;
   Pace pace_;
   std::map<std::string, Count> counts_;  ///< of the others
-  std::optional<std::uint64_t> claimed_;
+  std::vector<std::uint64_t> claimed_;
   std::jthread counting_;
 };
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
 #include <stribeck/workflow/study/shared_runs.hpp>
 #include <string>
@@ -106,37 +107,77 @@ TEST(SharedRuns, WhatADeadProcessHasClaimedIsFreeAgain) {
   EXPECT_EQ(a.runs.rows(1), "r");
 }
 
+// However long it is looked away: what counts is that the number is another one at each look.
 TEST(SharedRuns, AProcessThatCountsIsAlive) {
   const Folder f;
-  Shared a(f / "", {1ms, 2s});
+  Shared a(f / "", {1ms, 5ms});
   a.runs.share_from(0);
-  std::optional<Shared> b;
-  b.emplace(f / "", SharedRuns::Pace{1ms, 2s});
-  EXPECT_EQ(b->runs.claim(), 0U);
+  const std::filesystem::path folder = *std::filesystem::directory_iterator(f / "");
+  const auto count = [&](int n) {
+    f.write((folder.filename() / "alive-ghost-1-0").string(), std::to_string(n).c_str());
+  };
+  f.write((folder.filename() / "0.claim").string(), "ghost-1-0");
   for (int k = 0; k < 30; ++k) {
-    std::this_thread::sleep_for(5ms);
+    count(k);
+    std::this_thread::sleep_for(10ms);
     const auto got = a.runs.claim();
     ASSERT_TRUE(got);
     EXPECT_NE(*got, 0U);
     a.runs.finish(*got, "r");
   }
   EXPECT_THAT(a.said, IsEmpty());
-  // One that ends by itself gives back what it has.
-  b.reset();
-  EXPECT_EQ(a.runs.claim(), 0U);
 }
 
+// It gives back what it has; here two blocks.
+TEST(SharedRuns, AProcessThatEndsFreesItsBlocks) {
+  const Folder f;
+  Shared a(f / "");
+  a.runs.share_from(0);
+  {
+    Shared b(f / "");
+    EXPECT_EQ(b.runs.claim(), 0U);
+    EXPECT_EQ(b.runs.claim(), 1U);
+    EXPECT_EQ(a.runs.claim(), 2U);
+  }
+  EXPECT_EQ(a.runs.claim(), 0U);
+  EXPECT_EQ(a.runs.claim(), 1U);
+}
+
+TEST(SharedRuns, AFolderThatCannotBeWrittenIsSaid) {
+  const Folder f;
+  f.write("no", "a file");
+  Shared a(f / "no");
+  EXPECT_THROW(a.runs.share_from(0), io::InputError);
+}
+
+// While its processes count; what they left is none, and a leader takes it away.
 TEST(SharedRuns, AnotherStudyInTheFolderIsSeen) {
   const Folder f;
-  Shared a(f / ""), b(f / "", {1ms, 1h}, "another");
+  Shared b(f / "", {1h, 1h}, "another");
   EXPECT_FALSE(b.runs.others());
-  a.runs.share_from(0);
-  EXPECT_TRUE(b.runs.others());
-  EXPECT_FALSE(a.runs.others());
+  std::optional<Shared> a;
+  a.emplace(f / "", SharedRuns::Pace{1ms, 1h});
+  a->runs.share_from(0);
+  bool seen = false;
+  for (int k = 0; k < 5000 && !seen; ++k) {
+    seen = b.runs.others();
+    std::this_thread::sleep_for(2ms);
+  }
+  EXPECT_TRUE(seen);
   EXPECT_FALSE(b.runs.open());
-  a.runs.close();
+  a.reset();
   EXPECT_FALSE(b.runs.others());
+  b.runs.clear_others();
   EXPECT_THAT(files_in(f), IsEmpty());
+}
+
+// More samples of the same study are other blocks.
+TEST(SharedRuns, AnotherNumberOfRunsIsAnotherFolder) {
+  const Folder f;
+  Shared few(f / "", {1ms, 1h}, "study", 511), many(f / "", {1ms, 1h}, "study", 1000);
+  few.runs.share_from(0);
+  EXPECT_TRUE(few.runs.open());
+  EXPECT_FALSE(many.runs.open());
 }
 
 }  // namespace

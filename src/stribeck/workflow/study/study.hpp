@@ -68,8 +68,9 @@ struct StudyOptions {
 /// Runs what is not in the folder yet, and sums up.
 report::StudyResult run_study(const Study& study, const StudyOptions& options);
 
-/// The same by several processes that call it with the same study and folder (shared_runs.hpp). The first one leads and gets the result;
-/// one of the others takes its place if it dies. Absent: this process helped until nothing was left.
+/// The same by several processes that call it with the same study and folder (shared_runs.hpp). One of them leads and gets the result;
+/// another one takes its place if it dies. Absent: this process helped until nothing was left. One of rank 0 that begins when the others
+/// have ended gets the result, too.
 std::optional<report::StudyResult> run_shared_study(const Study& study, const StudyOptions& options,
                                                     const SharedRuns::Note& note, SharedRuns::Pace pace = {});
 

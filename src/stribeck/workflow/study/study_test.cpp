@@ -86,7 +86,7 @@ TEST(Study, SharedByThreeItIsTheSameBytes) {
   for (const auto& entry : std::filesystem::directory_iterator(f / "shared"))
     names.insert(entry.path().filename().string());
   EXPECT_THAT(names, testing::ElementsAre("inputs.txt", "results.csv"));
-  // It goes on from any place, here within a block, and rows that were damaged on the way are computed again.
+  // It goes on from any place, here within a block.
   const std::string rows = text_of(f / "alone/results.csv");
   f.write("shared/results.csv", rows.substr(0, rows.size() / 2));
   const auto second = run_shared_study(study, {f / "shared", 2, "1"}, {});
