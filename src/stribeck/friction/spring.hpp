@@ -10,7 +10,8 @@
 /// Beside a load only k and load − k·x0 act: an identified spring has the middle of the travel as its x0, and the load is that at x0.
 /// On a rotary axis k is in N m/rad, see unbalance.hpp for the radius.
 ///
-/// Not modelled: a force that is no straight line over the position; hysteresis of the spring, which belongs to friction.
+/// Not modelled: a force that is no straight line over the position; hysteresis of the spring, which belongs to friction. With lost
+/// motion (plant) the spring acts on motor and table in the shares of the friction. Supervision knows the load alone.
 /// Real time: safe.
 
 #include <optional>

@@ -266,13 +266,15 @@ std::vector<ident::log::Record> balanced(std::vector<ident::log::Record> records
   return records;
 }
 
-/// Of what depends on the position only the unbalance and the spring, which are no friction; with keep_others the rest too.
-void keep_balance_only(friction::Model& model, const ident::Result& whole, bool keep_others) {
-  if (!keep_others) model.eccentric = {};
-  model.spring = whole.friction.spring;
+/// A result whose model has, of what depends on the position, the unbalance and the spring of the whole drive, which are no friction;
+/// with keep_others also its own terms.
+ident::Result with_balance(ident::Result result, const ident::Result& whole, bool keep_others) {
+  if (!keep_others) result.friction.eccentric = {};
+  result.friction.spring = whole.friction.spring;
   for (const auto& term : whole.friction.eccentric) {
-    if (friction::is_unbalance(term)) model.eccentric.push_back(term);
+    if (friction::is_unbalance(term)) result.friction.eccentric.push_back(term);
   }
+  return result;
 }
 
 /// One axis while its logs are recorded and its models identified.
@@ -338,14 +340,12 @@ CommissionedAxis Run::in_closed_loop() {
   knows.eccentric = keep("eccentric", {triangles, turns, jogs()}, whole);
   knows.whole = knows.eccentric;
   const Records steady = balanced({jogs()}, whole);
-  if (needs_.conventional) {
-    knows.conventional = keep("conventional", {jogs(), triangles, turns}, jogged(steady, whole, false));
-    keep_balance_only(knows.conventional->friction, whole, false);
-  }
-  if (needs_.gaussian) {
-    knows.gaussian = keep("gaussian", {jogs(), triangles, turns}, jogged(steady, whole, true));
-    keep_balance_only(knows.gaussian->friction, whole, true);
-  }
+  if (needs_.conventional)
+    knows.conventional = keep("conventional", {jogs(), triangles, turns},
+                              with_balance(jogged(steady, whole, false), whole, false));
+  if (needs_.gaussian)
+    knows.gaussian =
+        keep("gaussian", {jogs(), triangles, turns}, with_balance(jogged(steady, whole, true), whole, true));
   return std::move(out_);
 }
 

@@ -15,6 +15,7 @@
 ///   model that is off: friction a fourth too small, mass a sixth too large.
 /// A value that depends on an unknown limit is infinite: that check is off.
 /// Source: Stribeck's own; docs/theory/supervision.md derives them.
+/// Not modelled: a spring and an unbalance (friction/spring.hpp): their force counts as a push, and a safe stop does not hold it.
 /// Real time: configure only. Errors: none.
 
 #include <array>

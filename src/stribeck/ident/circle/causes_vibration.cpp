@@ -128,8 +128,8 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
   v.half_width = 1.96 * std::sqrt(scatter / (pieces_used * (pieces_used - 1.0))) / (2.0 * v.amplitude);
   // Between two lines Hann's window gives them amplitudes in the ratio (1 + δ)/(2 − δ), δ from the larger one.
   const auto between = [&](const std::vector<double>& of) {
-    const bool above = of[std::min(line + 1, of.size() - 1)] > of[line - 1];
-    const double next = std::max(0.0, of[above ? std::min(line + 1, of.size() - 1) : line - 1] - floor);
+    const bool above = line + 1 < of.size() && of[line + 1] > of[line - 1];
+    const double next = std::max(0.0, of[above ? line + 1 : line - 1] - floor);
     const double ratio = std::sqrt(next / std::max(of[line] - floor, 1e-300));
     const double offset = std::clamp((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0, 0.5);
     return above ? offset : -offset;

@@ -211,29 +211,36 @@ struct Found {
   double longest = 0.0;  ///< arc in one direction [rad]
 };
 
-Found revolutions(std::span<const double> x, std::span<const double> y, std::span<const double> time,
-                  bool commanded, const Centre& c, double radius) {
+Found revolutions(const CircleSamples& s, std::span<const double> time, bool commanded, const Centre& c,
+                  double radius) {
+  const std::span<const double> x = commanded ? s.command_x : s.x, y = commanded ? s.command_y : s.y;
   OnCircle on = on_circle(x, y, time, c, radius);
   std::vector<double> radii;
   for (std::size_t i = 0; i < x.size(); ++i) radii.push_back(std::hypot(x[i] - c.x, y[i] - c.y));
   Found out;
   for (const Stretch& rows : on.rows) {
     for (const Stretch& whole : one_direction(on.turned, rows.first, rows.last)) {
-      const Stretch one = without_approach(radii, commanded, radius, whole);
+      Stretch one = without_approach(radii, commanded, radius, whole);
+      if (turn_of(on.turned, one) < kWholeTurn && turn_of(on.turned, whole) >= kWholeTurn) {
+        out.notes.push_back(fmt::format(
+            "rows {} to {}: both ends are off the circle and scored too: without them less than one revolution is left",
+            s.row_of(whole.first), s.row_of(whole.last - 1)));
+        one = whole;
+      }
       const double turn = turn_of(on.turned, one);
       out.longest = std::max(out.longest, turn);
       if (turn < kWholeTurn) {
         if (turn > 2.0 * kTurnedBack)
           out.notes.push_back(
               fmt::format("rows {} to {}: an arc of {:.0f} deg is left out, a circle is a whole revolution",
-                          one.first + 1, one.last, turn * 180.0 / kPi));
+                          s.row_of(one.first), s.row_of(one.last - 1), turn * 180.0 / kPi));
         continue;
       }
       Stretch scored = at_speed(on.turned, time, one);
       if (turn_of(on.turned, scored) < kWholeTurn) {
         out.notes.push_back(fmt::format(
             "rows {} to {}: run-in and run-out are scored too: without them less than one revolution is left",
-            one.first + 1, one.last));
+            s.row_of(one.first), s.row_of(one.last - 1)));
         scored = one;
       }
       out.scored.push_back(scored);
@@ -267,7 +274,7 @@ void note_other_radius(double commanded, double radius, std::vector<std::string>
 }
 
 /// Rows that stand out of their neighbours by more than all others together: a fault of the record.
-void note_outliers(const CircleRun& run, std::vector<std::string>& notes) {
+void note_outliers(const CircleSamples& s, const CircleRun& run, std::vector<std::string>& notes) {
   constexpr double kOfSpan = 0.3;
   constexpr double kScatter = 30.0;
   constexpr std::size_t kMost = 3;
@@ -290,7 +297,7 @@ void note_outliers(const CircleRun& run, std::vector<std::string>& notes) {
     notes.push_back(fmt::format(
         "row {} stands out of its neighbours by {:.3g} um, and the largest errors and G are those of this row (if the "
         "record is at fault there, take the row out)",
-        run.first + i + 1, apart[i] * 1e6));
+        s.row_of(run.first + i), apart[i] * 1e6));
 }
 
 }  // namespace
@@ -303,7 +310,7 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   const std::span<const double> guide_y = out.commanded ? s.command_y : s.y;
   auto centre = centre_of(guide_x, guide_y, radius);
   if (!centre) return out;
-  Found found = revolutions(guide_x, guide_y, time, out.commanded, *centre, radius);
+  Found found = revolutions(s, time, out.commanded, *centre, radius);
   // The approach moves the centre, which tells what belongs to the approach.
   constexpr int kMostPasses = 12;
   double guide_radius = radius;
@@ -313,7 +320,7 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
     centre = {guide.x, guide.y};
     guide_radius = guide.radius;
     if (std::hypot(centre->x - before.x, centre->y - before.y) <= 1e-9 * radius) break;
-    found = revolutions(guide_x, guide_y, time, out.commanded, *centre, radius);
+    found = revolutions(s, time, out.commanded, *centre, radius);
   }
   if (!out.commanded && !found.scored.empty()) {
     const LeastSquaresCircle own = circle_of_scored(s.x, s.y, found.scored);
@@ -334,7 +341,7 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
           i == run.first ? angle : run.angle.back() + std::remainder(angle - run.angle.back(), kTurn));
       run.error.push_back(std::hypot(x, y) - radius);
     }
-    note_outliers(run, out.notes);
+    note_outliers(s, run, out.notes);
     out.runs.push_back(std::move(run));
   }
   return out;

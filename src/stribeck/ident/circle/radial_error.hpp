@@ -44,6 +44,10 @@ struct CircleSamples {
   std::span<const double> y;
   std::span<const double> command_x;
   std::span<const double> command_y;
+  std::span<const std::size_t> row{};  ///< of the log, for words; empty: these are all of them
+
+  /// Counted from 1.
+  [[nodiscard]] std::size_t row_of(std::size_t i) const noexcept { return (row.empty() ? i : row[i]) + 1; }
 };
 
 /// The circle whose distances from the points have the least sum of squares, Σ (|p − c| − r)²: geometric, not the algebraic fit (Kåsa),

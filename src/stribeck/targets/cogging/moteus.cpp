@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
 #include <stribeck/io/printable.hpp>
@@ -120,7 +121,7 @@ std::vector<std::string> not_in_the_table(const Axis& axis) {
   if (friction::has_pre_sliding(axis.model.friction.dynamics)) out.emplace_back("pre-sliding");
   if (!axis.model.friction.places.empty()) out.emplace_back("friction along the travel");
   if (const auto& spring = axis.model.friction.spring)
-    out.push_back(fmt::format("a spring of {} N/mm", report::significant(1e-3 * spring->stiffness, 3)));
+    out.push_back("a spring of " + ident::Shown("m", "N", axis.rotary).force_per_length(spring->stiffness));
   for (const auto& t : axis.model.friction.eccentric) {
     if (t.amplitude <= 0.0 || fits_the_turn(t, axis.lead)) continue;
     const char* why = t.form == friction::EccentricForm::kProportional

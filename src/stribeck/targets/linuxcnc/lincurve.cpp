@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/targets/linuxcnc/lincurve.hpp>
 
@@ -131,7 +132,8 @@ std::string lincurve_words(const Lincurve& table, const friction::AxisModel& mod
   if (periodic > 0.0)
     missing.push_back(fmt::format("{} N periodic in position", report::significant(periodic, 3)));
   if (const auto& spring = model.friction.spring)
-    missing.push_back(fmt::format("a spring of {} N/mm", report::significant(1e-3 * spring->stiffness, 3)));
+    missing.push_back("a spring of " +
+                      ident::Shown("m", "N", unit.starts_with("deg")).force_per_length(spring->stiffness));
   if (!model.friction.places.empty()) missing.emplace_back("what differs along the travel");
   if (friction::has_pre_sliding(model.friction.dynamics))
     missing.emplace_back("pre-sliding: the force jumps at a reversal");

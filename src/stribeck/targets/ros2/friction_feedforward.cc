@@ -66,9 +66,16 @@ struct JointFriction {
   double spring_stiffness = 0.0;   // of a force that grows with the position
   std::vector<double> spring_positions;  // lowest, without force, highest; empty: no such force
 
+  bool valid_spring() const {
+    if (spring_positions.empty()) return spring_stiffness == 0.0;
+    bool good = spring_positions.size() == 3 && std::isfinite(spring_stiffness);
+    for (const double x : spring_positions) good = good && std::isfinite(x);
+    return good && spring_positions[0] < spring_positions[2];
+  }
+
   bool valid() const {
     const std::size_t terms = amplitude.size();
-    bool good = std::isfinite(mass) && std::isfinite(load) && std::isfinite(spring_stiffness) && spring_positions.size() % 3 == 0 && positive.valid() && negative.valid() && period.size() == terms &&
+    bool good = std::isfinite(mass) && std::isfinite(load) && valid_spring() && positive.valid() && negative.valid() && period.size() == terms &&
       phase.size() == terms && proportional.size() == terms;
     for (std::size_t i = 0; good && i < terms; ++i)
       good = std::isfinite(amplitude[i]) && std::isfinite(phase[i]) && std::isfinite(period[i]) && period[i] > 0.0;
@@ -118,7 +125,7 @@ class FrictionFeedforward : public controller_interface::ChainableControllerInte
       if (!f.valid()) {
         RCLCPP_ERROR(
           get_node()->get_logger(),
-          "%s: expected finite numbers, tables of equal length with ascending speeds, and periodic terms with periods above 0", joint.c_str());
+          "%s: expected finite numbers, tables of equal length with ascending speeds, periodic terms with periods above 0, and a spring with three positions", joint.c_str());
         return controller_interface::CallbackReturn::ERROR;
       }
       friction_.push_back(f);

@@ -115,7 +115,8 @@ namespace {
 /// Leaves out rows whose time the next row repeats, and refuses times that go back again and again. A time that goes back a few
 /// times belongs to logs that were put one behind the other.
 CircleTrack in_order_of_time(const io::Log& log, CircleTrack t) {
-  constexpr double kOften = 0.01;  // of the rows
+  constexpr double kOften = 0.01;        // of the rows
+  constexpr double kMostRepeated = 0.6;  // of the rows
   if (t.t.empty()) return t;
   std::size_t back = 0, first = 0, repeated = 0;
   for (std::size_t i = 1; i < t.t.size(); ++i) {
@@ -130,6 +131,13 @@ CircleTrack in_order_of_time(const io::Log& log, CircleTrack t) {
              "goes back in {} of {} rows, first from {:.6g} to {:.6g} s in row {}: expected rows in order of time (sort them)",
              back, t.t.size(), t.t[first - 1], t.t[first], t.row[first] + 1)});
   if (repeated == 0) return t;
+  if (static_cast<double>(repeated) > kMostRepeated * static_cast<double>(t.t.size())) {
+    t.t.clear();
+    t.notes.push_back(
+        fmt::format("the times repeat in {} of {} rows and are not used: they are too coarse, or stand still",
+                    repeated, t.x.size()));
+    return t;
+  }
   CircleTrack out = t.empty_copy();
   for (std::size_t i = 0; i < t.t.size(); ++i) {
     if (i + 1 == t.t.size() || t.t[i] != t.t[i + 1]) out.append(t, i);

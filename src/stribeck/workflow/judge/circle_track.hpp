@@ -24,7 +24,7 @@ struct CircleTrack {
   double feed = std::nan("");  ///< stated, where the log has no times [m/s]
   std::vector<std::string> notes;
 
-  [[nodiscard]] ident::circle::CircleSamples samples() const { return {x, y, rx, ry}; }
+  [[nodiscard]] ident::circle::CircleSamples samples() const { return {x, y, rx, ry, row}; }
   /// One row of `from`, behind those that are there.
   void append(const CircleTrack& from, std::size_t at);
   /// No samples, all else as here.

@@ -209,9 +209,13 @@ void note_beyond_spring(const Model& m, const ident::log::Record& record,
                                      [&](double x) { return x < spring->lowest() || x > spring->highest(); });
   if (static_cast<double>(outside) < kSome * static_cast<double>(record.x.size())) return;
   const ident::Shown shown(record);
+  const std::string where =
+      !spring->from ? "above " + shown.length(*spring->to)
+      : !spring->to ? "below " + shown.length(*spring->from)
+                    : fmt::format("beyond {} to {}", shown.length(*spring->from), shown.length(*spring->to));
   warnings.push_back(fmt::format(
-      "{}: {} of {} rows lie beyond {} to {}, where the force of the model's spring stays (identify a log of the whole travel)",
-      m.file, outside, record.x.size(), shown.length(spring->lowest()), shown.length(spring->highest())));
+      "{}: {} of {} rows lie {}, where the force of the model's spring stays (identify a log of the whole travel)",
+      m.file, outside, record.x.size(), where));
 }
 
 class Verification {

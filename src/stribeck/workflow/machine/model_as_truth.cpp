@@ -64,13 +64,19 @@ plant::AxisParams model_as_truth(const AxisDescription& axis, const std::string&
          "encoder_resolution = \"1 um\", with your value)"});
   }
   const double friction = file.model.friction.parts(kSlow, 0.0).level;
-  if (!(friction + std::abs(file.model.load) < plate.force)) {
+  double standing = std::abs(file.model.load);
+  if (const auto& spring = file.model.friction.spring) {
+    for (const double end : {axis.limits.travel_min, axis.limits.travel_max})
+      standing = std::max(standing, std::abs(file.model.load + spring->at(end)));
+  }
+  if (!(friction + standing < plate.force)) {
     throw io::InputError(
         {axis_file, 0, "friction",
          fmt::format(
-             "friction of {:.4g} N and a load of {:.4g} N need more than the {:.4g} N of the drive in {} (check the scale of "
+             "friction of {:.4g} N and a load{} of {:.4g} N need more than the {:.4g} N of the drive in {} (check the scale of "
              "the log, --gain, and the data of the drive)",
-             friction, std::abs(file.model.load), plate.force, machine_file)});
+             friction, file.model.friction.spring ? " with the spring" : "", standing, plate.force,
+             machine_file)});
   }
   plant::AxisParams truth;
   truth.mass = file.model.mass;

@@ -141,8 +141,8 @@ std::string default_experiment(const sim::Machine& machine, const PathOptions& p
     case 2:
       return kVaried;
     case 5:
-      // It has its own path and speeds.
-      if (!is_of_thesis(machine) && (!(path == PathOptions{}) || !speeds.empty())) return kOwn;
+      // The five-axis path has its own size and speeds; a circle of one's own has those that are asked for.
+      if (!is_of_thesis(machine) && (!path.size.empty() || !speeds.empty())) return kOwn;
       return "five-axis";
     default:
       return "tri-circle";

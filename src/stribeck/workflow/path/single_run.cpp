@@ -15,8 +15,14 @@ sim::CompareSpec single_run(const SingleRunOptions& o, const ParameterOptions& p
     // The circle of the options needs two axes.
     std::vector<std::string> speeds;
     if (!o.speed.empty()) speeds.push_back(o.speed);
-    spec =
-        experiment_spec(default_experiment(machine, o.path, speeds), o.path, speeds, machine, machine_file);
+    const std::string experiment = default_experiment(machine, o.path, speeds);
+    if (experiment != kOwn && (!speeds.empty() || !(o.path == PathOptions{})))
+      refuse_option(
+          "--speed and options of a path",
+          fmt::format(
+              "{} is the motion of this machine, and has its own path, speed and gains (leave them out)",
+              experiment));
+    spec = experiment_spec(experiment, o.path, speeds, machine, machine_file);
     spec.travels.resize(1);
   } else if (o.experiment.empty()) {
     if (source_of(o.path) == PathSource::kProgram && !o.speed.empty())
