@@ -1,4 +1,4 @@
-// The logs of one axis, cleaned and put together.
+// The logs of one axis, cleaned and put together; those that move apart from those that stand.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <stribeck/ident/log/condition.hpp>
+#include <stribeck/ident/methods/position_map.hpp>
 #include <stribeck/io/log/log.hpp>
 #include <stribeck/workflow/identify.hpp>
 #include <stribeck/workflow/log/encoders.hpp>
@@ -72,6 +73,53 @@ AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& opt
   RecordsOfAxis records(options);
   for (const io::Log& log : logs) records.add(log, log.source);
   return std::move(records).all();
+}
+
+namespace {
+
+/// `each(add)` calls add(log, name) for every log, one after the other.
+template <class Each>
+std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const Each& each,
+                                                      const LogOptions& options, const IdentifyOptions& how) {
+  RecordsOfAxis moving(options), standing(options);
+  bool moves = false;
+  bool stands = false;
+  each([&](const io::Log& log, const std::string& name) {
+    bool held = false;
+    if (count > 1) {
+      RecordsOfAxis alone(options);
+      alone.add(log, name);
+      held = ident::methods::held_at_standstill(std::move(alone).all().records);
+    }
+    (held ? stands : moves) = true;
+    (held ? standing : moving).add(log, name);
+  });
+  AxisRecords axis = std::move(moves ? moving : standing).all();
+  Identification found = identify(axis, how);
+  if (!moves || !stands) return {std::move(axis), std::move(found)};
+  const AxisRecords held = std::move(standing).all();
+  // The options are for logs that move: at standstill there is no travel of a turn, no mass and no map of velocity.
+  found.beside.push_back(identify(held, {}).result);
+  axis.sources += ", " + held.sources;
+  return {std::move(axis), std::move(found)};
+}
+
+}  // namespace
+
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how) {
+  const auto each = [&](const auto& add) {
+    for (const std::string& path : logs) add(read_log(path, options), path);
+  };
+  return identify_apart(logs.size(), each, options, how);
+}
+
+std::pair<AxisRecords, Identification> identify_logs(const std::vector<io::Log>& logs,
+                                                     const LogOptions& options, const IdentifyOptions& how) {
+  const auto each = [&](const auto& add) {
+    for (const io::Log& log : logs) add(log, log.source);
+  };
+  return identify_apart(logs.size(), each, options, how);
 }
 
 }  // namespace stribeck::workflow

@@ -355,53 +355,6 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
 
 namespace {
 
-/// `each(add)` calls add(log, name) for every log, one after the other.
-template <class Each>
-std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const Each& each,
-                                                      const LogOptions& options, const IdentifyOptions& how) {
-  RecordsOfAxis moving(options), standing(options);
-  bool moves = false;
-  bool stands = false;
-  each([&](const io::Log& log, const std::string& name) {
-    bool held = false;
-    if (count > 1) {
-      RecordsOfAxis alone(options);
-      alone.add(log, name);
-      held = ident::methods::held_at_standstill(std::move(alone).all().records);
-    }
-    (held ? stands : moves) = true;
-    (held ? standing : moving).add(log, name);
-  });
-  AxisRecords axis = std::move(moves ? moving : standing).all();
-  Identification found = identify(axis, how);
-  if (!moves || !stands) return {std::move(axis), std::move(found)};
-  const AxisRecords held = std::move(standing).all();
-  // The options are for logs that move: at standstill there is no travel of a turn, no mass and no map of velocity.
-  found.beside.push_back(identify(held, {}).result);
-  axis.sources += ", " + held.sources;
-  return {std::move(axis), std::move(found)};
-}
-
-}  // namespace
-
-std::pair<AxisRecords, Identification> identify_logs(const std::vector<std::string>& logs,
-                                                     const LogOptions& options, const IdentifyOptions& how) {
-  const auto each = [&](const auto& add) {
-    for (const std::string& path : logs) add(read_log(path, options), path);
-  };
-  return identify_apart(logs.size(), each, options, how);
-}
-
-std::pair<AxisRecords, Identification> identify_logs(const std::vector<io::Log>& logs,
-                                                     const LogOptions& options, const IdentifyOptions& how) {
-  const auto each = [&](const auto& add) {
-    for (const io::Log& log : logs) add(log, log.source);
-  };
-  return identify_apart(logs.size(), each, options, how);
-}
-
-namespace {
-
 /// Whether friction opposes the motion: with the wrong sign of the force it would drive it.
 bool takes_energy(const ident::Result& result) {
   double work = 0.0;
