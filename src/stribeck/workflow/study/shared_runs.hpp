@@ -10,8 +10,9 @@
 ///   FOLDER/shared-KEY/12.rows      its rows
 ///   FOLDER/shared-KEY/alive-OWNER  a number that its process counts up
 ///
-/// KEY belongs to the inputs of the study and the number of its runs. A process whose number stands still for `patience` is taken for dead, and what it has claimed
-/// is free again. No clock of another computer is read. Of the folder is asked only that a file is created once, and renamed at once.
+/// KEY belongs to the inputs of the study and the number of its runs. A process whose number stands still for `patience` is taken for
+/// dead, and what it has claimed is free again. No clock of another computer is read. The folder must create a file for one process alone,
+/// and rename it in one step.
 /// Real time: no. Errors: InputError where the folder cannot be written.
 
 #include <chrono>
