@@ -50,8 +50,7 @@ struct axis {
   hal_float_t force_per_volt;
 };
 
-/* What of an instance has to be in HAL memory. That is never given back, not even when the component is unloaded: nothing is in it
- * that can be elsewhere. */
+/* What of an instance has to be in HAL memory: nothing is in it that can be elsewhere. */
 struct shared {
   hal_bit_t *enable, *faulted, *pending, *brake;
   hal_float_t *phase, *lag;
@@ -390,10 +389,9 @@ static int make(const char* name) {
   if (s == NULL) return -ENOMEM;
   instances[count++] = s;
   s->name = name;
-  s->hal = hal_malloc(sizeof *s->hal);
+  s->hal = take_hal_memory(sizeof *s->hal);
   s->memory = calloc(1, size + alignment);
   if (s->hal == NULL || s->memory == NULL) return -ENOMEM;
-  memset(s->hal, 0, sizeof *s->hal);
   s->size = size;
   char* memory = s->memory;
   memory += (alignment - (uintptr_t)memory % alignment) % alignment;
@@ -426,15 +424,20 @@ static int make(const char* name) {
 }
 
 static void release(void) {
-  hal_exit(component);
+  if (component >= 0) hal_exit(component);
+  component = -1;
   while (count > 0) {
     --count;
     free(instances[count]->memory);
     free(instances[count]);
   }
+  end_of_component(names);
+#ifdef STRIBECK_CONTOUR
+  axes = AXES;
+#endif
 }
 
-int rtapi_app_main(void) {
+static int load(void) {
   if (!abi_good(COMPONENT)) return -EINVAL;
   if (axes < LEAST_AXES || axes > AXES) {
     rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": axes: got %d, expected 2 or 3 (one axis: stribeck_axis)\n",
@@ -450,12 +453,17 @@ int rtapi_app_main(void) {
     const int r = make(names[i]);
     if (r < 0) {
       rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": \"%s\" could not be made (%d)\n", names[i], r);
-      release();
       return r;
     }
   }
   hal_ready(component);
   return 0;
+}
+
+int rtapi_app_main(void) {
+  const int r = load();
+  if (r < 0) release();
+  return r;
 }
 
 void rtapi_app_exit(void) { release(); }

@@ -23,8 +23,8 @@
 
 typedef stribeck_result (*parameter_list)(uint32_t, stribeck_parameter*);
 
-/* Values in HAL memory, and those the last configuration was made from. HAL has 1 MiB for everything and takes nothing back when a
- * component goes, so that only what must be there is. */
+/* Values in HAL memory, and those the last configuration was made from. HAL has 1 MiB for everything, so that only what must be there
+ * is. */
 struct values {
   hal_float_t* value;
   double used[MAX_PARAMETERS];
@@ -36,6 +36,36 @@ struct parameters {
   char name[MAX_PARAMETERS][48]; /* of the C interface */
   double initial[MAX_PARAMETERS];
 };
+
+/* HAL takes no memory back when a component goes. The loader keeps these modules (-z nodelete), and with them this list: a component
+ * that is loaded again uses the blocks it had before. */
+#define MAX_BLOCKS 64
+static struct {
+  void* at;
+  size_t size;
+  int in_use;
+} hal_blocks[MAX_BLOCKS];
+
+/* HAL memory of zeros; NULL: there is none left. */
+static inline void* take_hal_memory(size_t size) {
+  for (int i = 0; i < MAX_BLOCKS; ++i) {
+    const int mine = hal_blocks[i].at != NULL;
+    if (mine && (hal_blocks[i].in_use || hal_blocks[i].size != size)) continue;
+    if (!mine) hal_blocks[i].at = hal_malloc((long)size);
+    if (hal_blocks[i].at == NULL) return NULL;
+    hal_blocks[i].size = size;
+    hal_blocks[i].in_use = 1;
+    return memset(hal_blocks[i].at, 0, size);
+  }
+  void* more = hal_malloc((long)size);
+  return more == NULL ? NULL : memset(more, 0, size);
+}
+
+/* After hal_exit: what was taken may be used again, and the next load begins with no names. */
+static inline void end_of_component(char** names) {
+  for (int i = 0; i < MAX_BLOCKS; ++i) hal_blocks[i].in_use = 0;
+  for (int i = 0; i < MAX_INSTANCES; ++i) names[i] = NULL;
+}
 
 static inline int same(double a, double b) { return a == b || (a != a && b != b); }
 
@@ -105,7 +135,7 @@ static inline int positive(double x) { return isfinite(x) && x > 0.0; }
 /* One HAL parameter for each, called PREFIX.NAME. */
 static inline int export_parameters(const struct parameters* all, struct values* v, int component,
                                     const char* prefix) {
-  v->value = hal_malloc((long)(all->count * sizeof *v->value));
+  v->value = take_hal_memory(all->count * sizeof *v->value);
   if (v->value == NULL) return -ENOMEM;
   for (uint32_t i = 0; i < all->count; ++i) {
     char name[64];

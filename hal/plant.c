@@ -29,7 +29,7 @@ struct own {
   hal_s32_t substeps, seed;
 };
 
-/* What of an instance has to be in HAL memory, which is never given back. */
+/* What of an instance has to be in HAL memory. */
 struct shared {
   hal_float_t *force, *voltage, *command, *offset, *cutting;
   hal_float_t *pos, *pos_fb, *vel, *friction, *force_fb;
@@ -52,13 +52,6 @@ static int component = -1;
 static struct parameters parameters;
 static struct instance* instances[MAX_INSTANCES];
 static int count;
-
-/* The parameters of the drive without lost_motion and what follows it: HAL memory holds no more. */
-static stribeck_result parameter_at(uint32_t index, stribeck_parameter* out) {
-  const stribeck_result r = stribeck_plant_parameter(index, out);
-  if (r != STRIBECK_OK) return r;
-  return strncmp(out->name, "lost_motion", 11) == 0 ? STRIBECK_BAD_ARGUMENT : r;
-}
 
 static int own_changed(const struct instance* s) {
   const struct own *now = &s->hal->own, *used = &s->used;
@@ -132,9 +125,8 @@ static int make(const char* name) {
   if (s == NULL) return -ENOMEM;
   instances[count++] = s;
   s->name = name;
-  s->hal = hal_malloc(sizeof *s->hal);
+  s->hal = take_hal_memory(sizeof *s->hal);
   if (s->hal == NULL) return -ENOMEM;
-  memset(s->hal, 0, sizeof *s->hal);
   int r = 0;
   const struct {
     const char* name;
@@ -170,17 +162,19 @@ static int make(const char* name) {
 }
 
 static void release(void) {
-  hal_exit(component);
+  if (component >= 0) hal_exit(component);
+  component = -1;
   while (count > 0) {
     --count;
     stribeck_plant_destroy(instances[count]->plant);
     free(instances[count]);
   }
+  end_of_component(names);
 }
 
-int rtapi_app_main(void) {
+static int load(void) {
   if (!abi_good(COMPONENT)) return -EINVAL;
-  find_parameters(&parameters, parameter_at);
+  find_parameters(&parameters, stribeck_plant_parameter);
   const int n = count_names(COMPONENT, names, &parameters, 0);
   if (n < 0) return -EINVAL;
   component = hal_init(COMPONENT);
@@ -189,12 +183,17 @@ int rtapi_app_main(void) {
     const int r = make(names[i]);
     if (r < 0) {
       rtapi_print_msg(RTAPI_MSG_ERR, COMPONENT ": \"%s\" could not be made (%d)\n", names[i], r);
-      release();
       return r;
     }
   }
   hal_ready(component);
   return 0;
+}
+
+int rtapi_app_main(void) {
+  const int r = load();
+  if (r < 0) release();
+  return r;
 }
 
 void rtapi_app_exit(void) { release(); }

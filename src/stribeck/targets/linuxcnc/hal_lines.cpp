@@ -40,6 +40,13 @@ std::string choice(const std::string& component, const char* parameter, std::siz
   return setp(component, parameter, static_cast<double>(index), fmt::format("{} ({})", chosen, words));
 }
 
+/// A comment where friction differs along the travel: a list of thirteen places would take more of HAL's memory than all the rest.
+std::string places_left_out(const std::string& name, const friction::Places& places) {
+  if (places.empty()) return {};
+  return fmt::format(
+      "# {}: friction.places (friction along the travel) is left out: HAL has no room for it\n", name);
+}
+
 }  // namespace
 
 std::string setp(const std::string& component, std::string_view parameter, double value,
@@ -57,12 +64,7 @@ std::string controller_lines(const std::string& name, const friction::AxisModel&
   const Feedforward which = enum_value<Feedforward>(feedforward).value_or(own);
   friction::AxisModel held = model;
   held.friction.places = {};
-  const std::string left_out =
-      model.friction.places.empty()
-          ? ""
-          : fmt::format(
-                "# {}: friction.places (friction along the travel) is left out: HAL has no room for it\n",
-                name);
+  const std::string left_out = places_left_out(name, model.friction.places);
   return left_out + setp(name, "omega", omega) + choice(name, "law", 0) +
          choice(name, "feedforward", static_cast<std::size_t>(which)) + choice(name, "observer", 0) +
          setp(name, "adaptation.enabled", 0.0, "1: the model is corrected on line") +
@@ -87,20 +89,8 @@ double initial_value(std::string_view parameter) {
 
 std::string plant_lines(const std::string& name, const sim::MachineAxis& axis) {
   plant::AxisParams p = axis.plant;
-  std::string left_out;
-  const auto leave_out = [&](bool there, const char* key) {
-    if (there) left_out += fmt::format("# {}: {} is left out: HAL has no room for it\n", name, key);
-  };
-  leave_out(p.lost_motion.has_value(), "lost_motion");
-  leave_out(p.friction_along_travel.has_value(), "friction_along_travel");
-  leave_out(p.viscous_exponent.has_value(), "viscous_exponent");
-  leave_out(p.torque_ripple.has_value(), "torque_ripple");
-  leave_out(p.encoder_error.has_value(), "encoder_error");
-  leave_out(p.delay_fraction.has_value(), "delay_fraction");
-  leave_out(!p.friction.places.empty(), "friction.places");
-  p.lost_motion.reset(), p.second_encoder.reset(), p.friction_along_travel.reset(),
-      p.viscous_exponent.reset();
-  p.torque_ripple.reset(), p.encoder_error.reset(), p.delay_fraction.reset(), p.friction.places = {};
+  const std::string left_out = places_left_out(name, p.friction.places);
+  p.friction.places = {};
   return left_out + setp_all(name, value_of(p));
 }
 
