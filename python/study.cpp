@@ -53,7 +53,7 @@ void add_study(py::module_& module) {
       py::arg("path"),
       "read_table(path)\n--\n\n"
       "Reads a table without times, such as the results.csv of a study: a Log, table[\"column\"] an array in SI, a list of str for a "
-      "column of text. Raises InputError with file, line and column.");
+      "column of text. A figure of one axis (NAME_um.x) stays in the unit of its name. Raises InputError with file, line and column.");
 }
 
 }  // namespace stribeck::python

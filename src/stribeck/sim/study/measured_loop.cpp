@@ -57,7 +57,8 @@ struct Judged {
 
   void phase_of(const Between& s) {
     const double share = unity(s);
-    const double angle = std::arg(-s.at(share));
+    // How far the point is from −1, on either side: a resonance may cross 1 with lead, far beyond −180°, in a stable loop.
+    const double angle = std::abs(std::arg(-s.at(share)));
     const double sure = angle - sure_angle(s.half(share));
     m.crossover = std::max(m.crossover, s.omega(share));
     if (sure < m.sure_phase) {
@@ -110,7 +111,8 @@ bool ends_inside(const std::vector<Response>& loop, const MeasuredMargins& m) {
 
 MeasuredMargins finished(Judged judged, const std::vector<Response>& loop) {
   MeasuredMargins& m = judged.m;
-  m.stable = judged.crossings == 0 && m.phase > 0.0 && m.crossover > 0.0;
+  m.stable = judged.crossings == 0 && m.crossover > 0.0;
+  if (!m.stable && std::isfinite(m.phase)) m.phase = -m.phase;
   m.inside = ends_inside(loop, m);
   if (!std::isfinite(m.gain_up) && !loop.empty()) {
     // No crossing of −180°: the gain may rise at least until the last line crosses 1.

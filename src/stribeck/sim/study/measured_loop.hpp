@@ -4,7 +4,8 @@
 ///   L(ω) = C·N·G     C = m·(ω0² + 2·ω0·(1 − z⁻¹)/T), z = exp(jωT): control::Gains::critical(ω0) on the sampled error
 ///   N = (s² + 2·d·ζ·ωn·s + ωn²)/(s² + 2·ζ·ωn·s + ωn²), made discrete by Tustin with its middle kept; d depth, 2ζ·ωn width
 ///
-///   phase margin   least arg(−L) where |L| = 1         gain margin   least factor to L = −1, up or down
+///   phase margin   least |arg(−L)| where |L| = 1, negative of an unstable loop
+///   gain margin    least factor to L = −1, up or down
 ///   stable         L passes left of −1 as often upwards as downwards (Nyquist), from the first line on, where L is below −1
 ///
 /// G comes with the 95 % half width h of each frequency. "Sure" margins are those at the worse edge of the interval: the phase less
