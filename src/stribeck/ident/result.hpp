@@ -14,6 +14,7 @@
 #include <optional>
 #include <stribeck/core/fields.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/friction/uncertainty.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -124,8 +125,9 @@ struct Result {
   std::vector<ResidualPoint> residuals;  ///< thinned
   std::vector<SpectrumLine> spectrum;    ///< of the residual over position, ascending period
   std::vector<std::string> warnings;
-  std::vector<std::string> cannot_tell;  ///< what this log does not determine
-  friction::Model friction;              ///< is written into an axis file unchanged
+  std::vector<std::string> cannot_tell;              ///< what this log does not determine
+  friction::Model friction;                          ///< is written into an axis file unchanged
+  std::optional<friction::ModelUncertainty> open{};  ///< what the log leaves open of mass and friction
   double break_away_distance = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN: not determined
   bool bristles_too_fine = false;  ///< for the encoder: no other motion would tell them
   std::size_t rows = 0;            ///< rows that were fitted

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stribeck/control/compensation/lost_motion_params.hpp>
 #include <stribeck/friction/axis_model.hpp>
+#include <stribeck/friction/uncertainty.hpp>
 #include <string>
 
 namespace stribeck::sim {
@@ -20,6 +21,7 @@ struct AxisFile {
   std::optional<control::LostMotionParams> lost_motion{};
   std::optional<std::array<double, 2>>
       velocity_range{};  ///< [m/s] where the map of friction does not hold it
+  std::optional<friction::ModelUncertainty> uncertainty{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -37,7 +39,10 @@ struct AxisFile {
               "velocities the model was identified on: lowest (< 0), highest (> 0); left out: unknown")
             .or_default()
             .when([](const AxisFile& f) { return !f.model.friction.identified_range(); },
-                  "goes with a steady map that has no range of its own, i.e. conventional")};
+                  "goes with a steady map that has no range of its own, i.e. conventional"),
+        field("uncertainty", &AxisFile::uncertainty,
+              "what the logs leave open of mass and friction, for studies; controllers make no use of it")
+            .or_default()};
   }
   template <class Report>
   void validate(Report&& report) const {
@@ -45,12 +50,16 @@ struct AxisFile {
       report("velocity_range", "expected a lowest velocity below zero and a highest above zero");
   }
 
+  /// Velocities the model was identified on [m/s]; absent: the file does not say it.
+  [[nodiscard]] std::optional<std::array<double, 2>> range() const noexcept {
+    const auto of_map = model.friction.identified_range();
+    return of_map ? of_map : velocity_range;
+  }
   /// The largest speed at which the model was identified in both directions [m/s]; absent: the file does not say it.
   [[nodiscard]] std::optional<double> identified_speed() const noexcept {
-    const auto of_map = model.friction.identified_range();
-    const auto& range = of_map ? of_map : velocity_range;
-    if (!range) return std::nullopt;
-    return std::min(-(*range)[0], (*range)[1]);
+    const auto known = range();
+    if (!known) return std::nullopt;
+    return std::min(-(*known)[0], (*known)[1]);
   }
 };
 

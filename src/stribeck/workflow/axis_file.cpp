@@ -89,6 +89,7 @@ sim::AxisFile axis_file(const Identification& found, const AxisRecords& axis) {
   const std::array<double, 2>& range = found.result.velocity_range;
   if (!file.model.friction.identified_range() && range[0] < 0.0 && range[1] > 0.0)
     file.velocity_range = range;
+  file.uncertainty = found.result.open;
   if (found.lost_motion) file.lost_motion = lost_motion_of(*found.lost_motion, file.model.mass);
   return file;
 }

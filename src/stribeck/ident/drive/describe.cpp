@@ -90,7 +90,9 @@ class Description {
   void write_periodic();
   void write_curve(int s);
   void keep_told(std::vector<CurvePoint>& points);
-  [[nodiscard]] double model_spread(int s, double speed) const;
+  [[nodiscard]] double model_spread(int s, double speed) const {
+    return spread_of_friction(found_.choice, s, speed);
+  }
   /// Standard error of the load where friction is what the load leaves.
   [[nodiscard]] double load_error() const { return found_.load ? found_.load->error : 0.0; }
   /// Standard error of a level of friction.
@@ -282,8 +284,10 @@ void Description::write_symmetric() {
     const bool told = at_rest_seen_[0] || at_rest_seen_[1];
     VectorXd h = found_.intervals.zero();
     h(at(1)) = h(at(3)) = 1.0;
-    add("alpha1", fit.coulomb + fit.rise, "N", "N", found_.intervals.error_of(h), told && seen(3));
-    add("v0", fit.v0, "m/s", "mm/s", map_error(4), told && seen(4));
+    // A rival with another exponent has another friction at rest and another v0.
+    add("alpha1", fit.coulomb + fit.rise, "N", "N",
+        std::hypot(found_.intervals.error_of(h), model_spread(0, 0.0)), told && seen(3));
+    add("v0", fit.v0, "m/s", "mm/s", std::hypot(map_error(4), spread_of_v0(found_.choice)), told && seen(4));
     if (fit.exponent == map::Exponent::kOne) {
       constexpr double kNotEstimated = std::numeric_limits<double>::quiet_NaN();
       result_.parameters.push_back(
@@ -342,7 +346,8 @@ std::size_t Description::write_branch(std::size_t s, friction::GaussianBranch<do
   if (b.exponential) {
     const map::FitTerm& g = b.terms.front();
     const bool told = at_rest_seen_[s];
-    add("exponential_a" + tail, d * g.a, "N", "N", map_error(i), told && seen(i));
+    add("exponential_a" + tail, d * g.a, "N", "N",
+        std::hypot(map_error(i), model_spread(static_cast<int>(s), 0.0)), told && seen(i));
     add("exponential_c" + tail, g.c * top, "m/s", "mm/s", map_error(i + 1) * top, told && seen(i + 1));
     for (const map::FitTerm& part : map::as_gaussians(g))
       branch.gaussians.push_back({d * part.a, 0.0, part.c * top});
@@ -408,15 +413,6 @@ void Description::write_periodic() {
     result_.friction.eccentric.push_back({amplitude, periodic[n].period, phase, periodic[n].form});
   }
   notes_.warn("the phase of the periodic terms belongs to the homing position of this log");
-}
-
-/// What the models differ in that the data cannot tell apart is part of the uncertainty (Buckland et al. 1997).
-double Description::model_spread(int s, double speed) const {
-  const std::vector<map::StaticFit>& rivals = found_.choice.map.rivals;
-  if (rivals.empty()) return 0.0;
-  double square = 0.0;
-  for (const map::StaticFit& r : rivals) square += std::pow(r.force(s, speed) - map().force(s, speed), 2.0);
-  return std::sqrt(square / static_cast<double>(rivals.size() + 1));
 }
 
 void Description::write_curve(int s) {

@@ -4,7 +4,7 @@
 /// Inside ident only. Real time: no.
 
 #include <stribeck/ident/drive/drive_fit.hpp>
-#include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/map/level_drift.hpp>
 #include <stribeck/ident/drive/periodic_choice.hpp>
 #include <stribeck/ident/drive/places/places.hpp>

@@ -5,6 +5,7 @@
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
+#include <stribeck/ident/drive/intervals/open_model.hpp>
 #include <stribeck/ident/drive/load/load_of_reversals.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
 #include <stribeck/ident/drive/relaxation.hpp>
@@ -426,6 +427,7 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
   result.break_away_distance = fitted.placed.stage.break_away;
   add_places(result, fitted.placed.along, Shown(fitted.placed.stage.log.records.front()), notes);
   if (options.dynamics) add_bristle(result, fitted.found(), notes);
+  result.open = open_model(fitted.found(), result);
   for (const std::string& words : {drift.offset, drift.friction}) {
     if (!words.empty()) notes.warn(words);
   }

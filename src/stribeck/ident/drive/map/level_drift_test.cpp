@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
-#include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/map/level_drift.hpp>
 #include <string>
 

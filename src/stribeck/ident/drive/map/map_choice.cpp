@@ -129,4 +129,20 @@ std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit)
   return choice;
 }
 
+double spread_of_friction(const MapChoice& choice, int side, double speed) {
+  const double own = choice.map.fit.force(side, speed);
+  double square = 0.0;
+  for (const map::StaticFit& r : choice.map.rivals) square += std::pow(r.force(side, speed) - own, 2.0);
+  return std::sqrt(square / static_cast<double>(choice.map.rivals.size() + 1));
+}
+
+double spread_of_v0(const MapChoice& choice) {
+  double square = 0.0;
+  for (const map::StaticFit& r : choice.map.rivals) {
+    if (r.family == map::StaticFit::Family::kSymmetricStribeck)
+      square += std::pow(r.v0 - choice.map.fit.v0, 2.0);
+  }
+  return std::sqrt(square / static_cast<double>(choice.map.rivals.size() + 1));
+}
+
 }  // namespace stribeck::ident::drive

@@ -31,4 +31,9 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit);
 /// with_joint_fits().
 std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit);
 
+/// What the models differ in that the data cannot tell apart, which is part of the uncertainty (Buckland et al. 1997): standard
+/// deviation of the friction at a speed [N], and of the Stribeck speed of a symmetric map [m/s].
+double spread_of_friction(const MapChoice& choice, int side, double speed);
+double spread_of_v0(const MapChoice& choice);
+
 }  // namespace stribeck::ident::drive

@@ -1,7 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <random>
 
-#include <stribeck/ident/drive/intervals.hpp>
+#include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/test_synthetic_log.hpp>
 
 namespace stribeck::ident::drive::intervals_test {

@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stribeck/friction/uncertainty.hpp>
+
+namespace stribeck::friction::uncertainty_test {
+namespace {
+
+double force(const AxisModel& m, double v) { return steady_force(m.friction, v) + m.load; }
+
+AxisModel conventional() {
+  AxisModel m;
+  m.mass = 50.0;
+  m.load = 7.0;
+  m.friction.steady = Conventional<double>{30.0, 200.0, Stribeck<double>{38.0, 4e-3, 1.0}};
+  m.friction.dynamics = LuGre<double>{5e6, 1e3, 0.0};
+  return m;
+}
+
+AxisModel gaussian() {
+  AxisModel m;
+  m.mass = 50.0;
+  Gaussian<double> map;
+  map.velocity_range = {-0.2, 0.3};
+  map.positive = {30.0, 200.0, {GaussianTerm<double>{8.0, 0.01, 0.02}}};
+  map.negative = {-25.0, 150.0, {}};
+  m.friction.steady = map;
+  return m;
+}
+
+TEST(ModelUncertainty, ALevelMovesEachDirectionByItself) {
+  ModelDeviation d;
+  d.level = {3.0, -2.0};  // forward more friction, backward less
+  for (const AxisModel& m : {conventional(), gaussian()}) {
+    const AxisModel moved = deviated(m, d, 4e-3);
+    EXPECT_NEAR(force(moved, 0.1) - force(m, 0.1), 3.0, 1e-12);
+    EXPECT_NEAR(force(moved, -0.1) - force(m, -0.1), 2.0, 1e-12);
+  }
+}
+
+TEST(ModelUncertainty, ViscousPartAndRise) {
+  ModelDeviation d;
+  d.viscous = {20.0, 20.0};
+  d.rise = {4.0, 4.0};
+  for (const AxisModel& m : {conventional(), gaussian()}) {
+    const AxisModel moved = deviated(m, d, 4e-3);
+    EXPECT_NEAR(force(moved, 0.1) - force(m, 0.1), 2.0, 1e-6);
+    EXPECT_NEAR(force(moved, -0.1) - force(m, -0.1), -2.0, 1e-6);
+    EXPECT_NEAR(force(moved, 1e-9) - force(m, 1e-9), 4.0, 1e-5);
+    EXPECT_NEAR(force(moved, -1e-9) - force(m, -1e-9), -4.0, 1e-5);
+  }
+}
+
+TEST(ModelUncertainty, MassAndStiffness) {
+  ModelDeviation d;
+  d.mass = -5.0;
+  d.stiffness = std::log(2.0);
+  const AxisModel moved = deviated(conventional(), d, 4e-3);
+  EXPECT_DOUBLE_EQ(moved.mass, 45.0);
+  EXPECT_NEAR(std::get<LuGre<double>>(moved.friction.dynamics).sigma0, 1e7, 1.0);
+}
+
+TEST(ModelUncertainty, WhatWouldLeaveNoMassOrFrictionIsHalved) {
+  ModelDeviation d;
+  d.mass = -120.0;
+  EXPECT_DOUBLE_EQ(deviated(conventional(), d, 4e-3).mass, 20.0);
+  d = {};
+  d.level = {-50.0, 0.0};
+  const AxisModel moved = deviated(gaussian(), d, 4e-3);
+  EXPECT_NEAR(force(moved, 0.3) - force(gaussian(), 0.3), -25.0, 1e-12);
+  EXPECT_TRUE(is_possible(moved));
+}
+
+}  // namespace
+}  // namespace stribeck::friction::uncertainty_test
