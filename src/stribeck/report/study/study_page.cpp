@@ -25,10 +25,6 @@ std::string color_of_row(const StudyResult& r, const StudiedRow& row) {
   return controller_color(row.controller, position);
 }
 
-std::string with_unit(const StudiedColumn& column) {
-  return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
-}
-
 /// Share of the machines whose figure is below a value, over that value.
 Plot shares_below(const StudyResult& r, const std::string& motion, std::size_t c) {
   const StudiedColumn& column = r.columns[c];
@@ -106,15 +102,11 @@ Plot bars(const StudyResult& r, const StudiedRow& row) {
 
 Table figures_table(const StudyResult& r, const std::string& motion) {
   Table t;
-  t.columns = {{"controller", "", false},
-               {"figure", "", false},
-               {"nominal"},
-               {"5 %"},
-               {"median"},
-               {"95 %"},
-               {"99 %"},
-               {"worst"},
-               {"lost", "machines"}};
+  t.columns = {
+      {"controller", "", false}, {"figure", "", false}, {"nominal"}, {"5 %"}, {"median"}, {"95 %"}, {"99 %"}};
+  if (r.has_band) t.columns.push_back({"band of 95 %"});
+  t.columns.push_back({"worst"});
+  t.columns.push_back({"lost", "machines"});
   for (const StudiedRow& row : r.rows) {
     if (row.motion != motion) continue;
     bool begin = true;
@@ -131,6 +123,10 @@ Table figures_table(const StudyResult& r, const std::string& motion) {
       for (const double p : kStudyQuantiles) {
         const sim::Confident q = quantile_of(r, f, p);
         cells.push_back({shown(column, q.value), "", interval(column, q)});
+      }
+      if (r.has_band) {
+        const auto [from, to] = band_of(r, f);
+        cells.push_back({shown(column, from) + " … " + shown(column, to)});
       }
       cells.push_back({shown(column, f.spread.largest())});
       cells.push_back({begin ? std::to_string(row.lost) : std::string()});
@@ -245,8 +241,13 @@ Page study_report_page(const StudyReportInput& input) {
   for (const std::string& motion : motions_of(r))
     page.lead(best_in_words(r, motion) + largest_factor(r, motion));
   page.paragraph(study_in_words(r) + ".");
-  page.paragraph("Controllers know the machine as its file says it, not how it differs. Compensators: " +
-                 clean_text(r.parameters) + ".");
+  page.paragraph(
+      std::string(
+          r.has_band
+              ? "The machines are the identified axes, as far as their logs leave them open; 95 % of them lie in the band. "
+                "Controllers know the identified model. Compensators: "
+              : "Controllers know the machine as its file says it, not how it differs. Compensators: ") +
+      clean_text(r.parameters) + ".");
   Table factors;
   factors.columns = {{"factor", "", false}, {"distribution", "", false}};
   for (const StudiedFactor& f : r.factors)

@@ -36,6 +36,16 @@ inline sim::Confident quantile_of(const StudyResult& r, const StudiedFigure& f, 
   return q;
 }
 
+/// The middle 95 % of the machines.
+inline std::pair<double, double> band_of(const StudyResult& r, const StudiedFigure& f) {
+  return {quantile_of(r, f, 0.025).value, quantile_of(r, f, 0.975).value};
+}
+
+/// Heads a column or labels an axis: name and unit.
+inline std::string with_unit(const StudiedColumn& column) {
+  return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
+}
+
 /// In the column's unit, with four digits; "lost" for infinity.
 inline std::string shown(const StudiedColumn& column, double value) {
   return std::isinf(value) ? "lost" : significant(value * column.shown, 4);

@@ -83,6 +83,31 @@ std::string index_table(const StudyResult& r) {
          lay_out({id, motion, factor, first, of_first, total, of_total});
 }
 
+/// What the logs leave open of every figure; empty: the machines are others.
+std::string band_table(const StudyResult& r) {
+  if (!r.has_band) return {};
+  TextColumn id{"", "", {}, false};
+  id.least = kLongestId;
+  TextColumn motion{"motion", "", {}, false};
+  TextColumn figure{"figure", "", {}, false};
+  TextColumn low{"from", "", {}};
+  TextColumn high{"to", "", {}};
+  for (const StudiedRow& row : r.rows) {
+    for (std::size_t c = 0; c < r.columns.size(); ++c) {
+      if (!is_known(row.figures[c])) continue;
+      const StudiedColumn& column = r.columns[c];
+      const auto [from, to] = band_of(r, row.figures[c]);
+      id.entries.push_back(id_of(row));
+      motion.entries.push_back(row.motion);
+      figure.entries.push_back(with_unit(column));
+      low.entries.push_back(shown(column, from));
+      high.entries.push_back(shown(column, to));
+    }
+  }
+  return "\nBand of 95 %: where the figures of the real axes are, as far as their logs tell\n" +
+         lay_out({id, motion, figure, low, high});
+}
+
 Json limits(const sim::Confident& c) { return {number_or_null(c.low), number_or_null(c.high)}; }
 
 }  // namespace
@@ -91,7 +116,7 @@ std::string text_table(const StudyResult& r) {
   std::string out = study_in_words(r) + ".\n";
   for (const StudiedFactor& f : r.factors)
     out += fmt::format("  {}: {}\n", clean_text(f.key), clean_text(f.distribution));
-  out += tables(r) + index_table(r);
+  out += tables(r) + band_table(r) + index_table(r);
   const std::vector<std::string> lost = lost_in_words(r);
   if (!lost.empty()) out += '\n' + joined(lost, "\n") + '\n';
   for (const std::string& warning : r.warnings) out += "Warning: " + warning + ".\n";
@@ -134,6 +159,10 @@ nlohmann::ordered_json to_json(const StudyResult& r) {
         const sim::Confident q = quantile_of(r, f, p);
         figure["quantiles"].push_back(
             {{"probability", p}, {"value", number_or_null(q.value)}, {"ci95", limits(q)}});
+      }
+      if (r.has_band) {
+        const auto [from, to] = band_of(r, f);
+        figure["band95"] = {number_or_null(from), number_or_null(to)};
       }
       figure["index_samples"] = f.index_samples;
       figure["indices"] = Json::array();

@@ -56,6 +56,8 @@ struct StudyResult {
   std::uint64_t runs = 0;  ///< machines that were run, each with every controller on every motion
   std::uint64_t seed = 0;
   std::string parameters;  ///< origin of the compensators' parameters
+  bool has_band =
+      false;  ///< the machines are what the logs of the axes leave open: the figures have a band of 95 %
   std::vector<StudiedFactor> factors;
   std::vector<StudiedColumn> columns;
   std::vector<StudiedRow> rows;  ///< motion by motion

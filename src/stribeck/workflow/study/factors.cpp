@@ -7,6 +7,7 @@
 #include <stribeck/io/units.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/study/factors.hpp>
+#include <stribeck/workflow/study/uncertain_models.hpp>
 
 namespace stribeck::workflow {
 namespace {
@@ -242,7 +243,6 @@ class Binder {
     throw io::InputError(io::Problem{{}, 0, {}, what});
   }
 
- private:
   void find_axes(std::string_view key, BoundFactor& b) const {
     const std::size_t dot = key.find('.');
     const std::string_view axis = key.substr(0, dot);
@@ -258,6 +258,7 @@ class Binder {
     b.below = key.substr(dot + 1);
   }
 
+ private:
   static Place number(AxisParams& plant, std::string_view below) {
     Found found = find(plant, below);
     if (!found.place) fail(found.wrong);
@@ -336,15 +337,46 @@ std::string BoundFactor::in_words() const {
 }
 
 std::vector<BoundFactor> bind_factors(const StudyFile& study, const io::Node& node, const std::string& file,
-                                      const sim::Machine& nominal, const std::vector<std::size_t>& moved) {
+                                      const sim::Machine& nominal, const std::vector<std::size_t>& moved,
+                                      const std::vector<KnownAxis>& known) {
+  const Binder binder(nominal, moved);
   io::Problems problems(file);
+  // Before all others: they scale the values of the models.
+  std::vector<BoundFactor> open;
+  std::vector<bool> taken(nominal.axes.size());
   std::vector<BoundFactor> all;
   const io::Node* const list = node.find("factors");
-  const Binder binder(nominal, moved);
+  const auto table_of = [&](std::size_t i) -> const io::Node* {
+    return list != nullptr && i < list->children.size() ? &list->children[i] : nullptr;
+  };
+  const auto place_of = [](std::size_t i) { return fmt::format("factors[{}]", i + 1); };
   for (std::size_t i = 0; i < study.factors.size(); ++i) {
     const StudyFactor& f = study.factors[i];
-    const io::Node* const table = list != nullptr && i < list->children.size() ? &list->children[i] : nullptr;
-    const std::string place = fmt::format("factors[{}]", i + 1);
+    if (!f.is_uncertainty()) continue;
+    try {
+      if (study.sampling == sim::Sampling::kGrid)
+        Binder::fail("a grid has no place for an uncertainty (choose another sampling)");
+      BoundFactor group;
+      binder.find_axes(f.key, group);
+      for (BoundFactor& one : deviations_as_factors(nominal, group.axes, known)) {
+        const std::size_t axis = one.axes.front();
+        if (one.below == "uncertainty.1" && taken[axis])
+          Binder::fail(fmt::format("the uncertainty of axis {} is a factor already, expected it once",
+                                   nominal.axes[axis].first));
+        taken[axis] = true;
+        open.push_back(std::move(one));
+      }
+    } catch (const io::InputError& e) {
+      problems.add(line_of(table_of(i), "key"), place_of(i),
+                   io::in_quotes(f.key) + ": " + e.problems().front().message);
+    }
+  }
+  problems.throw_if_any();
+  for (std::size_t i = 0; i < study.factors.size(); ++i) {
+    const StudyFactor& f = study.factors[i];
+    if (f.is_uncertainty()) continue;
+    const io::Node* const table = table_of(i);
+    const std::string place = place_of(i);
     const auto same = [&](const StudyFactor& other) { return other.key == f.key; };
     const auto end = study.factors.begin() + static_cast<std::ptrdiff_t>(i);
     if (std::find_if(study.factors.begin(), end, same) != end) {
@@ -362,6 +394,7 @@ std::vector<BoundFactor> bind_factors(const StudyFile& study, const io::Node& no
     }
   }
   problems.throw_if_any();
+  all.insert(all.begin(), std::make_move_iterator(open.begin()), std::make_move_iterator(open.end()));
   return all;
 }
 
@@ -374,7 +407,9 @@ sim::Machine with_values(const sim::Machine& nominal, const std::vector<BoundFac
     axis.limits.force = plate.force;
     axis.commissioning.encoder_resolution = plate.encoder_resolution;
   }
+  deviate_models(m, factors, values);
   for (std::size_t i = 0; i < factors.size(); ++i) {
+    if (factors[i].deviation) continue;
     for (const std::size_t axis : factors[i].axes) {
       AxisParams& plant = m.axes[axis].second.plant;
       if (scale_part(plant, factors[i].below, values[i])) continue;

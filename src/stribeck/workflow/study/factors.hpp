@@ -7,12 +7,18 @@
 ///   AXIS.friction.stiffness   stiffness of pre-sliding; its damping by the square root, the same damping ratio
 ///   *.…                       all axes that move, with one draw
 ///
-/// The four of friction are scales. Factors change the truth of the plant alone: controllers keep the models, limits and name plates
+///   AXIS.uncertainty          the model of its axis file is the plant, and changes by what the logs leave open: one factor for
+///                             each deviation, AXIS.uncertainty.1 …, normal, in standard deviations; *: each axis by itself
+///
+/// The four of friction are scales. Uncertainties act first. Factors change the truth of the plant alone: controllers keep the models, limits and name plates
 /// of the nominal machine. Keys of `drive` are refused, because the simulated loop converts forces with the drive's own gain.
 /// Real time: no. Errors: InputError with the file, the line and the key of the factor.
 
+#include <optional>
+#include <stribeck/friction/uncertainty.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/machine.hpp>
 #include <stribeck/workflow/study/study_file.hpp>
 #include <string>
@@ -26,8 +32,10 @@ struct BoundFactor {
   double to_unit = 1.0;
   bool is_scale = false;
   sim::Distribution distribution;
-  std::vector<std::size_t> axes;  ///< of the machine
-  std::string below;              ///< the key without its axis
+  std::vector<std::size_t> axes;                        ///< of the machine
+  std::string below;                                    ///< the key without its axis
+  std::optional<friction::ModelDeviation> deviation{};  ///< of the model of an axis file
+  double rise_speed = 0.0;                              ///< that belongs to it [m/s]
 
   /// Head of its column: "x.mass [N s2/mm]", "x.friction (scale)".
   [[nodiscard]] std::string head() const;
@@ -37,9 +45,18 @@ struct BoundFactor {
   [[nodiscard]] std::string in_words() const;
 };
 
-/// Finds and checks all of them; `moved` are the axes that the study moves. Throws all problems together.
+/// An axis file of the study.
+struct KnownAxis {
+  std::size_t axis = 0;  ///< of the machine
+  std::string path;
+  sim::AxisFile file;
+};
+
+/// Finds and checks all of them; `moved` are the axes that the study moves, `nominal` is a machine with_models(). Throws all problems
+/// together.
 std::vector<BoundFactor> bind_factors(const StudyFile& study, const io::Node& node, const std::string& file,
-                                      const sim::Machine& nominal, const std::vector<std::size_t>& moved);
+                                      const sim::Machine& nominal, const std::vector<std::size_t>& moved,
+                                      const std::vector<KnownAxis>& known = {});
 
 /// The nominal machine with these values, in SI.
 sim::Machine with_values(const sim::Machine& nominal, const std::vector<BoundFactor>& factors,

@@ -11,6 +11,7 @@
 #include <stribeck/workflow/option.hpp>
 #include <stribeck/workflow/path/path_options.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <stribeck/workflow/study/uncertain_models.hpp>
 #include <system_error>
 
 namespace stribeck::workflow {
@@ -51,9 +52,18 @@ class Reader {
     s.inputs.push_back(file_);
     s.machine_file = beside(s.file.machine);
     s.inputs.push_back(s.machine_file);
-    s.machine = read_virtual_machine(s.machine_file);
-    as_keys([&] { set_up(s); });
-    s.factors = bind_factors(s.file, root_, file_, s.machine, s.axes);
+    as_keys([&] {
+      for (const std::string& text : s.file.axis_files) {
+        const auto [axis, file] = axis_and_file(text);
+        s.parameters.axis_files.push_back(axis + '=' + beside(file));
+        s.inputs.push_back(beside(file));
+      }
+      s.machine = read_virtual_machine(s.machine_file, s.parameters.axis_files);
+      set_up(s);
+    });
+    const std::vector<KnownAxis> known = known_axes(s);
+    s.machine = with_models(s.machine, s.file, s.axes, known);
+    s.factors = bind_factors(s.file, root_, file_, s.machine, s.axes, known);
     find_columns(s);
     count(s);
     return s;
@@ -128,12 +138,22 @@ class Reader {
     }
     check_travel(s.machine, s.machine_file, s.spec);
     s.axes = sim::chosen_axes(s.machine, s.spec);
-    for (const std::string& text : s.file.axis_files) {
+    for (const std::string& text : s.parameters.axis_files)
+      static_cast<void>(axis_index(s.machine, s.machine_file, axis_and_file(text).first));
+  }
+
+  /// The axis files that factors may need.
+  [[nodiscard]] static std::vector<KnownAxis> known_axes(const Study& s) {
+    std::vector<KnownAxis> known;
+    const auto& factors = s.file.factors;
+    if (std::none_of(factors.begin(), factors.end(), [](const StudyFactor& f) { return f.is_uncertainty(); }))
+      return known;
+    for (const std::string& text : s.parameters.axis_files) {
       const auto [axis, file] = axis_and_file(text);
-      static_cast<void>(axis_index(s.machine, s.machine_file, axis));
-      s.parameters.axis_files.push_back(axis + '=' + beside(file));
-      s.inputs.push_back(beside(file));
+      known.push_back(
+          {axis_index(s.machine, s.machine_file, axis), file, io::read_toml<sim::AxisFile>(file)});
     }
+    return known;
   }
 
   void find_columns(Study& s) const {

@@ -14,6 +14,7 @@
 #include <stribeck/sim/study/machine_runs.hpp>
 #include <stribeck/workflow/study/results_file.hpp>
 #include <stribeck/workflow/study/study.hpp>
+#include <stribeck/workflow/study/uncertain_models.hpp>
 #include <thread>
 #include <vector>
 
@@ -130,7 +131,7 @@ class Runner {
  private:
   [[nodiscard]] std::vector<sim::RobustRun> run_on(const sim::Machine& machine, std::uint64_t sample) const {
     const auto trial = static_cast<std::uint32_t>(sample);
-    const StudyIdentification how = s_.file.identification;
+    const auto how = s_.file.identification;
     if (how == StudyIdentification::kOnce) return once_.run(machine, trial);
     sim::CompareSpec spec = s_.spec;
     spec.threads = 1;
@@ -232,6 +233,7 @@ class Summary {
     if (s_.file.identification == StudyIdentification::kOfEachMachine)
       r.parameters += ", each machine from its own logs";
     for (const BoundFactor& f : s_.factors) r.factors.push_back({f.key, f.in_words()});
+    r.has_band = has_uncertainty(s_.factors);
     for (const StudyColumn& c : s_.columns) {
       const std::string head(c.figure->head(s_.axes.size() == 1));
       const bool per_axis = std::holds_alternative<sim::Figure::OfAxis>(c.figure->member);
@@ -240,13 +242,9 @@ class Summary {
     }
     for (std::size_t row = 0; row < rows_; ++row) {
       const sim::ControllerSpec& controller = s_.spec.controllers[row % s_.spec.controllers.size()];
-      report::StudiedRow one{controller.id,
-                             controller.label,
-                             motion_of(s_, row),
-                             lost_[row],
-                             refused_[row],
-                             nominal[row].lost,
-                             {}};
+      report::StudiedRow one;
+      one.controller = controller.id, one.label = controller.label, one.motion = motion_of(s_, row);
+      one.lost = lost_[row], one.refused = refused_[row], one.nominal_lost = nominal[row].lost;
       for (std::size_t c = 0; c < s_.columns.size(); ++c) {
         const std::size_t at = row * s_.columns.size() + c;
         report::StudiedFigure f{s_.columns[c].of(nominal[row].metrics), spreads_[at], {}, 0};

@@ -28,13 +28,18 @@ struct StudyFactor {
   std::optional<sim::AnyDistribution<double>> scale;
   std::optional<sim::AnyDistribution<std::string>> value;
 
+  /// Whether it stands for everything that an axis file leaves open.
+  [[nodiscard]] bool is_uncertainty() const { return key.ends_with(".uncertainty"); }
+
   static constexpr auto fields() {
     using F = StudyFactor;
     return std::tuple{
-        field("key", &F::key,
-              "what varies: AXIS.KEY, as the key stands below [axes.AXIS.plant] of the machine file (x.mass, "
-              "x.friction.dynamics.sigma0), *.KEY for all moved axes alike, or AXIS.friction, "
-              "AXIS.friction.coulomb, AXIS.friction.viscous, AXIS.friction.stiffness"),
+        field(
+            "key", &F::key,
+            "what varies: AXIS.KEY, as the key stands below [axes.AXIS.plant] of the machine file (x.mass, "
+            "x.friction.dynamics.sigma0), *.KEY for all moved axes alike, or AXIS.friction, "
+            "AXIS.friction.coulomb, AXIS.friction.viscous, AXIS.friction.stiffness; AXIS.uncertainty, without scale and value: "
+            "the identified model of its axis file is the machine, and what the logs leave open of it varies"),
         field("scale", &F::scale, "by which factor the value of the machine file is multiplied: pure numbers")
             .or_default(),
         field("value", &F::value,
@@ -44,6 +49,11 @@ struct StudyFactor {
   }
   template <class Report>
   void validate(Report&& report) const {
+    if (is_uncertainty()) {
+      if (scale || value)
+        report("key", "takes neither scale nor value: the axis file says how far its model may be off");
+      return;
+    }
     if (scale.has_value() == value.has_value())
       report("key", "expected one of scale and value: what the factor multiplies, or what it is");
   }

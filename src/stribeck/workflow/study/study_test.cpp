@@ -9,7 +9,10 @@
 #include <set>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
+#include <stribeck/io/toml.hpp>
+#include <stribeck/sim/axis_file.hpp>
 #include <stribeck/sim/in_order.hpp>
+#include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/study/study.hpp>
 #include <thread>
 #include <vector>
@@ -338,6 +341,84 @@ TEST(InOrder, HandsOverInOrderAndStopsAtTheFirstError) {
                      }),
                  std::runtime_error);
   }
+}
+
+// ---- what the logs leave open
+
+/// An axis file of the uniaxial drive with 2 % of mass and 5 % of friction open.
+std::string axis_file(const Folder& f, bool open) {
+  sim::AxisFile file;
+  const plant::AxisParams& plant = built_in_machine("uniaxial-drive").axes[0].second.plant;
+  file.model = {plant.mass, plant.load, plant.friction};
+  if (open) {
+    friction::ModelDeviation mass, friction;
+    mass.mass = 0.02 * plant.mass;
+    const double level = friction::steady_force(plant.friction, 1e-3);
+    friction.level = {0.05 * level, 0.05 * level};
+    file.uncertainty = friction::ModelUncertainty{5e-3, {mass, friction}};
+  }
+  return f.write(open ? "open.toml" : "closed.toml", io::write_toml(file));
+}
+std::string with_axis_file(const Folder& f, bool open, const std::string& more) {
+  std::string text =
+      with_machine("samples = 60\nseed = 3\naxis_files = [\"x=" +
+                   std::filesystem::path(axis_file(f, open)).filename().string() + "\"]\n" + more);
+  text.erase(text.find("parameters = \"thesis\"\n"), 22);
+  return text;
+}
+constexpr const char* kUncertainty = "[[factors]]\nkey = \"*.uncertainty\"\n";
+
+TEST(Study, WhatTheLogsLeaveOpenIsABand) {
+  Folder f;
+  const report::StudyResult r = run(f, with_axis_file(f, true, kUncertainty), "out");
+  ASSERT_TRUE(r.has_band);
+  ASSERT_EQ(r.factors.size(), 2U);
+  EXPECT_EQ(r.factors[1].key, "x.uncertainty.2");
+  const std::string rows = text_of(f / "out/results.csv");
+  EXPECT_THAT(rows, testing::StartsWith("run,sample,x.uncertainty.1,x.uncertainty.2,controller"));
+  EXPECT_THAT(report::text_table(r), HasSubstr("Band of 95 %"));
+  const sim::Spread& spread = r.rows[0].figures[0].spread;
+  EXPECT_GT(spread.largest(), 1.02 * spread.smallest());
+}
+
+TEST(Study, TheModelOfTheAxisFileIsTheMachine) {
+  Folder f;
+  const std::string file = f.write("study.toml", with_axis_file(f, true, kUncertainty));
+  const Study study = read_study(file);
+  const sim::Machine drawn = with_values(study.machine, study.factors, {1.0, -2.0});
+  const plant::AxisParams& nominal = study.machine.axes[0].second.plant;
+  const plant::AxisParams& plant = drawn.axes[0].second.plant;
+  EXPECT_NEAR(plant.mass / nominal.mass, 1.02, 1e-9);
+  EXPECT_NEAR(friction::steady_force(plant.friction, 1e-3) / friction::steady_force(nominal.friction, 1e-3),
+              0.9, 1e-9);
+}
+
+TEST(Study, AnUncertaintyNeedsAnAxisFileThatSaysIt) {
+  Folder f;
+  const auto refused = [&](const std::string& text) {
+    try {
+      static_cast<void>(read_study(f.write("study.toml", text)));
+    } catch (const io::InputError& e) {
+      return e.problems().front().text();
+    }
+    return std::string("nothing");
+  };
+  EXPECT_THAT(
+      refused(with_machine(kUncertainty)),
+      HasSubstr("axis x has no axis file, expected one that identify wrote (add \"x=FILE\" to axis_files)"));
+  EXPECT_THAT(refused(with_axis_file(f, false, kUncertainty)),
+              HasSubstr("does not say what its logs leave open (identify the axis again"));
+  std::string grid = with_axis_file(f, true, "sampling = \"grid\"\n" + std::string(kUncertainty));
+  grid.erase(grid.find("samples = 60\n"), 13);
+  EXPECT_THAT(refused(grid), HasSubstr("a grid has no place for an uncertainty"));
+  EXPECT_THAT(
+      refused(with_axis_file(f, true, std::string(kUncertainty) + "[[factors]]\nkey = \"x.uncertainty\"\n")),
+      HasSubstr("the uncertainty of axis x is a factor already"));
+  EXPECT_THAT(
+      refused(with_axis_file(
+          f, true,
+          "[[factors]]\nkey = \"x.uncertainty\"\nscale = { kind = \"uniform\", low = 1, high = 2 }\n")),
+      HasSubstr("takes neither scale nor value"));
 }
 
 }  // namespace
