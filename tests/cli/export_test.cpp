@@ -186,7 +186,7 @@ dynamics = { kind = "lugre", sigma0 = "20000 N/mm" }
   EXPECT_THAT(table.out, HasSubstr("from -8 to 8 mm/s"));
   const Said csv = command({"export", x, "--to", "csv", "-o", f / "x.csv"});
   EXPECT_EQ(csv.code, 0) << csv.err;
-  EXPECT_THAT(csv.out, HasSubstr("up to 8.000 mm/s"));
+  EXPECT_THAT(csv.out, HasSubstr("to 8.000 mm/s"));
   const Said pulse = command({"export", x, x, "--to", "tnc", "-o", f / "x.txt"});
   EXPECT_EQ(pulse.code, 0) << pulse.err;
   EXPECT_THAT(pulse.out, HasSubstr("at 8.000 mm/s"));

@@ -19,6 +19,7 @@ namespace {
 std::string missing_options(const SteadyTarget& t, const ExportRequest& o) {
   const bool gain = t.needs == SteadyNeeds::kGain || t.needs == SteadyNeeds::kGainAndLead;
   const bool lead = t.needs == SteadyNeeds::kLead || t.needs == SteadyNeeds::kGainAndLead;
+  if (t.counts != GainUnit::kAny && !o.gain.empty() && !is_share(gain_unit(o))) return "--gain in % or ‰";
   if ((!gain || !o.gain.empty()) && (!lead || !o.lead.empty())) return {};
   return gain && lead ? "--gain, --lead" : gain ? "--gain" : "--lead";
 }

@@ -57,6 +57,12 @@ struct Target {
 /// All targets.
 std::span<const Target> all_targets();
 
+/// Which axis of a control each name is, from 0: the place of its letter in X, Y, Z, A, B, C, U, V, W, where all are such letters and
+/// differ; else their order.
+std::vector<std::size_t> axis_numbers(const std::vector<std::string>& names);
+/// What the axis files call their axes; empty texts where a file does not say it.
+std::vector<std::string> axes_in_files(const ExportRequest& request);
+
 /// Whether one of the files is an axis file of a rotary axis.
 bool any_rotary(const ExportRequest& request);
 /// What an export does not show of its axis files, a line each: what the units of a rotary axis mean, a backlash; empty: nothing.

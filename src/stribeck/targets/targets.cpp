@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include <stribeck/ident/shown.hpp>
@@ -75,6 +76,30 @@ std::vector<std::string> inputs_of(const ExportRequest& o) {
   if (!o.machine.empty()) inputs.push_back(o.machine);
   if (!o.controller.empty()) inputs.push_back(o.controller);
   return inputs;
+}
+
+std::vector<std::size_t> axis_numbers(const std::vector<std::string>& names) {
+  constexpr std::string_view kLower = "xyzabcuvw", kUpper = "XYZABCUVW";
+  std::vector<std::size_t> numbers, order(names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (const std::string& name : names) {
+    const std::size_t at =
+        name.size() == 1 ? std::min(kLower.find(name), kUpper.find(name)) : std::string::npos;
+    if (at == std::string::npos || std::find(numbers.begin(), numbers.end(), at) != numbers.end())
+      return order;
+    numbers.push_back(at);
+  }
+  return numbers;
+}
+
+std::vector<std::string> axes_in_files(const ExportRequest& request) {
+  std::vector<std::string> names;
+  for (const std::string& file : request.files) {
+    const io::Node content = io::load_toml(file);
+    const io::Node* axis = content.find("axis");
+    names.push_back(axis == nullptr ? std::string() : axis->text);
+  }
+  return names;
 }
 
 bool any_rotary(const ExportRequest& request) {

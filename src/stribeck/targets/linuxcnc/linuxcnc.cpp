@@ -192,7 +192,7 @@ Exported write(const ExportRequest& o) {
   const bool machine = std::any_of(o.files.begin(), o.files.end(), workflow::describes_machine);
   const bool folder = machine && !o.output.ends_with(".hal");
   check_options(o, machine, folder);
-  const auto read_machine = [&] { return workflow::read_virtual_machine(o.files.front()); };
+  const auto read_machine = [&] { return workflow::read_virtual_machine(o.files.front(), o.axis_files); };
   if (folder) return export_configuration(o, read_machine());
   io::check_writable(o.output);
   Exported out;

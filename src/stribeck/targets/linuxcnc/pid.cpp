@@ -85,10 +85,12 @@ std::string pid_head(const std::vector<Axis>& axes) {
     nets += fmt::format(
         "net {0}-friction-speed joint.{1}.vel-cmd => ff.{0}.in\nnet {0}-friction ff.{0}.out => sum.{0}.in1\n"
         "net {0}-pid pid.{0}.output => sum.{0}.in0\n# sum.{0}.out is the command of the drive.\n",
-        name, i);
+        name, axes[i].number);
   }
   return fmt::format(
       "# Beside pid instances with these names (loadrt pid names=pid.{},...). Velocities in mm/s.\n"
+      "# joint.0 is x, joint.1 y, joint.2 z, and so on, as with coordinates=XYZABCUVW; where the configuration numbers them otherwise, "
+      "change it.\n"
       "# Another lincurve or sum2 in the configuration: write all names of one component into one loadrt.\n"
       "loadrt lincurve names={} personality={}\nloadrt sum2 names={}\n{}",
       axes.front().name, tables, points, sums, nets);

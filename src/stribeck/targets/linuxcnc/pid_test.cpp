@@ -42,8 +42,10 @@ TEST(Pid, TheHalLinesGiveTheFrictionWithinTheErrorThatIsPrinted) {
   SteadyExport x;
   const std::string hal = x.text("pid");
   const double error = error_of(x.to("pid"));
-  EXPECT_NEAR(largest_off([&](double v) { return pid_force(hal, v); }), error, 1e-6);
-  EXPECT_LT(error, 0.3);  // of 100 N, with 16 points
+  const double off = largest_off([&](double v) { return pid_force(hal, v); });
+  EXPECT_LE(off, error + 1e-6);
+  EXPECT_GT(off, 0.9 * error);  // at a thousand speeds; the printed one holds between them
+  EXPECT_LT(error, 0.3);        // of 100 N, with 16 points
   EXPECT_EQ(set_value(hal, "pid.x.FF0"), 0.0);
   EXPECT_EQ(set_value(hal, "pid.x.FF2"), 0.8);  // 800 kg: N per mm/s²
   EXPECT_EQ(set_value(hal, "pid.x.bias"), 30.0);

@@ -25,7 +25,9 @@ using workflow::refuse_option;
 
 std::vector<std::string> axis_names(AxisNamer namer, const ExportRequest& o) {
   std::vector<std::string> names = o.names;
-  for (std::size_t i = 0; o.names.empty() && i < o.files.size(); ++i) names.push_back(namer(i));
+  if (o.names.empty()) {
+    for (const std::size_t number : axis_numbers(axes_in_files(o))) names.push_back(namer(number));
+  }
   if (names.size() != o.files.size())
     refuse_option("--name",
                   fmt::format("got {}, expected {}, one for each axis", names.size(), o.files.size()));
@@ -292,6 +294,10 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
   text += target.end;
   io::write_atomically(o.output, text);
   out.json["circle"] = circle_json(t, c, with);
+  if (o.names.empty())
+    words +=
+        "The axes have the numbers that x, y, z, a, b, c have in this order, by their names in the files (without names by the "
+        "order of the files); --name says other ones.\n";
   out.text = words + circle_words(t, c, "this pulse", with) + std::string(target.to_do) +
              fmt::format("\nWritten to {}.\n", o.output);
   return out;

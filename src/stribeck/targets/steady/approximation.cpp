@@ -7,8 +7,9 @@ namespace stribeck::targets {
 
 namespace {
 
-/// Samples of one direction, closer together towards the slowest speed, where friction bends.
-constexpr int kSamples = 400;
+constexpr int kSamples = 400;       // of one direction
+constexpr int kSamplesOfTerm = 60;  // around a term of the map
+constexpr double kReach = 3.0;      // widths of a term to either side
 
 struct Samples {
   std::vector<double> speed;
@@ -16,20 +17,10 @@ struct Samples {
   std::vector<double> weight;  ///< length of the range that the sample stands for
 };
 
-std::vector<double> speeds_of(const Axis& axis) {
-  std::vector<double> out;
-  const double range = axis.fastest - axis.slowest;
-  for (int i = 0; i <= kSamples; ++i) {
-    const double share = static_cast<double>(i) / kSamples;
-    out.push_back(axis.slowest + range * share * share);
-  }
-  return out;
-}
-
 /// Directions +1, −1; 0: the mean of both.
 Samples samples_of(const Axis& axis, double direction) {
   Samples s;
-  s.speed = speeds_of(axis);
+  s.speed = telling_speeds(axis);
   for (std::size_t i = 0; i < s.speed.size(); ++i) {
     const double v = s.speed[i];
     const double up = axis.friction(v);
@@ -85,6 +76,37 @@ std::vector<Corner> points_of(const Samples& s, std::size_t points) {
 }
 
 }  // namespace
+
+std::vector<double> telling_speeds(const Axis& axis) {
+  std::vector<double> out;
+  const double range = axis.fastest - axis.slowest;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double share = static_cast<double>(i) / kSamples;
+    out.push_back(axis.slowest + range * share * share);
+  }
+  const auto around = [&](double centre, double width) {
+    for (int i = -kSamplesOfTerm; i <= kSamplesOfTerm; ++i) {
+      const double v = std::abs(centre) + kReach * width * i / kSamplesOfTerm;
+      if (v > axis.slowest && v < axis.fastest) out.push_back(v);
+    }
+  };
+  std::visit(
+      [&]<class Map>(const Map& map) {
+        if constexpr (std::is_same_v<Map, friction::Conventional<double>>) {
+          if (map.stribeck) around(0.0, map.stribeck->v0);
+        } else {
+          for (const auto* branch : {&map.positive, &map.negative}) {
+            for (const auto& term : branch->gaussians) around(term.b, term.c);
+          }
+        }
+      },
+      axis.model.friction.steady);
+  std::sort(out.begin(), out.end());
+  // Two speeds that are almost the same make a step out of rounding.
+  const auto same = [&](double x, double y) { return y - x < 1e-9 * axis.fastest; };
+  out.erase(std::unique(out.begin(), out.end(), same), out.end());
+  return out;
+}
 
 Line nearest_line(const Axis& axis) { return line_through(samples_of(axis, 0.0)); }
 Line nearest_line(const Axis& axis, double direction) { return line_through(samples_of(axis, direction)); }

@@ -15,6 +15,10 @@
 
 namespace stribeck::targets {
 
+/// Speeds of one direction, ascending, so close that a straight line between two of them is the friction: closer towards the slowest,
+/// and around every term of the map.
+std::vector<double> telling_speeds(const Axis& axis);
+
 /// Level and slope over the speed; force is positive in the direction of the motion.
 struct Line {
   double level = 0.0;    ///< [N]

@@ -143,12 +143,20 @@ extern const SteadyTarget kKeba;
 const SteadyTarget kKeba{"keba", "friction table of the ServoOne, 5 points", "#", SteadyNeeds::kGainAndLead,
                          keba};
 extern const SteadyTarget kMitsubishi;
-const SteadyTarget kMitsubishi{"mitsubishi", "lost-motion compensation type 2, SV016 and SV041", "#",
-                               SteadyNeeds::kGain, mitsubishi};
+const SteadyTarget kMitsubishi{.name = "mitsubishi",
+                               .what = "lost-motion compensation type 2, SV016 and SV041",
+                               .comment = "#",
+                               .needs = SteadyNeeds::kGain,
+                               .write = mitsubishi,
+                               .counts = GainUnit::kPercent};
 extern const SteadyTarget kPmac;
 const SteadyTarget kPmac{"pmac", "friction feed-forward Ixx68", "#", SteadyNeeds::kGain, pmac};
 extern const SteadyTarget kIndraDrive;
-const SteadyTarget kIndraDrive{"indradrive", "friction torque compensation S-0-0155", "#", SteadyNeeds::kGain,
-                               indradrive};
+const SteadyTarget kIndraDrive{.name = "indradrive",
+                               .what = "friction torque compensation S-0-0155",
+                               .comment = "#",
+                               .needs = SteadyNeeds::kGain,
+                               .write = indradrive,
+                               .counts = GainUnit::kPercent};
 
 }  // namespace stribeck::targets

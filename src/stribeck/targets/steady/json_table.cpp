@@ -65,6 +65,7 @@ Packed json_file(const std::vector<Axis>& axes, const SteadyText& known, const s
     }
     nlohmann::ordered_json one{{"name", axis.name},
                                {"file", axis.file},
+                               {"rotary", axis.rotary},
                                {"mass_kg", axis.model.mass},
                                {"load_N", axis.model.load},
                                {"slowest_mm_per_s", 1e3 * axis.slowest},

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -14,6 +15,7 @@
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/pulse/build_up.hpp>
 #include <stribeck/targets/pulse/options.hpp>
+#include <stribeck/targets/steady/approximation.hpp>
 #include <stribeck/targets/steady/steady_target.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -27,10 +29,16 @@ using workflow::refuse_option;
 using workflow::travel_si;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-/// Speeds of one direction at which the error is taken.
-constexpr int kSpeeds = 1000;
-/// Slowest speed of a model that does not say where its data begin, as a share of the fastest.
+/// Slowest speed that counts, as a share of the fastest, and of the width of a rise towards standstill: a table that began at a wider
+/// speed would leave that out.
 constexpr double kSlowest = 1e-3;
+constexpr double kSlowestOfRise = 0.05;
+constexpr double kLeastOfAll = 1e-6;  // of the fastest
+/// Places between two telling speeds at which the error is taken.
+constexpr int kBetween = 4;
+constexpr int kEven = 1000;          // more places, at even distance
+constexpr double kBeyond = 1.05;     // of the identified speed
+constexpr double kWorthRange = 1.2;  // ratio of the speeds of both directions that is worth a word
 
 /// "12.5 N/%" → 12.5 N and "%".
 std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
@@ -42,8 +50,7 @@ std::pair<double, std::string> gain_of(const ExportRequest& o, bool rotary) {
         fmt::format("got {}, expected the force of one unit of the control, e.g. \"12.5 N/%\" or \"140 N/A\"",
                     io::in_quotes(o.gain)));
   }
-  std::string unit = o.gain.substr(slash + 1);
-  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  std::string unit = gain_unit(o);
   constexpr std::string_view kLetters =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%\xe2\x80\xb0._-";
   if (unit.empty() || unit.size() > 16 || unit.find_first_not_of(kLetters) != std::string::npos)
@@ -71,15 +78,22 @@ bool is_name(const std::string& name) {
 
 /// What the axis files call their axes; none where one does not say it, or two say the same.
 std::vector<std::string> names_in_files(const ExportRequest& o) {
-  std::set<std::string> all;
-  std::vector<std::string> names;
-  for (const std::string& file : o.files) {
-    const io::Node content = io::load_toml(file);
-    const io::Node* axis = content.find("axis");
-    if (axis == nullptr || !is_name(axis->text) || !all.insert(axis->text).second) return {};
-    names.push_back(axis->text);
-  }
+  std::vector<std::string> names = axes_in_files(o);
+  if (std::set(names.begin(), names.end()).size() != names.size() ||
+      !std::all_of(names.begin(), names.end(), is_name))
+    return {};
   return names;
+}
+
+/// A line where the axes have other names than their files say, and nobody asked for them; else nothing.
+std::string word_of_names(const ExportRequest& o, const std::vector<std::string>& names) {
+  const std::vector<std::string> said = axes_in_files(o);
+  for (std::size_t i = 0; o.names.empty() && i < names.size(); ++i) {
+    if (!said[i].empty() && said[i] != names[i])
+      return fmt::format("The axes are called {} here; their files say {} (--name calls them otherwise).\n",
+                         report::joined(names, ", "), io::one_line(report::joined(said, ", "), 100));
+  }
+  return {};
 }
 
 std::vector<std::string> names_of(const ExportRequest& o) {
@@ -108,13 +122,33 @@ Axis axis_of(const ExportRequest& o, std::size_t i, const std::string& name) {
   const auto file = io::read_toml<sim::AxisFile>(a.file);
   a.model = file.model;
   a.rotary = file.rotary.value_or(false);
-  a.fastest = file.identified_speed().value_or(0.0);
+  a.fastest = a.identified = file.identified_speed().value_or(0.0);
+  if (const auto range = file.range()) a.widest = std::max(-(*range)[0], (*range)[1]);
   std::tie(a.gain, a.unit) = gain_of(o, a.rotary);
   a.lead = o.lead.empty() ? kUnknown : travel_si("--lead", o.lead, quantity("m", "mm").positive(), a.rotary);
   a.resolution = o.resolution.empty()
                      ? kUnknown
                      : option_si("--resolution", o.resolution, quantity("m", "um").positive());
   return a;
+}
+
+/// Width of the narrowest rise of friction towards standstill [m/s]; infinite: there is none.
+double narrowest_rise(const friction::Model& model) {
+  double narrowest = std::numeric_limits<double>::infinity();
+  std::visit(
+      [&]<class Map>(const Map& map) {
+        if constexpr (std::is_same_v<Map, friction::Conventional<double>>) {
+          if (map.stribeck) narrowest = map.stribeck->v0;
+        } else {
+          for (const auto* branch : {&map.positive, &map.negative}) {
+            for (const auto& term : branch->gaussians) {
+              if (std::abs(term.b) < term.c) narrowest = std::min(narrowest, term.c);
+            }
+          }
+        }
+      },
+      model.steady);
+  return narrowest;
 }
 
 /// With the speeds of the request, or of the identification.
@@ -126,7 +160,8 @@ Axis axis_with_speeds(const ExportRequest& o, std::size_t i, const std::string& 
     refuse_option("--speed",
                   fmt::format("missing: {} does not say how fast the axis goes, e.g. \"100 mm/s\"", a.file));
   }
-  a.slowest = kSlowest * a.fastest;
+  a.slowest = std::clamp(kSlowestOfRise * narrowest_rise(a.model.friction), kLeastOfAll * a.fastest,
+                         kSlowest * a.fastest);
   return a;
 }
 
@@ -155,24 +190,68 @@ Error error_of(const Axis& axis, const Form& form) {
   Error e;
   double squares = 0.0;
   double friction = 0.0;
-  for (int i = 0; i <= kSpeeds; ++i) {
-    const double speed = axis.slowest + (axis.fastest - axis.slowest) * i / kSpeeds;
+  const std::vector<double> telling = telling_speeds(axis);
+  const double range = telling.back() - telling.front();
+  const auto add = [&](double speed, double share) {
     for (const double v : {speed, -speed}) {
       const double f = axis.friction(v);
       const double off = std::abs(form.held(v) - f);
       e.largest = std::max(e.largest, off);
-      squares += off * off;
-      friction += f * f;
+      squares += 0.5 * share * off * off;
+      friction += 0.5 * share * f * f;
     }
+  };
+  for (int i = 0; i <= kEven; ++i) add(telling.front() + range * i / kEven, 0.0);
+  for (std::size_t i = 1; i < telling.size(); ++i) {
+    const double step = (telling[i] - telling[i - 1]) / kBetween;
+    for (int k = 0; k < kBetween; ++k) add(telling[i - 1] + k * step, step / range);
   }
-  e.rms = std::sqrt(squares / (2.0 * (kSpeeds + 1)));
-  e.friction = std::sqrt(friction / (2.0 * (kSpeeds + 1)));
+  add(telling.back(), 0.0);
+  e.rms = std::sqrt(squares);
+  e.friction = std::sqrt(friction);
   return e;
+}
+
+bool is_per_mille(std::string_view unit) {
+  constexpr std::array<std::string_view, 5> kWords{"‰", "per_mille", "per-mille", "permille", "promille"};
+  return std::find(kWords.begin(), kWords.end(), unit) != kWords.end();
+}
+
+/// The gain in the unit in which the target counts.
+void count_as(const SteadyTarget& target, Axis& axis) {
+  if (target.counts == GainUnit::kAny) return;
+  const bool per_cent = target.counts == GainUnit::kPercent;
+  if (!is_share(axis.unit)) {
+    refuse_option(
+        "--gain",
+        fmt::format(
+            "got the force of one {}, but {} counts in {} of the rated torque or current, expected the force of one "
+            "% or ‰ of it, e.g. \"12.5 N/%\"",
+            axis.unit, target.name, per_cent ? "%" : "‰"));
+  }
+  if (per_cent == is_per_mille(axis.unit)) axis.gain *= per_cent ? 10.0 : 0.1;
+  axis.unit = per_cent ? "%" : "‰";
+}
+
+/// A friction above the rated torque is a gain of another axis.
+std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
+  if (target.counts == GainUnit::kAny) return {};
+  double most = 0.0;
+  for (const double v : {axis.slowest, axis.fastest})
+    most = std::max({most, std::abs(axis.friction(v)), std::abs(axis.friction(-v))});
+  const double share = most / axis.gain * (target.counts == GainUnit::kPercent ? 0.01 : 0.001);
+  if (!(share > 1.0)) return {};
+  return fmt::format("{}: friction of {} N is {} % of the rated torque or current: check --gain.\n",
+                     axis.name, report::significant(most, 3), report::significant(100.0 * share, 3));
 }
 
 std::vector<std::string> left_out(const Axis& axis, const Form& form) {
   const ident::Shown shown("m", "N", axis.rotary);
   std::vector<std::string> out;
+  if (axis.fastest == axis.identified && axis.widest > kWorthRange * axis.fastest)
+    out.push_back(fmt::format(
+        "what was identified beyond {} in one direction, up to {} (the other ends there; --speed goes on)",
+        shown.speed(axis.fastest), shown.speed(axis.widest)));
   double periodic = 0.0;
   for (const auto& term : axis.model.friction.eccentric) periodic += term.amplitude;
   if (periodic > 0.0 && !form.periodic)
@@ -266,34 +345,42 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
              "{} has no place for a rotary axis (choose csv, json, c or cia402, where N stands for N m and mm for mrad)",
              target.name)});
   const std::vector<std::string> names = names_of(o);
+  const std::vector<std::size_t> numbers = axis_numbers(names);
   SteadyText w;
+  w.words = word_of_names(o, names);
   w.json = nlohmann::ordered_json::array();
   std::string to_do;
   std::vector<Axis> axes;
   const std::optional<PulseTask> task =
       target.build_up == nullptr ? std::nullopt : circle_task(target.name, o);
   for (std::size_t i = 0; i < o.files.size(); ++i) {
-    const Axis axis = axis_with_speeds(o, i, names[i]);
+    Axis axis = axis_with_speeds(o, i, names[i]);
+    axis.number = numbers[i];
+    count_as(target, axis);
     const Form form = target.write(axis);
     const Error e = error_of(axis, form);
     refuse_nothing(axis, form, e);
     const std::vector<std::string> missing = left_out(axis, form);
     const ident::Shown shown("m", "N", axis.rotary);
-    std::string words =
-        fmt::format("up to {0} {1}/s at most {2} {5} beside the friction of {3} {5} RMS, RMS {4} {5}",
-                    report::significant(shown.scale() * axis.fastest, 4), shown.length_unit(),
-                    report::significant(e.largest, 3), report::significant(e.friction, 3),
-                    report::significant(e.rms, 3), shown.force_unit());
+    std::string words = fmt::format(
+        "from {6} to {0} {1}/s at most {2} {5} beside the friction of {3} {5} RMS, RMS {4} {5}",
+        report::significant(shown.scale() * axis.fastest, 4), shown.length_unit(),
+        report::significant(e.largest, 3), report::significant(e.friction, 3), report::significant(e.rms, 3),
+        shown.force_unit(), report::significant(shown.scale() * axis.slowest, 2));
+    if (axis.identified > 0.0 && axis.fastest > kBeyond * axis.identified)
+      words += fmt::format("; nothing was identified beyond {}", shown.speed(axis.identified));
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     if (axis.rotary)
       w.text += remark(target.comment, fmt::format("Axis {} is {}", axis.name, workflow::kRotaryAsLinear));
     w.text += form.text;
     w.tables.push_back({form.held});
-    w.words += fmt::format("{}: {}.\n", axis.name, words);
+    w.words += fmt::format("{}: {}.\n", axis.name, words) + word_of_gain(target, axis);
     to_do = form.to_do;
     w.json.push_back({{"name", axis.name},
                       {"file", axis.file},
+                      {"rotary", axis.rotary},
+                      {"slowest_mm_per_s", 1e3 * axis.slowest},
                       {"fastest_mm_per_s", 1e3 * axis.fastest},
                       {"max_error_N", e.largest},
                       {"rms_error_N", e.rms},
@@ -319,6 +406,14 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
   w.words += to_do + "\n";
   return w;
 }
+
+std::string gain_unit(const ExportRequest& o) {
+  std::string unit = o.gain.substr(std::min(o.gain.rfind('/') + 1, o.gain.size()));
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  return unit;
+}
+
+bool is_share(std::string_view unit) { return unit == "%" || unit == "percent" || is_per_mille(unit); }
 
 double Axis::friction(double v) const noexcept {
   return std::visit([&](const auto& map) { return friction::steady_force(map, v, 0.0); },

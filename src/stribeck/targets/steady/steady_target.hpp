@@ -33,6 +33,9 @@ struct Axis {
   bool rotary = false;      ///< carried at a radius of 1 m
   double slowest = 0.0;     ///< smallest speed that counts [m/s]
   double fastest = 0.0;     ///< [m/s]; 0: not known
+  double identified = 0.0;  ///< speed up to which both directions were identified [m/s]; 0: not known
+  double widest = 0.0;      ///< the same of the direction that goes farther
+  std::size_t number = 0;   ///< of the axis in a control, see axis_numbers()
   double gain = 1.0;        ///< force of one unit of the control [N]; NaN: not given
   std::string unit;         ///< name of that unit: "%", "A"
   double lead = 0.0;        ///< travel per turn of the motor [m]; NaN: not given
@@ -70,6 +73,9 @@ struct Beside {
 /// What a target needs beside the axis file.
 enum class SteadyNeeds { kNothing, kGain, kGainAndLead, kLead };
 
+/// The unit in which the control counts; --gain is brought to it.
+enum class GainUnit { kAny, kPercent, kPerMille };
+
 struct SteadyTarget {
   std::string_view name;
   std::string_view what;       ///< what is written, in a few words
@@ -89,8 +95,9 @@ struct SteadyTarget {
   /// Lines before those of the axes that depend on all of them; null: none.
   std::string (*head)(const std::vector<Axis>&) = nullptr;
   std::optional<Beside> beside{};
-  bool encoder = false;      ///< takes the step of the encoder
-  bool linear_only = false;  ///< has no place for a rotary axis
+  bool encoder = false;              ///< takes the step of the encoder
+  bool linear_only = false;          ///< has no place for a rotary axis
+  GainUnit counts = GainUnit::kAny;  ///< of the rated torque or current
 };
 
 /// All of them, in the order of help.
@@ -122,6 +129,10 @@ std::vector<Axis> axes_of(const ExportRequest& request);
 
 /// The circle of the request for these targets; absent without --controller.
 std::optional<PulseTask> circle_task(std::string_view target, const ExportRequest& request);
+
+/// The unit behind the slash of --gain, without blanks; whether it is a share of the rated torque: % or ‰.
+std::string gain_unit(const ExportRequest& request);
+bool is_share(std::string_view unit);
 
 /// Refuses the options that only --to linuxcnc takes.
 void refuse_linuxcnc_options(const ExportRequest& request);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/test_folder.hpp>
@@ -93,6 +94,61 @@ TEST(SteadyTarget, TorqueOffsetCountsInPerMille) {
   EXPECT_LT(error_of(x.to("cia402")), 0.625 + 0.1);
   x.request.gain = "1.25 N/per_mille";
   EXPECT_THAT(x.text("cia402"), HasSubstr("F := F / 1.250000000e+00;"));
+}
+
+TEST(SteadyTarget, SharesOfTheRatedTorqueTakeNoOtherUnit) {
+  Export x;
+  for (const char* name : {"cia402", "mitsubishi", "indradrive"}) {
+    x.request.gain = "140 N/A";
+    EXPECT_THAT(x.refusal(name),
+                HasSubstr("got the force of one A, but " + std::string(name) + " counts in "));
+    x.request.gain = "12.5 N/%";
+    const std::string per_cent = x.text(name);
+    x.request.gain = "1.25 N/‰";
+    EXPECT_EQ(x.text(name), per_cent) << name;
+    EXPECT_THAT(x.to(name).text, Not(HasSubstr("check --gain")));
+    x.request.gain = "0.5 N/%";
+    EXPECT_THAT(x.to(name).text, HasSubstr("check --gain"));
+  }
+}
+
+// A table that began at a thousandth of the top speed would not hold a rise of friction below it.
+TEST(SteadyTarget, ANarrowRiseTowardsStandstillIsInTheTable) {
+  Export x(
+      "mass = \"80 kg\"\nvelocity_range = [\"-500 mm/s\", \"500 mm/s\"]\n[friction.steady]\nkind = \"conventional\"\n"
+      "alpha0 = \"300 N\"\nalpha2 = \"0 N s/mm\"\nstribeck = { alpha1 = \"450 N\", v0 = \"0.1 mm/s\" }\n");
+  x.request.speed.clear();
+  const targets::Exported e = x.to("json");
+  EXPECT_LT(error_of(e), 3.0);
+  const auto table = nlohmann::json::parse(text_of(x.request.output))["axes"][0];
+  const auto& v = table["velocity_mm_per_s"];
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double s = v[i].get<double>();
+    const double truth = std::copysign(300.0 + 150.0 * std::exp(-s * s / 0.01), s);
+    EXPECT_NEAR(table["friction_N"][i].get<double>(), truth, 3.0) << s;
+  }
+  EXPECT_THAT(e.text, HasSubstr("from 0.0050 to 500.0 mm/s"));
+}
+
+TEST(SteadyTarget, ANarrowTermAtSpeedCountsForTheError) {
+  Export x(
+      "mass = \"80 kg\"\n[friction.steady]\nkind = \"gaussian\"\nvelocity_range = [\"-500 mm/s\", \"500 mm/s\"]\n"
+      "[friction.steady.positive]\neta0 = \"300 N\"\neta1 = \"0 N s/mm\"\n"
+      "gaussians = [{ a = \"150 N\", b = \"300.4 mm/s\", c = \"0.1 mm/s\" }]\n"
+      "[friction.steady.negative]\neta0 = \"-300 N\"\neta1 = \"0 N s/mm\"\n");
+  x.request.speed.clear();
+  x.request.gain = "1 N/bit";
+  EXPECT_NEAR(error_of(x.to("pmac")), 150.0, 2.0);
+  EXPECT_LT(error_of(x.to("c")), 10.0);
+}
+
+TEST(SteadyTarget, SaysWhatOneDirectionHasMore) {
+  Export x(
+      "mass = \"80 kg\"\nvelocity_range = [\"-100 mm/s\", \"300 mm/s\"]\n[friction.steady]\nkind = \"conventional\"\n"
+      "alpha0 = \"300 N\"\nalpha2 = \"0 N s/mm\"\n");
+  x.request.speed.clear();
+  EXPECT_THAT(x.to("c").text,
+              HasSubstr("what was identified beyond 100 mm/s in one direction, up to 300 mm/s"));
 }
 
 TEST(SteadyTarget, LostMotionIsTwiceTheFrictionByDirection) {

@@ -90,9 +90,9 @@ Form write_structured_text(const Axis& axis) {
   return form;
 }
 
-/// CiA 402 counts 60B2h in thousandths of the rated torque; --gain is the force of one of the units that it names.
+/// CiA 402 counts 60B2h in thousandths of the rated torque.
 Form write_per_mille(const Axis& axis) {
-  const double unit = axis.unit == "%" ? 0.1 * axis.gain : axis.gain;
+  const double unit = axis.gain;
   const SourceTables tables(axis);
   Form form;
   form.held = [tables, unit](double v) { return unit * std::round(tables.at(v) / unit); };
@@ -120,7 +120,11 @@ extern const SteadyTarget kStructuredText;
 const SteadyTarget kStructuredText{"structured-text", "function for a PLC after IEC 61131-3", "(*",
                                    SteadyNeeds::kNothing, write_structured_text};
 extern const SteadyTarget kCia402;
-const SteadyTarget kCia402{"cia402", "torque offset 60B2h in per mille, as Structured Text", "(*",
-                           SteadyNeeds::kGain, write_per_mille};
+const SteadyTarget kCia402{.name = "cia402",
+                           .what = "torque offset 60B2h in per mille, as Structured Text",
+                           .comment = "(*",
+                           .needs = SteadyNeeds::kGain,
+                           .write = write_per_mille,
+                           .counts = GainUnit::kPerMille};
 
 }  // namespace stribeck::targets
