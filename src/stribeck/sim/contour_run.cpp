@@ -271,9 +271,11 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     return true;
   };
   bool followed = false;
+  double at_limit = 0.0;  // share of the ticks
   std::optional<int> acceptable;
   const auto judge = [&](int n, const auto& coarse, const auto& fine) {
     const bool follows_now = follows(coarse) && follows(fine);
+    at_limit = static_cast<double>(status.count(Status::kOutputLimited)) / static_cast<double>(coarse.size());
     // Too few sub-steps may lose the path; if many sub-steps lose it too, the loop does.
     if (!follows_now && n >= kLoopIsLost) return Substeps::kGiveUp;
     followed = followed || follows_now;
@@ -281,8 +283,7 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     for (std::size_t k = 0; k < coarse.size(); ++k)
       error.add(std::abs(fine[k].contour_error - coarse[k].contour_error));
     // A loop that swings between the limits of its drive is unstable, however alike its swings are.
-    const double limited = static_cast<double>(status.count(Status::kOutputLimited));
-    const bool swings = limited > kMostAtLimit * static_cast<double>(coarse.size());
+    const bool swings = at_limit > kMostAtLimit;
     if (follows_now && !swings && !acceptable && n >= kManySubsteps && size_of(coarse).alike(size_of(fine)))
       acceptable = n;
     return error.within(accuracy) && follows_now ? Substeps::kEnough : Substeps::kMore;
@@ -293,6 +294,12 @@ int choose_substeps(Drives& drives, const AnyController<N>& controller, const Ro
     return *acceptable;
   }
   if (!followed) {
+    constexpr double kOften = 0.2;
+    if (at_limit > kOften) {
+      throw Refused(
+          "the loop does not follow the path (error above a tenth of its extent), and drives are at the limit of their force: the path "
+          "needs more force than they have, or the loop is unstable; a lower speed tells which");
+    }
     throw Refused(
         "the loop does not follow the path (error above a tenth of its extent): it is unstable or too slow "
         "with these gains, delay and sample_time");

@@ -142,6 +142,41 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
   return out;
 }
 
+constexpr double kAlone = 5.0;     // half widths by which the peaks of one end stand out alone
+constexpr double kOtherEnd = 0.3;  // share of them that the other end has at most
+
+/// The peaks of one end of an axis, where the other end has none; not found: both have, or neither.
+Cause spike_at_one_end(const std::vector<QuadrantPeak>& peaks, int axis) {
+  struct End {
+    double sum = 0.0, noise = 0.0, width = 0.0, count = 0.0, angle = 0.0;
+    [[nodiscard]] double height() const { return count > 0.0 ? sum / count : 0.0; }
+  };
+  std::array<End, 2> ends{};  // positive, negative
+  for (const QuadrantPeak& p : peaks) {
+    if (p.axis != axis) continue;
+    const double side = axis == 0 ? std::cos(p.angle) : std::sin(p.angle);
+    End& end = ends[side > 0.0 ? 0 : 1];
+    end.sum += p.height, end.width += p.width, end.count += 1.0;
+    end.noise = std::max(end.noise, p.half_width_95);
+    end.angle = p.angle;
+  }
+  const std::size_t larger = std::abs(ends[0].height()) >= std::abs(ends[1].height()) ? 0 : 1;
+  const End &one = ends[larger], &other = ends[1 - larger];
+  Cause out;
+  if (other.count == 0.0 || !(std::abs(one.height()) > kAlone * one.noise) ||
+      !(std::abs(other.height()) < kOtherEnd * std::abs(one.height())))
+    return out;
+  out.kind = CauseKind::kReversalSpike;
+  out.axis = axis;
+  out.found = true;
+  out.size = one.height();
+  out.half_width = one.noise / std::sqrt(one.count);
+  out.effect = std::abs(out.size);
+  out.figures.push_back({"width", one.width / one.count * 180.0 / kPi, std::nan(""), "deg"});
+  out.figures.push_back({"only at", std::round(one.angle * 180.0 / kPi), std::nan(""), "deg"});
+  return out;
+}
+
 /// Mean height of an axis' peaks; found where the mean, or half of the peaks alone, stand out of the rest.
 Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   Cause out;
@@ -169,6 +204,7 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   out.half_width = std::hypot(noise, 1.96 * std::sqrt(spread)) / std::sqrt(static_cast<double>(count));
   out.effect = std::abs(out.size);
   out.found = 2 * clear > count;
+  if (const Cause alone = spike_at_one_end(peaks, axis); alone.found) return alone;
   out.figures.push_back({"width", width / count * 180.0 / kPi, std::nan(""), "deg"});
   return out;
 }

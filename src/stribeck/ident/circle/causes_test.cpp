@@ -68,6 +68,17 @@ TEST(Causes, SpikeAndNegativeBacklash) {
       Contains(HasSubstr("a spike of friction cannot be distinguished from backlash that closes late")));
 }
 
+TEST(Causes, ASpikeAtOneEndOfAnAxis) {
+  VirtualMachine m;
+  m.spike[1] = 3e-6;
+  m.spike_at_one_end = true;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  EXPECT_EQ(found_in(d), (std::vector<std::string>{"reversal spike y"}));
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 1);
+  EXPECT_NEAR(spike.size, 3e-6, 0.3e-6);
+  EXPECT_NEAR(spike.figures.back().value, 90.0, 1e-9);
+}
+
 // Invariance: with x and y exchanged, every cause is that of the other axis, and the direction of the lag turns round.
 TEST(Causes, AxesExchanged) {
   VirtualMachine m;

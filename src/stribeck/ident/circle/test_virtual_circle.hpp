@@ -14,6 +14,7 @@ struct VirtualMachine {
   double radius = 0.1;                // [m]
   double spike[2] = {0.0, 0.0};       // height [m]
   double spike_time = 0.06;           // to the top [s]
+  bool spike_at_one_end = false;      // the positive one
   double backlash[2] = {0.0, 0.0};    // [m]
   double lateral[2] = {0.0, 0.0};     // [m]
   double cyclic[2] = {0.0, 0.0};      // amplitude [m]
@@ -87,7 +88,7 @@ inline VirtualRecord travel(const VirtualMachine& m, double feed, double turns, 
         const double since = (t - reversed[k]) / m.spike_time;
         // Rises fast and dies away: since²·e^(2(1 − since)), its top is one.
         p[k] -= m.spike[k] * direction * since * since * std::exp(2.0 * (1.0 - since)) *
-                (since < 30.0 ? 1.0 : 0.0);
+                (since < 30.0 && !(m.spike_at_one_end && command[k] < 0.0) ? 1.0 : 0.0);
         p[k] += m.cyclic[k] * std::cos(2.0 * kPi * command[k] / m.pitch[k] - 0.7);
         p[k] *= 1.0 + m.scale[k];
       }

@@ -87,6 +87,9 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
     out += "none found beyond the scatter\n";
   } else {
     out += lay_out(columns);
+    out += fmt::format(
+        "Left by them outside of the reversals: {} µm RMS; largest less smallest radius: {} µm.\n",
+        micrometres(d.rest_rms), micrometres(d.span));
     for (const Cause& c : d.causes) {
       if (!c.found) continue;
       const auto words = words_of(c.kind);

@@ -123,7 +123,8 @@ struct DriveData {
           linear ? "rated_force" : "rated_torque",
           "missing, expected rated_torque or rated_force, or torque_constant (force_constant) with rated_current");
     }
-    if (rated() && peak() && *peak() < *rated())
+    const std::optional<double> largest = at_axis(peak_torque, peak_force, peak_current);
+    if (rated() && largest && *largest < *rated())
       report(linear ? "peak_force" : "peak_torque", "below the rated value, expected at least that");
   }
 
