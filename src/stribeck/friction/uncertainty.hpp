@@ -68,6 +68,7 @@ struct ModelDeviation {
 
 struct ModelUncertainty {
   double rise_speed = 1e-3;  ///< [m/s]
+  double told_from = 0.0;    ///< smallest speed whose friction the logs tell [m/s]
   FixedVector<ModelDeviation, kMaxDeviations> deviations;
 
   static constexpr auto fields() {
@@ -75,6 +76,10 @@ struct ModelUncertainty {
     return std::tuple{
         field("rise_speed", &U::rise_speed, quantity("m/s", "mm/s").positive(),
               "speed at which a rise towards standstill has faded to 1/e"),
+        field(
+            "told_from", &U::told_from, quantity("m/s", "mm/s").not_negative(),
+            "smallest speed whose friction the logs tell; 0: down to rest. What may be below it is in no deviation")
+            .or_default(),
         field("deviations", &U::deviations,
               "each is one standard deviation of the model in one direction; all are independent")};
   }

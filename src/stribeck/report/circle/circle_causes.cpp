@@ -88,8 +88,8 @@ std::string causes_text(const std::string& label, const Diagnosis& d) {
   } else {
     out += lay_out(columns);
     out += fmt::format(
-        "Left by them outside of the reversals: {} µm RMS; largest less smallest radius: {} µm.\n",
-        micrometres(d.rest_rms), micrometres(d.span));
+        "Largest less smallest radius: {} µm; left by these causes outside of the reversals: {} µm RMS.\n",
+        micrometres(d.span), micrometres(d.rest_rms));
     for (const Cause& c : d.causes) {
       if (!c.found) continue;
       const auto words = words_of(c.kind);

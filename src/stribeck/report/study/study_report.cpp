@@ -104,7 +104,7 @@ std::string band_table(const StudyResult& r) {
       high.entries.push_back(shown(column, to));
     }
   }
-  return "\nBand of 95 %: where the figures of the real axes are, as far as their logs tell\n" +
+  return "\nBand of 95 %: what the logs of the axes above leave open of each figure\n" +
          lay_out({id, motion, figure, low, high});
 }
 

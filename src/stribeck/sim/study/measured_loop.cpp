@@ -112,7 +112,7 @@ bool ends_inside(const std::vector<Response>& loop, const MeasuredMargins& m) {
 MeasuredMargins finished(Judged judged, const std::vector<Response>& loop) {
   MeasuredMargins& m = judged.m;
   m.stable = judged.crossings == 0 && m.crossover > 0.0;
-  if (!m.stable && std::isfinite(m.phase)) m.phase = -m.phase;
+  if (!m.stable && std::isfinite(m.phase)) m.phase = -m.phase, m.sure_phase = m.phase;
   m.inside = ends_inside(loop, m);
   if (!std::isfinite(m.gain_up) && !loop.empty()) {
     // No crossing of −180°: the gain may rise at least until the last line crosses 1.

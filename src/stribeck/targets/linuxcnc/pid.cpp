@@ -89,8 +89,7 @@ std::string pid_head(const std::vector<Axis>& axes) {
   }
   return fmt::format(
       "# Beside pid instances with these names (loadrt pid names=pid.{},...). Velocities in mm/s.\n"
-      "# joint.0 is x, joint.1 y, joint.2 z, and so on, as with coordinates=XYZABCUVW; where the configuration numbers them otherwise, "
-      "change it.\n"
+      "# Joints are numbered as x, y, z, a, b, c, u, v, w where all axes have such names, else in the order of the files: check them.\n"
       "# Another lincurve or sum2 in the configuration: write all names of one component into one loadrt.\n"
       "loadrt lincurve names={} personality={}\nloadrt sum2 names={}\n{}",
       axes.front().name, tables, points, sums, nets);

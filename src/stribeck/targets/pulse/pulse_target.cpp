@@ -296,8 +296,8 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
   out.json["circle"] = circle_json(t, c, with);
   if (o.names.empty())
     words +=
-        "The axes have the numbers that x, y, z, a, b, c have in this order, by their names in the files (without names by the "
-        "order of the files); --name says other ones.\n";
+        "The axes have the numbers that x, y, z, a, b, c have in this order, by their names in the files (where these do not "
+        "tell them apart, by the order of the files); --name says other ones.\n";
   out.text = words + circle_words(t, c, "this pulse", with) + std::string(target.to_do) +
              fmt::format("\nWritten to {}.\n", o.output);
   return out;

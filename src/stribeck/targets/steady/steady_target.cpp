@@ -87,9 +87,12 @@ std::vector<std::string> names_in_files(const ExportRequest& o) {
 
 /// A line where the axes have other names than their files say, and nobody asked for them; else nothing.
 std::string word_of_names(const ExportRequest& o, const std::vector<std::string>& names) {
-  const std::vector<std::string> said = axes_in_files(o);
+  std::vector<std::string> said = axes_in_files(o);
+  for (std::string& name : said) {
+    if (name.empty()) name = "–";
+  }
   for (std::size_t i = 0; o.names.empty() && i < names.size(); ++i) {
-    if (!said[i].empty() && said[i] != names[i])
+    if (said[i] != "–" && said[i] != names[i])
       return fmt::format("The axes are called {} here; their files say {} (--name calls them otherwise).\n",
                          report::joined(names, ", "), io::one_line(report::joined(said, ", "), 100));
   }
@@ -367,8 +370,12 @@ SteadyText steady_text(const SteadyTarget& target, const ExportRequest& o) {
         report::significant(shown.scale() * axis.fastest, 4), shown.length_unit(),
         report::significant(e.largest, 3), report::significant(e.friction, 3), report::significant(e.rms, 3),
         shown.force_unit(), report::significant(shown.scale() * axis.slowest, 2));
-    if (axis.identified > 0.0 && axis.fastest > kBeyond * axis.identified)
-      words += fmt::format("; nothing was identified beyond {}", shown.speed(axis.identified));
+    if (axis.widest > 0.0 && axis.fastest > kBeyond * axis.widest) {
+      words += fmt::format("; nothing was identified beyond {}", shown.speed(axis.widest));
+    } else if (axis.identified > 0.0 && axis.fastest > kBeyond * axis.identified) {
+      words +=
+          fmt::format("; in one direction nothing was identified beyond {}", shown.speed(axis.identified));
+    }
     if (!missing.empty()) words += "; not in it: " + report::joined(missing, ", ");
     w.text += remark(target.comment, fmt::format("Axis {} from {}: {}", axis.name, axis.file, words));
     if (axis.rotary)

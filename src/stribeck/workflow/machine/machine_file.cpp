@@ -124,7 +124,7 @@ sim::Machine read_virtual_machine(const std::string& file, const std::vector<std
         {file, 0, fmt::format("axes.{}.plant", name),
          fmt::format(
              "missing, expected the truth of a virtual axis (mass, drive, converter, encoder, friction with bristles), or its "
-             "identified model in its place (--axis-file {}=FILE)",
+             "identified model in its place (--axis-file {0}=FILE, in a study \"{0}=FILE\" among axis_files)",
              name)});
   }
   sim::Machine virtual_machine = as_machine(machine);

@@ -313,7 +313,32 @@ std::string BoundFactor::head() const {
   return unit.empty() ? key : fmt::format("{} [{}]", key, unit);
 }
 
+namespace {
+
+/// What a deviation changes: mass, level and so on, for v > 0 and v < 0.
+std::string changes_in_words(const friction::ModelDeviation& d) {
+  std::vector<std::string> parts;
+  const auto add = [&](const char* what, double x, const char* unit) {
+    if (x != 0.0) parts.push_back(fmt::format("{} {:+.3g} {}", what, x, unit));
+  };
+  const auto add_both = [&](const char* what, const std::array<double, 2>& x, double scale,
+                            const char* unit) {
+    if (x[0] != 0.0 || x[1] != 0.0)
+      parts.push_back(fmt::format("{} {:+.3g} and {:+.3g} {}", what, scale * x[0], scale * x[1], unit));
+  };
+  add("mass", d.mass, "kg");
+  add_both("level", d.level, 1.0, "N");
+  add_both("viscous", d.viscous, 1e-3, "N s/mm");
+  add_both("rise", d.rise, 1.0, "N");
+  add("stiffness", 100.0 * std::expm1(d.stiffness), "%");
+  add("damping", 100.0 * std::expm1(d.damping), "%");
+  return parts.empty() ? "nothing" : report::joined(parts, ", ");
+}
+
+}  // namespace
+
 std::string BoundFactor::in_words() const {
+  if (deviation) return "standard deviations, each " + changes_in_words(*deviation);
   const auto number = [&](double si) { return report::short_number(shown(si)); };
   const std::string after = unit.empty() ? std::string() : ' ' + report::printed_unit(unit);
   const auto [low, high] = sim::support(distribution);

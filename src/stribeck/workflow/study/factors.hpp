@@ -10,8 +10,9 @@
 ///   AXIS.uncertainty          the model of its axis file is the plant, and changes by what the logs leave open: one factor for
 ///                             each deviation, AXIS.uncertainty.1 …, normal, in standard deviations; *: each axis by itself
 ///
-/// The four of friction are scales. Uncertainties act first. Factors change the truth of the plant alone: controllers keep the models, limits and name plates
-/// of the nominal machine. Keys of `drive` are refused, because the simulated loop converts forces with the drive's own gain.
+/// The four of friction are scales. Uncertainties act first. Factors change the truth of the plant alone: controllers keep the models,
+/// limits and name plates of the nominal machine. Keys of `drive` are refused, because the simulated loop converts forces with the
+/// drive's own gain.
 /// Real time: no. Errors: InputError with the file, the line and the key of the factor.
 
 #include <optional>
@@ -36,6 +37,7 @@ struct BoundFactor {
   std::string below;                                    ///< the key without its axis
   std::optional<friction::ModelDeviation> deviation{};  ///< of the model of an axis file
   double rise_speed = 0.0;                              ///< that belongs to it [m/s]
+  double told_from = 0.0;                               ///< smallest speed whose friction its logs tell [m/s]
 
   /// Head of its column: "x.mass [N s2/mm]", "x.friction (scale)".
   [[nodiscard]] std::string head() const;

@@ -6,6 +6,7 @@
 #include <stribeck/path/curve.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/experiments.hpp>
+#include <stribeck/sim/in_order.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -246,6 +247,26 @@ std::vector<double> Study::values(const sim::Design& design, std::uint64_t run) 
     all[i] = sim::value_at(factors[i].distribution, design.share(sample, of_b ? k + i : i));
   }
   return all;
+}
+
+void check_machines(const Study& s, const sim::Design& design, std::uint64_t from, unsigned threads) {
+  sim::in_order(
+      from, s.runs, threads,
+      [&](std::uint64_t run) {
+        return why_impossible(with_values(s.machine, s.factors, s.values(design, run)), s.axes);
+      },
+      [&](std::uint64_t run, const std::string& wrong) {
+        if (wrong.empty()) return;
+        std::vector<std::string> drawn;
+        const std::vector<double> values = s.values(design, run);
+        for (std::size_t i = 0; i < values.size(); ++i)
+          drawn.push_back(fmt::format("{} = {}", s.factors[i].head(),
+                                      report::significant(s.factors[i].shown(values[i]), 4)));
+        throw io::InputError(io::Problem{
+            s.source, 0, "factors",
+            fmt::format("run {} ({}) makes a machine that cannot be: {} (narrow the distributions)", run,
+                        report::joined(drawn, ", "), wrong)});
+      });
 }
 
 }  // namespace stribeck::workflow

@@ -51,6 +51,7 @@ std::string inputs_of(const Study& s, const Parameters& parameters, const std::s
       "# What results.csv was made with. The study goes on with the same alone.\nversion = \"{}\"\n\n# study\n{}"
       "\n# machine\n{}",
       version, study, io::write_toml(s.machine));
+  text += deviations_text(s.factors);
   for (const sim::ControllerSpec& c : s.spec.controllers)
     text += fmt::format("\n# controller {}\n{}", c.id, io::write_toml(c));
   for (const sim::Travel& t : s.spec.travels)
@@ -131,7 +132,7 @@ class Runner {
  private:
   [[nodiscard]] std::vector<sim::RobustRun> run_on(const sim::Machine& machine, std::uint64_t sample) const {
     const auto trial = static_cast<std::uint32_t>(sample);
-    const auto how = s_.file.identification;
+    const StudyIdentification how = s_.file.identification;
     if (how == StudyIdentification::kOnce) return once_.run(machine, trial);
     sim::CompareSpec spec = s_.spec;
     spec.threads = 1;
@@ -147,27 +148,6 @@ class Runner {
   sim::Design design_;
   sim::MachineRuns once_;
 };
-
-/// Refuses draws that no machine file may hold, before hours of runs.
-void check_machines(const Study& s, const sim::Design& design, std::uint64_t from, unsigned threads) {
-  sim::in_order(
-      from, s.runs, threads,
-      [&](std::uint64_t run) {
-        return why_impossible(with_values(s.machine, s.factors, s.values(design, run)), s.axes);
-      },
-      [&](std::uint64_t run, const std::string& wrong) {
-        if (wrong.empty()) return;
-        std::vector<std::string> drawn;
-        const std::vector<double> values = s.values(design, run);
-        for (std::size_t i = 0; i < values.size(); ++i)
-          drawn.push_back(fmt::format("{} = {}", s.factors[i].head(),
-                                      report::significant(s.factors[i].shown(values[i]), 4)));
-        throw io::InputError(io::Problem{
-            s.source, 0, "factors",
-            fmt::format("run {} ({}) makes a machine that cannot be: {} (narrow the distributions)", run,
-                        report::joined(drawn, ", "), wrong)});
-      });
-}
 
 // ---- summary
 
@@ -233,7 +213,8 @@ class Summary {
     if (s_.file.identification == StudyIdentification::kOfEachMachine)
       r.parameters += ", each machine from its own logs";
     for (const BoundFactor& f : s_.factors) r.factors.push_back({f.key, f.in_words()});
-    r.has_band = has_uncertainty(s_.factors);
+    r.has_band = only_uncertainty(s_.factors);
+    r.warnings = untold_at_rest(s_.machine, s_.factors);
     for (const StudyColumn& c : s_.columns) {
       const std::string head(c.figure->head(s_.axes.size() == 1));
       const bool per_axis = std::holds_alternative<sim::Figure::OfAxis>(c.figure->member);
@@ -243,8 +224,12 @@ class Summary {
     for (std::size_t row = 0; row < rows_; ++row) {
       const sim::ControllerSpec& controller = s_.spec.controllers[row % s_.spec.controllers.size()];
       report::StudiedRow one;
-      one.controller = controller.id, one.label = controller.label, one.motion = motion_of(s_, row);
-      one.lost = lost_[row], one.refused = refused_[row], one.nominal_lost = nominal[row].lost;
+      one.controller = controller.id;
+      one.label = controller.label;
+      one.motion = motion_of(s_, row);
+      one.lost = lost_[row];
+      one.refused = refused_[row];
+      one.nominal_lost = nominal[row].lost;
       for (std::size_t c = 0; c < s_.columns.size(); ++c) {
         const std::size_t at = row * s_.columns.size() + c;
         report::StudiedFigure f{s_.columns[c].of(nominal[row].metrics), spreads_[at], {}, 0};

@@ -57,6 +57,9 @@ struct Study {
 
 Study read_study(const std::string& file);
 
+/// Refuses draws from run `from` on that no machine file may hold, before hours of runs.
+void check_machines(const Study& study, const sim::Design& design, std::uint64_t from, unsigned threads);
+
 struct StudyOptions {
   std::string folder;
   unsigned threads = 0;

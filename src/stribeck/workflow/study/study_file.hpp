@@ -29,7 +29,10 @@ struct StudyFactor {
   std::optional<sim::AnyDistribution<std::string>> value;
 
   /// Whether it stands for everything that an axis file leaves open.
-  [[nodiscard]] bool is_uncertainty() const { return key.ends_with(".uncertainty"); }
+  [[nodiscard]] bool is_uncertainty() const {
+    const std::size_t dot = key.find('.');
+    return dot != std::string::npos && std::string_view(key).substr(dot) == ".uncertainty";
+  }
 
   static constexpr auto fields() {
     using F = StudyFactor;
@@ -52,6 +55,10 @@ struct StudyFactor {
     if (is_uncertainty()) {
       if (scale || value)
         report("key", "takes neither scale nor value: the axis file says how far its model may be off");
+      return;
+    }
+    if (key.find(".uncert") != std::string::npos) {
+      report("key", "expected AXIS.uncertainty, for all that the axis file of AXIS leaves open");
       return;
     }
     if (scale.has_value() == value.has_value())

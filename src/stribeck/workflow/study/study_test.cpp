@@ -355,7 +355,7 @@ std::string axis_file(const Folder& f, bool open) {
     mass.mass = 0.02 * plant.mass;
     const double level = friction::steady_force(plant.friction, 1e-3);
     friction.level = {0.05 * level, 0.05 * level};
-    file.uncertainty = friction::ModelUncertainty{5e-3, {mass, friction}};
+    file.uncertainty = friction::ModelUncertainty{5e-3, 0.0, {mass, friction}};
   }
   return f.write(open ? "open.toml" : "closed.toml", io::write_toml(file));
 }
@@ -393,6 +393,35 @@ TEST(Study, TheModelOfTheAxisFileIsTheMachine) {
               0.9, 1e-9);
 }
 
+TEST(Study, DoesNotGoOnWithAnotherUncertainty) {
+  Folder f;
+  run(f, with_axis_file(f, true, kUncertainty), "out");
+  const std::string study = f / "study.toml";
+  std::string axis = text_of(f / "open.toml");
+  const std::string level = "level = [\"";
+  axis.replace(axis.rfind(level) + level.size(), 1, "9");
+  f.write("open.toml", axis);
+  EXPECT_THROW(run_study(read_study(study), {f / "out", 2, "1"}), io::InputError);
+}
+
+TEST(Study, WithOtherFactorsThereIsNoBand) {
+  Folder f;
+  EXPECT_FALSE(run(f, with_axis_file(f, true, kUncertainty + std::string(kMass)), "out").has_band);
+}
+
+TEST(Study, SaysWhereTheLogsEnd) {
+  Folder f;
+  const std::string text = with_axis_file(f, true, kUncertainty);
+  std::string axis = text_of(f / "open.toml");
+  const std::string key = "told_from = \"0 mm/s\"";
+  ASSERT_NE(axis.find(key), std::string::npos);
+  axis.replace(axis.find(key), key.size(), "told_from = \"3 mm/s\"");
+  f.write("open.toml", axis);
+  const report::StudyResult r = run(f, text, "out");
+  ASSERT_EQ(r.warnings.size(), 1U);
+  EXPECT_THAT(r.warnings[0], HasSubstr("the logs of x tell its friction from 3 mm/s on"));
+}
+
 TEST(Study, AnUncertaintyNeedsAnAxisFileThatSaysIt) {
   Folder f;
   const auto refused = [&](const std::string& text) {
@@ -406,6 +435,8 @@ TEST(Study, AnUncertaintyNeedsAnAxisFileThatSaysIt) {
   EXPECT_THAT(
       refused(with_machine(kUncertainty)),
       HasSubstr("axis x has no axis file, expected one that identify wrote (add \"x=FILE\" to axis_files)"));
+  EXPECT_THAT(refused(with_machine("[[factors]]\nkey = \"x.uncertanty\"\n")),
+              HasSubstr("expected AXIS.uncertainty"));
   EXPECT_THAT(refused(with_axis_file(f, false, kUncertainty)),
               HasSubstr("does not say what its logs leave open (identify the axis again"));
   std::string grid = with_axis_file(f, true, "sampling = \"grid\"\n" + std::string(kUncertainty));

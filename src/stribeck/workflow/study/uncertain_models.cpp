@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/toml.hpp>
 #include <stribeck/workflow/study/uncertain_models.hpp>
 #include <string>
 #include <string_view>
@@ -22,6 +24,9 @@ void take_model(plant::AxisParams& plant, const friction::AxisModel& model) {
   const friction::DynamicsVariant before = plant.friction.dynamics;
   plant.mass = model.mass, plant.load = model.load, plant.friction = model.friction;
   if (!friction::has_pre_sliding(model.friction.dynamics)) plant.friction.dynamics = before;
+  // They would act on the identified friction, which holds them as far as it can.
+  plant.friction_along_travel.reset();
+  plant.viscous_exponent.reset();
 }
 
 [[noreturn]] void fail(const std::string& what) { throw io::InputError(io::Problem{{}, 0, {}, what}); }
@@ -73,15 +78,40 @@ std::vector<BoundFactor> deviations_as_factors(const sim::Machine& machine,
       one.axes = {axis};
       one.deviation = open.deviations[k];
       one.rise_speed = open.rise_speed;
+      one.told_from = open.told_from;
       all.push_back(std::move(one));
     }
   }
   return all;
 }
 
-bool has_uncertainty(const std::vector<BoundFactor>& factors) {
-  return std::any_of(factors.begin(), factors.end(),
-                     [](const BoundFactor& f) { return f.deviation.has_value(); });
+bool only_uncertainty(const std::vector<BoundFactor>& factors) {
+  return !factors.empty() && std::all_of(factors.begin(), factors.end(),
+                                         [](const BoundFactor& f) { return f.deviation.has_value(); });
+}
+
+std::string deviations_text(const std::vector<BoundFactor>& factors) {
+  std::string text;
+  for (const BoundFactor& f : factors) {
+    if (f.deviation)
+      text += fmt::format("\n# {}, with a rise that fades at {} m/s\n{}", f.key,
+                          io::number_text(f.rise_speed), io::write_toml(*f.deviation));
+  }
+  return text;
+}
+
+std::vector<std::string> untold_at_rest(const sim::Machine& machine,
+                                        const std::vector<BoundFactor>& factors) {
+  std::vector<std::string> all;
+  for (const BoundFactor& f : factors) {
+    if (!f.deviation || f.below != "uncertainty.1" || !(f.told_from > 0.0)) continue;
+    const auto& [name, axis] = machine.axes[f.axes.front()];
+    all.push_back(fmt::format(
+        "the logs of {} tell its friction from {} on; every reversal passes below it, and what may be there is in no band (add "
+        "slow jogs and identify again)",
+        name, ident::Shown("m", "N", axis.rotary).speed(f.told_from)));
+  }
+  return all;
 }
 
 void deviate_models(sim::Machine& machine, const std::vector<BoundFactor>& factors,

@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stribeck/ident/drive/intervals/open_model.hpp>
 #include <stribeck/ident/drive/summary.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace stribeck::ident::drive {
@@ -19,12 +21,12 @@ constexpr double kUsualRiseSpeed = 2e-3;   // [m/s] where no Stribeck part was f
 constexpr double kWorthRise = 1.5;         // errors of usual size
 constexpr double kSlowestRise = 2.0;       // slowest rows
 constexpr double kFastestRise = 0.2;       // of the top speed
-constexpr double kMostWidening = 3.0;
+constexpr double kLeastWidening = 0.5, kMostWidening = 3.0;
 constexpr Index kOfSide = 3;  // level, viscous, rise
 constexpr Index kFigures = 1 + map::kSides * kOfSide;
 
 /// Four digits, so that files can be read.
-double rounded(double x) { return std::stod(fmt::format("{:.4g}", x)); }
+double rounded(double x) { return std::stod(fmt::format("{:.4g}", x)) + 0.0; }  // no −0
 
 /// Mass and the points of the curve.
 struct Points {
@@ -48,8 +50,11 @@ Points points_of(const Found& found, const Result& result) {
   VectorXd mass = found.intervals.zero();
   mass(0) = 1.0;
   add(std::move(mass), found.terms.known_mass ? 0.0 : result.mass_interval.high - result.mass, -1, 0.0);
-  const auto add_friction = [&](double half, int side, double speed) {
-    if (!std::isfinite(half) || !(half > 0.0)) return;
+  // The error with which load and friction are told apart is none of their sum.
+  const double of_load = found.load ? kFactor * found.load->error : 0.0;
+  const auto add_friction = [&](double whole, int side, double speed) {
+    if (!std::isfinite(whole) || !(whole > 0.0)) return;
+    const double half = std::sqrt(std::max(whole * whole - of_load * of_load, kLeast * whole * whole));
     const Figure f = friction_at(map, side, speed);
     VectorXd h = found.intervals.zero();
     h.segment(static_cast<Index>(found.intervals.linear + map.span(side).first), f.slope.size()) = f.slope;
@@ -57,7 +62,7 @@ Points points_of(const Found& found, const Result& result) {
   };
   for (int s = 0; s < map::kSides; ++s) {
     const Parameter* rest = result.find(std::string("static_") + map::kSideName[static_cast<std::size_t>(s)]);
-    if (rest != nullptr) add_friction(rest->ci_high - rest->value, s, 0.0);
+    if (rest != nullptr && rest->identifiable) add_friction(rest->ci_high - rest->value, s, 0.0);
   }
   for (const CurvePoint& p : result.curve)
     add_friction(p.ci_high - p.friction, p.velocity < 0.0 ? 1 : 0, std::abs(p.velocity));
@@ -95,8 +100,22 @@ MatrixXd correlations(const Points& points, const Intervals& intervals) {
   return most;
 }
 
+/// The rise over the speed as deviate() will draw it: a map's own Stribeck part, or a Gaussian of this width.
+struct RiseShape {
+  double speed = 1e-3;
+  double exponent = 2.0;
+
+  RiseShape(const friction::Model& model, double rise_speed) : speed(rise_speed) {
+    const auto* map = std::get_if<friction::Conventional<double>>(&model.steady);
+    if (map == nullptr || !map->stribeck) return;
+    speed = map->stribeck->v0;
+    exponent = map->stribeck->delta;
+  }
+  [[nodiscard]] double at(double v) const { return std::exp(-std::pow(v / speed, exponent)); }
+};
+
 /// Mass and three figures of each direction as linear functions of the points.
-MatrixXd figures_of(const Points& points, double rise_speed) {
+MatrixXd figures_of(const Points& points, const RiseShape& rise) {
   MatrixXd T = MatrixXd::Zero(kFigures, points.size());
   // With the square of this, the slow end of the curve, which is told least, would count for nothing.
   const auto weight = [&](Index i) { return 1.0 / std::sqrt(points.error(i)); };
@@ -114,8 +133,7 @@ MatrixXd figures_of(const Points& points, double rise_speed) {
     for (Index i = 0; i < n; ++i) {
       const Index at = own[static_cast<std::size_t>(i)];
       const double v = points.speed[static_cast<std::size_t>(at)];
-      const double ratio = v / rise_speed;
-      basis.row(i) << 1.0, v / top, std::exp(-ratio * ratio);
+      basis.row(i) << 1.0, v / top, rise.at(v);
       basis.row(i) *= weight(at);
     }
     const MatrixXd inverse = stats::pseudo_inverse(basis);
@@ -130,19 +148,20 @@ MatrixXd figures_of(const Points& points, double rise_speed) {
   return T;
 }
 
-/// By how much the curve of these figures must be off more, so that over all of a direction it is as far off as is printed: errors that change
-/// fast with speed (a misfit of the map) are no level, slope or rise.
-double widening(const Points& points, const MatrixXd& C, double rise_speed, int side) {
-  double printed = 0.0, own = 0.0;
+/// By how much the curve of these figures must be off more (or less), so that a direction is as far off as is printed, in the mean square of the
+/// ratio: errors that change fast with speed (a misfit of the map) are no level, slope or rise.
+double widening(const Points& points, const MatrixXd& C, const RiseShape& rise, int side) {
+  double ratio = 0.0, count = 0.0;
   for (Index i = 0; i < points.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (points.side[k] != side) continue;
-    const double ratio = points.speed[k] / rise_speed;
-    const Eigen::Vector3d shape(1.0, points.speed[k], std::exp(-ratio * ratio));
-    printed += points.error(i) * points.error(i);
-    own += shape.dot(C.block<kOfSide, kOfSide>(1 + side * kOfSide, 1 + side * kOfSide) * shape);
+    const Eigen::Vector3d shape(1.0, points.speed[k], rise.at(points.speed[k]));
+    const Index first = 1 + side * kOfSide;
+    const double own = shape.dot(C.block<kOfSide, kOfSide>(first, first) * shape);
+    ratio += own / (points.error(i) * points.error(i));
+    count += 1.0;
   }
-  return own > 0.0 ? std::clamp(std::sqrt(printed / own), 1.0, kMostWidening) : 1.0;
+  return ratio > 0.0 ? std::clamp(std::sqrt(count / ratio), kLeastWidening, kMostWidening) : 1.0;
 }
 
 friction::ModelDeviation as_deviation(const VectorXd& y) {
@@ -177,6 +196,21 @@ double fading_speed(const Points& points, int side) {
     if (error <= faded) return speed;
   }
   return 0.0;
+}
+
+/// Smallest speed whose friction is told [m/s]; 0: down to rest.
+double told_from(const Result& result) {
+  double from = 0.0;
+  for (int s = 0; s < map::kSides; ++s) {
+    const Parameter* rest = result.find(std::string("static_") + map::kSideName[static_cast<std::size_t>(s)]);
+    if (rest != nullptr && rest->identifiable) continue;
+    double slowest = std::numeric_limits<double>::infinity();
+    for (const CurvePoint& p : result.curve) {
+      if ((p.velocity < 0.0) == (s == 1)) slowest = std::min(slowest, std::abs(p.velocity));
+    }
+    if (std::isfinite(slowest)) from = std::max(from, slowest);
+  }
+  return rounded(from);
 }
 
 double rise_speed(const Found& found, const Result& result, const Points& points) {
@@ -215,13 +249,15 @@ std::optional<friction::ModelUncertainty> open_model(const Found& found, const R
   if (points.size() < 2 || !points.error.allFinite()) return std::nullopt;
   friction::ModelUncertainty out;
   out.rise_speed = rise_speed(found, result, points);
+  out.told_from = told_from(result);
   const MatrixXd R = correlations(points, found.intervals);
-  const MatrixXd T = figures_of(points, out.rise_speed);
+  const RiseShape rise(result.friction, out.rise_speed);
+  const MatrixXd T = figures_of(points, rise);
   MatrixXd C = T * points.error.asDiagonal() * R * points.error.asDiagonal() * T.transpose();
   if (!C.allFinite()) return std::nullopt;
   VectorXd wider = VectorXd::Ones(kFigures);
   for (int s = 0; s < map::kSides; ++s)
-    wider.segment<kOfSide>(1 + s * kOfSide).setConstant(widening(points, C, out.rise_speed, s));
+    wider.segment<kOfSide>(1 + s * kOfSide).setConstant(widening(points, C, rise, s));
   C = wider.asDiagonal() * C * wider.asDiagonal();
   VectorXd scale = C.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (Index i = 0; i < scale.size(); ++i) {
