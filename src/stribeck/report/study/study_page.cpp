@@ -244,7 +244,7 @@ Page study_report_page(const StudyReportInput& input) {
   page.paragraph(
       std::string(
           r.has_band
-              ? "The machines are the identified axes, as far as their logs leave open those that vary; 95 % of them lie in the band. "
+              ? "The machines are drawn from what the logs of the axes leave open; 95 % of them lie in the band. "
                 "Controllers know the model of the axis file where it is of the kind that they take, else one from simulated logs of "
                 "it. Compensators: "
               : "Controllers know the machine as its file says it, not how it differs. Compensators: ") +
