@@ -348,7 +348,8 @@ TEST(InOrder, HandsOverInOrderAndStopsAtTheFirstError) {
 /// An axis file of the uniaxial drive with 2 % of mass and 5 % of friction open.
 std::string axis_file(const Folder& f, bool open) {
   sim::AxisFile file;
-  const plant::AxisParams& plant = built_in_machine("uniaxial-drive").axes[0].second.plant;
+  const sim::Machine machine = built_in_machine("uniaxial-drive");
+  const plant::AxisParams& plant = machine.axes[0].second.plant;
   file.model = {plant.mass, plant.load, plant.friction};
   if (open) {
     friction::ModelDeviation mass, friction;
