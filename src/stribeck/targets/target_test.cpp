@@ -26,6 +26,37 @@ TEST(Target, EveryOneSaysWhatItTakesWritesAndLoses) {
   EXPECT_EQ(targets::find_target("none"), nullptr);
 }
 
+// The axis that the file names, not the one whose turn it is.
+TEST(Target, AxesOfAControlGoByTheirNames) {
+  using Numbers = std::vector<std::size_t>;
+  EXPECT_EQ(targets::axis_numbers({"y"}), (Numbers{1}));
+  EXPECT_EQ(targets::axis_numbers({"y", "X"}), (Numbers{1, 0}));
+  EXPECT_EQ(targets::axis_numbers({"z", "c"}), (Numbers{2, 5}));
+  for (const auto& names : {std::vector<std::string>{"X1", "x"}, {"y", "y"}, {"", "y"}})
+    EXPECT_EQ(targets::axis_numbers(names), (Numbers{0, 1}));
+  const Folder folder;
+  targets::ExportRequest request;
+  request.files = {folder.write("1.toml", std::string("axis = \"y\"\n") + kAxis),
+                   folder.write("2.toml", std::string("axis = \"x\"\n") + kAxis)};
+  request.output = folder / "pid.hal";
+  request.speed = "100 mm/s";
+  static_cast<void>(targets::find_target("pid")->write(request));
+  EXPECT_THAT(text_of(request.output), HasSubstr("joint.1.vel-cmd => ff.y.in"));
+  EXPECT_THAT(text_of(request.output), HasSubstr("joint.0.vel-cmd => ff.x.in"));
+  request.files = {folder.write(
+      "3.toml", std::string("axis = \"y\"\n") + kAxis +
+                    "[friction.dynamics]\nkind = \"lugre\"\nsigma0 = \"8000 N/mm\"\nsigma1 = \"80 N s/mm\"\n"
+                    "damping_velocity = \"0.05 mm/s\"\n")};
+  request.speed = "10 mm/s";
+  request.controller = "cascade";
+  request.period = "5 ms";
+  for (const auto& [target, place] :
+       {std::pair{"sinumerik", "[AX2]="}, {"tnc", "MP711.1"}, {"fanuc", "Y stage 1"}}) {
+    static_cast<void>(targets::find_target(target)->write(request));
+    EXPECT_THAT(text_of(request.output), HasSubstr(place)) << target;
+  }
+}
+
 TEST(Target, LinuxCncWritesControllersOfAxisFiles) {
   const Folder folder;
   targets::ExportRequest request;

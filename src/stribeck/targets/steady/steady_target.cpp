@@ -236,7 +236,7 @@ void count_as(const SteadyTarget& target, Axis& axis) {
   axis.unit = per_cent ? "%" : "‰";
 }
 
-/// A friction above the rated torque is a gain of another axis.
+/// A sentence where friction is above the rated torque, which tells that --gain is wrong; else nothing.
 std::string word_of_gain(const SteadyTarget& target, const Axis& axis) {
   if (target.counts == GainUnit::kAny) return {};
   double most = 0.0;

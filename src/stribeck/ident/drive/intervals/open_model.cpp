@@ -51,7 +51,7 @@ Points points_of(const Found& found, const Result& result) {
   mass(0) = 1.0;
   add(std::move(mass), found.terms.known_mass ? 0.0 : result.mass_interval.high - result.mass, -1, 0.0);
   // The error with which load and friction are told apart is none of their sum.
-  const double of_load = found.load ? kFactor * found.load->error : 0.0;
+  const double of_load = found.load ? found.intervals.factor * found.load->error : 0.0;
   const auto add_friction = [&](double whole, int side, double speed) {
     if (!std::isfinite(whole) || !(whole > 0.0)) return;
     const double half = std::sqrt(std::max(whole * whole - of_load * of_load, kLeast * whole * whole));
@@ -148,8 +148,8 @@ MatrixXd figures_of(const Points& points, const RiseShape& rise) {
   return T;
 }
 
-/// By how much the curve of these figures must be off more (or less), so that a direction is as far off as is printed, in the mean square of the
-/// ratio: errors that change fast with speed (a misfit of the map) are no level, slope or rise.
+/// Factor on the figures of a direction that makes its curve as uncertain as the printed intervals, in the mean square over the speeds.
+/// Errors that change fast with speed (a misfit of the map) are no level, slope or rise, and would be missing.
 double widening(const Points& points, const MatrixXd& C, const RiseShape& rise, int side) {
   double ratio = 0.0, count = 0.0;
   for (Index i = 0; i < points.size(); ++i) {
@@ -176,7 +176,8 @@ friction::ModelDeviation as_deviation(const VectorXd& y) {
   return d;
 }
 
-/// Where the error has fallen from that at the slowest speed to 1/e of what it has there above its usual size; 0: it does not rise.
+/// Speed at which the error of friction has come down from its value at the slowest speed to its usual size, but for 1/e of the
+/// difference [m/s]; 0: it is no larger at slow speeds.
 double fading_speed(const Points& points, int side) {
   std::vector<std::pair<double, double>> at;
   for (Index i = 0; i < points.size(); ++i) {
