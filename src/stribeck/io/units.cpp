@@ -14,6 +14,7 @@
 #include <optional>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/io/error.hpp>
+#include <stribeck/io/torque_spellings.hpp>
 #include <stribeck/io/units.hpp>
 #include <utility>
 
@@ -103,6 +104,12 @@ class Units {
     std::string ascii(trimmed(text));
     replace_all(ascii, "\u22C5", "\u00B7");  // dot operator, as typed on some keyboards
     for (const char* written : {"\u2030", "per mille"}) replace_all(ascii, written, "permille");
+    // "8 in-lb", and of a torque constant "3 oz-in/A".
+    const auto divided = std::min(ascii.find('/'), ascii.size());
+    if (const auto torque = detail::torque_of(trimmed(std::string_view(ascii).substr(0, divided)));
+        !torque.empty()) {
+      ascii.replace(0, divided, torque);
+    }
     // A date, an offset or a logarithm is no proportional unit.
     if (ascii.find_first_of("@:;,\"'") != std::string::npos) return nullptr;
     return Unit(ut_parse(system_, ascii.c_str(), UT_UTF8));

@@ -72,6 +72,16 @@ TEST(Units, ResultIsTheDoubleNearestToTheText) {
   EXPECT_EQ(conversion("mm", "m")(35.0), 0.035);
 }
 
+// An inch times a pound of mass is nothing that a data sheet means.
+TEST(Units, TorquesOfDataSheetsAreForcesAtADistance) {
+  EXPECT_NEAR(to_si("35 in-lb", quantity("N m", "N m")), 3.95446, 1e-5);
+  EXPECT_NEAR(to_si("35 lb-in", quantity("N m", "N m")), 3.95446, 1e-5);
+  EXPECT_NEAR(to_si("2 ft-lb", quantity("N m", "N m")), 2.71164, 1e-5);
+  EXPECT_NEAR(to_si("25 oz-in/A", quantity("N m/A", "N m/A")), 0.176539, 1e-6);
+  EXPECT_NEAR(to_si("0.005 oz-in-s2", quantity("kg m2", "kg m2")), 3.53078e-5, 1e-9);
+  EXPECT_NEAR(to_si("3 lb in2", quantity("kg m2", "kg m2")), 8.77919e-4, 1e-8);
+}
+
 TEST(Units, RefusesWhatIsNotMeant) {
   EXPECT_THAT(refusal("5", kLength), testing::HasSubstr("missing unit: write \"5 mm\""));
   EXPECT_THAT(refusal("5 N", kLength), testing::HasSubstr("expected a unit like mm"));

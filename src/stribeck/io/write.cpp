@@ -227,7 +227,7 @@ WriteAtOnce::~WriteAtOnce() { at_once = before_; }
 
 void WriteTogether::remove_at_end_if_empty(std::vector<std::string> folders) {
   if (current_ == nullptr) return remove_if_empty(folders);
-  // Those made later may lie in those made earlier.
+  // The newest first: it may be a subfolder of an older one.
   current_->folders_.insert(current_->folders_.begin(), folders.begin(), folders.end());
 }
 

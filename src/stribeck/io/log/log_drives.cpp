@@ -85,8 +85,8 @@ class EposReader : DriveReader {
     const auto name_cells = split_exactly(names, ';');
     const auto unit_cells = split_exactly(units, ';');
     if (name_cells.size() != unit_cells.size() || name_cells.size() > kMaxColumns) {
-      fail(lines_.number(), "got " + std::to_string(unit_cells.size()) + " units, expected " +
-                                std::to_string(name_cells.size()) + " as there are columns");
+      fail(lines_.number(), "got " + std::to_string(unit_cells.size()) + " units for " +
+                                std::to_string(name_cells.size()) + " columns (export it again)");
     }
     for (std::size_t i = 0; i < name_cells.size(); ++i) {
       std::string name = as_utf8(unquoted(name_cells[i]));
@@ -96,7 +96,7 @@ class EposReader : DriveReader {
       log_.columns.push_back({name, std::move(unit), {}, name});
     }
     if (log_.columns[0].unit_text.empty()) {
-      fail(lines_.number(), "the time has no unit that is known, got " + in_quotes(as_utf8(unit_cells[0])));
+      fail(lines_.number(), "unknown unit of time: got " + in_quotes(as_utf8(unit_cells[0])) + ", expected s, ms or us");
     }
   }
 

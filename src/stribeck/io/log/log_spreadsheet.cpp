@@ -216,10 +216,13 @@ char decimal_mark(std::string_view body, char separator) {
 }
 
 std::optional<double> grouped_number(std::string_view cell, char decimal) {
-  const std::string text = unquoted(trimmed(cell));
-  const auto mark = text.find(decimal);
-  if (mark == std::string::npos) return std::nullopt;
-  const std::string_view separators = decimal == ',' ? ".'" : ",'";
+  std::string text = unquoted(trimmed(cell));
+  for (const std::string_view blank : {"\u00A0", "\u202F"}) {
+    for (auto at = text.find(blank); at != std::string::npos; at = text.find(blank, at))
+      text.replace(at, blank.size(), " ");
+  }
+  const auto mark = std::min(text.find(decimal), text.size());
+  const std::string_view separators = mark == text.size() ? "' " : decimal == ',' ? ".' " : ",' ";
   std::string digits;
   std::size_t group = 0;
   char separator = '\0';

@@ -37,8 +37,8 @@ std::string_view take_unended_row(std::string_view& body);
 /// A comma is the decimal mark where cells hold commas and the separator is another.
 char decimal_mark(std::string_view body, char separator);
 
-/// "1.234,5", "1,234.5" or "1'234.5": points, commas or apostrophes between groups of three digits in front of the decimal mark. Without
-/// the decimal mark "1.234" may be 1.234, and is none.
+/// "1.234,5", "1,234.5", "1'234.5" or "1 234.5": points, commas, apostrophes or blanks, also narrow ones that do not break a line,
+/// between groups of three digits in front of the decimal mark. Without the decimal mark "1.234" may be 1.234, and is none; "1 234" is.
 std::optional<double> grouped_number(std::string_view cell, char decimal);
 
 /// Whether a comment holds the names of the columns of the row below it: as many cells, half of them numbers. ROS writes "%time,…".

@@ -290,6 +290,23 @@ TEST(Spreadsheet, AMinusOfATypesetterIsAMinus) {
   EXPECT_THAT([] { parse("t_s,x_mm\n0,\u2212\u22121\n1,2\n2,3\n"); }, ::testing::Throws<InputError>());
 }
 
+TEST(Spreadsheet, ThousandsMayBeDividedByBlanksAndApostrophes) {
+  for (const std::string_view divider : {" ", "\u00A0", "\u202F", "'"}) {
+    const std::string thousand = "1" + std::string(divider) + "234";
+    const Log log =
+        parse("Zeit_s;Position_mm;Inkremente\n0,5;-" + thousand + ",25;" + thousand + "\n0,6;1,0;7\n");
+    EXPECT_THAT(log.at("Position").values, ElementsAre(-1234.25, 1.0)) << divider;
+    EXPECT_THAT(log.at("Inkremente").values, ElementsAre(1234.0, 7.0)) << divider;
+  }
+  EXPECT_THAT([] { parse("t_s;x_mm\n0;1 23,4\n1;2,5\n2;3,5\n"); }, ::testing::Throws<InputError>());
+}
+
+TEST(Spreadsheet, AMinusBehindTheDigitsIsAMinus) {
+  const Log log = parse("Zeit;Position\ns;mm\n0,000;0,0002-\n0,002;1,5\n");
+  EXPECT_THAT(log.at("Position").values, ElementsAre(-0.0002, 1.5));
+  EXPECT_THAT([] { parse("t_s,x_mm\n0,-1-\n1,2\n2,3\n"); }, ::testing::Throws<InputError>());
+}
+
 TEST(Spreadsheet, AStampThatStaysIsNoTime) {
   const Log log = parse(
       "_start,_time,pos_mm\n2026-11-26T10:00:00Z,2026-11-26T10:15:23.124Z,0.5\n"

@@ -113,8 +113,12 @@ std::optional<double> cell_number(std::string_view cell, char decimal) {
   const auto [end, error] =
       fast_float::from_chars_advanced(cell.data(), cell.data() + cell.size(), value,
                                       fast_float::parse_options{fast_float::chars_format::general, decimal});
-  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
-  return value;
+  if (error != std::errc()) return std::nullopt;
+  if (end == cell.data() + cell.size()) return value;
+  // Business software and some drive tools write the minus behind the digits.
+  const bool minus_behind = end + 1 == cell.data() + cell.size() && *end == '-' &&
+                            std::isdigit(static_cast<unsigned char>(cell[0])) != 0;
+  return minus_behind ? std::optional(-value) : std::nullopt;
 }
 
 bool looks_like_number(std::string_view cell) {

@@ -9,17 +9,12 @@
 #include <stribeck/io/log/head/unit_spellings.hpp>
 #include <stribeck/io/log/log_spreadsheet.hpp>
 #include <stribeck/io/log/log_text.hpp>
+#include <stribeck/io/torque_spellings.hpp>
 #include <stribeck/io/units.hpp>
 #include <utility>
 
 namespace stribeck::io::detail {
 namespace {
-
-std::string_view torque_of(std::string_view unit) {
-  const auto found =
-      std::find_if(kTorques.begin(), kTorques.end(), [&](const auto& t) { return t.first == unit; });
-  return found == kTorques.end() ? std::string_view() : found->second;
-}
 
 /// Increments of an encoder, as headers call them.
 bool is_count_word(std::string_view unit) {

@@ -152,22 +152,4 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 74> k
     {"Umdr.", "rev"},
 }};
 
-/// Torques written together or with a hyphen, which the library of units does not know or takes for a mass at a distance.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kTorques{{
-    {"lb-in", "lbf in"},
-    {"lbf-in", "lbf in"},
-    {"in-lb", "lbf in"},
-    {"in-lbf", "lbf in"},
-    {"lb-ft", "lbf ft"},
-    {"lbf-ft", "lbf ft"},
-    {"ft-lb", "lbf ft"},
-    {"ft-lbf", "lbf ft"},
-    {"Ncm", "N cm"},
-    {"N-cm", "N cm"},
-    {"kgf-cm", "kgf cm"},
-    {"kgf-m", "kgf m"},
-    {"oz-in", "ozf in"},
-    {"ozf-in", "ozf in"},
-}};
-
 }  // namespace stribeck::io::detail

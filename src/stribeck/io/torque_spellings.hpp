@@ -1,0 +1,30 @@
+#pragma once
+/// Torques as data sheets and logs write them: together or with a hyphen. The library of units does not know them or takes them for a
+/// mass at a distance ("in-lb" is no inch times a pound of mass). A new spelling is one line. Internal to io. Real time: no.
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace stribeck::io::detail {
+
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 24> kTorques{{
+    {"lb-in", "lbf in"},       {"lb in", "lbf in"},       {"lbf-in", "lbf in"},
+    {"in-lb", "lbf in"},       {"in lb", "lbf in"},       {"in-lbf", "lbf in"},
+    {"lb-ft", "lbf ft"},       {"lb ft", "lbf ft"},       {"lbf-ft", "lbf ft"},
+    {"ft-lb", "lbf ft"},       {"ft lb", "lbf ft"},       {"ft-lbf", "lbf ft"},
+    {"Ncm", "N cm"},           {"N-cm", "N cm"},          {"kgf-cm", "kgf cm"},
+    {"kgf-m", "kgf m"},        {"oz-in", "ozf in"},       {"oz in", "ozf in"},
+    {"ozf-in", "ozf in"},      {"oz-in-s2", "ozf in s2"}, {"oz-in-sec2", "ozf in s2"},
+    {"in-lb-s2", "lbf in s2"}, {"lb-in-s2", "lbf in s2"}, {"lb-in-sec2", "lbf in s2"},
+}};
+
+/// The torque (or, with s2, the inertia) that a spelling stands for; "" for others.
+inline std::string_view torque_of(std::string_view unit) {
+  const auto found =
+      std::find_if(kTorques.begin(), kTorques.end(), [&](const auto& t) { return t.first == unit; });
+  return found == kTorques.end() ? std::string_view() : found->second;
+}
+
+}  // namespace stribeck::io::detail
