@@ -93,7 +93,7 @@ void add_judges(py::module_& module) {
       "Circular test of measured circles after ISO 230-4, and the causes of their deviation.\n\n"
       "logs: files, Log objects or dicts of arrays {\"t\": t, \"x\": x, \"y\": y} in SI, with rx, ry (commanded) where known, or "
       "angle [rad] and radius [m] (or deviation [m]) of a ball-bar; t may be left out.\n"
-      "size: commanded radius, \"50 mm\" or in m; left out: what the file of a ball-bar states, else 10 mm. feed: of logs without "
+      "size: commanded radius, \"50 mm\" or in m; left out: what the file of a ball-bar states, else that of the commanded or measured circle. feed: of logs without "
       "times, \"1000 mm/min\" or in m/s. map: {\"x\": \"COLUMN mm\"}. where: rows of one circle, {\"line\": 7}. "
       "limit: {\"G\": \"10 um\"}, or in m. together: the logs are of one machine.\n"
       "Returns a Result: result[\"logs\"][0][\"circular_test\"] has G, G(b), F, D and H; ok is False where a limit is broken.\n"

@@ -87,8 +87,9 @@ void add_evaluate(CLI::App& app, Action& action) {
           "What was measured: circle, or indicator: readings of a dial indicator, in a table with the columns direction, reading, position and load")
       ->check(one_of({"circle", "indicator"}))
       ->capture_default_str();
-  verb->add_option("--size", o->what.size,
-                   "Commanded radius; left out: what the file of a ball-bar states, else 10 mm")
+  verb->add_option(
+          "--size", o->what.size,
+          "Commanded radius; left out: what the file of a ball-bar states, else that of the commanded circle, else the measured one, rounded")
       ->type_name("LENGTH");
   verb->add_option(
           "--feed", o->what.feeds,

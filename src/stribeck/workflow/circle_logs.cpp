@@ -47,10 +47,24 @@ Track chosen_rows(const io::Log& log, const Track& track, const std::string& whe
   return some;
 }
 
+/// No machine makes a circle that is off by a thousandth of its radius: the nominal radius is another one.
+void note_other_length(const Track& t, double radius, std::vector<std::string>& notes) {
+  constexpr double kMost = 1e-3;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < t.x.size(); ++i) sum += std::hypot(t.x[i], t.y[i]);
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(1, t.x.size()));
+  if (!(std::abs(mean - radius) > kMost * radius)) return;
+  notes.push_back(fmt::format(
+      "the mean radius of the rows is {:.6g} mm, {:.6g} mm is the nominal one: the radius that is found holds the difference, and "
+      "small causes hide behind it (give --size where another radius was meant)",
+      1e3 * mean, 1e3 * radius));
+}
+
 /// Runs of rows without times have the feed that was stated.
 circle::CircleMotion motion_of(const Track& t, double radius) {
   circle::CircleMotion motion = circle::circle_motion(t.samples(), t.t, radius);
   motion.ball_bar = t.ball_bar;
+  if (t.ball_bar) note_other_length(t, radius, motion.notes);
   for (circle::CircleRun& run : motion.runs) {
     if (run.time.empty()) run.feed = t.feed;
   }
@@ -213,7 +227,7 @@ void join_directions(std::vector<Judged>& all) {
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     Judged& a = all[i];
-    const Judged& b = all[i + 1];
+    Judged& b = all[i + 1];
     const bool fits = a.one.circles.size() == 1 && b.one.circles.size() == 1 &&
                       a.one.circles[0].counter_clockwise != b.one.circles[0].counter_clockwise &&
                       a.all.t.empty() == b.all.t.empty() && a.all.rx.empty() == b.all.rx.empty() &&
@@ -227,6 +241,11 @@ void join_directions(std::vector<Judged>& all) {
       if (a.one.beside[k] != b.one.beside[k]) a.one.beside[k] += " + " + b.one.beside[k];
     }
     a.rows.push_back(b.rows[0]);
+    // Two files are two motions.
+    a.all.part.resize(a.all.row.size(), 0);
+    b.all.part.resize(b.all.row.size(), 0);
+    const int next = 1 + *std::max_element(a.all.part.begin(), a.all.part.end());
+    for (int& part : b.all.part) part += next;
     for (std::size_t k = 0; k < b.all.row.size(); ++k) a.all.append(b.all, k);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(i) + 1);
   }
@@ -277,15 +296,18 @@ report::CircleReportInput judge_circles(const CircleOptions& o, const std::vecto
   std::vector<io::Log> own;
   for (std::size_t i = 0; read.empty() && i < o.logs.size(); ++i) own.push_back(read_circle_log(o.logs[i]));
   const std::vector<io::Log>& logs = read.empty() ? own : read;
-  input.radius = circle_radius(logs, map, o.size);
+  const CircleRadius radius = circle_radius(logs, map, o.size);
+  input.radius = radius.value;
+  if (!radius.note.empty()) input.warnings.push_back(radius.note);
   input.title = fmt::format("Circle of {} mm", report::short_number(input.radius * 1e3));
   std::vector<Judged> all;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     all.push_back(judged(o, logs[i], map, input.radius, i));
     for (const auto& words : beside) all.back().one.beside.push_back(words[i]);
-    // Names from a side file are known to the program and need no note.
+    // Names from a side file are known to the program and need no note; a gap between two circles is a pause, and one in a circle
+    // ends its run, which is noted.
     for (const io::Note& note : logs[i].notes) {
-      if (note.about != io::Note::About::kGivenNames)
+      if (note.about != io::Note::About::kGivenNames && note.about != io::Note::About::kGaps)
         input.warnings.push_back(all.back().one.label + ": " + note.text);
     }
   }

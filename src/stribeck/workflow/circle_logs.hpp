@@ -12,7 +12,7 @@ namespace stribeck::workflow {
 
 struct CircleOptions {
   std::vector<std::string> logs;
-  std::string size;  ///< nominal radius; empty: as a ball-bar's file states, else 10 mm
+  std::string size;  ///< nominal radius; empty: see circle_radius()
   std::vector<std::string>
       feeds;                      ///< of logs without times: one for all, or one for each; empty: of the file
   std::vector<std::string> maps;  ///< QUANTITY=COLUMN [UNIT]

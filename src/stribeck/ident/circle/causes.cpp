@@ -143,25 +143,33 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
 }
 
 constexpr double kAlone = 5.0;     // half widths by which the peaks of one end stand out alone
+constexpr double kBoth = 2.0;      // half widths beyond which both ends stand out
 constexpr double kOtherEnd = 0.3;  // share of them that the other end has at most
 
-/// The peaks of one end of an axis, where the other end has none; not found: both have, or neither.
-Cause spike_at_one_end(const std::vector<QuadrantPeak>& peaks, int axis) {
-  struct End {
-    double sum = 0.0, noise = 0.0, width = 0.0, count = 0.0, angle = 0.0;
-    [[nodiscard]] double height() const { return count > 0.0 ? sum / count : 0.0; }
-  };
-  std::array<End, 2> ends{};  // positive, negative
+/// The peaks of one end of an axis.
+struct PeaksAtEnd {
+  double sum = 0.0, noise = 0.0, width = 0.0, count = 0.0, angle = 0.0;
+  [[nodiscard]] double height() const { return count > 0.0 ? sum / count : 0.0; }
+};
+
+/// The positive end, then the negative one.
+std::array<PeaksAtEnd, 2> peaks_at_ends(const std::vector<QuadrantPeak>& peaks, int axis) {
+  std::array<PeaksAtEnd, 2> ends{};
   for (const QuadrantPeak& p : peaks) {
     if (p.axis != axis) continue;
     const double side = axis == 0 ? std::cos(p.angle) : std::sin(p.angle);
-    End& end = ends[side > 0.0 ? 0 : 1];
+    PeaksAtEnd& end = ends[side > 0.0 ? 0 : 1];
     end.sum += p.height, end.width += p.width, end.count += 1.0;
     end.noise = std::max(end.noise, p.half_width_95);
     end.angle = p.angle;
   }
+  return ends;
+}
+
+/// The peaks of one end of an axis, where the other end has none; not found: both have, or neither.
+Cause spike_at_one_end(const std::array<PeaksAtEnd, 2>& ends, int axis) {
   const std::size_t larger = std::abs(ends[0].height()) >= std::abs(ends[1].height()) ? 0 : 1;
-  const End &one = ends[larger], &other = ends[1 - larger];
+  const PeaksAtEnd &one = ends[larger], &other = ends[1 - larger];
   Cause out;
   if (other.count == 0.0 || !(std::abs(one.height()) > kAlone * one.noise) ||
       !(std::abs(other.height()) < kOtherEnd * std::abs(one.height())))
@@ -175,6 +183,21 @@ Cause spike_at_one_end(const std::vector<QuadrantPeak>& peaks, int axis) {
   out.figures.push_back({"width", one.width / one.count * 180.0 / kPi, std::nan(""), "deg"});
   out.figures.push_back({"only at", std::round(one.angle * 180.0 / kPi), std::nan(""), "deg"});
   return out;
+}
+
+/// Heights of the two ends of an axis where one bulges out and the other in, each clearly: their mean would be of none.
+void tell_opposite_ends(const std::array<PeaksAtEnd, 2>& ends, Cause& out) {
+  const PeaksAtEnd &a = ends[0], &b = ends[1];
+  if (a.count == 0.0 || b.count == 0.0 || !(a.height() * b.height() < 0.0)) return;
+  if (std::abs(a.height()) < kBoth * a.noise || std::abs(b.height()) < kBoth * b.noise) return;
+  const PeaksAtEnd& larger = std::abs(a.height()) >= std::abs(b.height()) ? a : b;
+  out.size = larger.height();
+  out.half_width = larger.noise / std::sqrt(larger.count);
+  out.effect = std::abs(a.height() - b.height());
+  out.found = true;
+  for (const PeaksAtEnd& end : ends)
+    out.figures.push_back({fmt::format("at {:.0f} deg", std::round(end.angle * 180.0 / kPi)),
+                           1e6 * end.height(), 1e6 * end.noise / std::sqrt(end.count), "um"});
 }
 
 /// Mean height of an axis' peaks; found where the mean, or half of the peaks alone, stand out of the rest.
@@ -203,8 +226,10 @@ Cause spike_of(const std::vector<QuadrantPeak>& peaks, int axis) {
   const double spread = count > 1 ? std::max(0.0, squares - sum * sum / count) / (count - 1) : 0.0;
   out.half_width = std::hypot(noise, 1.96 * std::sqrt(spread)) / std::sqrt(static_cast<double>(count));
   out.effect = std::abs(out.size);
-  out.found = 2 * clear > count;
-  if (const Cause alone = spike_at_one_end(peaks, axis); alone.found) return alone;
+  out.found = 2 * clear > count && std::abs(out.size) > out.half_width;
+  const std::array<PeaksAtEnd, 2> ends = peaks_at_ends(peaks, axis);
+  if (const Cause alone = spike_at_one_end(ends, axis); alone.found) return alone;
+  tell_opposite_ends(ends, out);
   out.figures.push_back({"width", width / count * 180.0 / kPi, std::nan(""), "deg"});
   return out;
 }
@@ -240,126 +265,6 @@ void rank(std::vector<Cause>& causes) {
     if (is_set_up(a) != is_set_up(b)) return is_set_up(b);
     return a.effect > b.effect;
   });
-}
-
-/// Whether the spikes of an axis keep their time or their travel from feed to feed.
-void compare_feeds(const std::vector<QuadrantPeak>& peaks, int axis, double radius,
-                   std::vector<std::string>& remarks) {
-  double slow = HUGE_VAL;
-  double fast = 0.0;
-  for (const QuadrantPeak& p : peaks) {
-    slow = std::min(slow, p.feed);
-    fast = std::max(fast, p.feed);
-  }
-  double angle_slow = 0.0;
-  double angle_fast = 0.0;
-  int count_slow = 0;
-  int count_fast = 0;
-  for (const QuadrantPeak& p : peaks) {
-    if (p.axis != axis) continue;
-    if (p.feed == slow) angle_slow += p.delay, ++count_slow;
-    if (p.feed == fast) angle_fast += p.delay, ++count_fast;
-  }
-  if (count_slow == 0 || count_fast == 0) return;
-  angle_slow /= count_slow;
-  angle_fast /= count_fast;
-  const double time = std::log(angle_fast / fast / (angle_slow / slow));
-  const double travel = std::log((1.0 - std::cos(angle_fast)) / (1.0 - std::cos(angle_slow)));
-  const char* name = axis == 0 ? "x" : "y";
-  const std::string tops = fmt::format(
-      "tops at {:.1f} ms and {:.1f} µm of travel at {:.0f} mm/min, at {:.1f} ms and {:.1f} µm at {:.0f} mm/min",
-      1e3 * angle_slow * radius / slow, 1e6 * radius * (1.0 - std::cos(angle_slow)), 6e4 * slow,
-      1e3 * angle_fast * radius / fast, 1e6 * radius * (1.0 - std::cos(angle_fast)), 6e4 * fast);
-  if (std::abs(time) < 0.5 * std::abs(travel)) {
-    remarks.push_back(fmt::format(
-        "spikes of {}: {}: the time stays, as of backlash that closes, or is compensated, late", name, tops));
-  } else if (std::abs(travel) < 0.5 * std::abs(time)) {
-    remarks.push_back(
-        fmt::format("spikes of {}: {}: the travel stays, as of friction before sliding", name, tops));
-  } else {
-    remarks.push_back(fmt::format(
-        "spikes of {}: {}: neither stays, friction and backlash cannot be distinguished", name, tops));
-  }
-}
-
-/// Rows in a second; NaN: no times.
-double row_rate(const std::vector<CircleMotion>& motions) {
-  for (const CircleMotion& m : motions) {
-    for (const CircleRun& r : m.runs) {
-      if (r.time.size() > 1 && r.time.back() > r.time.front())
-        return static_cast<double>(r.time.size() - 1) / (r.time.back() - r.time.front());
-    }
-  }
-  return std::nan("");
-}
-
-bool is_found(const std::vector<Cause>& causes, CauseKind kind) {
-  return std::any_of(causes.begin(), causes.end(), [&](const Cause& c) { return c.kind == kind && c.found; });
-}
-
-/// What a measurement of this kind does not hold.
-void add_remarks_on_instrument(const CauseRows& rows, const std::vector<CircleMotion>& motions,
-                               std::vector<std::string>& out) {
-  const bool times = std::any_of(motions.begin(), motions.end(), [](const CircleMotion& m) {
-    return std::any_of(m.runs.begin(), m.runs.end(), [](const CircleRun& r) { return !r.time.empty(); });
-  });
-  if (!times)
-    out.emplace_back(
-        "no times: a vibration cannot be looked for, and run-in and run-out are only known by the spacing of the rows");
-  if (!rows.feeds_known)
-    out.emplace_back(
-        "the feed is not known (--feed \"1000 mm/min\"): times of the peaks and of the servo mismatch cannot be stated");
-  if (std::all_of(motions.begin(), motions.end(), [](const CircleMotion& m) { return m.ball_bar; })) {
-    out.emplace_back(
-        "a ball-bar measures the distance from its centre: an error along the circle cannot be seen");
-  } else {
-    out.emplace_back(
-        "positions of a motor encoder hold no backlash, lateral play, squareness or straightness: these need a "
-        "ball-bar, a grid encoder or linear scales");
-  }
-}
-
-std::vector<std::string> remarks_on(const CauseRows& rows, const std::vector<Cause>& causes,
-                                    const std::vector<QuadrantPeak>& peaks,
-                                    const std::vector<CircleMotion>& motions, bool commanded) {
-  std::vector<std::string> out;
-  if (!rows.both_directions)
-    out.emplace_back(
-        "one direction of travel: squareness cannot be distinguished from servo mismatch, nor scale mismatch from lateral play; "
-        "measure the other direction too");
-  if (!rows.feeds_differ &&
-      (is_found(causes, CauseKind::kRadius) || is_found(causes, CauseKind::kScaleMismatch)))
-    out.emplace_back(
-        "one feed: a radius and a scale mismatch that come from the lag of the drives cannot be distinguished from those of the "
-        "scales; measure at a second feed, at least twice as fast, and give both logs with --together");
-  if (is_found(causes, CauseKind::kReversalSpike)) {
-    if (!rows.feeds_differ) {
-      out.emplace_back(
-          "one feed: a spike of friction cannot be distinguished from backlash that closes late; measure at a second feed and "
-          "give both logs with --together");
-    } else {
-      for (const int axis : {0, 1}) {
-        for (const Cause& c : causes) {
-          if (c.kind == CauseKind::kReversalSpike && c.axis == axis && c.found)
-            compare_feeds(peaks, axis, rows.radius, out);
-        }
-      }
-    }
-  }
-  if (is_found(causes, CauseKind::kStraightness))
-    out.emplace_back(
-        "a bow of a guide cannot be distinguished from a scale whose error grows with the square of the travel");
-  if (is_found(causes, CauseKind::kRadius))
-    out.emplace_back(
-        "a radius cannot be distinguished from an error of the instrument's length, unless that was calibrated");
-  if (const double rate = row_rate(motions); is_found(causes, CauseKind::kVibration) && std::isfinite(rate))
-    out.push_back(fmt::format(
-        "rows at {:.4g} Hz tell vibrations up to {:.4g} Hz: one that is faster shows at a lower frequency",
-        rate, 0.5 * rate));
-  if (!commanded)
-    out.emplace_back("without a commanded circle (--map rx=…, ry=…) an offset of the centre cannot be seen");
-  add_remarks_on_instrument(rows, motions, out);
-  return out;
 }
 
 }  // namespace
@@ -407,7 +312,7 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
     out.causes.push_back(std::move(c));
   }
   rank(out.causes);
-  out.remarks = remarks_on(f.rows, out.causes, out.peaks, motions, commanded);
+  out.remarks = remarks_on(f.rows, f.fit, out.causes, out.peaks, motions, commanded);
   out.rest_rms = std::sqrt(f.fit.rest.squaredNorm() / static_cast<double>(f.fit.rest.size()));
   out.window = f.fit.window;
   const auto [low, high] =

@@ -80,9 +80,8 @@ class PitchSearch {
   void over_all(double step) {
     if (fit_.rest.size() == 0) return;
     const double slow = 1.25 / rows_.radius;
-    const double fast = 0.25 / (rows_.radius * rows_.step);
     for (const int axis : {0, 1}) {
-      for (double f = slow; f <= fast; f += step) {
+      for (double f = slow; f <= fastest(); f += step) {
         if (!is_known(axis, f)) try_one(axis, f);
       }
     }
@@ -100,13 +99,21 @@ class PitchSearch {
     const auto count = static_cast<double>(fit_.rest.size());
     return gain_ >= times * std::max(fit_.variance * count - gain_, 0.0) / count;
   }
+  /// At the upper end of what is tried stands the image of a shorter pitch.
+  [[nodiscard]] bool at_the_end() const {
+    return gain_ > 0.0 && 1.0 / best_.length > fastest() - kApart / rows_.radius;
+  }
   [[nodiscard]] const Pitch& best() const { return best_; }
 
  private:
+  static constexpr double kApart = 0.75;
+
+  /// Four steps in a period.
+  [[nodiscard]] double fastest() const { return 0.25 / (rows_.radius * rows_.step); }
   /// Two pitches of one axis are told apart where they differ by most of a period over the diameter.
   [[nodiscard]] bool is_known(int axis, double per_metre) const {
     return std::any_of(known_.begin(), known_.end(), [&](const Pitch& p) {
-      return p.axis == axis && std::abs(1.0 / p.length - per_metre) < 0.75 / rows_.radius;
+      return p.axis == axis && std::abs(1.0 / p.length - per_metre) < kApart / rows_.radius;
     });
   }
   void try_one(int axis, double per_metre) {
@@ -177,7 +184,7 @@ std::vector<Pitch> find_pitches(const CauseRows& all) {
     PitchSearch search(rows, found);
     search.over_all(step);
     search.finer(step);
-    if (!search.clear(kClear)) break;
+    if (!search.clear(kClear) || search.at_the_end()) break;
     found.push_back(search.best());
   }
   // Each once more beside the others, whose effects moved the first search a little.

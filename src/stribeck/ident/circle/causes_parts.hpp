@@ -119,8 +119,15 @@ struct Vibration {
   double frequency = 0.0;  ///< [Hz]
   double frequency_half_width = 0.0;
 };
+/// Whether there are times, and enough rows between the reversals to look for a vibration.
+bool tells_vibration(const std::vector<CircleMotion>& motions, double window);
 /// The strongest line of the rest over time between the reversals; absent: none, or no times.
 std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
                                         const Design& design, const CauseFit& fit);
+
+/// What these measurements cannot tell apart, and what the fit cannot hold.
+std::vector<std::string> remarks_on(const CauseRows& rows, const CauseFit& fit,
+                                    const std::vector<Cause>& causes, const std::vector<QuadrantPeak>& peaks,
+                                    const std::vector<CircleMotion>& motions, bool commanded);
 
 }  // namespace stribeck::ident::circle

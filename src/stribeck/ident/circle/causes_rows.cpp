@@ -8,10 +8,12 @@ namespace {
 
 constexpr double kRightAngle = 0.5 * kPi;
 
-/// A quarter of a degree, more where the samples are farther apart or the rows would be too many for the fit.
+/// A quarter of a degree, on large circles half a millimetre, so that the pitch of a screw has ten steps; more where the samples are
+/// farther apart or the rows would be too many for the fit.
 double step_of(const std::vector<CircleMotion>& motions) {
   constexpr double kMostRows = 40000.0;
-  double step = 0.25 * kPi / 180.0;
+  constexpr double kLongest = 0.5e-3;  // [m]
+  double step = std::min(0.25 * kPi / 180.0, kLongest / motions.front().radius);
   double turned = 0.0;
   for (const CircleMotion& m : motions) {
     for (const CircleRun& run : m.runs) {

@@ -16,6 +16,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 Diagnosis diagnosis_of(const VirtualMachine& m, const std::vector<double>& feeds) {
   std::mt19937_64 random(19);
@@ -71,12 +72,81 @@ TEST(Causes, SpikeAndNegativeBacklash) {
 TEST(Causes, ASpikeAtOneEndOfAnAxis) {
   VirtualMachine m;
   m.spike[1] = 3e-6;
-  m.spike_at_one_end = true;
+  m.spike_at_negative = 0.0;
   const Diagnosis d = diagnosis_of(m, {kFeed});
   EXPECT_EQ(found_in(d), (std::vector<std::string>{"reversal spike y"}));
   const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 1);
   EXPECT_NEAR(spike.size, 3e-6, 0.3e-6);
   EXPECT_NEAR(spike.figures.back().value, 90.0, 1e-9);
+}
+
+// Their mean would be 2.5 um, and rank behind smaller causes.
+TEST(Causes, SpikesOutwardsAtOneEndAndInwardsAtTheOther) {
+  VirtualMachine m;
+  m.spike[0] = 10e-6;
+  m.spike_at_negative = -0.5;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  const Cause& spike = cause_in(d, CauseKind::kReversalSpike, 0);
+  ASSERT_TRUE(spike.found);
+  EXPECT_NEAR(spike.size, 10e-6, 0.5e-6);
+  EXPECT_NEAR(spike.effect, 15e-6, 0.7e-6);
+  ASSERT_GE(spike.figures.size(), 2U);
+  EXPECT_EQ(spike.figures[0].name, "at 0 deg");
+  EXPECT_NEAR(spike.figures[0].value, 10.0, 0.5);
+  EXPECT_EQ(spike.figures[1].name, "at 180 deg");
+  EXPECT_NEAR(spike.figures[1].value, -5.0, 0.5);
+}
+
+// Vibration alone lifts some peaks and lowers others.
+TEST(Causes, AVibrationIsNoSpike) {
+  VirtualMachine m;
+  m.vibration = 3e-6;
+  m.vibration_frequency = 21.0;
+  EXPECT_EQ(found_in(diagnosis_of(m, {kFeed})), (std::vector<std::string>{"vibration"}));
+}
+
+// A quarter of this circle has 390 rows, and 78 at a fifth of the rate.
+TEST(Causes, AVibrationOnAShortQuarter) {
+  VirtualMachine m;
+  m.radius = 0.02;
+  m.vibration = 2.5e-6;
+  const Diagnosis d = diagnosis_of(m, {0.02});
+  const Cause& vibration = cause_in(d, CauseKind::kVibration, 0);
+  EXPECT_TRUE(vibration.found);
+  EXPECT_NEAR(vibration.size, 2.5e-6, 0.25e-6);
+  EXPECT_NEAR(vibration.figures[0].value, 37.0, 1.0);
+  m.rate = 50.0;
+  EXPECT_THAT(diagnosis_of(m, {0.02}).remarks,
+              Contains(HasSubstr("too few rows between the reversals to look for a vibration")));
+}
+
+// On a circle of 300 mm the pitch of a screw is 0.95 degrees where the axis is fastest.
+TEST(Causes, ThePitchOfAScrewOnALargeCircle) {
+  VirtualMachine m;
+  m.radius = 0.3;
+  m.cyclic[0] = 2e-6;
+  m.pitch[0] = 5e-3;
+  const Diagnosis d = diagnosis_of(m, {kFeed});
+  EXPECT_EQ(found_in(d), (std::vector<std::string>{"cyclic error x"}));
+  const Cause& cyclic = cause_in(d, CauseKind::kCyclic, 0);
+  EXPECT_NEAR(cyclic.size, 2e-6, 0.1e-6);
+  EXPECT_NEAR(cyclic.figures[0].value, 5.0, 0.01);
+  // Samples five millimetres apart show its image, which is none.
+  m.rate = 10.0;
+  EXPECT_THAT(found_in(diagnosis_of(m, {kFeed})), Not(Contains(HasSubstr("cyclic"))));
+}
+
+TEST(Causes, LapsThatDriftAreNamed) {
+  VirtualMachine m;
+  std::mt19937_64 random(19);
+  m.drift[0] = 0.07e-6;
+  const auto d = diagnose({travel(m, kFeed, 3.3, random).motion(m.radius)});
+  ASSERT_TRUE(d);
+  // 12.6 s for a lap.
+  EXPECT_THAT(d->remarks, Contains(HasSubstr("from one lap to the next the centre moves by 0.88 µm")));
+  m.drift[0] = 0.0;
+  const auto still = diagnose({travel(m, kFeed, 3.3, random).motion(m.radius)});
+  EXPECT_THAT(still->remarks, Not(Contains(HasSubstr("from one lap to the next"))));
 }
 
 // Invariance: with x and y exchanged, every cause is that of the other axis, and the direction of the lag turns round.

@@ -9,7 +9,9 @@
 namespace stribeck::ident::circle {
 namespace {
 
-constexpr std::size_t kSegment = 512;
+constexpr std::size_t kLongestSegment = 512;
+constexpr std::size_t kShortestSegment = 128;
+constexpr std::size_t kFewestPieces = 4;
 
 /// Radial error that the fit explains.
 class Explained {
@@ -32,54 +34,56 @@ class Explained {
 };
 
 /// A piece of the rest without its cubic trend, times Hann's window.
-std::vector<double> tapered(const CircleRun& run, int log, std::size_t first, const Explained& explained) {
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(kSegment), 4);
+std::vector<double> tapered(const CircleRun& run, int log, std::size_t first, std::size_t segment,
+                            const Explained& explained) {
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(segment), 4);
   Eigen::VectorXd y(X.rows());
   for (Eigen::Index i = 0; i < X.rows(); ++i) {
-    const double u = 2.0 * static_cast<double>(i) / static_cast<double>(kSegment - 1) - 1.0;
+    const double u = 2.0 * static_cast<double>(i) / static_cast<double>(segment - 1) - 1.0;
     X.row(i) << 1.0, u, u * u, u * u * u;
     const std::size_t row = first + static_cast<std::size_t>(i);
     y(i) = run.error[row] - explained.at(run, log, row);
   }
   y -= X * stats::least_squares(X, y).x;
-  std::vector<double> out(kSegment);
-  for (std::size_t i = 0; i < kSegment; ++i)
+  std::vector<double> out(segment);
+  for (std::size_t i = 0; i < segment; ++i)
     out[i] = y(static_cast<Eigen::Index>(i)) *
-             (1.0 - std::cos(2.0 * kPi * static_cast<double>(i) / static_cast<double>(kSegment)));
+             (1.0 - std::cos(2.0 * kPi * static_cast<double>(i) / static_cast<double>(segment)));
   return out;
 }
 
-/// Squared amplitudes of the lines 0 … kSegment/2.
+/// Squared amplitudes of the lines 0 … n/2 − 1 of n values.
 std::vector<double> lines_of(const std::vector<double>& v) {
-  std::vector<double> out(kSegment / 2);
+  const std::size_t segment = v.size();
+  std::vector<double> out(segment / 2);
   for (std::size_t line = 0; line < out.size(); ++line) {
     const std::complex<double> turn =
-        std::polar(1.0, -2.0 * kPi * static_cast<double>(line) / static_cast<double>(kSegment));
+        std::polar(1.0, -2.0 * kPi * static_cast<double>(line) / static_cast<double>(segment));
     std::complex<double> at(1.0, 0.0);
     std::complex<double> sum;
     for (const double value : v) {
       sum += value * at;
       at *= turn;
     }
-    out[line] = std::norm(2.0 / static_cast<double>(kSegment) * sum);
+    out[line] = std::norm(2.0 / static_cast<double>(segment) * sum);
   }
   return out;
 }
 
 /// First rows of pieces that lie between two reversals, outside the window behind them.
-std::vector<std::size_t> pieces(const CircleRun& run, double window) {
+std::vector<std::size_t> pieces_of(const CircleRun& run, double window, std::size_t segment) {
   std::vector<std::size_t> out;
   const double direction = run.counter_clockwise ? 1.0 : -1.0;
   const auto behind = [&](std::size_t i) {
     const double turned = direction * run.angle[i];
     return turned - 0.5 * kPi * std::floor(turned / (0.5 * kPi));
   };
-  for (std::size_t i = 0; i + kSegment <= run.angle.size();) {
+  for (std::size_t i = 0; i + segment <= run.angle.size();) {
     const double from = behind(i);
-    const double turned = direction * (run.angle[i + kSegment - 1] - run.angle[i]);
+    const double turned = direction * (run.angle[i + segment - 1] - run.angle[i]);
     if (from >= window && from + turned < 0.5 * kPi) {
       out.push_back(i);
-      i += kSegment;
+      i += segment;
     } else {
       ++i;
     }
@@ -87,22 +91,36 @@ std::vector<std::size_t> pieces(const CircleRun& run, double window) {
   return out;
 }
 
+/// The longest pieces of which there are enough.
+struct Pieces {
+  std::size_t segment = 0;  ///< rows of each
+  std::vector<std::size_t> first;
+};
+
+/// Without times, or with too few rows between the reversals: none.
+Pieces pieces(const CircleRun& run, double window) {
+  if (run.time.empty() || !(run.time.back() > run.time.front())) return {};
+  for (std::size_t segment = kLongestSegment; segment >= kShortestSegment; segment /= 2) {
+    std::vector<std::size_t> first = pieces_of(run, window, segment);
+    if (first.size() >= kFewestPieces) return {segment, std::move(first)};
+  }
+  return {};
+}
+
 /// The strongest line of one run.
 std::optional<Vibration> vibration_of(const CircleRun& run, int log, double window,
                                       const Explained& explained) {
   constexpr std::size_t kMostPieces = 48;
-  constexpr std::size_t kFewest = 4;
   constexpr std::size_t kLowest = 5;  // slower lines belong to the form of the circle
   // The largest of 250 lines of noise in a mean of eight pieces is three times the median; fewer pieces, more.
   constexpr double kClear = 12.0;
-  if (run.time.empty() || !(run.time.back() > run.time.front())) return std::nullopt;
-  std::vector<std::size_t> all = pieces(run, window);
-  if (all.size() < kFewest) return std::nullopt;
+  const auto [segment, all] = pieces(run, window);
+  if (all.empty()) return std::nullopt;
   const std::size_t skip = (all.size() + kMostPieces - 1) / kMostPieces;
   std::vector<std::vector<double>> squares;
   for (std::size_t k = 0; k < all.size(); k += skip)
-    squares.push_back(lines_of(tapered(run, log, all[k], explained)));
-  std::vector<double> mean(kSegment / 2, 0.0);
+    squares.push_back(lines_of(tapered(run, log, all[k], segment, explained)));
+  std::vector<double> mean(segment / 2, 0.0);
   for (const auto& one : squares) {
     for (std::size_t line = 0; line < mean.size(); ++line)
       mean[line] += one[line] / static_cast<double>(squares.size());
@@ -134,7 +152,7 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
     const double offset = std::clamp((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0, 0.5);
     return above ? offset : -offset;
   };
-  const double per_line = static_cast<double>(run.time.size() - 1) / static_cast<double>(kSegment) /
+  const double per_line = static_cast<double>(run.time.size() - 1) / static_cast<double>(segment) /
                           (run.time.back() - run.time.front());
   const double offset = between(mean);
   double strays = 0.0;
@@ -145,6 +163,13 @@ std::optional<Vibration> vibration_of(const CircleRun& run, int log, double wind
 }
 
 }  // namespace
+
+bool tells_vibration(const std::vector<CircleMotion>& motions, double window) {
+  return std::any_of(motions.begin(), motions.end(), [&](const CircleMotion& m) {
+    return std::any_of(m.runs.begin(), m.runs.end(),
+                       [&](const CircleRun& run) { return !pieces(run, window).first.empty(); });
+  });
+}
 
 std::optional<Vibration> find_vibration(const std::vector<CircleMotion>& motions, const CauseRows& rows,
                                         const Design& design, const CauseFit& fit) {

@@ -22,6 +22,15 @@ struct Track {
   [[nodiscard]] double deviation() const { return minimum_zone(x, y, middle()).width; }
 };
 
+/// Rows of whole laps: a part that is travelled twice would weigh double in a fit.
+std::size_t whole_laps(const CircleRun& run) {
+  constexpr double kAlmost = 0.02;  // of a lap
+  const double turn = 2.0 * kPi * std::floor(run.revolutions + kAlmost);
+  std::size_t rows = 0;
+  while (rows < run.angle.size() && std::abs(run.angle[rows] - run.angle.front()) <= turn) ++rows;
+  return rows;
+}
+
 LapTest lap_test(const CircleSamples& s, const CircleRun& run, std::size_t first, std::size_t last) {
   LapTest lap;
   double square = 0.0;
@@ -103,9 +112,10 @@ void add_hysteresis(CircularTest& t, const CircleSamples& s, const CircleMotion&
 
 CircularTest circular_test(const CircleSamples& s, const CircleMotion& motion) {
   CircularTest t;
-  Track both;
+  Track both, whole;
   for (const CircleRun& run : motion.runs) {
     both.add(s, run.first, run.last);
+    whole.add(s, run.first, run.first + whole_laps(run));
     const bool known = std::any_of(t.directions.begin(), t.directions.end(), [&](const DirectionTest& d) {
       return d.counter_clockwise == run.counter_clockwise;
     });
@@ -124,7 +134,7 @@ CircularTest circular_test(const CircleSamples& s, const CircleMotion& motion) {
     }
     d.circular_deviation = track.deviation();
   }
-  const LeastSquaresCircle circle = least_squares_circle(both.x, both.y);
+  const LeastSquaresCircle circle = least_squares_circle(whole.x, whole.y);
   t.mean_radial_deviation = circle.radius - motion.radius;
   if (t.directions.size() < 2) return t;
   t.bidirectional = minimum_zone(both.x, both.y, {circle.x, circle.y}).width;

@@ -16,11 +16,12 @@ namespace {
 constexpr double kTurn = 2.0 * kPi;
 constexpr double kWholeTurn = 0.985 * kTurn;  // more than circle_test() asks for
 constexpr double kTurnedBack = 10.0 * kPi / 180.0;
+constexpr double kSamePlace = 0.25;  ///< of the usual angle from row to row of a table
 constexpr double kSectorOfRun = 5.0 * kPi / 180.0;
 /// Positions farther off than this share of the radius belong to the approach to the circle.
 constexpr double kOffCircle = 0.2;
 
-/// Middle of the box round all points, then twice the least-squares circle of those near it; absent where there is none.
+/// Middle of the box round all points, then three times the least-squares circle of those near it; absent where there is none.
 std::optional<Centre> centre_of(std::span<const double> x, std::span<const double> y, double radius) {
   if (x.empty()) return std::nullopt;
   const auto [left, right] = std::minmax_element(x.begin(), x.end());
@@ -51,16 +52,18 @@ struct Stretch {
   std::size_t last;
 };
 
-/// Splits rows on the circle where the angle turns back; `turned` goes on from lap to lap.
-std::vector<Stretch> one_direction(const std::vector<double>& turned, std::size_t first, std::size_t last) {
+/// Splits rows on the circle where the angle turns back; `turned` goes on from lap to lap. A row that goes on by less than `step`
+/// belongs to the way back.
+std::vector<Stretch> one_direction(const std::vector<double>& turned, std::size_t first, std::size_t last,
+                                   double step) {
   std::vector<Stretch> out;
   std::size_t begin = first;
   std::size_t lowest = first;
   std::size_t highest = first;
   int direction = 0;
   for (std::size_t i = first; i < last; ++i) {
-    if (turned[i] > turned[highest]) highest = i;
-    if (turned[i] < turned[lowest]) lowest = i;
+    if (turned[i] > turned[highest] + step) highest = i;
+    if (turned[i] < turned[lowest] - step) lowest = i;
     const bool fell = turned[highest] - turned[i] > kTurnedBack;
     const bool rose = turned[i] - turned[lowest] > kTurnedBack;
     if (direction == 0) {
@@ -138,12 +141,26 @@ double longest_step(std::span<const double> time) {
 struct OnCircle {
   std::vector<double> turned;
   std::vector<Stretch> rows;
+  double usual = 0.0;  ///< angle from row to row of a table without times [rad]
 };
 
+/// Of a table, whose rows are about equally far apart.
+double usual_angle(std::span<const double> x, std::span<const double> y, const Centre& c) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    steps.push_back(std::abs(std::remainder(
+        std::atan2(y[i] - c.y, x[i] - c.x) - std::atan2(y[i - 1] - c.y, x[i - 1] - c.x), kTurn)));
+  return steps.empty() ? 0.0 : stats::median(std::move(steps));
+}
+
 OnCircle on_circle(std::span<const double> x, std::span<const double> y, std::span<const double> time,
-                   const Centre& c, double radius) {
+                   std::span<const int> part, const Centre& c, double radius) {
+  constexpr double kJump = 10.0;  // usual steps
+  constexpr double kLeastJump = 5.0 * kPi / 180.0;
   const double longest = longest_step(time);
   OnCircle out;
+  if (time.empty()) out.usual = usual_angle(x, y, c);
+  const double widest = std::max(kJump * out.usual, kLeastJump);
   bool inside = false;
   double before = 0.0;
   double turned = 0.0;
@@ -151,11 +168,15 @@ OnCircle on_circle(std::span<const double> x, std::span<const double> y, std::sp
     const double dx = x[i] - c.x;
     const double dy = y[i] - c.y;
     const double angle = std::atan2(dy, dx);
-    turned = inside ? turned + std::remainder(angle - before, kTurn) : angle;
+    const double step = std::remainder(angle - before, kTurn);
+    turned = inside ? turned + step : angle;
     before = angle;
     out.turned.push_back(turned);
     const bool now = std::abs(std::hypot(dx, dy) - radius) <= kOffCircle * radius;
-    const bool gap = i > 0 && !time.empty() && !(time[i] > time[i - 1] && time[i] - time[i - 1] <= longest);
+    const bool late = i > 0 && !time.empty() && !(time[i] > time[i - 1] && time[i] - time[i - 1] <= longest);
+    const bool jump = i > 0 && time.empty() && std::abs(step) > widest;
+    const bool other = i > 0 && !part.empty() && part[i] != part[i - 1];
+    const bool gap = late || jump || other;
     if (now && (!inside || gap)) out.rows.push_back({i, i});
     inside = now;
     if (now) out.rows.back().last = i + 1;
@@ -203,6 +224,26 @@ Stretch without_approach(const std::vector<double>& radii, bool commanded, doubl
   return out;
 }
 
+/// Whole revolutions farther off than an approach is.
+void note_other_circles(const CircleSamples& s, const std::vector<double>& turned,
+                        const std::vector<double>& radii, double radius, std::vector<std::string>& notes) {
+  const auto off = [&](std::size_t i) { return std::abs(radii[i] - radius) > kOffCircle * radius; };
+  for (std::size_t first = 0; first < radii.size();) {
+    std::size_t last = first;
+    while (last < radii.size() && off(last) == off(first)) ++last;
+    double turn = 0.0;
+    for (std::size_t i = first + 1; i < last; ++i) turn += std::remainder(turned[i] - turned[i - 1], kTurn);
+    if (off(first) && std::abs(turn) >= kWholeTurn) {
+      const std::vector<double> all(radii.begin() + static_cast<std::ptrdiff_t>(first),
+                                    radii.begin() + static_cast<std::ptrdiff_t>(last));
+      notes.push_back(fmt::format(
+          "rows {} to {}: a circle of {:.4g} mm is left out, the radius is {:.4g} mm (--size chooses it)",
+          s.row_of(first), s.row_of(last - 1), 1e3 * stats::median(all), 1e3 * radius));
+    }
+    first = last;
+  }
+}
+
 /// The revolutions of a record about a centre.
 struct Found {
   std::vector<double> turned;
@@ -214,12 +255,13 @@ struct Found {
 Found revolutions(const CircleSamples& s, std::span<const double> time, bool commanded, const Centre& c,
                   double radius) {
   const std::span<const double> x = commanded ? s.command_x : s.x, y = commanded ? s.command_y : s.y;
-  OnCircle on = on_circle(x, y, time, c, radius);
+  OnCircle on = on_circle(x, y, time, s.part, c, radius);
   std::vector<double> radii;
   for (std::size_t i = 0; i < x.size(); ++i) radii.push_back(std::hypot(x[i] - c.x, y[i] - c.y));
   Found out;
+  note_other_circles(s, on.turned, radii, radius, out.notes);
   for (const Stretch& rows : on.rows) {
-    for (const Stretch& whole : one_direction(on.turned, rows.first, rows.last)) {
+    for (const Stretch& whole : one_direction(on.turned, rows.first, rows.last, kSamePlace * on.usual)) {
       Stretch one = without_approach(radii, commanded, radius, whole);
       if (turn_of(on.turned, one) < kWholeTurn && turn_of(on.turned, whole) >= kWholeTurn) {
         out.notes.push_back(fmt::format(
@@ -250,15 +292,17 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
   return out;
 }
 
-/// Least-squares circle of the rows that are scored, not of the approach to them.
+/// Least-squares circle of whole laps of the rows that are scored: a part that is travelled twice would weigh double.
 LeastSquaresCircle circle_of_scored(std::span<const double> x, std::span<const double> y,
-                                    const std::vector<Stretch>& scored) {
+                                    const std::vector<double>& turned, const std::vector<Stretch>& scored) {
+  constexpr double kAlmost = 0.02;  // of a lap
   std::vector<double> some_x, some_y;
   for (const Stretch& s : scored) {
-    some_x.insert(some_x.end(), x.begin() + static_cast<std::ptrdiff_t>(s.first),
-                  x.begin() + static_cast<std::ptrdiff_t>(s.last));
-    some_y.insert(some_y.end(), y.begin() + static_cast<std::ptrdiff_t>(s.first),
-                  y.begin() + static_cast<std::ptrdiff_t>(s.last));
+    const double whole = kTurn * std::floor(turn_of(turned, s) / kTurn + kAlmost);
+    for (std::size_t i = s.first; i < s.last && std::abs(turned[i] - turned[s.first]) <= whole; ++i) {
+      some_x.push_back(x[i]);
+      some_y.push_back(y[i]);
+    }
   }
   return least_squares_circle(some_x, some_y);
 }
@@ -316,14 +360,14 @@ CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time,
   double guide_radius = radius;
   for (int k = 0; k < kMostPasses && !found.scored.empty(); ++k) {
     const Centre before = *centre;
-    const LeastSquaresCircle guide = circle_of_scored(guide_x, guide_y, found.scored);
+    const LeastSquaresCircle guide = circle_of_scored(guide_x, guide_y, found.turned, found.scored);
     centre = {guide.x, guide.y};
     guide_radius = guide.radius;
     if (std::hypot(centre->x - before.x, centre->y - before.y) <= 1e-9 * radius) break;
     found = revolutions(s, time, out.commanded, *centre, radius);
   }
   if (!out.commanded && !found.scored.empty()) {
-    const LeastSquaresCircle own = circle_of_scored(s.x, s.y, found.scored);
+    const LeastSquaresCircle own = circle_of_scored(s.x, s.y, found.turned, found.scored);
     centre = {own.x, own.y};
   }
   out.notes = std::move(found.notes);

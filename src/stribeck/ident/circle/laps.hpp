@@ -7,7 +7,8 @@
 /// circle by more than a fifth of R. At both ends of a run, rows off the circle are its approach (a line or an arc): those more than
 /// six times the usual deviation of the command, or of the positions where there is no command. Then sectors of 5 degrees that take
 /// clearly longer than usual are run-in and run-out, and so is one sector beside them. They stay, with a note, where less than a
-/// revolution would be left. A gap of the time ends a run too. The ends are those of the command where there is one: it has no noise.
+/// revolution would be left. A gap of the time ends a run too, and in a table without
+/// times a jump of the angle or another part of the samples. The ends are those of the command where there is one: it has no noise.
 ///
 ///   p positions [m], R intended radius [m], c centre of the least-squares circle of all runs' rows, of the command where there is one
 ///

@@ -99,8 +99,6 @@ MinimumZone minimum_zone(std::span<const double> x, std::span<const double> y, c
     // The centre of the zone is at most a width away from any centre with that width.
     const double reach = now.outer - now.inner;
     if (!(reach > 0.0)) break;
-    double dx = 0.0;
-    double dy = 0.0;
     const Tangent best = lowest(
         [&](double at_x) {
           const Tangent along_y =
@@ -108,8 +106,8 @@ MinimumZone minimum_zone(std::span<const double> x, std::span<const double> y, c
           return Tangent{at_x, along_y.value, along_y.across, along_y.at};
         },
         -reach, reach);
-    dx = best.at;
-    dy = lowest([&](double at_y) { return width_at(now.all, dx, at_y); }, -reach, reach).at;
+    const double dx = best.at;
+    const double dy = lowest([&](double at_y) { return width_at(now.all, dx, at_y); }, -reach, reach).at;
     // Far from the centre the linearisation may promise too much: then a shorter step.
     bool lower = false;
     for (double share = 1.0; share > 1e-3 && !lower; share *= 0.5) {

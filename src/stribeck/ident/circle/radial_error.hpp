@@ -45,6 +45,7 @@ struct CircleSamples {
   std::span<const double> command_x;
   std::span<const double> command_y;
   std::span<const std::size_t> row{};  ///< of the log, for words; empty: these are all of them
+  std::span<const int> part{};         ///< rows of different parts are no one motion; empty: not known
 
   /// Counted from 1.
   [[nodiscard]] std::size_t row_of(std::size_t i) const noexcept { return (row.empty() ? i : row[i]) + 1; }

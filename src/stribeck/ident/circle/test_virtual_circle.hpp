@@ -14,7 +14,7 @@ struct VirtualMachine {
   double radius = 0.1;                // [m]
   double spike[2] = {0.0, 0.0};       // height [m]
   double spike_time = 0.06;           // to the top [s]
-  bool spike_at_one_end = false;      // the positive one
+  double spike_at_negative = 1.0;     // share of it at the negative end
   double backlash[2] = {0.0, 0.0};    // [m]
   double lateral[2] = {0.0, 0.0};     // [m]
   double cyclic[2] = {0.0, 0.0};      // amplitude [m]
@@ -27,6 +27,7 @@ struct VirtualMachine {
   double vibration = 0.0;             // [m]
   double vibration_frequency = 37.0;  // [Hz]
   double offset[2] = {0.0, 0.0};      // of the instrument [m]
+  double drift[2] = {0.0, 0.0};       // of it [m/s]
   double noise = 0.1e-6;              // of each sample [m]
   double rate = 250.0;                // [Hz]
 };
@@ -88,7 +89,7 @@ inline VirtualRecord travel(const VirtualMachine& m, double feed, double turns, 
         const double since = (t - reversed[k]) / m.spike_time;
         // Rises fast and dies away: since²·e^(2(1 − since)), its top is one.
         p[k] -= m.spike[k] * direction * since * since * std::exp(2.0 * (1.0 - since)) *
-                (since < 30.0 && !(m.spike_at_one_end && command[k] < 0.0) ? 1.0 : 0.0);
+                (since < 30.0 ? 1.0 : 0.0) * (command[k] < 0.0 ? m.spike_at_negative : 1.0);
         p[k] += m.cyclic[k] * std::cos(2.0 * kPi * command[k] / m.pitch[k] - 0.7);
         p[k] *= 1.0 + m.scale[k];
       }
@@ -99,8 +100,8 @@ inline VirtualRecord travel(const VirtualMachine& m, double feed, double turns, 
       const double more = m.larger + m.noise * normal(random) +
                           m.vibration * std::sin(2.0 * kPi * m.vibration_frequency * t + hum);
       out.t.push_back(t);
-      out.x.push_back(x + m.offset[0] + more * std::cos(angle));
-      out.y.push_back(y + m.offset[1] + more * std::sin(angle));
+      out.x.push_back(x + m.offset[0] + m.drift[0] * t + more * std::cos(angle));
+      out.y.push_back(y + m.offset[1] + m.drift[1] * t + more * std::sin(angle));
       out.cx.push_back(command[0]);
       out.cy.push_back(command[1]);
     }

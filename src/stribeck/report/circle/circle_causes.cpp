@@ -44,12 +44,12 @@ std::string cured(const Cause& c) {
   return words_of(c.kind).parameter ? "yes" : "no";
 }
 
-/// "reversal spike y (3.93 µm) and backlash x (2.00 µm)" of the first causes that are not the set-up.
+/// "reversal spike y (3.93 µm) and backlash x (2.00 µm)" of the first causes that are not the set-up, with their effects.
 std::string largest(const Diagnosis& d) {
   std::vector<std::string> names;
   for (const Cause& c : d.causes) {
     if (!c.found || c.kind == CauseKind::kCentre || names.size() == 3) continue;
-    names.push_back(fmt::format("{} ({} µm)", name_of(c), micrometres(c.size)));
+    names.push_back(fmt::format("{} ({} µm)", name_of(c), micrometres(c.effect)));
   }
   return listed(names);
 }
@@ -112,7 +112,7 @@ void add_causes(Page& page, const std::string& label, const Diagnosis& d, double
   page.section(label.empty() ? "Causes" : "Causes of " + label);
   const std::string names = largest(d);
   page.paragraph(names.empty() ? "No cause stands out of the scatter."
-                               : fmt::format("Largest first: {}. The rest is {} µm RMS.", names,
+                               : fmt::format("Largest effect first: {}. The rest is {} µm RMS.", names,
                                              micrometres(d.rest_rms)));
   Table table;
   table.columns = {{"cause", "", false},     {"size", "µm", true},     {"effect", "µm", true},

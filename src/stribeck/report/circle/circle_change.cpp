@@ -66,17 +66,28 @@ void add_lap_changes(std::vector<CircleChange>& out, const CircleLog& before, co
   }
 }
 
+/// NaN as its variance: one lap.
+LapMean lap_mean_of(const QuadrantPeak& p) {
+  const double laps = p.laps;
+  return {p.height, p.repeatability * p.repeatability / laps, laps - 1.0};
+}
+
 void add_peak_changes(std::vector<CircleChange>& out, const CircleLog& before, const CircleLog& after) {
   if (!before.diagnosis || !after.diagnosis) return;
   constexpr double kSamePlace = kPi / 8.0;
+  constexpr double kClear = 2.0;  // half widths of a peak that is one
   for (const QuadrantPeak& a : before.diagnosis->peaks) {
     for (const QuadrantPeak& b : after.diagnosis->peaks) {
       if (a.axis != b.axis || a.counter_clockwise != b.counter_clockwise ||
           std::abs(std::remainder(a.angle - b.angle, 2.0 * kPi)) > kSamePlace)
         continue;
+      const bool none =
+          std::abs(a.height) < kClear * a.half_width_95 && std::abs(b.height) < kClear * b.half_width_95;
+      if (none) continue;
+      const double of_laps = half_width_of(lap_mean_of(a), lap_mean_of(b));
       out.push_back({fmt::format("peak {} {:.0f}°", a.axis == 0 ? "x" : "y", a.angle * 180.0 / kPi),
                      short_direction(a.counter_clockwise), a.height, b.height,
-                     std::hypot(a.half_width_95, b.half_width_95)});
+                     std::hypot(a.half_width_95, b.half_width_95, of_laps)});
     }
   }
 }
@@ -147,6 +158,7 @@ std::vector<CircleVerdict> circle_verdicts(const CircleReportInput& input) {
 
 std::string changes_text(const CircleReportInput& input) {
   std::string out;
+  if (input.together) return out;  // feeds of one machine are no before and after
   for (std::size_t i = 1; i < input.logs.size(); ++i) {
     const std::vector<CircleChange> all = circle_changes(input.logs.front(), input.logs[i]);
     if (all.empty()) continue;
@@ -168,6 +180,7 @@ std::string changes_text(const CircleReportInput& input) {
 }
 
 void add_changes(Page& page, const CircleReportInput& input) {
+  if (input.together) return;
   for (std::size_t i = 1; i < input.logs.size(); ++i) {
     const std::vector<CircleChange> all = circle_changes(input.logs.front(), input.logs[i]);
     if (all.empty()) continue;
@@ -191,6 +204,7 @@ void add_changes(Page& page, const CircleReportInput& input) {
 
 nlohmann::ordered_json changes_json(const CircleReportInput& input) {
   io::Json out = io::Json::array();
+  if (input.together) return out;
   const auto um = [](double metres) { return io::number_or_null(metres * kMicro); };
   for (std::size_t i = 1; i < input.logs.size(); ++i) {
     io::Json one{

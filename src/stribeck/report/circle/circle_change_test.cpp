@@ -75,6 +75,8 @@ TEST(CircleChange, PeaksAreComparedAtTheSamePlace) {
   peak.angle = 1.5708;
   peak.height = -6e-6;
   peak.half_width_95 = 0.3e-6;
+  peak.laps = 2;
+  peak.repeatability = 0.0;
   a.diagnosis.emplace().peaks = {peak};
   peak.height = 2e-6;
   peak.half_width_95 = 0.4e-6;
@@ -83,6 +85,15 @@ TEST(CircleChange, PeaksAreComparedAtTheSamePlace) {
   const CircleChange& c = change_of(all, "peak y 90°");
   EXPECT_NEAR(c.half_width, 0.5e-6, 1e-12);
   EXPECT_EQ(c.verdict(), "smaller");  // nearer to zero, though it turned round
+  // Laps that scatter by a micrometre leave 4 um on either side, of two laps each; one lap leaves nothing known.
+  a.diagnosis->peaks[0].repeatability = b.diagnosis->peaks[0].repeatability = 1e-6;
+  EXPECT_NEAR(change_of(circle_changes(a, b), "peak y 90°").half_width, 4.33e-6, 0.05e-6);
+  a.diagnosis->peaks[0].repeatability = std::nan("");
+  EXPECT_EQ(change_of(circle_changes(a, b), "peak y 90°").verdict(), "not known: one lap");
+  // Where neither has a peak, there is no change of one.
+  a.diagnosis->peaks[0].height = b.diagnosis->peaks[0].height = 0.1e-6;
+  EXPECT_EQ(circle_changes(a, b).size(), 3u);
+  b.diagnosis->peaks[0].height = 2e-6;
   b.diagnosis->peaks[0].angle = 4.7124;
   EXPECT_EQ(circle_changes(a, b).size(), 3u);
 }

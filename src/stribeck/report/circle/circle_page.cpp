@@ -109,9 +109,10 @@ struct Magnifier {
   }
   /// The height of each quadrant peak at its place, outside the curve.
   void peaks(Plot& plot, const CircleLog& log, bool counter_clockwise, const std::string& color) const {
+    constexpr double kClear = 2.0;  // half widths of a peak that is one
     if (!log.diagnosis) return;
     for (const ident::circle::QuadrantPeak& p : log.diagnosis->peaks) {
-      if (p.counter_clockwise != counter_clockwise) continue;
+      if (p.counter_clockwise != counter_clockwise || std::abs(p.height) < kClear * p.half_width_95) continue;
       const double turn = counter_clockwise ? 1.0 : -1.0;
       const double angle = p.angle + turn * (p.delay + 0.18);
       const double r = 1.36 + per_metre * std::fmax(p.height, 0.0);
@@ -220,7 +221,8 @@ void add_circle(Page& page, const CircleReportInput& input, std::size_t c) {
   if (c > 0) page.figure(overlaid(input, c), picture_words(input, c));
   if (own.size() > 1)
     page.figures(own, own.size() > 4 ? 3 : 2,
-                 "Each on its own scale, with the heights of its quadrant peaks in µm.");
+                 input.together ? "Each on its own scale."
+                                : "Each on its own scale, with the heights of its quadrant peaks in µm.");
   page.figure(along, "Radial error over the angle, all laps.");
 }
 
@@ -254,6 +256,13 @@ Table figures_table(const CircleReportInput& input) {
     table.rows.push_back(std::move(row));
   }
   return table;
+}
+
+/// Of which log the causes are that the lead names; an effect is that at the fastest feed.
+std::string whose_causes(const CircleReportInput& input) {
+  if (input.logs.size() == 1) return "";
+  return " of " +
+         (input.together ? std::string("all logs together, at the fastest feed") : input.logs.back().label);
 }
 
 /// The largest cause that is no set-up, or null.
@@ -290,7 +299,7 @@ std::string answer(const CircleReportInput& input) {
     text += fmt::format(
         "The circle of {} mm deviates by G = {} µm from round; its largest radial error is {} µm.", radius,
         micrometres(limited_figure(last, "G")), micrometres(limited_figure(last, "max")));
-  } else if (input.logs.size() == 2) {
+  } else if (input.logs.size() == 2 && !input.together) {
     text += fmt::format(
         "The largest radial error of the circle of {} mm changes from {} µm ({}) to {} µm ({}), its circular deviation G from {} to {} µm",
         radius, micrometres(limited_figure(first, "max")), first.label,
@@ -314,9 +323,8 @@ std::string answer(const CircleReportInput& input) {
                         micrometres(limited_figure(*worst, "G")));
   }
   if (const auto* cause = main_cause(input, last)) {
-    text += fmt::format(" The largest cause{} is {} ({} µm): {}.",
-                        input.logs.size() > 1 ? " of " + last.label : "", cause_name(*cause),
-                        micrometres(cause->size), words_of(cause->kind).next_step);
+    text += fmt::format(" The largest cause{} is {} (effect {} µm): {}.", whose_causes(input),
+                        cause_name(*cause), micrometres(cause->effect), words_of(cause->kind).next_step);
   } else if (last.diagnosis || input.together) {
     text += " No cause stands out of the scatter: leave it as it is.";
   }
@@ -330,7 +338,8 @@ std::vector<KeyNumber> key_numbers(const CircleReportInput& input) {
       {"circular deviation G" + of, micrometres(limited_figure(last, "G")), "µm"},
       {"largest radial error" + of, micrometres(limited_figure(last, "max")), "µm"}};
   if (const auto* cause = main_cause(input, last))
-    numbers.push_back({"largest cause" + of + ": " + cause_name(*cause), micrometres(cause->size), "µm"});
+    numbers.push_back({"largest cause" + whose_causes(input) + ": " + cause_name(*cause),
+                       micrometres(cause->effect), "µm"});
   return numbers;
 }
 
@@ -344,10 +353,11 @@ Page circle_report_page(const CircleReportInput& input) {
   add_changes(page, input);
   page.section("Figures");
   page.table(figures_table(input));
-  page.remark(
+  page.remark(fmt::format(
       "ccw, cw: counter-clockwise, clockwise. max: largest |radial error|. glitch: the same within the "
-      "first 0.15 mm after an axis turned round. G: circular deviation, the width of the minimum zone, after "
-      "ISO 230-4. Bold: the smallest.");
+      "first {:g} mm after an axis reversed. G: circular deviation, the width of the minimum zone, after "
+      "ISO 230-4. Bold: the smallest.",
+      1e3 * sim::kGlitchTravel));
   add_circular_test(page, input);
   if (input.together) add_causes(page, "all logs together", *input.together, input.radius);
   for (const CircleLog& log : input.logs) {

@@ -334,6 +334,7 @@ bool is_reversed(const io::Log& log, const BallBarColumns::Series& s, const Piec
 /// Adds the rows of a piece in the order of the motion.
 void add_piece(CircleTrack& t, const Piece& piece, bool reversed, const std::vector<double>& angles,
                const std::vector<double>& radii, double radius) {
+  const int part = t.part.empty() ? 0 : t.part.back() + 1;
   for (std::size_t k = piece.first; k < piece.last; ++k) {
     const std::size_t i = reversed ? piece.last - 1 - (k - piece.first) : k;
     t.x.push_back(radii[i] * std::cos(angles[i]));
@@ -341,6 +342,7 @@ void add_piece(CircleTrack& t, const Piece& piece, bool reversed, const std::vec
     t.rx.push_back(radius * std::cos(angles[i]));
     t.ry.push_back(radius * std::sin(angles[i]));
     t.row.push_back(i);
+    if (piece.counter_clockwise) t.part.push_back(part);
   }
 }
 

@@ -139,6 +139,27 @@ TEST_F(BallBar, CommandedPositionsOfALogAreFoundByTheirNames) {
   }
 }
 
+// Nobody should have to type what the log holds.
+TEST_F(BallBar, TheRadiusOfALogIsFound) {
+  const circle::VirtualRecord r = record();
+  const auto commanded = judged({log_text(r)});
+  EXPECT_NEAR(commanded.radius, kR, 1e-9);
+  EXPECT_EQ(commanded.logs[0].circles.size(), 2U);
+  std::string measured = "t [s],x [mm],y [mm]\n";
+  for (std::size_t i = 0; i < r.t.size(); ++i)
+    measured += fmt::format("{:.4f},{:.7f},{:.7f}\n", r.t[i], r.x[i] * 1e3, r.y[i] * 1e3);
+  const auto found = judged({measured});
+  EXPECT_NEAR(found.radius, kR, 1e-9);
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("the radius was not given: 100 mm, the measured")));
+}
+
+TEST_F(BallBar, ANominalRadiusThatIsASlipIsNamed) {
+  CircleOptions o;
+  o.size = "101 mm";
+  EXPECT_THAT(judged({plain_table(rows_of(record()))}, o).logs[0].notes,
+              Contains(HasSubstr("the mean radius of the rows is 100.0")));
+}
+
 TEST_F(BallBar, DiagnosisOfTheTableIsThatOfTheLog) {
   const circle::VirtualRecord r = record();
   CircleOptions commanded = sized();
@@ -244,6 +265,28 @@ TEST_F(BallBar, ToldDirectionGoesBeforeTheOrderOfTheRows) {
   for (int i = 0; i <= 1440; ++i)
     passes += fmt::format("{},{},{},-\n", i / 721, 0.5 * (i % 721), i / 721 == 1 ? 1 : 9);
   EXPECT_NEAR(judged({passes}, chosen).logs[0].circles[0].max_error, 1e-6, 1e-9);
+}
+
+// The first row of the way back stands at or beyond the last angle of the way there, and belongs to it: with lateral play it is off
+// the other circle.
+TEST_F(BallBar, TheFirstRowOfTheWayBackIsItsOwn) {
+  for (const double back : {0.0, 45.0}) {
+    std::string told = "angle [deg],deviation [um],direction\n", plain = "angle [deg],deviation [um]\n";
+    const auto row = [&](double angle, double deviation, const char* direction) {
+      told += fmt::format("{:.3f},{:.4f},{}\n", angle, deviation, direction);
+      plain += fmt::format("{:.3f},{:.4f}\n", angle, deviation);
+    };
+    for (int i = 0; i <= 720; ++i) row(-22.5 + 0.5 * i, 2.0, "ccw");
+    for (int i = 0; i <= 720; ++i) row(337.5 + back - 0.5 * i, -2.0, "cw");
+    for (const std::string& text : {told, plain}) {
+      const auto got = judged({text}, sized());
+      ASSERT_EQ(got.logs[0].circles.size(), 2U);
+      for (const auto& d : got.logs[0].test->directions) {
+        EXPECT_NEAR(d.radial_max - d.radial_min, 0.0, 1e-9) << back;
+        EXPECT_NEAR(d.circular_deviation, 0.0, 1e-9) << back;
+      }
+    }
+  }
 }
 
 TEST_F(BallBar, FilesOfOneDirectionEachAreOneMeasurementTogether) {

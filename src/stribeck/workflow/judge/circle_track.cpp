@@ -3,11 +3,13 @@
 #include <cmath>
 #include <optional>
 
+#include <stribeck/ident/circle/laps.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/report/text.hpp>
 #include <stribeck/workflow/judge/ball_bar.hpp>
 #include <stribeck/workflow/judge/circle_track.hpp>
 #include <stribeck/workflow/log/columns.hpp>
+#include <stribeck/workflow/log/names/column_words.hpp>
 #include <stribeck/workflow/option.hpp>
 #include <utility>
 
@@ -32,6 +34,7 @@ void CircleTrack::append(const CircleTrack& from, std::size_t at) {
   copy(from.ry, ry);
   copy(from.t, t);
   copy(from.row, row);
+  copy(from.part, part);
 }
 
 CircleTrack CircleTrack::empty_copy() const {
@@ -73,8 +76,49 @@ CircleMap circle_map(const std::vector<std::string>& texts) {
   return given;
 }
 
-double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size) {
-  if (!size.empty()) return option_si("--size", size, quantity("m", "mm").positive());
+namespace {
+
+/// Radius of the circle that a track goes round, from the box round it; absent where there is none.
+std::optional<double> radius_of(const CircleTrack& t) {
+  constexpr int kPasses = 3;
+  const bool commanded = !t.rx.empty();
+  const auto half = [](const std::vector<double>& v) {
+    const auto [low, high] = std::minmax_element(v.begin(), v.end());
+    return 0.5 * (*high - *low);
+  };
+  double radius = std::max(half(commanded ? t.rx : t.x), half(commanded ? t.ry : t.y));
+  for (int pass = 0; pass < kPasses; ++pass) {
+    if (!(radius > 0.0)) return std::nullopt;
+    const ident::circle::CircleMotion motion = ident::circle::circle_motion(t.samples(), t.t, radius);
+    if (motion.runs.empty()) return std::nullopt;
+    std::vector<double> x, y;
+    for (const ident::circle::CircleRun& run : motion.runs) {
+      for (std::size_t i = run.first; i < run.last; ++i) {
+        x.push_back(commanded ? t.rx[i] : t.x[i]);
+        y.push_back(commanded ? t.ry[i] : t.y[i]);
+      }
+    }
+    radius = ident::circle::least_squares_circle(x, y).radius;
+  }
+  return radius;
+}
+
+/// A command has its own rounding alone; a measured radius is off by what the machine makes of it.
+double rounded_radius(double radius, bool commanded) {
+  const double share = commanded ? 1e-6 : 1e-3;
+  for (double step = std::pow(10.0, std::floor(std::log10(radius))); step > 1e-6; step *= 0.1) {
+    for (const double part : {1.0, 0.5}) {
+      const double near = std::round(radius / (part * step)) * part * step;
+      if (std::abs(near - radius) <= share * radius) return near;
+    }
+  }
+  return radius;
+}
+
+}  // namespace
+
+CircleRadius circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size) {
+  if (!size.empty()) return {option_si("--size", size, quantity("m", "mm").positive())};
   std::optional<double> stated;
   const io::Log* first = nullptr;
   for (const io::Log& log : logs) {
@@ -91,7 +135,7 @@ double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, con
     stated = radius;
     first = &log;
   }
-  if (stated) return *stated;
+  if (stated) return {*stated};
   for (const io::Log& log : logs) {
     const auto bar = ball_bar_columns(log, map);
     if (bar && bar->series.front().deviation)
@@ -99,7 +143,18 @@ double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, con
                             "is a deviation from a radius that the file does not state (give it with --size "
                             "\"100 mm\", with your value)"});
   }
-  return kUsualRadius;
+  if (logs.empty()) return {kUsualRadius};
+  if (ball_bar_columns(logs.front(), map)) return {kUsualRadius};
+  const CircleTrack track = circle_track(logs.front(), map, kUsualRadius);
+  const bool commanded = !track.rx.empty();
+  const std::optional<double> found = radius_of(track);
+  if (!found) return {kUsualRadius};
+  const double radius = rounded_radius(*found, commanded);
+  if (commanded) return {radius};
+  return {radius,
+          fmt::format(
+              "the radius was not given: {:.7g} mm, the measured {:.6g} mm rounded (--size gives another)",
+              radius * 1e3, *found * 1e3)};
 }
 
 std::vector<double> circle_times(const io::Log& log, std::size_t rows) {
@@ -128,7 +183,7 @@ CircleTrack in_order_of_time(const io::Log& log, CircleTrack t) {
     throw io::InputError(
         {log.source, 0, log.columns[static_cast<std::size_t>(io::time_column(log))].name,
          fmt::format(
-             "goes back in {} of {} rows, first from {:.6g} to {:.6g} s in row {}: expected rows in order of time (sort them)",
+             "goes back in {} of {} rows, first from {:.15g} to {:.15g} s in row {}: expected rows in order of time (sort them)",
              back, t.t.size(), t.t[first - 1], t.t[first], t.row[first] + 1)});
   if (repeated == 0) return t;
   if (static_cast<double>(repeated) > kMostRepeated * static_cast<double>(t.t.size())) {
@@ -178,6 +233,21 @@ std::optional<Positions> commanded_circle(const io::Log& log, const CircleTrack&
   return {};
 }
 
+/// Words name the axes x and y, whatever they are on the machine.
+void note_other_axes(const CircleMap& map, std::vector<std::string>& notes) {
+  for (const std::string axis : {"x", "y"}) {
+    const auto given = map.find(axis);
+    if (given == map.end()) continue;
+    const std::vector<std::string> words = words_of_name(given->second);
+    const bool other = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+      return word != axis && (word == "x" || word == "y" || word == "z");
+    });
+    if (other)
+      notes.push_back(fmt::format("{} stands for column {}: a cause of {} is one of that axis", axis,
+                                  io::in_quotes(given->second), axis));
+  }
+}
+
 }  // namespace
 
 CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius) {
@@ -200,6 +270,7 @@ CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius
   };
   t.x = position("x");
   t.y = position("y");
+  note_other_axes(map, t.notes);
   if (map.count("rx") > 0) {
     t.rx = values(named_column(log, map.at("rx")));
     t.ry = values(named_column(log, map.at("ry")));

@@ -20,11 +20,12 @@ struct CircleTrack {
   std::vector<double> ry;
   std::vector<double> t;         ///< empty: no times
   std::vector<std::size_t> row;  ///< of the log
+  std::vector<int> part;         ///< of a ball-bar whose rows tell their direction; empty: not known
   bool ball_bar = false;
   double feed = std::nan("");  ///< stated, where the log has no times [m/s]
   std::vector<std::string> notes;
 
-  [[nodiscard]] ident::circle::CircleSamples samples() const { return {x, y, rx, ry, row}; }
+  [[nodiscard]] ident::circle::CircleSamples samples() const { return {x, y, rx, ry, row, part}; }
   /// One row of `from`, behind those that are there.
   void append(const CircleTrack& from, std::size_t at);
   /// No samples, all else as here.
@@ -35,8 +36,15 @@ struct CircleTrack {
 using CircleMap = std::map<std::string, std::string>;
 CircleMap circle_map(const std::vector<std::string>& texts);
 
-/// `size` is the text of --size; empty: what a ball-bar's file states, else 10 mm. One radius for all logs [m].
-double circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size);
+/// One radius for all logs.
+struct CircleRadius {
+  double value = 0.0;  ///< [m]
+  std::string note{};  ///< of one that was rounded
+};
+
+/// `size` is the text of --size; empty: what a ball-bar's file states, else that of the commanded circle in the first log, else that of
+/// the measured one, rounded to a number that people command.
+CircleRadius circle_radius(const std::vector<io::Log>& logs, const CircleMap& map, const std::string& size);
 
 CircleTrack circle_track(const io::Log& log, const CircleMap& map, double radius);
 
