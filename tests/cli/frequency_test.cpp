@@ -86,7 +86,7 @@ TEST(Frequency, WhatContradictsTheMachineFileIsSaidFirst) {
   EXPECT_EQ(stranger.out.find("The present"), std::string::npos);
   const Said period = command({"frequency", kMachine, f / "log.csv", "--period", "2.003 s"});
   EXPECT_EQ(period.code, 1);
-  EXPECT_THAT(period.err, HasSubstr("the period that was given does not fit"));
+  EXPECT_THAT(period.err, HasSubstr("fit into its strokes, expected 3 or more (leave the period out"));
 }
 
 TEST(Frequency, OfALogWithoutExcitationIsRefusedWithTheCure) {

@@ -343,19 +343,18 @@ void measure_speed(Response& out, const Plan& plan) {
 constexpr const char* kCure =
     "record a multisine on strokes at constant speed: stribeck excite MACHINE.toml --method multisine";
 
-void refuse_empty_plan(const std::vector<log::Record>& records, const ResponseOptions& options,
-                       const Response& out, const Plan& plan) {
+void refuse_too_few_segments(const std::vector<log::Record>& records, const ResponseOptions& options,
+                             const Response& out) {
   if (out.segments >= 3) return;
   if (options.period) {
     throw Refused(fmt::format(
-        "{}: {} segments of two periods of {:.6g} s lie in its strokes, expected 3 or more: the period that was given does not fit (leave "
-        "it out, and it is sought in the log)",
-        records.front().source, plan.parts.size(), *options.period));
+        "{}: {} segments of two periods of {:.6g} s fit into its strokes, expected 3 or more (leave the period out: the program then finds it)",
+        records.front().source, out.segments, *options.period));
   }
   throw Refused(fmt::format(
       "{}: the axis stands or reverses in {} of {} rows, and no stretch of motion in one direction is long enough ({} segments, expected "
       "3 or more): friction that changes its sign or holds the axis hides the plant ({})",
-      records.front().source, out.rows_reversal, out.rows, plan.parts.size(), kCure));
+      records.front().source, out.rows_reversal, out.rows, out.segments, kCure));
 }
 
 void refuse_quiet(const std::vector<log::Record>& records, const Response& out) {
@@ -384,7 +383,7 @@ Response estimate(const std::vector<log::Record>& records, const ResponseOptions
   const Plan plan = plan_for(sources, options, out);
   for (const Part& p : plan.parts) out.segments += p.segments.size();
   out.stretches = plan.parts.size();
-  refuse_empty_plan(records, options, out, plan);
+  refuse_too_few_segments(records, options, out);
   const bool by_stretch = out.stretches >= kEnoughStretches;
   out.units = by_stretch ? out.stretches : out.segments;
   measure_speed(out, plan);

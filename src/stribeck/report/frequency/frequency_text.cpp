@@ -42,6 +42,10 @@ std::string limit_in_words(const FrequencyAxis& a, const LoopProposal& p) {
         "frequency or with a shorter period of the controller",
         at);
   const char* what = p.limit == LoopLimit::kGain ? "the gain margin" : "the phase margin";
+  if (p.unsure)
+    return fmt::format(
+        "a faster loop keeps {} at {} too, but its interval is too wide to be sure of that: record more strokes, or excite more strongly",
+        what, at);
   if (a.resonance_limits) return fmt::format("beyond it the resonance takes {} at {}", what, at);
   const std::string delay = a.fit.delay.low() > 0.0 ? fmt::format(", difference and the delay of {} ms",
                                                                   significant(a.fit.delay.value * 1e3, 3))
@@ -81,6 +85,7 @@ std::string resonance_in_words(const FrequencyAxis& a) {
 std::string notch_in_words(const FrequencyAxis& a) {
   if (!a.fit.resonance) return {};
   if (!a.with_notch) {
+    if (a.proposed.omega <= 0.0) return {};
     return a.resonance_limits
                ? "No notch at the resonance makes the loop a sixth faster: it takes as much phase as it saves gain"
                : "The resonance does not limit the loop: no notch is needed";

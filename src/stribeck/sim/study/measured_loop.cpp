@@ -12,7 +12,9 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kSlowest = 0.5;  ///< of the ω0 that are tried [rad/s]
 constexpr double kFiner = 1.01;   ///< ratio of neighbouring ω0
 constexpr double kFasterBy = 7.0 / 6.0;
-constexpr double kHighGain = 20.0;  ///< |L| above which noise of the phase decides nothing
+constexpr double kWorthMore = 1.02;  ///< a deeper and wider notch costs phase below it: it must earn this
+constexpr double kHighGain = 20.0;   ///< |L| above which noise of the phase decides nothing
+constexpr double kFallen = 0.5;      ///< |L| at the last line below which what lies above it cannot matter
 
 using Response = std::complex<double>;
 
@@ -102,23 +104,41 @@ Judged judge_measured(const MeasuredPlant& plant, const std::vector<Response>& l
   return out;
 }
 
-/// Whether what lies above the last line cannot matter: the loop is below the gain margin there, or has met −180° before.
+/// Whether what lies above the last line cannot matter: the loop is below a half there, or has met −180° before.
 bool ends_inside(const std::vector<Response>& loop, const MeasuredMargins& m) {
   if (loop.size() < 2 || m.crossover == 0.0 || std::abs(loop.front()) <= 1.0 || std::abs(loop.back()) >= 1.0)
     return false;
-  return std::isfinite(m.gain_up) || std::abs(loop.back()) < 0.5;
+  return std::isfinite(m.gain_up) || std::abs(loop.back()) < kFallen;
 }
 
-MeasuredMargins finished(Judged judged, const std::vector<Response>& loop) {
+MeasuredMargins finished(Judged judged, const MeasuredPlant& plant, const std::vector<Response>& loop) {
   MeasuredMargins& m = judged.m;
   m.stable = judged.crossings == 0 && m.crossover > 0.0;
   if (!m.stable && std::isfinite(m.phase)) m.phase = -m.phase, m.sure_phase = m.phase;
   m.inside = ends_inside(loop, m);
   if (!std::isfinite(m.gain_up) && !loop.empty()) {
     // No crossing of −180°: the gain may rise at least until the last line crosses 1.
-    m.sure_gain = std::min(m.sure_gain, 1.0 / std::abs(loop.back()));
+    m.sure_gain = std::min(m.sure_gain, 1.0 / (std::abs(loop.back()) * (1.0 + plant.half_width.back())));
   }
   return m;
+}
+
+bool keeps(const MeasuredMargins& m, const MarginRule& rule) {
+  return m.stable && m.inside && m.sure_phase >= rule.phase && m.sure_gain >= rule.gain;
+}
+
+/// What a loop violates, and where.
+void say_limit(const MeasuredPlant& plant, const Judged& judged, const MeasuredMargins& m,
+               const MarginRule& rule, LoopProposal& out) {
+  out.limit = !m.inside                   ? LoopLimit::kMeasured
+              : m.sure_gain < rule.gain   ? LoopLimit::kGain
+              : m.sure_phase < rule.phase ? LoopLimit::kPhase
+                                          : LoopLimit::kUnstable;
+  out.unsure = (out.limit == LoopLimit::kPhase && m.phase >= rule.phase) ||
+               (out.limit == LoopLimit::kGain && std::min(m.gain_up, m.gain_down) >= rule.gain);
+  out.limit_at = out.limit == LoopLimit::kGain       ? m.critical
+                 : out.limit == LoopLimit::kMeasured ? plant.omega.back()
+                                                     : judged.phase_at;
 }
 
 }  // namespace
@@ -144,67 +164,79 @@ std::vector<std::complex<double>> measured_loop(const MeasuredPlant& plant, cons
 
 MeasuredMargins measured_margins(const MeasuredPlant& plant, const MeasuredGains& gains) {
   const std::vector<Response> loop = measured_loop(plant, gains);
-  return finished(judge_measured(plant, loop), loop);
+  return finished(judge_measured(plant, loop), plant, loop);
 }
 
 LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginRule& rule,
                           const std::optional<Notch>& notch) {
   LoopProposal out;
   out.notch = notch;
-  double begin = 0.0;  // of the range that keeps the rule
+  double begin = 0.0;   // of the range that keeps the rule
+  double inside = 0.0;  // slowest loop whose crossings were measured
   for (double omega = kSlowest; omega < kPi / plant.period; omega *= kFiner) {
-    const MeasuredGains gains{mass, omega, notch};
-    const std::vector<Response> loop = measured_loop(plant, gains);
+    const std::vector<Response> loop = measured_loop(plant, {mass, omega, notch});
     const Judged judged = judge_measured(plant, loop);
-    const MeasuredMargins m = finished(judged, loop);
-    if (m.stable && m.inside && m.sure_phase >= rule.phase && m.sure_gain >= rule.gain) {
+    const MeasuredMargins m = finished(judged, plant, loop);
+    if (m.inside && inside == 0.0) inside = omega;
+    if (keeps(m, rule)) {
       if (begin == 0.0) begin = omega;
       out.omega = omega;
       out.margins = m;
       continue;
     }
-    if (begin == 0.0) continue;
-    out.limit = !m.inside                   ? LoopLimit::kMeasured
-                : m.sure_gain < rule.gain   ? LoopLimit::kGain
-                : m.sure_phase < rule.phase ? LoopLimit::kPhase
-                                            : LoopLimit::kUnstable;
-    out.limit_at = out.limit == LoopLimit::kGain       ? m.critical
-                   : out.limit == LoopLimit::kMeasured ? plant.omega.back()
-                                                       : judged.phase_at;
-    break;
+    const bool wide = begin > 0.0 && (begin <= 0.5 * omega || begin == inside);
+    if (wide || (m.inside && out.limit_at == 0.0)) say_limit(plant, judged, m, rule, out);
+    if (wide) break;
+    // A narrow range between two that violate the rule is no place for a loop.
+    begin = out.omega = 0.0;
+    out.margins = {};
   }
   return out;
 }
 
+namespace {
+
+/// The same for a resonance that is off by `drift` either way: the slowest of the three.
+LoopProposal slowest_proposal(const MeasuredPlant& plant, double mass, const MarginRule& rule,
+                              const Notch& notch, double drift) {
+  LoopProposal slowest;
+  slowest.omega = kInfinite;
+  for (const double off : {0.0, -drift, drift}) {
+    Notch moved = notch;
+    moved.frequency *= 1.0 + off;
+    const LoopProposal p = propose_loop(plant, mass, rule, moved);
+    if (p.omega < slowest.omega) slowest = p;
+  }
+  return slowest;
+}
+
+}  // namespace
+
 std::optional<LoopProposal> propose_notch(const MeasuredPlant& plant, double mass, const MarginRule& rule,
                                           double resonance, double drift, double without) {
   std::optional<LoopProposal> best;
+  if (!(without > 0.0)) return best;
   double fastest = kFasterBy * without;
   for (const double depth : {0.5, 0.3, 0.2, 0.1, 0.05}) {
     for (const double damping : {0.1, 0.2, 0.35, 0.5, 0.7, 1.0}) {
-      const auto keeps = [&](double off) {
-        const MeasuredMargins m =
-            measured_margins(plant, {mass, 1.02 * fastest, Notch{resonance * (1.0 + off), depth, damping}});
-        return m.stable && m.inside && m.sure_phase >= rule.phase && m.sure_gain >= rule.gain;
+      const Notch notch{resonance, depth, damping};
+      const double wanted = best ? kWorthMore * fastest : fastest;
+      const auto keeps_with = [&](double off) {
+        const Notch moved{resonance * (1.0 + off), depth, damping};
+        return keeps(measured_margins(plant, {mass, wanted, moved}), rule);
       };
-      if (!keeps(0.0) || !keeps(-drift) || !keeps(drift)) continue;
-      LoopProposal slowest;
-      slowest.omega = kInfinite;
-      for (const double off : {0.0, -drift, drift}) {
-        const LoopProposal p =
-            propose_loop(plant, mass, rule, Notch{resonance * (1.0 + off), depth, damping});
-        if (p.omega < slowest.omega) slowest = p;
-      }
-      // A deeper and wider notch costs phase below it: it must earn 2 %.
-      if (!(slowest.omega > 1.02 * fastest)) continue;
+      if (!keeps_with(0.0) || !keeps_with(-drift) || !keeps_with(drift)) continue;
+      const LoopProposal slowest = slowest_proposal(plant, mass, rule, notch, drift);
+      if (!(slowest.omega > wanted)) continue;
       fastest = slowest.omega;
-      best = propose_loop(plant, mass, rule, Notch{resonance, depth, damping});
+      best = propose_loop(plant, mass, rule, notch);
       if (best->omega > slowest.omega) {
         best->omega = slowest.omega;
         best->margins = measured_margins(plant, {mass, slowest.omega, best->notch});
       }
       best->limit = slowest.limit;
       best->limit_at = slowest.limit_at;
+      best->unsure = slowest.unsure;
     }
   }
   return best;

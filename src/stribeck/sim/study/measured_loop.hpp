@@ -10,7 +10,7 @@
 ///
 /// G comes with the 95 % half width h of each frequency. "Sure" margins are those at the worse edge of the interval: the phase less
 /// asin h, the gain less a factor 1 + h. A loop is proposed by its sure margins only, and only where L crosses 1 and −180° within the
-/// measured frequencies, or falls below the gain margin there.
+/// measured frequencies, or falls below a half there.
 ///
 /// Source: Åström, Murray 2008, Feedback Systems, 9.2, 9.3, 11.4. Not modelled: friction that changes its sign, limits, observers and
 /// integrators, which take more phase (loop_margins.hpp).
@@ -70,19 +70,22 @@ MeasuredMargins measured_margins(const MeasuredPlant& plant, const MeasuredGains
 enum class LoopLimit { kPhase, kGain, kMeasured, kUnstable };
 
 struct LoopProposal {
-  double omega =
-      0.0;  ///< fastest ω0 that keeps the rule, and all slower ones down to half of it too [rad/s]; 0: none
+  /// The fastest ω0 of the first range that keeps the rule throughout and reaches down to a half of it, or to the slowest loop whose
+  /// crossings were measured [rad/s]; 0: none.
+  double omega = 0.0;
   MeasuredMargins margins;
   LoopLimit limit = LoopLimit::kPhase;
-  double limit_at = 0.0;  ///< the frequency where the rule is violated first [rad/s]
+  bool unsure = false;  ///< the margin itself keeps the rule there; its interval does not
+  double limit_at =
+      0.0;  ///< the frequency where the rule is violated first, above ω0 or, without one, by the slowest loop [rad/s]
   std::optional<Notch> notch{};
 };
 
 LoopProposal propose_loop(const MeasuredPlant& plant, double mass, const MarginRule& rule,
                           const std::optional<Notch>& notch = {});
 
-/// The notch at a resonance that allows the fastest loop, also when the resonance is off by `drift` (relative); absent: none makes the
-/// loop a sixth faster.
+/// The notch at a resonance that allows the fastest loop, also when the resonance is off by `drift` (relative). `without`: ω0 without a
+/// notch. Absent: none makes the loop a sixth faster, or there is no loop without one.
 std::optional<LoopProposal> propose_notch(const MeasuredPlant& plant, double mass, const MarginRule& rule,
                                           double resonance, double drift, double without);
 

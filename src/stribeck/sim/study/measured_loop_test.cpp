@@ -103,6 +103,11 @@ TEST(MeasuredLoop, TheProposalKeepsTheRuleAndTheNextOneDoesNot) {
   EXPECT_LT(measured_margins(p, {kMass, 1.02 * found.omega, {}}).sure_phase, kRule.phase);
 }
 
+TEST(MeasuredLoop, SaysWhereTheIntervalLimitsAndNotTheLoop) {
+  EXPECT_FALSE(propose_loop(plant({}, 0.001), kMass, kRule).unsure);
+  EXPECT_TRUE(propose_loop(plant({}, 0.2), kMass, kRule).unsure);
+}
+
 TEST(MeasuredLoop, WhatIsNotMeasuredIsNotProposed) {
   const LoopProposal found = propose_loop(plant({}, 0.0, 0.0, 40.0), kMass, kRule);
   EXPECT_EQ(found.limit, LoopLimit::kMeasured);
@@ -126,6 +131,18 @@ TEST(MeasuredLoop, ANotchHelpsWhereAResonanceLimitsAndOnlyThere) {
     EXPECT_TRUE(m.stable);
     EXPECT_GT(m.phase, 0.95 * kRule.phase);  // not only the resonance moves here
   }
+}
+
+// A range one hertz wide between loops that are too slow to be damped is no place for a loop.
+TEST(MeasuredLoop, ANarrowRangeThatKeepsTheRuleIsPassedOver) {
+  MeasuredPlant p = plant();
+  for (std::size_t k = 0; k < p.omega.size(); ++k) {
+    const double hz = p.omega[k] / (2.0 * kPi);
+    if (hz < 12.0 && (hz < 3.0 || hz > 4.0)) p.response[k] *= std::polar(1.0, -0.6);
+  }
+  const LoopProposal found = propose_loop(p, kMass, kRule);
+  EXPECT_GT(found.margins.crossover, 2.0 * kPi * 12.0);
+  EXPECT_EQ(found.omega, propose_loop(plant(), kMass, kRule).omega);
 }
 
 TEST(Notch, HasItsDepthInTheMiddleAndLeavesTheEnds) {
