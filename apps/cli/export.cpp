@@ -99,7 +99,7 @@ void add_export(CLI::App& app, Action& action) {
       "For axis files: write the steady friction as a table of 16 points for LinuxCNC's stock component lincurve, and print the error of that table");
   verb->add_option(
           "--speed", o->what.speed,
-          "Largest speed of a table or a fit, or feed on the circle for sinumerik, tnc and fanuc; left out: that of the identified range")
+          "Largest speed of a table or a fit, or feed on the circle for sinumerik, tnc and fanuc; left out: that of the identified range, on a circle as far as the acceleration of the machine, or 1 m/s2, permits")
       ->type_name("SPEED");
   verb->add_option(
           "--gain", o->what.gain,

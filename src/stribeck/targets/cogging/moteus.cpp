@@ -25,7 +25,8 @@ constexpr std::size_t kCells = 1024;
 constexpr double kLargestCell = 127.0;
 /// Positions of a turn at which the error is taken, some between each two cells.
 constexpr std::size_t kPositions = 8 * kCells;
-/// How far the lead may be from a whole number of periods, as a share of that number: a table of one turn would drift away from the term.
+/// How far the lead may be from a whole number of periods, as a share of that number. An identified period is off by as much; where the
+/// difference is real, the term runs away from the table (drift_of).
 constexpr double kPeriodTolerance = 5e-3;
 
 constexpr double kLeastCurrent = 1e-9;  ///< [A]
@@ -41,12 +42,26 @@ bool fits_the_turn(const friction::Eccentric<double>& t, double lead) {
          whole < 0.5 * kCells && std::abs(waves - whole) <= kPeriodTolerance * whole;
 }
 
-/// Force of the terms at a position [N], each with the whole number of periods per turn that it is nearest to.
-double force_at(const Terms& terms, double lead, double x) {
+/// Force of the terms at a share of the turn that begins at `zero` [N], each with the whole number of periods per turn that it is
+/// nearest to; at `zero` the terms have their own phase.
+double table_force(const Terms& terms, double lead, double zero, double turn) {
   double force = 0.0;
   for (const auto& t : terms)
-    force += t.amplitude * std::sin(2.0 * kPi * std::round(lead / t.period) * x / lead - t.phase);
+    force +=
+        t.amplitude * std::sin(2.0 * kPi * (std::round(lead / t.period) * turn + zero / t.period) - t.phase);
   return force;
+}
+
+/// The same with the periods as they were identified.
+double force_at(const Terms& terms, double x) {
+  double force = 0.0;
+  for (const auto& t : terms) force += t.amplitude * std::sin(2.0 * kPi * x / t.period - t.phase);
+  return force;
+}
+
+/// How fast a term runs away from the table along the travel [rad/m].
+double drift_of(const friction::Eccentric<double>& t, double lead) {
+  return 2.0 * kPi * std::abs(1.0 / t.period - std::round(lead / t.period) / lead);
 }
 
 /// Empty where a board could not tell the current from none, also because the terms cancel.
@@ -57,8 +72,8 @@ Terms terms_of_the_turn(const Axis& axis) {
     if (fits_the_turn(t, axis.lead)) out.push_back(t), sum += t.amplitude;
   }
   for (std::size_t k = 0; k < kCells; ++k) {
-    const double x = axis.lead * static_cast<double>(k) / kCells;
-    largest = std::max(largest, std::abs(force_at(out, axis.lead, x)));
+    const double turn = static_cast<double>(k) / kCells;
+    largest = std::max(largest, std::abs(table_force(out, axis.lead, 0.0, turn)));
   }
   const double least = std::max(kLeastCurrent * axis.gain, kLeastShare * sum);
   return largest > least ? out : Terms{};
@@ -81,8 +96,7 @@ CoggingTable cogging_table(const Axis& axis, const Terms& terms, double zero) {
   std::array<double, kCells> current{};
   double largest = 0.0;
   for (std::size_t k = 0; k < kCells; ++k) {
-    const double x = zero + axis.lead * static_cast<double>(k) / kCells;
-    current[k] = force_at(terms, axis.lead, x) / axis.gain;
+    current[k] = table_force(terms, axis.lead, zero, static_cast<double>(k) / kCells) / axis.gain;
     largest = std::max(largest, std::abs(current[k]));
   }
   CoggingTable table;
@@ -104,7 +118,7 @@ CoggingError cogging_error(const Axis& axis, const Terms& terms, double zero, co
   CoggingError e;
   for (std::size_t i = 0; i < kPositions; ++i) {
     const double turn = (static_cast<double>(i) + 0.5) / kPositions;
-    const double force = force_at(terms, axis.lead, zero + axis.lead * turn);
+    const double force = force_at(terms, zero + axis.lead * turn);
     const double off = axis.gain * table.at(turn) - force;
     e.largest = std::max(e.largest, std::abs(off));
     e.rms += off * off / kPositions;
@@ -117,22 +131,39 @@ CoggingError cogging_error(const Axis& axis, const Terms& terms, double zero, co
 
 /// Steady friction is always among it: the table knows positions alone.
 std::vector<std::string> not_in_the_table(const Axis& axis) {
+  const ident::Shown shown("m", "N", axis.rotary);
   std::vector<std::string> out{"friction over velocity"};
   if (friction::has_pre_sliding(axis.model.friction.dynamics)) out.emplace_back("pre-sliding");
   if (!axis.model.friction.places.empty()) out.emplace_back("friction along the travel");
   if (const auto& spring = axis.model.friction.spring)
-    out.push_back("a spring of " + ident::Shown("m", "N", axis.rotary).force_per_length(spring->stiffness));
+    out.push_back("a spring of " + shown.force_per_length(spring->stiffness));
   for (const auto& t : axis.model.friction.eccentric) {
     if (t.amplitude <= 0.0 || fits_the_turn(t, axis.lead)) continue;
     const char* why = t.form == friction::EccentricForm::kProportional
                           ? "which changes its sign with the velocity"
                           : "of which the lead is no whole number of periods";
-    out.push_back(fmt::format("{} N with a period of {} mm, {}", report::significant(t.amplitude, 3),
-                              report::significant(1e3 * t.period, 4), why));
+    out.push_back(
+        fmt::format("{} with a period of {}, {}", shown.force(t.amplitude), shown.length(t.period), why));
   }
-  if (axis.model.load != 0.0)
-    out.push_back(fmt::format("the load of {} N", report::significant(axis.model.load, 4)));
+  if (axis.model.load != 0.0) out.push_back("the load of " + shown.force(axis.model.load));
   return out;
+}
+
+/// What is said where a term runs away from the table by a degree and more over a hundred turns; "" where none does.
+std::string drift_in_words(const Axis& axis, const Terms& terms) {
+  constexpr double kTurns = 100.0;
+  constexpr double kDegree = kPi / 180.0;
+  const ident::Shown shown("m", "N", axis.rotary);
+  std::string words;
+  for (const auto& t : terms) {
+    const double off = kTurns * axis.lead * drift_of(t, axis.lead) / kDegree;
+    if (off < 1.0) continue;
+    words += fmt::format(
+        "The period of {} does not divide the lead exactly: if that is true of the machine, the term and the table are {} deg apart after "
+        "{} of travel from --zero (a period that is bound to the motor divides it; look at its interval).\n",
+        shown.length(t.period), ident::digits(off, 2), shown.length(kTurns * axis.lead));
+  }
+  return words;
 }
 
 /// The axis, with what the table needs of the options.
@@ -186,13 +217,13 @@ MoteusText moteus_text(const ExportRequest& o) {
     refuse_option("--zero", fmt::format("got {}, expected at most 1 km", o.zero));
   const Terms terms = terms_of_the_turn(axis);
   if (terms.empty()) throw io::InputError({axis.file, 0, "friction.eccentric", kNoTerm});
+  const ident::Shown shown("m", "N", axis.rotary);
   const CoggingTable table = cogging_table(axis, terms, zero);
   const CoggingError e = cogging_error(axis, terms, zero, table);
   const std::vector<std::string> missing = not_in_the_table(axis);
   const std::string words = fmt::format(
-      "over a turn of the motor at most {} N beside the {} N RMS of the periodic terms, RMS {} N; not in it: {}",
-      report::significant(e.largest, 3), report::significant(e.force, 3), report::significant(e.rms, 3),
-      report::joined(missing, ", "));
+      "over a turn of the motor at most {} beside the {} RMS of the periodic terms, RMS {}; not in it: {}",
+      shown.force(e.largest), shown.force(e.force), shown.force(e.rms), report::joined(missing, ", "));
   MoteusText w;
   w.text = io::comment_lines("Written by: " + o.command) +
            io::comment_lines(fmt::format("Axis {} from {}: {}", axis.name, axis.file, words)) +
@@ -200,13 +231,14 @@ MoteusText moteus_text(const ExportRequest& o) {
   for (std::size_t k = 0; k < kCells; ++k)
     w.text += fmt::format("conf set motor.cogging_dq_comp.{} {}\n", k, table.cells[k]);
   w.text += "conf write\n";
-  w.words = fmt::format(
-      "{}: {}.\n"
-      "Goes line by line to the diagnostic console of the board (tview); it acts in position mode. Check first that the "
-      "commutation encoder reads zero where the axis is at {} mm (--zero) and counts up in the positive direction, and that "
-      "the motor at rest is pushed to and fro by at most {} A (control.q_comp_A).\n",
-      axis.name, words, report::significant(1e3 * zero, 4),
-      report::significant(table.scale * kLargestCell, 3));
+  w.words =
+      fmt::format(
+          "{}: {}.\n"
+          "Goes line by line to the diagnostic console of the board (tview); it acts in position mode. Check first that the "
+          "commutation encoder reads zero where the axis is at {} (--zero) and counts up in the positive direction, and that "
+          "the motor at rest is pushed to and fro by at most {} A (control.q_comp_A).\n",
+          axis.name, words, shown.length(zero), report::significant(table.scale * kLargestCell, 3)) +
+      drift_in_words(axis, terms);
   w.axes = nlohmann::ordered_json::array({{{"name", axis.name},
                                            {"file", axis.file},
                                            {"max_error_N", e.largest},

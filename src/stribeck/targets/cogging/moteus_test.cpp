@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <stribeck/core/scalar.hpp>
 #include <stribeck/targets/steady/test_export.hpp>
 #include <vector>
 
@@ -87,10 +88,28 @@ TEST(Moteus, WhatATurnCannotHoldIsSaid) {
   CoggingExport x;
   const std::string said = x.to("moteus").text;
   EXPECT_THAT(said, HasSubstr("friction over velocity"));
-  EXPECT_THAT(said, HasSubstr("2.00 N with a period of 5.000 mm, which changes its sign with the velocity"));
+  EXPECT_THAT(said, HasSubstr("2 N with a period of 5 mm, which changes its sign with the velocity"));
   EXPECT_THAT(said,
-              HasSubstr("1.00 N with a period of 7.000 mm, of which the lead is no whole number of periods"));
-  EXPECT_THAT(said, Not(HasSubstr("8.00 N with a period")));
+              HasSubstr("1 N with a period of 7 mm, of which the lead is no whole number of periods"));
+  EXPECT_THAT(said, Not(HasSubstr("8 N with a period")));
+}
+
+// 9.96 mm beside a lead of 10 mm is within what an interval leaves open; at 500 mm a phase counted from 0 would be two tenths of a period off.
+TEST(Moteus, ThePhaseHoldsAtTheZeroOfTheEncoder) {
+  const std::string plain = std::string(kRipple).substr(0, std::string(kRipple).find("[[friction"));
+  CoggingExport x((plain + "[[friction.eccentric]]\namplitude = \"8 N\"\nperiod = \"9.96 mm\"\nphase = \"0.3 "
+                           "rad\"\nform = \"additive\"\n")
+                      .c_str());
+  x.request.zero = "500 mm";
+  const targets::Exported written = x.to("moteus");
+  const Board board(text_of(x.request.output));
+  const auto force = [](double position) { return 8.0 * std::sin(2.0 * kPi * position / 9.96e-3 - 0.3); };
+  for (const double turn : {0.0, 0.05, 0.1}) {
+    const double off = 140.0 * board.current(turn) - force(0.5 + turn * 10e-3);
+    EXPECT_LT(std::abs(off), 0.06) << turn;
+    EXPECT_LE(std::abs(off), error_of(written) + 1e-9);
+  }
+  EXPECT_THAT(written.text, HasSubstr("are 145 deg apart after 1000 mm"));
 }
 
 TEST(Moteus, RefusesWithAWayOut) {

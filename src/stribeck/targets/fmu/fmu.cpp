@@ -65,7 +65,7 @@ Packed pack(const std::vector<Axis>& axes, const SteadyText& /*known*/, const st
 
 extern const SteadyTarget kFmu;
 const SteadyTarget kFmu{.name = "fmu",
-                        .what = "FMU after FMI 3.0 with sources: friction with its bristles",
+                        .what = "FMU after FMI 3.0 with sources: friction with pre-sliding",
                         .write = fmu_form,
                         .extension = ".fmu",
                         .pack = pack,

@@ -62,7 +62,7 @@ TEST(PulseTargets, AreAmongAllWhereTheLoopIsGiven) {
   x.request.output = x.folder / "all";
   x.request.names = {"x"};
   x.request.gain = "12 N/%";
-  EXPECT_THAT(x.refusal(), HasSubstr("--period: applies to --to sinumerik, tnc and fanuc alone"));
+  EXPECT_THAT(x.refusal(), HasSubstr("--period: applies only to --to sinumerik, tnc and fanuc"));
   x.request.controller = "cascade";
   const targets::Exported written = x.write();
   EXPECT_THAT(written.text, HasSubstr("what is written\ncsv  "));

@@ -10,7 +10,7 @@ namespace stribeck::targets {
 inline void refuse_pulse_options(const ExportRequest& o) {
   const auto refuse = [](const char* option) {
     workflow::refuse_option(
-        option, "applies to --to sinumerik, tnc and fanuc alone, and with --controller to isg and all");
+        option, "applies only to --to sinumerik, tnc and fanuc, and with --controller also to isg and all");
   };
   if (!o.controller.empty()) refuse("--controller");
   if (!o.machine.empty()) refuse("--machine");

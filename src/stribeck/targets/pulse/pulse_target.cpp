@@ -12,6 +12,7 @@
 #include <stribeck/report/text.hpp>
 #include <stribeck/sim/axis_file.hpp>
 #include <stribeck/targets/pulse/pulse_target.hpp>
+#include <stribeck/targets/steady/nearest_polyline.hpp>
 #include <stribeck/workflow/built_in.hpp>
 #include <stribeck/workflow/machine/machine_file.hpp>
 #include <stribeck/workflow/option.hpp>
@@ -73,13 +74,21 @@ sim::ControllerSpec cascade_of(const ExportRequest& o, double period) {
   return loop;
 }
 
-double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes) {
+/// That of --speed; else the lowest that was identified, as far as the axes can accelerate on the circle.
+double feed_of(const ExportRequest& o, const std::vector<sim::AxisFile>& axes,
+               const std::optional<sim::Machine>& machine, double radius) {
+  constexpr double kUsual = 1.0;  // [m/s²] of a contour, where no machine file says it
   if (!o.speed.empty()) return option_si("--speed", o.speed, quantity("m/s", "mm/s").positive());
   double feed = std::numeric_limits<double>::infinity();
   for (const sim::AxisFile& axis : axes) feed = std::min(feed, axis.identified_speed().value_or(feed));
   if (!std::isfinite(feed))
     refuse_option("--speed", "missing: the files do not say how fast the axes go, e.g. \"100 mm/s\"");
-  return feed;
+  double acceleration = machine ? std::numeric_limits<double>::infinity() : kUsual;
+  if (machine) {
+    for (const auto& [name, axis] : machine->axes)
+      acceleration = std::min(acceleration, axis.limits.acceleration);
+  }
+  return std::min(feed, with_digits(std::sqrt(acceleration * radius), 2));
 }
 
 nlohmann::ordered_json json_of(const CircleError& e) {
@@ -152,8 +161,8 @@ PulseTask pulse_task(std::string_view target, AxisNamer axis_name, const ExportR
                          quantity("s", "ms").positive().at_least(1e-5).at_most(0.1));
   }
   t.loop = cascade_of(o, t.period);
-  t.feed = feed_of(o, files);
   t.radius = option_si("--size", o.size.empty() ? "10 mm" : o.size, quantity("m", "mm").positive());
+  t.feed = feed_of(o, files, t.machine, t.radius);
   return t;
 }
 
@@ -298,6 +307,10 @@ Exported write_pulse(const PulseTarget& target, const ExportRequest& o) {
     words +=
         "The axes have the numbers that x, y, z, a, b, c have in this order, by their names in the files (where these do not "
         "tell them apart, by the order of the files); --name says other ones.\n";
+  if (with.largest >= c.without.largest)
+    words +=
+        "This pulse makes the circle below no better: do not type it in. Give the loop of the machine with --controller, and radius and "
+        "feed of your circles with --size and --speed.\n";
   out.text = words + circle_words(t, c, "this pulse", with) + std::string(target.to_do) +
              fmt::format("\nWritten to {}.\n", o.output);
   return out;

@@ -112,7 +112,7 @@ std::vector<double> added_speed(const targets::Pulse& pulse, double period, int 
   return out;
 }
 
-TEST(PulsedCascade, ABlockLastsItsTimeOrOverItsDistance) {
+TEST(PulsedCascade, AConstantPulseEndsAfterItsTimeOrItsDistance) {
   targets::Pulse timed;
   timed.block = 2e-3;
   timed.block_time = 3.5e-3;

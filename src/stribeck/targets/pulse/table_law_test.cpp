@@ -52,7 +52,7 @@ TEST(BuildUp, TheTableOfIsgTakesMostOfTheQuadrantErrorAway) {
   PulseExport x("isg", kBristles);
   x.request.names = {"x"};
   x.request.gain = "12 N/%";
-  EXPECT_THAT(x.refusal(), HasSubstr("--period: applies to --to sinumerik"));
+  EXPECT_THAT(x.refusal(), HasSubstr("--period: applies only to --to sinumerik"));
   x.request.controller = "cascade";
   const targets::Exported written = x.write();
   const auto& circle = written.json["circle"];

@@ -116,8 +116,6 @@ double nearest_level(const Axis& axis, double direction) {
   return std::max(mean(s, s.force), 0.0);
 }
 
-double nearest_slope(const Axis& axis) { return slope_through_zero(samples_of(axis, 0.0)); }
-
 std::vector<Corner> nearest_points(const Axis& axis, std::size_t points) {
   return points_of(samples_of(axis, 0.0), points);
 }
