@@ -1,9 +1,9 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/bristle/bristle_parts.hpp>
 #include <stribeck/ident/bristle/place_stiffness.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::bristle {
 namespace {
@@ -159,7 +159,7 @@ Solved solve_places(const PlacedModel& model, int fold, bool places, double vari
       weight(i) = fold == 2 || model.fold()[static_cast<std::size_t>(i)] == fold ? 1.0 / variance : 0.0;
     const MatrixXd weighted = weight.asDiagonal() * slope;
     out.information = slope.transpose() * weighted + known;
-    VectorXd step = out.information.ldlt().solve(-(weighted.transpose() * e) - known * out.p);
+    VectorXd step = stats::solve_ldlt(out.information, -(weighted.transpose() * e) - known * out.p);
     if (!step.allFinite()) break;
     for (Index j = 0; j < first; ++j) step(j) = 0.0;
     step = step.cwiseMax(-0.5).cwiseMin(0.5);
@@ -210,7 +210,7 @@ PlaceStiffness fit_place_stiffness(const std::vector<log::Record>& records, cons
   if (!(with < kPredictsBetter * without)) return out;
   const Solved first = solve_places(model, 2, true, variance);
   const Solved all = solve_places(model, 2, true, model.variance(model.residual(first.p)));
-  const MatrixXd spread = all.information.inverse();
+  const MatrixXd spread = stats::inverse(all.information);
   for (Index k = 0; k < model.places(); ++k) {
     out.share.push_back(std::clamp(std::exp(all.p(k)), kLeastShare, 1.0 / kLeastShare));
     out.half.push_back(1.96 * std::sqrt(spread(k, k)));

@@ -1,7 +1,8 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <stribeck/ident/drive/aligned_log.hpp>
 #include <stribeck/ident/refused.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <string>
 #include <utility>
 
@@ -40,7 +41,7 @@ VectorXd weights_of(const std::vector<double>& rate, const log::Motion& m,
   }
   // Neighbouring delays have nearly the same effect: a weak pull keeps their weights small.
   normal.diagonal().array() += 1e-6 * normal.trace() / static_cast<double>(count);
-  return normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  return stats::solve_ldlt(normal, right);
 }
 
 /// Σ h_j·rate(k − l_j); the first and last values continue beyond the ends.

@@ -1,4 +1,4 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,6 +10,7 @@
 #include <stribeck/ident/drive/text.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/shown.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -353,8 +354,8 @@ DriftWords words_of_drift(const Found& found) {
   }
   const MatrixXd normal = X.transpose() * X;
   // With almost only one direction, offset and friction cannot be distinguished.
-  if (!(normal.determinant() > 1e-3 * normal(0, 0) * normal(1, 1))) return out;
-  const MatrixXd inverse = normal.inverse();
+  if (!(stats::determinant(normal) > 1e-3 * normal(0, 0) * normal(1, 1))) return out;
+  const MatrixXd inverse = stats::inverse(normal);
   const VectorXd x = inverse * (X.transpose() * y);
   const stats::Uncertainty uncertainty(X, y - X * x, inverse, record, at);
   const map::StaticFit& map = found.choice.map.fit;

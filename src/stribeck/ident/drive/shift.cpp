@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -246,9 +247,9 @@ double shift_half_width(const AlignedLog& log, const Rows& rows, const Terms& te
     record[j] = rows.record[i];
     at[j] = rows.at[i];
   }
-  const Eigen::FullPivLU<MatrixXd> lu(Z.transpose() * X);
-  if (!lu.isInvertible()) return std::numeric_limits<double>::infinity();
-  return stats::Uncertainty(Z, e, lu.inverse(), record, at)
+  const std::optional<MatrixXd> inverse = stats::inverse_if_regular(Z.transpose() * X);
+  if (!inverse) return std::numeric_limits<double>::infinity();
+  return stats::Uncertainty(Z, e, *inverse, record, at)
       .half_width(VectorXd::Unit(static_cast<Index>(q), static_cast<Index>(q) - 1));
 }
 

@@ -8,6 +8,7 @@
 #include <stribeck/friction/gaussian.hpp>
 #include <stribeck/ident/map/gaussian_fit.hpp>
 #include <stribeck/ident/map/gaussian_projected.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::map {
 namespace {
@@ -344,7 +345,7 @@ std::optional<BranchFit> fit_centred(const Bins& bins, const FitSettings& settin
     } else {
       design.col(2) = root.array() * (-ratio.square()).exp();
     }
-    const VectorXd x = design.colPivHouseholderQr().solve(y);
+    const VectorXd x = stats::least_squares(design, y).x;
     BranchFit f;
     f.eta0 = x(0), f.eta1 = x(1);
     f.terms = {{x(2), 0.0, c}};

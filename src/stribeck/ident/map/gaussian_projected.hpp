@@ -6,10 +6,11 @@
 ///
 /// Inside ident only. Real time: no.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/map/gaussian_fit.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <vector>
 
 namespace stribeck::ident::map {
@@ -53,7 +54,7 @@ class Projected {
     design_.col(1).head(rows_) = root_.cwiseProduct(u_);
     for (int i = 0; i < terms; ++i) design_(rows_ + i, 2 + i) = 1.0 / settings.height_scale;
     if (terms > 0) {
-      const VectorXd line = design_.topLeftCorner(rows_, 2).colPivHouseholderQr().solve(y_.head(rows_));
+      const VectorXd line = stats::least_squares(design_.topLeftCorner(rows_, 2), y_.head(rows_)).x;
       double viscous = std::max(0.0, line(1));
       for (std::size_t k = 0; k < bins.size(); ++k)
         viscous = std::min(viscous, kMostViscous * bins.force[k] / bins.u[k]);

@@ -7,20 +7,25 @@
 /// Inside ident only: includes Eigen. Real time: no.
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace stribeck::ident::stats {
 
 /// XᵀX.
 Eigen::MatrixXd gram(const Eigen::MatrixXd& X);
 
-/// A·x = b for a symmetric positive A.
+/// A·x = b for a symmetric positive A, of which only the lower triangle is read.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+Eigen::MatrixXd inverse_ldlt(const Eigen::MatrixXd& A);
 
 /// A·x = b for any invertible A, with partial pivoting; with full pivoting where A is badly scaled.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::VectorXd solve_full_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
 Eigen::MatrixXd inverse_full_lu(const Eigen::MatrixXd& A);
+/// The same, or nothing where full pivoting shows that A is singular.
+std::optional<Eigen::VectorXd> solve_if_regular(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+std::optional<Eigen::MatrixXd> inverse_if_regular(const Eigen::MatrixXd& A);
 /// Inverse by the decomposition with partial pivoting.
 double determinant(const Eigen::MatrixXd& A);
 
@@ -46,6 +51,8 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& A);
+/// All λ with A·x = λ·B·x, of a symmetric A and a symmetric positive B, ascending.
+Eigen::VectorXd generalized_eigenvalues(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 /// Least squares by singular values, which also show how well A determines x.
 struct SingularValues {

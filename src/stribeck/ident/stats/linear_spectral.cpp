@@ -13,6 +13,10 @@ SymmetricEigen symmetric_eigen(const MatrixXd& A) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+VectorXd generalized_eigenvalues(const MatrixXd& A, const MatrixXd& B) {
+  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(A, B, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 SingularValues solve_svd(const MatrixXd& A, const VectorXd& b) {
   const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   return {svd.solve(b), svd.singularValues(), svd.rank()};

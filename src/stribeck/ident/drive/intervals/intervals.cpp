@@ -1,8 +1,9 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -178,7 +179,7 @@ VectorXd change_of_fast_rows(const AlignedLog& log, const Rows& used, const Term
   const LinearFit part = solve(log, fast, terms, &found);
   const LinearFit all = solve(log, rows, terms, &found);
   const auto variance = [&](const LinearFit& fit) -> VectorXd {
-    const MatrixXd inverse = fit.moments.fullPivLu().inverse();
+    const MatrixXd inverse = stats::inverse_full_lu(fit.moments);
     return noise * (inverse * fit.instrument_moments * inverse.transpose()).diagonal();
   };
   const VectorXd own = variance(all), of_part = variance(part);
@@ -207,8 +208,7 @@ std::pair<Terms, LinearFit> with_shift(const AlignedLog& log, Rows& rows, const 
 /// Inverse of the map's moments without the directions that the data do not determine; their shares are written to `unseen`.
 MatrixXd inverse_seen(const MatrixXd& normal, std::vector<double>& unseen) {
   const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * normal * scale.asDiagonal());
-  const VectorXd& values = eigen.eigenvalues();
+  const auto [values, vectors] = stats::symmetric_eigen(scale.asDiagonal() * normal * scale.asDiagonal());
   VectorXd inverse = VectorXd::Zero(values.size());
   unseen.assign(static_cast<std::size_t>(values.size()), 0.0);
   for (Index j = 0; j < values.size(); ++j) {
@@ -216,11 +216,10 @@ MatrixXd inverse_seen(const MatrixXd& normal, std::vector<double>& unseen) {
       inverse(j) = 1.0 / values(j);
     } else {
       for (std::size_t i = 0; i < unseen.size(); ++i)
-        unseen[i] += std::pow(eigen.eigenvectors()(static_cast<Index>(i), j), 2.0);
+        unseen[i] += std::pow(vectors(static_cast<Index>(i), j), 2.0);
     }
   }
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-         scale.asDiagonal();
+  return scale.asDiagonal() * vectors * inverse.asDiagonal() * vectors.transpose() * scale.asDiagonal();
 }
 
 /// Moments whose inverse says how θ moves with the scores, and the scores' covariance under white noise of one unit.
@@ -261,17 +260,14 @@ MatrixXd Bread::inverse(const MatrixXd& map_inverse) const {
   const Index P = map_inverse.rows(), Q = moments.rows() - P;
   if (together) {
     const VectorXd size = moments.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    return size.asDiagonal() *
-           (size.asDiagonal() * moments * size.asDiagonal())
-               .completeOrthogonalDecomposition()
-               .pseudoInverse() *
+    return size.asDiagonal() * stats::pseudo_inverse(size.asDiagonal() * moments * size.asDiagonal()) *
            size.asDiagonal();
   }
   // The linear terms move by their own moments, the map by its own less what the linear terms take along.
   MatrixXd out = MatrixXd::Zero(Q + P, Q + P);
   out.bottomRightCorner(P, P) = map_inverse;
   if (Q > 0) {
-    const MatrixXd gain = moments.topLeftCorner(Q, Q).fullPivLu().inverse();
+    const MatrixXd gain = stats::inverse_full_lu(moments.topLeftCorner(Q, Q));
     out.topLeftCorner(Q, Q) = gain;
     out.bottomLeftCorner(P, Q) = -map_inverse * moments.bottomLeftCorner(P, Q) * gain;
   }

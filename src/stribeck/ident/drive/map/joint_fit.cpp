@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/drive/map/joint_fit.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <utility>
 #include <vector>
 
@@ -117,9 +118,10 @@ double Pooled::step(JointFit& joint, const std::vector<Index>& fixed) const {
     b(Q + i) = 0.0;
   }
   const VectorXd scale = A.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::FullPivLU<MatrixXd> lu(scale.asDiagonal() * A * scale.asDiagonal());
-  if (!lu.isInvertible()) return -1.0;
-  const VectorXd x = scale.asDiagonal() * lu.solve(scale.asDiagonal() * b);
+  const std::optional<VectorXd> scaled =
+      stats::solve_if_regular(scale.asDiagonal() * A * scale.asDiagonal(), scale.asDiagonal() * b);
+  if (!scaled) return -1.0;
+  const VectorXd x = scale.asDiagonal() * *scaled;
   if (!x.allFinite()) return -1.0;
   joint.linear = x.head(Q);
   return joint.map.move(x.tail(P));

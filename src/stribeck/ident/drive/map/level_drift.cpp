@@ -1,8 +1,9 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <stribeck/ident/drive/map/level_drift.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
 namespace stribeck::ident::drive {
@@ -106,7 +107,7 @@ LevelDrift::LevelDrift(const AlignedLog& log, const Rows& rows, const map::Stati
   const MatrixXd normal = X.transpose() * X;
   const double noise = y.squaredNorm() / static_cast<double>(n);
   const MatrixXd prior = MatrixXd::Identity(Q, Q) * (noise / (kShareDeviation * kShareDeviation));
-  const MatrixXd inverse = (normal + prior).inverse();
+  const MatrixXd inverse = stats::inverse(normal + prior);
   const VectorXd share = inverse * (X.transpose() * y);
   const stats::Uncertainty uncertainty(X, y - X * share, inverse, record, at);
   for (std::size_t g = 0; g < logs.end.size(); ++g) {

@@ -1,10 +1,10 @@
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/ident/drive/places/places.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <utility>
 #include <vector>
@@ -196,15 +196,12 @@ Ridge solve_ridge(const std::vector<Products>& blocks, Index places, double rows
   const MatrixXd known = prior(all.with.size(), places);
   double variance = all.square / rows_used;
   const auto of = [&](const Products& sums) {
-    return VectorXd(
-        (sums.whole() / (variance * memory) + known).ldlt().solve(sums.with / (variance * memory)));
+    return stats::solve_ldlt(sums.whole() / (variance * memory) + known, sums.with / (variance * memory));
   };
   for (int pass = 0; pass < 3; ++pass)
     variance = std::max(all.left(of(all)) / rows_used, 1e-12 * all.square / rows_used);
   Ridge out{of(all), {}, 0.0, {}};
-  out.spread = (all.whole() / (variance * memory) + known)
-                   .ldlt()
-                   .solve(MatrixXd::Identity(known.rows(), known.rows()));
+  out.spread = stats::inverse_ldlt(all.whole() / (variance * memory) + known);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     Products others(all.with.size());
     for (std::size_t j = 0; j < blocks.size(); ++j) {
@@ -233,8 +230,7 @@ double share_told(const Looked& looked, const std::vector<Products>& blocks) {
   }
   for (const Products& b : blocks) left += b.whole().topLeftCorner(kPlaces, kPlaces);
   all.diagonal().array() += 1e-9 * all.trace();
-  const VectorXd shares =
-      Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(left, all, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd shares = stats::generalized_eigenvalues(left, all);
   return static_cast<double>((shares.array() > kSeen).count()) / static_cast<double>(kPlaces);
 }
 

@@ -1,10 +1,11 @@
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/drive/shift.hpp>
 #include <stribeck/ident/drive/smoothing/smoothing.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::drive {
 namespace {
@@ -78,10 +79,10 @@ std::optional<Smoothing> find_smoothing(const AlignedLog& log, const Rows& rows,
     with_bend += bend[j] * row.multiplier;
     moments += row.multiplier * row.column.transpose();
   }
-  const Eigen::FullPivLU<MatrixXd> lu(moments);
-  if (!lu.isInvertible()) return {};
+  const std::optional<VectorXd> solution = stats::solve_if_regular(moments, with_bend);
+  if (!solution) return {};
   Smoothing out;
-  const VectorXd per_kappa = lu.solve(with_bend);
+  const VectorXd& per_kappa = *solution;
   double ww = 0.0, we = 0.0, ee = 0.0, n = 0.0;
   for (std::size_t j = 0; j < used.size(); ++j) {
     if (!std::isfinite(bend[j])) continue;

@@ -1,12 +1,13 @@
 // A force that the drive smoothed before it logged it, and one with a line of its own: both are named, not mended.
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stribeck/ident/log/faults/faults.hpp>
 #include <stribeck/ident/log/rough_fit.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::log::parts {
@@ -39,7 +40,7 @@ struct Normal {
     Eigen::MatrixXd even = scale.asDiagonal() * part * scale.asDiagonal();
     even.diagonal().array() += 1e-9;
     const Eigen::VectorXd right = scale.asDiagonal() * b.head(columns);
-    const Eigen::VectorXd solution = scale.asDiagonal() * even.ldlt().solve(right);
+    const Eigen::VectorXd solution = scale.asDiagonal() * stats::solve_ldlt(even, right);
     c.setZero();
     c.head(columns) = solution;
     const double sum = ff - 2.0 * solution.dot(b.head(columns)) + solution.dot(part * solution);
