@@ -151,7 +151,7 @@ TEST(Conditioning, ArmHasTwoDays) {
     EXPECT_THAT(kinds(c), Contains("mixed-runs")) << joint;
     const ident::log::Finding& f = first(c, "mixed-runs");
     EXPECT_FALSE(f.repaired);
-    EXPECT_THAT(f.text, AllOf(HasSubstr("two days"), HasSubstr("04_a")));
+    EXPECT_THAT(f.text, AllOf(HasSubstr("different days"), HasSubstr("04_a")));
     // Between 0.4 and 0.5 deg/s (1 deg/s where the run at 0.5 is too short); 15.2 to 11.7 N m in the README.
     EXPECT_NEAR(f.values.at(1) * 57.3, 0.39, 0.02);
     EXPECT_LT(f.values.at(3), 0.0);

@@ -17,36 +17,54 @@
 namespace stribeck::workflow {
 namespace {
 
+/// A log, cleaned.
+struct CleanedLog {
+  std::string name;
+  bool rotary = false;
+  ident::log::Conditioned log;
+  std::optional<ident::lost_motion::Positions> encoders{};
+  std::vector<std::string> notes;
+};
+
+CleanedLog cleaned(const io::Log& log, const std::string& name, const LogOptions& options) {
+  CleanedLog out;
+  out.name = name;
+  // Cleaning the log finds the gaps again and repairs them.
+  for (const io::Note& note : log.notes) {
+    if (note.about != io::Note::About::kGaps) out.notes.push_back(note.text);
+  }
+  LoggedAxis logged = logged_axis(log, options);
+  out.notes.insert(out.notes.end(), logged.notes.begin(), logged.notes.end());
+  out.rotary = logged.rotary;
+  out.log = condition_axis(std::move(logged), log.source, options);
+  for (const ident::log::Finding& f : out.log.findings) out.notes.push_back(f.text);
+  out.encoders = both_encoders(log, options, out.notes);
+  return out;
+}
+
 /// The records of one axis, log by log.
 class RecordsOfAxis {
  public:
-  explicit RecordsOfAxis(const LogOptions& options) : options_(options) { axis_.axis = options.axis; }
+  explicit RecordsOfAxis(const LogOptions& options) { axis_.axis = options.axis; }
 
-  void add(const io::Log& log, const std::string& name) {
+  void add(CleanedLog log) {
     constexpr double kFewForward = 0.002;  // share of the moving rows; fewer are noise at standstill
-    std::vector<std::string> notes;
-    // Cleaning the log finds the gaps again and repairs them.
-    for (const io::Note& note : log.notes) {
-      if (note.about != io::Note::About::kGaps) notes.push_back(note.text);
+    if (axis_.rotary) std::erase(log.notes, kRotaryNote);  // said of the first log
+    axis_.rotary = axis_.rotary || log.rotary;
+    for (const ident::log::Finding& f : log.log.findings) {
+      if (f.kind == "irregular") axis_.irregular = log.name;
     }
-    LoggedAxis logged = logged_axis(log, options_);
-    if (axis_.rotary) std::erase(logged.notes, kRotaryNote);  // said of the first log
-    notes.insert(notes.end(), logged.notes.begin(), logged.notes.end());
-    axis_.rotary = axis_.rotary || logged.rotary;
-    ident::log::Conditioned clean = condition_axis(std::move(logged), log.source, options_);
-    for (const ident::log::Finding& f : clean.findings) {
-      notes.push_back(f.text);
-      if (f.kind == "irregular") axis_.irregular = name;
+    if (log.encoders) axis_.encoders.push_back(std::move(*log.encoders));
+    for (std::string& note : log.notes) {
+      axis_.notes.push_back(note.starts_with(log.name) ? std::move(note)
+                                                       : fmt::format("{}: {}", log.name, note));
     }
-    if (auto encoders = both_encoders(log, options_, notes)) axis_.encoders.push_back(std::move(*encoders));
-    for (std::string& note : notes) {
-      axis_.notes.push_back(note.starts_with(name) ? std::move(note) : fmt::format("{}: {}", name, note));
-    }
+    const ident::log::Conditioned& clean = log.log;
     forward_ = forward_ || clean.coverage.forward > kFewForward;
     backward_ = backward_ || clean.coverage.forward < 1.0 - kFewForward;
     axis_.runs += clean.run.empty() ? 1 : 1 + *std::max_element(clean.run.begin(), clean.run.end());
-    for (ident::log::Record& r : clean.records) axis_.records.push_back(std::move(r));
-    axis_.sources += (axis_.sources.empty() ? "" : ", ") + name;
+    for (ident::log::Record& r : log.log.records) axis_.records.push_back(std::move(r));
+    axis_.sources += (axis_.sources.empty() ? "" : ", ") + log.name;
   }
 
   [[nodiscard]] AxisRecords all() && {
@@ -55,7 +73,6 @@ class RecordsOfAxis {
   }
 
  private:
-  const LogOptions& options_;
   AxisRecords axis_;
   bool forward_ = false;
   bool backward_ = false;
@@ -65,13 +82,13 @@ class RecordsOfAxis {
 
 AxisRecords read_axis(const std::vector<std::string>& logs, const LogOptions& options) {
   RecordsOfAxis records(options);
-  for (const std::string& path : logs) records.add(read_log(path, options), path);
+  for (const std::string& path : logs) records.add(cleaned(read_log(path, options), path, options));
   return std::move(records).all();
 }
 
 AxisRecords axis_records(const std::vector<io::Log>& logs, const LogOptions& options) {
   RecordsOfAxis records(options);
-  for (const io::Log& log : logs) records.add(log, log.source);
+  for (const io::Log& log : logs) records.add(cleaned(log, log.source, options));
   return std::move(records).all();
 }
 
@@ -85,14 +102,10 @@ std::pair<AxisRecords, Identification> identify_apart(std::size_t count, const E
   bool moves = false;
   bool stands = false;
   each([&](const io::Log& log, const std::string& name) {
-    bool held = false;
-    if (count > 1) {
-      RecordsOfAxis alone(options);
-      alone.add(log, name);
-      held = ident::methods::held_at_standstill(std::move(alone).all().records);
-    }
+    CleanedLog clean = cleaned(log, name, options);
+    const bool held = count > 1 && ident::methods::held_at_standstill(clean.log.records);
     (held ? stands : moves) = true;
-    (held ? standing : moving).add(log, name);
+    (held ? standing : moving).add(std::move(clean));
   });
   AxisRecords axis = std::move(moves ? moving : standing).all();
   Identification found = identify(axis, how);

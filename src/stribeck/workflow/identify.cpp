@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <stribeck/core/fields.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/drive/drive_fit.hpp>
 #include <stribeck/ident/log/condition.hpp>
 #include <stribeck/ident/map/steady_runs.hpp>
@@ -115,7 +116,7 @@ std::optional<double> given_shift(const IdentifyOptions& o, const Records& recor
       refuse_option(
           "--force-shift",
           fmt::format("got {}, but the logs have sample times of {:.4g} and {:.4g} ms: expected one, "
-                      "so identify them apart",
+                      "so identify them separately",
                       io::in_quotes(o.force_shift), 1e3 * T, 1e3 * r.sample_time));
     }
   }
@@ -213,8 +214,10 @@ Identification by_least_squares(const IdentifyOptions& o, const Records& records
 
 Identification by_idim_ls(const IdentifyOptions& o, const Records& records) {
   if (records.size() > 1) {
-    refuse_option("LOG",
-                  fmt::format("{} records, but --method idim-ls takes one without gaps", records.size()));
+    refuse_option(
+        "LOG",
+        fmt::format("got {} records (several logs, or a gap in one), expected one for --method idim-ls",
+                    records.size()));
   }
   ident::methods::IdimOptions options;
   options.by_direction = o.model == ModelChoice::kAsymmetric;
@@ -329,6 +332,19 @@ bool tells_mass(Method method) {
          method != Method::kGravity;
 }
 
+/// A unit that is off by a thousand makes a mass that no feed drive moves.
+void doubt_size(ident::Result& r) {
+  constexpr double kLightest = 1e-3, kHeaviest = 150e3;  // [kg]
+  if (r.rotary || r.position_unit != "m" || r.force_unit != "N" || !std::isfinite(r.mass)) return;
+  if (r.mass > kLightest && r.mass < kHeaviest) return;
+  r.warnings.insert(
+      r.warnings.begin(),
+      fmt::format(
+          "a mass of {} kg is one that few machines have: check --gain (N/A for N/mA?), --lead and the "
+          "units of the columns",
+          ident::digits(r.mass)));
+}
+
 }  // namespace
 
 void check_options(const IdentifyOptions& options) {
@@ -348,6 +364,7 @@ Identification identify(const AxisRecords& axis, const IdentifyOptions& options)
         "are others)");
   result.rotary = axis.rotary;
   if (tells_mass(result.method) || std::isfinite(result.mass)) require_determined(result, axis.sources);
+  doubt_size(result);
   if (!axis.encoders.empty()) found.lost_motion = ident::lost_motion::identify(axis.encoders);
   result.warnings.insert(result.warnings.begin(), axis.notes.begin(), axis.notes.end());
   return found;
@@ -392,7 +409,8 @@ void require_determined(const ident::Result& result, const std::string& source) 
     throw ident::Refused(fmt::format(
         "{}: the mass is not determined, {:.4g} {} with a 95 % interval from {:.4g} to {:.4g}: the log "
         "has too little acceleration (add a log of pulses), a force that changes with position (spring, cable chain, balance) looks like a mass "
-        "in it (add strokes at constant speed over the travel), or its columns are not the quantities that their names say",
+        "in it (add strokes at constant speed over the travel), the time shift between force and motion is not known (record the "
+        "commanded position too, or give --force-shift), or its columns are not the quantities that their names say",
         source, scale * result.mass, unit, scale * result.mass_interval.low,
         scale * result.mass_interval.high));
   }

@@ -1,4 +1,4 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -256,6 +256,7 @@ void Description::write_shift() {
         1e3 * T * smoothing->spread(), 1e3 * T * smoothing->spread() * std::sqrt(12.0),
         100.0 * std::abs(mass), mass < 0.0 ? "small" : "large"));
   }
+  if (options_.shift) result_.given_shift = *options_.shift * T;
   if (!found_.terms.shift) {
     if (half > kVagueShift) say("the force is taken as commanded, but");
     return;

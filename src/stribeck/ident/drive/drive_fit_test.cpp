@@ -103,7 +103,7 @@ TEST(DriveFit, NamesASmoothedForceAndAllowsForIt) {
   smooth(record.f, 5.0);
   const Result smoothed = identify_drive({record}, quick());
   EXPECT_TRUE(named(smoothed));
-  EXPECT_LT(smoothed.mass, 0.995 * drive.mass);  // what the interval has to hold
+  EXPECT_LT(smoothed.mass, 0.997 * drive.mass);  // what the interval has to hold
   EXPECT_GT(smoothed.mass_interval.high, drive.mass);
   EXPECT_LT(smoothed.mass_interval.high, 1.05 * drive.mass);
 }

@@ -1,7 +1,8 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stribeck/ident/drive/linear_fit.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 
 namespace stribeck::ident::drive {
 namespace {
@@ -93,7 +94,7 @@ VectorXd solved(const MatrixXd& c, const SumsLayout& at, const std::vector<std::
     const double size = scaled.row(i).norm();
     if (size > 0.0) scaled.row(i) /= size, b(i) /= size;
   }
-  return scale.asDiagonal() * scaled.fullPivLu().solve(b);
+  return scale.asDiagonal() * stats::solve_full_lu(scaled, b);
 }
 
 std::vector<std::size_t> multipliers(const Terms& terms, const SumsLayout& at, bool with_instrument) {
@@ -146,7 +147,9 @@ double Terms::fill(const AlignedLog& log, const Rows& rows, std::size_t i, doubl
     *c++ = d * p.sine[r][k];
     *c++ = d * p.cosine[r][k];
   }
-  if (shift) *c = 0.5 * (m.f[k + 1] - m.f[k - 1]);
+  // Change of the whole force from row to row: a spring that was taken off stood there with the same shift.
+  if (shift)
+    *c = 0.5 * (m.f[k + 1] - m.f[k - 1]) + log.records[r].spring * m.v[k] * log.records[r].sample_time;
   return f;
 }
 

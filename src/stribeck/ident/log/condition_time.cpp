@@ -420,12 +420,12 @@ std::vector<Table> regular_pieces(Table m, Sampling& sampling, Notes& notes) {
       throw Refused(
           m.source +
           fmt::format(
-              ": column t, row {}: time goes back, from {:.9g} to {:.9g} s, expected it to increase (cut the log there, or repair the time column)",
+              ": column t, row {}: time goes back, from {:.15g} to {:.15g} s, expected it to increase (cut the log there, or repair the time column)",
               m.row[k], m.t[k - 1], m.t[k]));
     }
     notes.add(
         "time-back", m, k, true,
-        fmt::format("time goes back, from {:.6g} to {:.6g} s{}; taken as a new record", m.t[k - 1], m.t[k],
+        fmt::format("time goes back, from {:.15g} to {:.15g} s{}; taken as a new record", m.t[k - 1], m.t[k],
                     starts.size() > 3 ? fmt::format(" (the first of {} times)", starts.size() - 2) : ""),
         {static_cast<double>(starts.size() - 2)});
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/log/mixed_runs.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
 namespace stribeck::ident::log {
@@ -118,9 +119,11 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
       if (!(std::abs(steps[i]) > 2.5 * usual) || std::abs(steps[i]) < 0.05 * level) continue;
       const Record& a = *runs[i - 1].record;
       const Record& b = *runs[i].record;
-      const std::string here = fmt::format(
-          "v {} 0: {:.3g} {} between {:.4g} and {:.4g}, elsewhere about {:.2g}", direction > 0 ? ">" : "<",
-          steps[i], b.force_unit, runs[i - 1].speed, runs[i].speed, usual);
+      const Shown shown(b);
+      const std::string here =
+          fmt::format("v {} 0: {} between {} and {}, elsewhere about {}", direction > 0 ? ">" : "<",
+                      shown.force(steps[i]), shown.speed(runs[i - 1].speed), shown.speed(runs[i].speed),
+                      shown.force(usual));
       const std::vector<double> numbers{
           static_cast<double>(i),        runs[i - 1].speed, runs[i].speed, steps[i], usual,
           static_cast<double>(direction)};
@@ -132,8 +135,9 @@ std::vector<Finding> warn_of_mixed_runs(const std::vector<Record>& records) {
       found.push_back(
           {"mixed-runs",
            fmt::format(
-               "the runs up to {} ({}, {:.3g} s and more, {:.4g} s between rows) and from {} on ({}, up to {:.3g} s, {:.4g} s) were taken in different ways, and the friction at the same places jumps between them: they look like two days. Identify them separately; otherwise the difference is taken for friction at low speed. ",
-               a.source, i, low[0], t_high[0], b.source, runs.size() - i, high[1], t_high[1]) +
+               "the runs up to {} ({} of {:.3g} to {:.3g} s, {:.4g} s between rows) and from {} on ({} of {:.3g} to {:.3g} s, {:.4g} s) were taken in different ways, and the friction at the same places jumps between them: they were probably recorded on different days. Identify them separately; otherwise the difference is taken for friction at low speed. ",
+               a.source, i, low[0], high[0], t_high[0], b.source, runs.size() - i, low[1], high[1],
+               t_high[1]) +
                here,
            0, 0.0, false, numbers});
       break;

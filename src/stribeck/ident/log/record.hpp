@@ -42,6 +42,7 @@ struct Record {
   std::string force_unit = "N";
   std::string position_unit = "m";
   bool rotary = false;  ///< positions are arcs at a radius of 1 m
+  double spring = 0.0;  ///< stiffness of a spring whose force was taken off f [N/m]
 };
 
 /// All reasons why a record cannot be identified, one sentence each with place, value found and value expected; empty for a

@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stribeck/ident/map/static_fit.hpp>
+#include <stribeck/ident/stats/linear.hpp>
 #include <string>
 #include <utility>
 
@@ -88,11 +89,11 @@ std::vector<Candidate> rows_of(const std::vector<Scored>& scored, const Picked& 
   }
   return out;
 }
-Picked pick_of(const std::vector<Scored>& scored, double rows) {
+Picked pick_of(const std::vector<Scored>& scored, double rows, double friction) {
   std::vector<std::vector<double>> loss;
   std::vector<std::size_t> complexity;
   for (const Scored& s : scored) loss.push_back(s.loss), complexity.push_back(s.complexity);
-  return pick(loss, complexity, rows);
+  return pick(loss, complexity, rows, friction);
 }
 
 /// Gaussian fits of one direction, and their held-out errors.
@@ -128,6 +129,17 @@ bool has_idle_term(const BranchFit& fit, const Bins& bins) {
       return std::abs(g.a * std::exp(-off * off)) < least;
     });
   });
+}
+
+/// Whether two terms of opposite sign are each as tall as the friction: they cancel to a shape that no friction has.
+bool has_cancelling_terms(const BranchFit& fit, const Bins& bins) {
+  constexpr double kTall = 0.4;  // of the largest force
+  const double least = kTall * *std::max_element(bins.force.begin(), bins.force.end());
+  const auto tall = [&](double sign) {
+    return std::any_of(fit.terms.begin(), fit.terms.end(),
+                       [&](const FitTerm& g) { return sign * g.a > least; });
+  };
+  return tall(1.0) && tall(-1.0);
 }
 
 /// All numbers of terms for one direction: the fit to all blocks, and the held-out error with each block left out.
@@ -192,7 +204,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
     // Not a candidate, but a start for one with a term more.
-    if (!options.terms && has_idle_term(fit, all)) {
+    if (!options.terms && (has_idle_term(fit, all) || has_cancelling_terms(fit, all))) {
       ++vain;
       continue;
     }
@@ -251,7 +263,7 @@ StaticFit fit_symmetric(const Both& b, std::optional<Exponent> exponent) {
         design(i, 3) = b.root[k] * std::exp(-std::pow(b.speed[k] / v0, static_cast<double>(*exponent)));
       }
     }
-    VectorXd x = design.colPivHouseholderQr().solve(y);
+    VectorXd x = stats::least_squares(design, y).x;
     const double cost = (y - design * x).squaredNorm();
     return Trial{std::move(x), cost};
   };
@@ -331,13 +343,28 @@ struct ByDirection {
   }
 };
 
-ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const StaticOptions& options) {
+/// Mean friction of both directions, in which a load takes itself off [N].
+double friction_of(const std::array<SideSums, kSides>& sums) {
+  double friction = 0.0, sides = 0.0;
+  for (const SideSums& side : sums) {
+    double n = 0.0, f = 0.0;
+    for (const BlockSums& block : side.block) {
+      n += std::accumulate(block.n.begin(), block.n.end(), 0.0);
+      f += std::accumulate(block.f.begin(), block.f.end(), 0.0);
+    }
+    if (n > 0.0) friction += f / n, sides += 1.0;
+  }
+  return sides > 0.0 ? std::abs(friction) / sides : 0.0;
+}
+
+ByDirection choose_by_direction(const std::array<SideSums, kSides>& sums, const StaticOptions& options,
+                                double friction) {
   ByDirection out;
   out.scored.loss.assign(std::min(sums[0].block.size(), sums[1].block.size()), 0.0);
   for (std::size_t s = 0; s < kSides; ++s) {
     out.branches[s] = score_branches(sums[s], static_cast<int>(s), options);
     const Branches& found = out.branches[s];
-    const Picked picked = pick_of(found.scored, std::max(1.0, found.rows));
+    const Picked picked = pick_of(found.scored, std::max(1.0, found.rows), friction);
     out.fit.branch[s] = found.fit[picked.chosen];
     auto& terms = out.fit.branch[s].terms;
     std::sort(terms.begin(), terms.end(), [](const FitTerm& x, const FitTerm& y) { return x.b < y.b; });
@@ -429,31 +456,10 @@ std::vector<StaticFit> symmetric_fits(const std::array<SideSums, kSides>& sums,
 
 }  // namespace
 
-Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& complexity,
-            double rows) {
-  const auto m = static_cast<double>(loss.front().size());
-  std::vector<double> mean;
-  for (const auto& l : loss) mean.push_back(std::accumulate(l.begin(), l.end(), 0.0) / rows);
-  const auto best = static_cast<std::size_t>(std::min_element(mean.begin(), mean.end()) - mean.begin());
-  Picked p;
-  p.chosen = best;
-  for (std::size_t n = 0; n < loss.size(); ++n) {
-    const double fold_mean = (mean[n] - mean[best]) * rows / m;
-    double square = 0.0;
-    for (std::size_t k = 0; k < loss[n].size(); ++k)
-      square += std::pow(loss[n][k] - loss[best][k] - fold_mean, 2.0);
-    const double error = std::sqrt(square * m / (m - 1.0)) / rows;
-    p.rms.push_back(std::sqrt(std::max(0.0, mean[n])));
-    p.error.push_back(p.rms.back() > 0.0 ? error / (2.0 * p.rms.back()) : 0.0);
-    p.equal.push_back(mean[n] - mean[best] <= std::max(error, 2.0 * kWorthwhileGain * mean[best]));
-    if (p.equal.back() && complexity[n] < complexity[p.chosen]) p.chosen = n;
-  }
-  return p;
-}
-
 StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const StaticOptions& options) {
-  const ByDirection by_direction = choose_by_direction(sums, options);
   StaticChoice out;
+  out.friction = friction_of(sums);
+  const ByDirection by_direction = choose_by_direction(sums, options, out.friction);
   out.candidates = by_direction.candidates;
   out.tested = by_direction.tested;
   if (!options.terms) out.simple = simple_by_direction(by_direction);
@@ -466,7 +472,7 @@ StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const Stati
       fits.push_back(std::move(fit));
     }
   }
-  const Picked family = pick_of(families, out.tested);
+  const Picked family = pick_of(families, out.tested, out.friction);
   out.fit = fits[family.chosen];
   out.block_loss = families[family.chosen].loss;
   out.held_out_rms = family.rms[family.chosen];

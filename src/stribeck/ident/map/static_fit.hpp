@@ -14,7 +14,8 @@
 /// block. Of the candidates within one standard error of the best (of paired differences over blocks) the one with the fewest
 /// parameters is taken: first the number of terms of each direction, then the family. An exponent of 1 counts as one parameter
 /// more, because it rises steeply below the slowest rows: where the log does not tell, 2 is kept. An improvement of less than 1 % of the
-/// error does not count, because a programme that repeats itself makes the standard error almost zero.
+/// error does not count, because a programme that repeats itself makes the standard error almost zero; but one by a force of 1 % of
+/// friction does, however large the noise is.
 ///
 /// Source: Breiman, Friedman, Olshen, Stone 1984 (one standard error); thesis (2.9), (2.32).
 /// Not modelled: exponents between 1 and 2, or beyond, in the Stribeck part.
@@ -88,10 +89,11 @@ struct StaticChoice {
   double held_out_rms = std::numeric_limits<double>::quiet_NaN();  ///< [N]
   std::vector<double> block_loss;  ///< Σ residual² of the chosen fit, by block
   double tested = 0.0;             ///< number of rows that were judged
+  double friction = 0.0;           ///< mean over both directions, for pick() [N]
 };
 
-/// The simplest within one standard error of the best, of paired differences over blocks. loss: Σ residual² by
-/// candidate and block.
+/// The simplest within one standard error of the best, of paired differences over blocks, or within what does not count. loss: Σ residual²
+/// by candidate and block; friction [N]: its size.
 struct Picked {
   std::size_t chosen = 0;
   std::vector<char> equal;    ///< within one standard error of the best
@@ -99,7 +101,7 @@ struct Picked {
   std::vector<double> error;  ///< standard error of its difference from the best [N]
 };
 Picked pick(const std::vector<std::vector<double>>& loss, const std::vector<std::size_t>& complexity,
-            double rows);
+            double rows, double friction);
 
 StaticChoice choose_static(const std::array<SideSums, kSides>& sums, const StaticOptions& options);
 

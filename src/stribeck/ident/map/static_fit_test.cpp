@@ -250,7 +250,7 @@ TEST(StaticFit, AWidthMovesByHalfAtMost) {
 TEST(StaticFit, PicksTheSimplestWithinOneStandardError) {
   const std::vector<std::vector<double>> loss{
       {100, 104, 96, 101, 99}, {101, 102, 97, 103, 98}, {150, 160, 140, 151, 149}};
-  const Picked p = pick(loss, {9, 4, 2}, 500.0);
+  const Picked p = pick(loss, {9, 4, 2}, 500.0, 10.0);
   EXPECT_EQ(p.chosen, 1u);
   EXPECT_TRUE(p.equal[0]);
   EXPECT_TRUE(p.equal[1]);
@@ -260,6 +260,13 @@ TEST(StaticFit, PicksTheSimplestWithinOneStandardError) {
   // Paired differences of the second: 1, −2, 1, 2, −1, mean 0.2.
   EXPECT_NEAR(p.error[1],
               std::sqrt((0.64 + 4.84 + 0.64 + 3.24 + 1.44) * 5.0 / 4.0) / 500.0 / (2.0 * p.rms[1]), 1e-12);
+}
+
+// Noise hides a rise from a share of the error, not from the standard error of many blocks.
+TEST(StaticFit, PicksWhatExplainsAForceWorthItsFrictionHoweverLargeTheNoise) {
+  const std::vector<std::vector<double>> loss{{1000, 1001, 999, 1000}, {1012, 1013, 1011, 1013}};
+  EXPECT_EQ(pick(loss, {9, 2}, 4.0, 1000.0).chosen, 1u);  // 3.5 N beside 1000 N
+  EXPECT_EQ(pick(loss, {9, 2}, 4.0, 100.0).chosen, 0u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual_parts.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/linear.hpp>
@@ -130,6 +131,16 @@ double mass_of_spring(const Rows& rows) {
   return aa > 0.0 ? ax / aa : 0.0;
 }
 
+/// The fit of the residual, or that of the whole force where it leaves less: what is not in the map may have bent it. Without such a
+/// bend both leave the same but for rounding.
+std::pair<Fit, double Row::*> fit_better(const Rows& rows, const Columns& columns) {
+  constexpr double kLess = 1.0 - 1e-6;
+  Fit f = fit(rows, columns);
+  Fit whole = fit(rows, columns, &Row::f);
+  if (whole.square < kLess * f.square) return {std::move(whole), &Row::f};
+  return {std::move(f), &Row::e};
+}
+
 /// Whether the axis turns so far that sine and cosine of its angle are no straight line.
 bool may_be_unbalanced(const Rows& rows) { return rows.turns() && rows.high - rows.low >= kLeastTurn; }
 
@@ -175,10 +186,7 @@ void find_spring(const Rows& rows, Diagnosis& out) {
   const std::size_t at = columns.size();
   columns.emplace_back([&](const Row& r) { return rows.along(r); });
   // A strong one bends the map that was fitted without it; then the whole force on the same columns leaves less.
-  Fit f = fit(rows, columns);
-  double Row::*target = &Row::e;
-  if (Fit whole = fit(rows, columns, &Row::f); whole.square < f.square)
-    f = std::move(whole), target = &Row::f;
+  auto [f, target] = fit_better(rows, columns);
   const double scale = 2.0 / (rows.high - rows.low);
   if (f.told[at] < kTold) {
     const double seconds = mass_of_spring(rows);
@@ -206,7 +214,7 @@ void find_spring(const Rows& rows, Diagnosis& out) {
       force * scale, half, rows.middle(), rows.low, rows.high, half * std::abs(mass_of_spring(rows)), false};
   if (!may_be_unbalanced(rows)) return;
   // Part of a sine beside a straight line is another mass.
-  const Fit weight = fit(rows, unbalance_columns(rows));
+  const Fit weight = fit(rows, unbalance_columns(rows), target);
   out.spring->may_be_weight = true;
   out.spring->mass_half_width += std::abs(weight.theta(0) - f.theta(0)) + weight.half.front();
 }
@@ -217,8 +225,7 @@ void find_unbalance(const Rows& rows, Diagnosis& out) {
   const std::size_t at = columns.size() - 2;
   // A large one bends the map that was fitted without it, and no free friction takes its Gaussians back; then the whole force
   // on the same columns leaves less.
-  Fit f = fit(rows, columns);
-  if (Fit whole = fit(rows, columns, &Row::f); whole.square < f.square) f = std::move(whole);
+  const Fit f = fit_better(rows, columns).first;
   // A spring over part of a turn follows a sine, too, and leaves less beside a straight line.
   Columns line = model_columns(rows);
   line.emplace_back([&](const Row& r) { return rows.along(r); });
@@ -229,6 +236,41 @@ void find_unbalance(const Rows& rows, Diagnosis& out) {
   if (size < kSure * half || size < kWorthForce * rows.friction) return;
   if (std::min(f.told[at], f.told[at + 1]) < kToldOfAngle) return;
   out.unbalance = Unbalance{sine, cosine, half, f.half.front()};
+}
+
+/// A drive that gives way between motor and load: on the motor's side the force for an acceleration grows with its frequency,
+/// F = m·a − (m2/ωa²)·d²a/dt² below the anti-resonance ωa, and a mass without the second term is too large.
+void find_elastic(const Rows& rows, Diagnosis& out) {
+  constexpr double kWorthMass = 0.02;
+  constexpr double kToldOfSnap = 0.1;
+  if (!(rows.mass > 0.0) || out.unbalance) return;
+  Rows some = rows;
+  std::erase_if(some.rows, [](const Row& r) { return !std::isfinite(r.snap); });
+  if (some.rows.size() < kFewestRows) return;
+  Columns columns = model_columns(some);
+  const double without = fit(some, columns).theta(0);
+  const std::size_t at = columns.size();
+  columns.emplace_back([](const Row& r) { return r.snap; });
+  const Fit f = fit(some, columns);
+  const double coefficient = f.theta(static_cast<Index>(at));
+  const double too_large = -f.theta(0);
+  if (f.told[at] < kToldOfSnap || !(coefficient < 0.0)) return;
+  const double taken = std::min(too_large, without - f.theta(0));
+  if (taken < std::max(kWorthMass * rows.mass, kSure * f.half.front())) return;
+  if (-coefficient < kSure * half_width_by_halves(some, columns, at, f, &Row::e)) return;
+  // On one frequency both look alike.
+  if (out.spring) {
+    columns.back() = [&](const Row& r) { return rows.along(r); };
+    if (fit(some, columns).square < f.square) return;
+    out.spring.reset();
+  }
+  out.elastic_mass = too_large;
+  const char* unit = rows.rotary ? "kg m2" : "kg";
+  out.warnings.push_back(fmt::format(
+      "the force for an acceleration grows with its frequency, as of a drive that gives way between motor and load (belt, coupling, long "
+      "screw): at low frequency the mass would be {} {} and not {} {}, and its interval holds both; accelerate less sharply (stribeck "
+      "excite --method constant-acceleration), and look at the resonance (stribeck frequency)",
+      digits(rows.mass - too_large), unit, digits(rows.mass), unit));
 }
 
 /// Friction that differs along the travel, and no period; takes it off.
@@ -252,8 +294,8 @@ void find_level(Rows& rows, Diagnosis& out) {
       return rows.shown().length(rows.middle() + 0.5 * s * (rows.high - rows.low));
     };
     out.warnings.push_back(fmt::format(
-        "friction differs along the travel: {} ({:.2g} % of it) more at {} than at {}, without a period (preload, lubrication or alignment); the result is the mean over the travel: identify shorter strokes at each end where the difference counts",
-        rows.shown().force(most - least), 100.0 * (most - least) / rows.friction, place(at_most),
+        "friction differs along the travel: {} ({} % of it) more at {} than at {}, without a period (preload, lubrication or alignment); the result is the mean over the travel: identify shorter strokes at each end where the difference counts",
+        rows.shown().force(most - least), digits(100.0 * (most - least) / rows.friction, 2), place(at_most),
         place(at_least)));
   }
   for (Index i = 0; i < f.left.size(); ++i) rows.rows[static_cast<std::size_t>(i)].e = f.left(i);
@@ -299,8 +341,8 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
     return rows.shown().length(rows.low + (rows.high - rows.low) * static_cast<double>(i) / kPlaces);
   };
   out.warnings.push_back(fmt::format(
-      "friction is {} ({:.2g} % of it) higher between {} and {}, in every stroke: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
-      rows.shown().force(most), 100.0 * most / rows.friction, place(first), place(last + 1)));
+      "friction is {} ({} % of it) higher between {} and {}, in both directions: a tight spot (dirt, damage, a cover that drags); the result contains it, perhaps as a shift of the force: identify on a travel without it",
+      rows.shown().force(most), digits(100.0 * most / rows.friction, 2), place(first), place(last + 1)));
 }
 
 }  // namespace
@@ -315,6 +357,7 @@ void find_causes(const Rows& given, Diagnosis& out) {
         "whether the force that grows with the angle is a spring or the unbalance of the axis: add a position-sine and "
         "strokes of constant acceleration");
   }
+  find_elastic(rows, out);
   find_level(rows, out);
   find_tight_spot(rows, out);
 }

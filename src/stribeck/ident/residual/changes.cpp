@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual_parts.hpp>
 #include <stribeck/ident/stats/order.hpp>
 
@@ -91,8 +92,8 @@ void find_step(std::vector<Stroke> s, const Rows& rows, Diagnosis& out) {
   for (std::size_t i = 0; i < at; ++i) first += s[i].extra;
   const bool rose = first / a < (all - first) / b;
   out.warnings.push_back(fmt::format(
-      "friction {} suddenly by {} ({:.2g} % of it) at {:.4g} s of {}: no warming up; something changed (lubrication, a clamp, a cover, the load): identify the parts before and after as logs of their own",
-      rose ? "rose" : "fell", rows.shown().force(step), 100.0 * step / rows.friction,
+      "friction {} suddenly by {} ({} % of it) at {:.4g} s of {}: no warming up; something changed (lubrication, a clamp, a cover, the load): identify the parts before and after as logs of their own",
+      rose ? "rose" : "fell", rows.shown().force(step), digits(100.0 * step / rows.friction, 2),
       0.5 * (s[at - 1].t + s[at].t), rows.records[static_cast<std::size_t>(s[at].record)]->source));
 }
 

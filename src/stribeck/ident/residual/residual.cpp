@@ -7,11 +7,13 @@
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual_parts.hpp>
+#include <utility>
 
 namespace stribeck::ident::residual {
 namespace {
 
 constexpr double kSlowest = 0.04;          // of the top speed: below it friction has not settled
+constexpr double kSnapLag = 5e-3;          // [s]
 constexpr double kSettled = 6.0;           // break-away distances after a reversal
 constexpr double kNearReversal = 0.005;    // of the travel, where the break-away distance is not known
 constexpr std::size_t kMostRows = 20'000;  // for what is only looked at
@@ -23,13 +25,8 @@ constexpr double kHum = 0.006;       // of its frequency
 double cut_off_of(const log::Motion& m) {
   if (m.cut_off > 0.0) return m.cut_off;
   if (m.window == 0) return kNaN;
-  constexpr double kHalfPower = 0.2607;  // (sin πy / πy)³ = 1/√2
+  constexpr double kHalfPower = 0.2619;  // (sin πy / πy)³ = 1/√2
   return kHalfPower / ((2.0 * m.window + 1.0) * m.sample_time);
-}
-
-double shift_of(const Result& result, double period) {
-  const Parameter* shift = result.find("force_shift");
-  return shift != nullptr ? shift->value / period : -0.5;
 }
 
 struct Sums {
@@ -37,10 +34,43 @@ struct Sums {
   std::size_t rows = 0;
 };
 
+/// Second derivative of the acceleration, over a lag of rows.
+double snap_of(const log::Motion& m, std::size_t k, std::size_t lag) {
+  if (k < lag || !m.valid(k - lag) || !m.valid(k + lag) || m.stretch[k - lag] != m.stretch[k + lag])
+    return kNaN;
+  const double time = static_cast<double>(lag) * m.sample_time;
+  return (m.a[k + lag] - 2.0 * m.a[k] + m.a[k - lag]) / (time * time);
+}
+
+/// Mean of neighbouring rows: a long log keeps what its noise leaves, which single rows of it would not.
+struct MeanRow {
+  Row sum;
+  std::size_t block = 0;
+  std::size_t count = 0;
+
+  void add(const Row& row, std::size_t of_block) {
+    if (count++ == 0) {
+      sum = row, block = of_block;
+      return;
+    }
+    for (double Row::*member :
+         {&Row::t, &Row::x, &Row::v, &Row::a, &Row::e, &Row::f, &Row::travelled, &Row::snap})
+      sum.*member += row.*member;
+  }
+  [[nodiscard]] Row taken() {
+    const auto n = static_cast<double>(std::exchange(count, 0));
+    for (double Row::*member :
+         {&Row::t, &Row::x, &Row::v, &Row::a, &Row::e, &Row::f, &Row::travelled, &Row::snap})
+      sum.*member /= n;
+    return sum;
+  }
+};
+
 class Collector {
  public:
   Collector(const std::vector<log::Record>& records, const Result& result) : result_(result) {
     mass_ = std::isfinite(result.mass) ? result.mass : 0.0;
+    rows_.mass = mass_;
     rows_.force_unit = result.force_unit;
     rows_.position_unit = result.position_unit;
     rows_.rotary = !records.empty() && records.front().rotary;
@@ -59,7 +89,7 @@ class Collector {
     Left one;
     one.record = &r;
     log::MotionOptions options;
-    options.shift = shift_of(result_, r.sample_time);
+    options.shift = shift_in_rows(result_, r.sample_time);
     one.motion = log::reconstruct(r, options);
     const log::Motion& m = one.motion;
     // As it stands in the log: the mean over a hold would take off a part of a fast line.
@@ -76,6 +106,9 @@ class Collector {
     rows_.records.push_back(&r);
     const std::size_t step = std::max<std::size_t>(1, n / kMostRows);
     int last = 0;
+    MeanRow mean;
+    const auto lag = static_cast<std::size_t>(
+        std::max({1L, std::lround(kSnapLag / r.sample_time), static_cast<long>(m.window)}));
     for (std::size_t k = 0; k < n; ++k) {
       const double v = m.v[k];
       if (std::abs(v) < kSlowest * top || !m.sliding(k, exclude)) continue;
@@ -93,12 +126,16 @@ class Collector {
       sums.raw += one.raw[k] * one.raw[k];
       sums.friction += friction * friction;
       last = m.stretch[k];
-      if (k % step != 0) continue;
-      if (rows_.rows.empty()) rows_.low = rows_.high = m.x[k];
+      if (sums.rows == 1) rows_.low = rows_.high = m.x[k];
       rows_.low = std::min(rows_.low, m.x[k]), rows_.high = std::max(rows_.high, m.x[k]);
-      rows_.rows.push_back({number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k], v, m.a[k], e,
-                            v > 0.0 ? 1.0 : -1.0, m.f[k], m.distance[k]});
+      const Row row{number, k, first_stretch_ + m.stretch[k], r.t[k], m.x[k],        v,
+                    m.a[k], e, v > 0.0 ? 1.0 : -1.0,          m.f[k], m.distance[k], snap_of(m, k, lag)};
+      if (mean.count > 0 &&
+          (k / step != mean.block || row.stretch != mean.sum.stretch || row.sign != mean.sum.sign))
+        rows_.rows.push_back(mean.taken());
+      mean.add(row, k / step);
     }
+    if (mean.count > 0) rows_.rows.push_back(mean.taken());
     first_stretch_ += last + 1;
     left.push_back(std::move(one));
   }
@@ -166,6 +203,12 @@ std::string in_words(const Quality& q, const std::string& unit) {
     out += fmt::format(" Strongest line: {} {} at {:.4g} Hz.", digits(q.strongest->amplitude), unit,
                        q.strongest->frequency);
   return out;
+}
+
+double shift_in_rows(const Result& result, double period) {
+  if (result.given_shift) return *result.given_shift / period;
+  const Parameter* shift = result.find("force_shift");
+  return shift != nullptr ? shift->value / period : -0.5;
 }
 
 Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result) {

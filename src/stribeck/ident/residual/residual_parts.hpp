@@ -1,6 +1,5 @@
 #pragma once
-/// Inside of residual.hpp: what is handed from the rows to the causes. Inside ident only: includes Eigen.
-/// Real time: no.
+/// Inside of residual.hpp: what is handed from the rows to the causes. Inside ident only. Real time: no.
 
 #include <cstddef>
 #include <stribeck/core/scalar.hpp>
@@ -20,7 +19,7 @@ struct Left {
   std::vector<std::size_t> counted;  ///< rows that count
 };
 
-/// A row that counts, thinned.
+/// A row that counts; of a long log the mean of neighbours.
 struct Row {
   int record = 0;
   std::size_t at = 0;
@@ -33,6 +32,7 @@ struct Row {
   double sign = 1.0;
   double f = 0.0;          ///< force behind the low-pass [N]
   double travelled = 0.0;  ///< since the reversal [m]
+  double snap = 0.0;       ///< second derivative of the acceleration [m/s⁴]; NaN: not known
 };
 
 struct Rows {
@@ -41,6 +41,7 @@ struct Rows {
   double low = 0.0;       ///< travel [m]
   double high = 0.0;      ///< [m]
   double friction = 0.0;  ///< RMS [N]
+  double mass = 0.0;      ///< of the model [kg]; 0: it has none
   std::string force_unit;
   std::string position_unit;
   bool rotary = false;  ///< positions are arcs at a radius of 1 m

@@ -204,6 +204,13 @@ TEST(Residual, ASpringOfAnAxisThatTurnsMayBeAWeight) {
   EXPECT_TRUE(turning.spring->may_be_weight);
   EXPECT_GT(turning.spring->mass_half_width, 0.1);
   EXPECT_LT(turning.spring->mass_half_width, 0.1 * kMass);
+  // Where the weight has bent the map, the whole force is fitted: its mass is no correction of the model's.
+  Result bent = truth();
+  bent.friction.steady = friction::Conventional<double>{
+      kCoulomb, kViscous, friction::Stribeck<double>{2.0 * kCoulomb, 0.01, 2.0}};
+  const Diagnosis whole = diagnose({r}, bent);
+  ASSERT_TRUE(whole.spring);
+  EXPECT_LT(whole.spring->mass_half_width, 0.2 * kMass);
 }
 
 TEST(Residual, TellsALevelAlongTheTravelFromATightSpot) {

@@ -14,7 +14,8 @@ namespace stribeck::workflow {
 namespace {
 
 constexpr int kPasses = 3;
-constexpr double kBetter = 0.95;  // of the residual, to take a force off the logs
+constexpr double kBetter = 0.95;  // of the residual, to take a force off the logs that is not sure
+constexpr double kSure = 3.0;     // half widths of 95 %: noise may be much larger than the force
 
 /// Methods whose result is a friction model over velocity, so that a residual can be taken.
 bool has_residual(const Identification& found) {
@@ -40,11 +41,24 @@ bool may_run_again(Method method) {
   return method == Method::kAuto || method == Method::kVelocityMap || method == Method::kJog;
 }
 
-AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d) {
+/// Position of the motion that the force of a row belongs to.
+double position_of_force(const ident::log::Record& r, std::size_t row, double shift) {
+  const double at = std::clamp(static_cast<double>(row) - shift, 0.0, static_cast<double>(r.x.size() - 1));
+  const auto before = std::min(static_cast<std::size_t>(at), r.x.size() - 1);
+  const std::size_t after = std::min(before + 1, r.x.size() - 1);
+  const double share = at - static_cast<double>(before);
+  return (1.0 - share) * r.x[before] + share * r.x[after];
+}
+
+/// The logs without the forces of the diagnosis; `found` says by how much the force stands later than the motion.
+AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d,
+                    const ident::Result& found) {
   AxisRecords out = axis;
   for (ident::log::Record& r : out.records) {
+    const double shift = ident::residual::shift_in_rows(found, r.sample_time);
+    if (d.spring) r.spring = d.spring->stiffness;
     for (std::size_t k = 0; k < r.f.size(); ++k) {
-      const double x = r.x[k];
+      const double x = position_of_force(r, k, shift);
       if (d.unbalance) r.f[k] -= d.unbalance->sine * std::sin(x) + d.unbalance->cosine * std::cos(x);
       if (d.spring) r.f[k] -= d.spring->stiffness * (x - d.spring->middle);
     }
@@ -108,8 +122,8 @@ void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Re
   if (room) r.friction.eccentric.push_back({size, 2.0 * kPi, phase, friction::EccentricForm::kAdditive});
   const ident::Shown people(r.position_unit, r.force_unit, rotary);
   r.warnings.push_back(fmt::format(
-      "a force of {} (95 %: ±{:.2g}) follows the sine of the angle, the heavy side hangs down at {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
-      people.force(size), u.half_width, people.length(phase),
+      "a force of {} (95 %: ±{}) follows the sine of the angle, the heavy side hangs down at {}: weight of an arm or of an unbalanced table; it was taken off the log and the fit made again{}",
+      people.force(size), people.force(u.half_width), people.length(phase),
       room ? "; it stands among the periodic terms, with one turn as its period" : ""));
 }
 
@@ -126,6 +140,7 @@ void without_mass(ident::Result& r) {
 void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all) {
   if (more.spring && all.spring) {
     all.spring->stiffness += more.spring->stiffness;
+    all.spring->half_width = std::max(all.spring->half_width, more.spring->half_width);
     all.spring->mass_half_width = std::max(all.spring->mass_half_width, more.spring->mass_half_width);
     all.spring->may_be_weight = all.spring->may_be_weight || more.spring->may_be_weight;
   }
@@ -139,6 +154,30 @@ void add(const ident::residual::Diagnosis& more, ident::residual::Diagnosis& all
   if (more.unbalance && !all.unbalance) all.unbalance = more.unbalance;
 }
 
+bool shift_moved(const ident::Result& before, const ident::Result& after, const AxisRecords& axis) {
+  constexpr double kMoved = 0.05;  // rows
+  const double period = axis.records.front().sample_time;
+  return std::abs(ident::residual::shift_in_rows(before, period) -
+                  ident::residual::shift_in_rows(after, period)) > kMoved;
+}
+
+bool is_sure(const ident::residual::Diagnosis& d) {
+  if (d.spring) return std::abs(d.spring->stiffness) > kSure * d.spring->half_width;
+  return d.unbalance && std::hypot(d.unbalance->sine, d.unbalance->cosine) > kSure * d.unbalance->half_width;
+}
+
+/// A spring that the logs show, but that was not taken off them.
+void doubt_mass(const ident::residual::Spring& s, bool rotary, ident::Result& r) {
+  if (!(s.half_width > 0.0)) return;
+  widen_mass(s.mass_half_width * (1.0 + std::abs(s.stiffness) / s.half_width), r);
+  const ident::Shown people(r.position_unit, r.force_unit, rotary);
+  r.warnings.push_back(fmt::format(
+      "a force may grow with position by {} (95 %: ±{}; a spring, a cable chain or a balance); it explains too little of this log to be "
+      "part of the model, and the interval of the mass holds both: add strokes at constant speed over the travel (stribeck excite "
+      "--method jog)",
+      people.force_per_length(s.stiffness), people.force_per_length(s.half_width)));
+}
+
 }  // namespace
 
 Identification diagnosed(const AxisRecords& axis, const Identify& method) {
@@ -150,10 +189,16 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
        ++pass) {
     ident::residual::Diagnosis more = taken;
     add(d, more);
-    const AxisRecords cleaned = without(axis, more);
+    AxisRecords cleaned = without(axis, more, found.result);
     Identification again = method(cleaned);
+    // The force that was there may have moved the shift.
+    if (shift_moved(found.result, again.result, axis)) {
+      cleaned = without(axis, more, again.result);
+      again = method(cleaned);
+    }
     ident::residual::Diagnosis left = ident::residual::diagnose(cleaned.records, again.result);
-    if (!(left.quality.rms < kBetter * d.quality.rms)) break;
+    const double better = is_sure(d) ? 1.0 : kBetter;
+    if (!(left.quality.rms < better * d.quality.rms)) break;
     if (again.result.method == Method::kJog) without_mass(again.result);
     taken = more;
     found = std::move(again);
@@ -161,6 +206,10 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
   }
   if (taken.spring) write_spring(*taken.spring, d.quality, axis.rotary, found.result);
   if (taken.unbalance) write_unbalance(*taken.unbalance, axis.rotary, found.result);
+  if (d.spring && !taken.spring && may_run_again(found.result.method))
+    doubt_mass(*d.spring, axis.rotary, found.result);
+  constexpr double kBeyondTheSecondTerm = 1.25;
+  if (d.elastic_mass > 0.0) widen_mass(kBeyondTheSecondTerm * d.elastic_mass, found.result);
   found.quality = std::move(d.quality);
   ident::Result& r = found.result;
   r.warnings.insert(r.warnings.end(), d.warnings.begin(), d.warnings.end());

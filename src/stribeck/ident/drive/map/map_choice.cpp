@@ -99,7 +99,7 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
   losses.insert(losses.begin(), map.block_loss);
   std::vector<std::size_t> complexity = together.complexity;
   complexity.insert(complexity.begin(), map.fit.complexity());
-  const map::Picked picked = map::pick(losses, complexity, map.tested);
+  const map::Picked picked = map::pick(losses, complexity, map.tested, map.friction);
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     Candidate c;
     c.name = kTogether + together.fits[i].map.name();
@@ -120,7 +120,8 @@ MapChoice with_joint_fits(MapChoice choice, const LinearFit& fit) {
 std::optional<MapChoice> only_joint_fits(MapChoice choice, const LinearFit& fit) {
   const JointFits together(choice.map.simple, fit);
   if (together.fits.empty()) return std::nullopt;
-  const map::Picked picked = map::pick(together.losses, together.complexity, choice.map.tested);
+  const map::Picked picked =
+      map::pick(together.losses, together.complexity, choice.map.tested, choice.map.friction);
   choice.map.rivals.clear();
   for (std::size_t i = 0; i < together.fits.size(); ++i) {
     if (picked.equal[i] && i != picked.chosen) choice.map.rivals.push_back(together.fits[i].map);

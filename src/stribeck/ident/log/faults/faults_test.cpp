@@ -68,6 +68,21 @@ TEST(LogFaults, SpikesOfTheForceAreReplaced) {
   EXPECT_NEAR(c.rough.coulomb, 20.0, 0.5);
 }
 
+// Twenty newtons of friction beside the range of a motion that accelerates: zero is no spike, but no force either.
+TEST(LogFaults, SingleZerosOfTheForceAreLostValues) {
+  RawLog log = strokes(2, true);
+  std::size_t count = 0;
+  for (std::size_t k = 201; k + 1 < log.f.y.size(); k += 97) {
+    if (std::min(std::abs(log.f.y[k - 1]), std::abs(log.f.y[k + 1])) < 15.0) continue;
+    log.f.y[k] = 0.0;
+    ++count;
+  }
+  const Conditioned c = condition(log);
+  ASSERT_THAT(kinds(c), ElementsAre("spike")) << texts(c);
+  EXPECT_EQ(c.findings[0].values.at(2), static_cast<double>(count));
+  EXPECT_NEAR(c.rough.coulomb, 20.0, 0.5);
+}
+
 TEST(LogFaults, PushToWhichTheMotionAnswersStays) {
   // One row of 300 N gives 100 kg a speed of 3 mm/s.
   RawLog log = strokes(2, false);

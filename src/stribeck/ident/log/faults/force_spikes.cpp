@@ -13,6 +13,8 @@ constexpr std::size_t kBefore = 2;  // rows in which the motion may answer
 constexpr std::size_t kAfter = 10;
 constexpr double kWild = 10.0;  // times what 93 % of the samples stand off their neighbours
 constexpr double kShareOfRange = 0.75;
+constexpr double kWildZero = 5.0;  // the same for exact zeros
+constexpr std::size_t kFewestZeros = 3;
 
 double off(const std::vector<double>& f, std::size_t k) { return f[k] - 0.5 * (f[k - 1] + f[k + 1]); }
 
@@ -22,6 +24,7 @@ double bend(const std::vector<double>& x, std::size_t k) {
 
 struct Limits {
   double off = 0.0;   ///< of the force
+  double zero = 0.0;  ///< of the neighbours of a value of exactly zero, which is a lost one
   double bend = 0.0;  ///< second difference of the position that is usual
 };
 
@@ -41,8 +44,28 @@ Limits limits_of(const std::vector<Table>& tables) {
   }
   if (offs.size() < 200) return {};
   const double range = stats::quantile(all, 0.98) - stats::quantile(all, 0.02);
-  return {std::max(kWild * stats::quantile(std::move(offs), 0.93), kShareOfRange * range),
+  const double usual = stats::quantile(std::move(offs), 0.93);
+  return {std::max(kWild * usual, kShareOfRange * range), kWildZero * usual,
           stats::quantile(std::move(bends), 0.99)};
+}
+
+/// A single row of exactly zero between neighbours of one sign that are clear of it: a value that the bus or the logger lost.
+bool is_lost(const Table& m, std::size_t k, const Limits& limits) {
+  if (m.f[k] != 0.0) return false;
+  const auto [least, most] = std::minmax(m.f[k - 1], m.f[k + 1]);
+  return least > limits.zero || most < -limits.zero;
+}
+
+/// None where there are so few that they may be chance.
+std::vector<std::pair<Table*, std::size_t>> lost_values(std::vector<Table>& tables, const Limits& limits) {
+  std::vector<std::pair<Table*, std::size_t>> found;
+  for (Table& m : tables) {
+    for (std::size_t k = 1; k + 1 < m.rows(); ++k) {
+      if (is_lost(m, k, limits)) found.emplace_back(&m, k);
+    }
+  }
+  if (found.size() < kFewestZeros) found.clear();
+  return found;
 }
 
 /// The acceleration around row k is one that often occurs.
@@ -62,10 +85,12 @@ void mend_force_spikes(std::vector<Table>& tables, Notes& notes) {
   const Limits limits = limits_of(tables);
   if (!(limits.off > 0.0) || !(limits.bend > 0.0)) return;
   std::size_t rows = 0;
-  std::vector<std::pair<Table*, std::size_t>> found;
+  std::vector<std::pair<Table*, std::size_t>> found = lost_values(tables, limits);
+  const bool zeros = !found.empty();
   for (Table& m : tables) {
     rows += m.rows();
     for (std::size_t k = 1; k + 1 < m.rows(); ++k) {
+      if (zeros && is_lost(m, k, limits)) continue;
       const double height = off(m.f, k);
       if (std::abs(height) <= limits.off) continue;
       if (std::abs(m.f[k + 1] - m.f[k - 1]) > 0.3 * std::abs(height)) continue;
