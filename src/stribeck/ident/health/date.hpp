@@ -10,7 +10,7 @@ namespace stribeck::ident::health {
 
 /// Absent: not a date of the calendar in this form.
 std::optional<double> day_of(std::string_view date);
-/// Of any time of that day.
+/// The date of the day that contains this time.
 std::string date_of(double day);
 
 }  // namespace stribeck::ident::health

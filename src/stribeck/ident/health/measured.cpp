@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/health/measured.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
@@ -123,7 +124,7 @@ std::vector<std::array<std::size_t, 2>> counts_of(const Rows& rows, const std::v
   return counts;
 }
 
-/// Quarters of the travel, where each holds at least two of the speeds in both directions, most of the rows of the others too.
+/// Quarters of the travel, where each quarter has rows in both directions at half of the speeds, at least at two.
 std::vector<double> borders_of(const Rows& rows, const std::vector<double>& speeds) {
   const auto [low, high] = std::minmax_element(rows.x.begin(), rows.x.end());
   std::vector<double> borders;
@@ -414,8 +415,8 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
     const std::size_t fewest = std::min(counts[k][0], counts[k][1]);
     if (fewest < kFewRows / 2)
       throw Refused(fmt::format(
-          "{}: got {} rows near {:.4g} mm/s towards {}x, expected {} (repeat the motion of the first test)",
-          records.front().source, fewest, 1e3 * plan.speeds[k], counts[k][0] < counts[k][1] ? '-' : '+',
+          "{}: got {} rows near {} towards {}x, expected {} (repeat the motion of the first test)",
+          records.front().source, fewest, Shown(records.front()).speed(plan.speeds[k]), counts[k][0] < counts[k][1] ? '-' : '+',
           kFewRows / 2));
   }
   const Fit fit(rows, plan, records.front().source);

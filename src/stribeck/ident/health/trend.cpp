@@ -64,7 +64,7 @@ std::vector<double> without_outliers(const std::vector<double>& y, double scatte
   return out;
 }
 
-/// Change per degree from differences over a month at most; NaN where the temperatures do not tell it.
+/// Change per degree from differences over days to a month; NaN where the temperatures do not tell it.
 double effect_of_temperature(const std::vector<Reading>& readings) {
   constexpr std::size_t kFew = 20;
   constexpr double kSpan = 3.0;
@@ -76,13 +76,23 @@ double effect_of_temperature(const std::vector<Reading>& readings) {
   const auto [low, high] = std::minmax_element(
       known.begin(), known.end(), [](auto* a, auto* b) { return a->temperature < b->temperature; });
   if ((*high)->temperature - (*low)->temperature < kSpan) return kNaN;
-  constexpr std::array<std::size_t, 4> kLags{2, 5, 14, 30};
+  constexpr std::array<double, 4> kApart{2.0, 5.0, 14.0, 30.0};  // [day]
+  constexpr double kMonth = 31.0;
+  constexpr double kHalfADay = 0.5;
   std::vector<std::array<double, 2>> pairs;
-  for (const std::size_t lag : kLags) {
-    for (std::size_t i = lag; i < known.size(); ++i)
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    std::size_t last = i;
+    for (const double apart : kApart) {
+      std::size_t before = last;
+      while (before > 0 && known[i]->day - known[before]->day < apart - kHalfADay) --before;
+      const double days = known[i]->day - known[before]->day;
+      if (before == last || days < apart - kHalfADay || days > kMonth) continue;
+      last = before;
       pairs.push_back(
-          {known[i]->temperature - known[i - lag]->temperature, known[i]->value - known[i - lag]->value});
+          {known[i]->temperature - known[before]->temperature, known[i]->value - known[before]->value});
+    }
   }
+  if (pairs.size() < kFew) return kNaN;
   double slope = 0.0;
   // Least absolute values by weights: pairs across a step count little.
   for (int round = 0; round < 30; ++round) {

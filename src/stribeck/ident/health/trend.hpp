@@ -12,8 +12,8 @@
 ///             measurement itself
 ///   outliers  a value beyond 3.5 times the scatter from the median of its five neighbours is moved there: a change needs three
 ///             measurements before it is believed
-///   warmth    where temperatures are known, at least 20 and over 3 K: the slope by temperature from differences over
-///             days to a month, in which those across a step count little, is taken off
+///   warmth    where every test has a temperature, at least 20 tests over 3 K: the slope by temperature from differences between tests
+///             two days to a month apart, in which those across a step count little, is taken off
 ///
 /// A border is a step when its probability within a week is at least kSure and its jump is three times its standard deviation; otherwise
 /// only the drift changes there. False alarms, and the days until a change is found: tools/health.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <stribeck/ident/health/trend.hpp>
 
@@ -118,6 +119,17 @@ TEST(HealthTrend, TheEffectOfTemperatureIsTakenOff) {
   EXPECT_NEAR(trend.per_degree, -0.006, 0.0015);  // scatter 1.5 %, differences of about 1.5 K
   EXPECT_FALSE(trend.changed());
   EXPECT_LT(std::abs(trend.now - trend.reference), 0.03);
+}
+
+// Once a week the difference of thirty tests is one of seven months: a season is no effect of temperature.
+TEST(HealthTrend, ASeasonOfWeeklyTestsIsNoEffectOfTemperature) {
+  std::vector<Reading> readings;
+  for (int week = 0; week < 60; ++week) {
+    const double day = 7.0 * week, year = std::sin(2.0 * std::numbers::pi * day / 365.0);
+    // Colder and warmer from week to week without any effect, and both warm and slack in summer.
+    readings.push_back({day, 1.0 + 0.1 * year, 0.001, 20.0 + 6.0 * year + (week % 2 == 0 ? 3.0 : -3.0)});
+  }
+  EXPECT_LT(std::abs(trend_of(readings, {}).per_degree), 0.003);
 }
 
 TEST(HealthTrend, SlowWearIsADriftBeyondItsLimit) {

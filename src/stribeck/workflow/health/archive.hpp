@@ -56,6 +56,8 @@ struct ArchivedTest {
     if (format != kFormat) report("format", "expected \"stribeck health 1\"");
     if (!ident::health::day_of(date)) report("date", "expected a day as 2026-11-23");
     if (measured.has_value() == circle.has_value()) report("measured", "expected either this or circle");
+    if (circle.has_value() != (axis == kCircle))
+      report("axis", "expected \"circle\" for a circle, and for nothing else");
     if (measured && measured->friction.empty()) report("measured.friction", "expected at least one speed");
   }
 };
