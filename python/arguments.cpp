@@ -238,6 +238,16 @@ std::optional<std::int64_t> Keywords::whole(const char* name, std::int64_t least
   return got;
 }
 
+std::optional<double> Keywords::si(const char* name, std::string_view unit, double least, double most) {
+  if (!left_.contains(name) || !py::isinstance<py::str>(left_[name])) return number(name, least, most);
+  const std::string text = quantity(name, unit);
+  try {
+    return io::to_si(text, stribeck::quantity(unit, unit).at_least(least).at_most(most));
+  } catch (const io::InputError& e) {
+    refuse(name, e.problems().front().message);
+  }
+}
+
 std::optional<double> Keywords::number(const char* name, double least, double most) {
   const py::object value = take(name);
   if (value.is_none()) return std::nullopt;

@@ -73,6 +73,8 @@ class Keywords {
   std::vector<std::string> paths(const char* name);
   std::optional<std::int64_t> whole(const char* name, std::int64_t least, std::int64_t most);
   std::optional<double> number(const char* name, double least, double most);
+  /// The same for a quantity: its number in the SI unit, or a text with a unit, "1 ms".
+  std::optional<double> si(const char* name, std::string_view unit, double least, double most);
   bool flag(const char* name, bool otherwise);
   template <NamedEnum E>
   E choice(const char* name, E otherwise) {

@@ -82,9 +82,9 @@ std::vector<double> way_of(const std::vector<double>& v, double period, double s
 py::dict simulate_motion(const AxisFile& file, const py::object& velocities, const py::kwargs& given) {
   constexpr double kLeast = 1e-9, kMost = 1e6, kFar = 1e9;
   Keywords keywords("simulate", given);
-  const auto period = keywords.number("sample_time", kLeast, kMost);
-  const double start = keywords.number("x0", -kFar, kFar).value_or(0.0);
-  const double push = keywords.number("push", -kFar, kFar).value_or(0.0);
+  const auto period = keywords.si("sample_time", "s", kLeast, kMost);
+  const double start = keywords.si("x0", "m", -kFar, kFar).value_or(0.0);
+  const double push = keywords.si("push", "N", -kFar, kFar).value_or(0.0);
   keywords.done();
   if (!period) refuse("sample_time", "missing, expected the time between two velocities in s");
   const std::vector<double> v = column_of(velocities, "v");
