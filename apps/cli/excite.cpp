@@ -55,15 +55,15 @@ void check_gcode(const ExciteCommand& o) {
 
 /// Chooses the logs by what is wanted, and writes the reference of each into the folder.
 int plan(const ExciteCommand& o) {
-  for (const auto& [given, option] :
-       {std::pair(o.what.periods.has_value(), "--periods"),
-        std::pair(o.what.repeats.has_value(), "--repeats"), std::pair(!o.what.speeds.empty(), "--speeds"),
-        std::pair(!o.what.lead.empty(), "--lead"), std::pair(!o.what.rise.empty(), "--rise"),
-        std::pair(!o.what.period.empty(), "--period"), std::pair(!o.what.highest.empty(), "--highest"),
-        std::pair(!o.gcode.empty(), "--gcode"), std::pair(!o.common.report.empty(), "--report"),
-        std::pair(!o.common.plots.empty(), "--plots")}) {
-    if (given) refuse_option(option, "does not go with --for, which designs several logs (use --method)");
+  std::vector<std::string> given = given_method_options(o.what);
+  std::erase(given, "--known");  // --for knows what to do with it
+  for (const auto& [option, is_given] :
+       {std::pair("--gcode", !o.gcode.empty()), std::pair("--report", !o.common.report.empty()),
+        std::pair("--plots", !o.common.plots.empty())}) {
+    if (is_given) given.emplace_back(option);
   }
+  if (!given.empty())
+    refuse_option(given.front(), "does not go with --for, which designs several logs (use --method)");
   check_distinct({o.machine, o.what.known}, {o.output, o.common.json});
   const OutputFolder page_folder = check_outputs(o.common);  // the JSON file
   PlanOptions options{o.machine, o.axis, {}, 60.0 * o.minutes.value_or(kMinutes), o.what.known};
@@ -110,7 +110,8 @@ int excite(const ExciteCommand& o) {
   if (!is_gcode(o.output)) io::write_csv(o.output, axis.log);
   const report::Made made = made_from({o.machine, o.what.known});
   report_log(o.common, made, axis.log,
-             fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)), e.says);
+             fmt::format("Excitation of axis {}: {}", o.axis, enum_name(o.what.method)),
+             fmt::format("{} Safety: it {}.", e.says, fmt::join(axis.notes, "; ")));
   write_json(o.common.json, to_json(axis), made);
   say(o.common, fmt::format("{}\nSafety: it {}.\nReference in {} ({} rows).\n", e.says,
                             fmt::join(axis.notes, "; "), o.output, e.t.size()));

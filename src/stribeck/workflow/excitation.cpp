@@ -226,25 +226,47 @@ std::string option_of(const std::string& parameter, ExcitationMethod method) {
 
 }  // namespace
 
+namespace {
+
+/// An option that shapes the motion of some methods only.
+struct MethodOption {
+  const char* name;
+  bool given;
+  std::vector<ExcitationMethod> methods;
+};
+
+std::vector<MethodOption> method_options(const ExcitationOptions& o) {
+  using enum ExcitationMethod;
+  return {{"--periods", o.periods.has_value(), {kSine, kPositionSine, kMultisine}},
+          {"--strokes", o.strokes.has_value(), {kSine}},
+          {"--repeats", o.repeats.has_value(), {kRamp, kConstantAcceleration, kMultisine}},
+          {"--known", !o.known.empty(), {kPulses, kRamp}},
+          {"--speeds", !o.speeds.empty(), {kJog, kMultisine}},
+          {"--period", !o.period.empty(), {kMultisine}},
+          {"--highest", !o.highest.empty(), {kMultisine}},
+          {"--lead", !o.lead.empty(), {kJog}},
+          {"--rise", !o.rise.empty(), {kRamp}}};
+}
+
+}  // namespace
+
 void check_excitation(const ExcitationOptions& o) {
-  const auto only = [&](bool given, const char* option, std::initializer_list<ExcitationMethod> methods) {
-    if (!given || std::find(methods.begin(), methods.end(), o.method) != methods.end()) return;
+  for (const MethodOption& one : method_options(o)) {
+    if (!one.given || std::find(one.methods.begin(), one.methods.end(), o.method) != one.methods.end())
+      continue;
     std::vector<std::string> words;
-    for (const ExcitationMethod method : methods) words.emplace_back(enum_name(method));
-    refuse_option(option, fmt::format("does not apply to --method {}, only to {}", enum_name(o.method),
-                                      fmt::join(words, ", ")));
-  };
-  only(o.periods.has_value(), "--periods",
-       {ExcitationMethod::kSine, ExcitationMethod::kPositionSine, ExcitationMethod::kMultisine});
-  only(o.strokes.has_value(), "--strokes", {ExcitationMethod::kSine});
-  only(o.repeats.has_value(), "--repeats",
-       {ExcitationMethod::kRamp, ExcitationMethod::kConstantAcceleration, ExcitationMethod::kMultisine});
-  only(!o.known.empty(), "--known", {ExcitationMethod::kPulses, ExcitationMethod::kRamp});
-  only(!o.speeds.empty(), "--speeds", {ExcitationMethod::kJog, ExcitationMethod::kMultisine});
-  only(!o.period.empty(), "--period", {ExcitationMethod::kMultisine});
-  only(!o.highest.empty(), "--highest", {ExcitationMethod::kMultisine});
-  only(!o.lead.empty(), "--lead", {ExcitationMethod::kJog});
-  only(!o.rise.empty(), "--rise", {ExcitationMethod::kRamp});
+    for (const ExcitationMethod method : one.methods) words.emplace_back(enum_name(method));
+    refuse_option(one.name, fmt::format("does not apply to --method {}, only to {}", enum_name(o.method),
+                                        fmt::join(words, ", ")));
+  }
+}
+
+std::vector<std::string> given_method_options(const ExcitationOptions& o) {
+  std::vector<std::string> names;
+  for (const MethodOption& one : method_options(o)) {
+    if (one.given) names.emplace_back(one.name);
+  }
+  return names;
 }
 
 namespace {

@@ -31,6 +31,9 @@ struct ExcitationOptions {
 /// Refuses options of another method.
 void check_excitation(const ExcitationOptions& options);
 
+/// The options in use that shape the motion of some methods only, e.g. "--strokes".
+std::vector<std::string> given_method_options(const ExcitationOptions& options);
+
 /// Designs the excitation, safe for every axis that the machine file allows.
 ident::excitation::SafeExcitation make_excitation(const ExcitationOptions& options,
                                                   const MachineDescription& machine, std::size_t axis);

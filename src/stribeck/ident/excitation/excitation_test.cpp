@@ -253,7 +253,7 @@ TEST(Excitation, PulsesKeepToWhatTheMachineMay) {
         design_pulses({-0.2, 0.2, 0.1, 1.0, 500.0}, {12.0, 150.0, 0.0}, kPeriod);
       },
       ThrowsMessage<Refused>(
-          HasSubstr("are only 8 % above it: too little for a force in open loop; choose sine")));
+          HasSubstr("are only 8.0 % above it: too little for a force in open loop; choose sine")));
   Limits creeping = kTable;
   creeping.speed = 1e-7;
   EXPECT_THAT([&] { design_pulses(creeping, kRough, kPeriod); },

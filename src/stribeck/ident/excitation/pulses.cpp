@@ -75,8 +75,8 @@ Heights heights_of(const Limits& limits, const RoughDrive& drive, const PulseDes
   if (largest > h.cap && spare < kFineness) {
     const char* unit = shown(limits).force;
     throw Refused(fmt::format(
-        "pulses: the rough friction is {:.4g} {}, and the limits of force and acceleration ({:.4g} {}) are only {:.2g} % above it: too little for a force in open loop; choose sine and constant-acceleration, then give their result with --known",
-        drive.coulomb, unit, h.cap, unit, 100.0 * spare));
+        "pulses: the rough friction is {:.4g} {}, and the limits of force and acceleration ({:.4g} {}) are only {} % above it: too little for a force in open loop; choose sine and constant-acceleration, then give their result with --known",
+        drive.coulomb, unit, h.cap, unit, digits(100.0 * spare, 2)));
   }
   if (largest > h.cap) h.squeeze = (h.cap - drive.coulomb) / (largest - drive.coulomb);
   return h;

@@ -177,7 +177,7 @@ void tell(Excitation& e, const Reach& reach, double start, const Shown& u) {
     return digits(std::abs(distance) < 1e-9 ? 0.0 : distance * u.per_metre);
   };
   e.says += fmt::format(
-      " Worst case of all that is not known: {} {} from the start in the positive direction, {} {} in the "
+      " Worst case over the ranges of mass, friction and load: {} {} from the start in the positive direction, {} {} in the "
       "negative, {} {}/s ({}).",
       away(reach.highest - start), u.travel, away(start - reach.lowest), u.travel,
       digits(reach.speed * u.per_metre), u.travel, reach.farthest);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/report/columns.hpp>
 #include <stribeck/sim/parallel.hpp>
@@ -108,7 +109,7 @@ std::string with_name(const CandidateLog& c) {
 
 std::string shown(const ExpectedHalf& e, Wanted w) {
   if (!std::isfinite(e[w])) return "no";
-  return w == Wanted::kDelay ? fmt::format("{:.2g}", e[w]) : fmt::format("{:.2g}", 100.0 * e[w]);
+  return w == Wanted::kDelay ? ident::digits(e[w], 2) : ident::digits(100.0 * e[w], 2);
 }
 
 nlohmann::ordered_json json_of(const ExpectedHalf& e) {
