@@ -172,11 +172,11 @@ struct Machine {
   std::vector<std::pair<std::string, MachineAxis>> axes;
 
   static constexpr auto fields() {
-    return std::tuple{
-        field("name", &Machine::name, "name of the machine"),
-        field("origin", &Machine::origin, "where the numbers come from"),
-        field("sample_time", &Machine::sample_time, quantity("s", "ms").positive(), "control period"),
-        field("axes", &Machine::axes, "one table per axis: [axes.x], [axes.y], …")};
+    return std::tuple{field("name", &Machine::name, "name of the machine"),
+                      field("origin", &Machine::origin, "where the numbers come from"),
+                      field("sample_time", &Machine::sample_time, quantity("s", "ms").positive().at_most(0.1),
+                            "control period"),
+                      field("axes", &Machine::axes, "one table per axis: [axes.x], [axes.y], …")};
   }
   template <class Report>
   void validate(Report&& report) const {

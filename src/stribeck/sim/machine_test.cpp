@@ -107,7 +107,7 @@ TEST(Machine, TheDefaultWithAKnownDelayIsNotWorseThanOneWithoutAdaptation) {
   }
 }
 
-TEST(Machine, ControllersBelieveLimitsAndCommissioningMoreThanTheTruth) {
+TEST(Machine, ControllersUseLimitsAndCommissioningDataNotThePlant) {
   Machine m = test::biaxial_table();
   MachineAxis& x = m.axes[0].second;
   x.limits.force = 4000.0;

@@ -308,6 +308,19 @@ void take_all_motors(Effort& e, const AxisColumns& columns, int motors, std::vec
   }
 }
 
+/// A gain of the command line is one of a single column: what the other motor of a gantry does is left out.
+void note_second_motor(const Effort& e, const AxisColumns& columns, std::vector<std::string>& notes) {
+  if (!e.from.beside.empty() || columns.mapped(e.what)) return;
+  const auto others = of_other_motors(columns.log(), columns.axis(), *e.from.column, 2);
+  if (others.empty()) return;
+  const std::string& one = header_of(*e.from.column);
+  const std::string& other = header_of(*others.front());
+  notes.push_back(fmt::format(
+      "{} is the column of one motor, and {} of another one is not used: where both drive the axis, give a machine file with motors = 2, "
+      "or their sum with the gain of one motor, --map {}=\"{} + {}\"",
+      io::in_quotes(one), io::in_quotes(other), enum_name(e.what), one, other));
+}
+
 /// Whether the drive of the machine file gives the scale; it is then applied.
 bool apply_drive(Effort& e, const AxisColumns& columns, const LogOptions& options,
                  const MotionColumns& motion, std::vector<std::string>& notes) {
@@ -374,6 +387,7 @@ Effort find_effort(const AxisColumns& columns, const MotionColumns& motion, cons
     set_conversion(effort, columns.log());
     return effort;
   }
+  note_second_motor(effort, columns, notes);
   if (gain.empty() && effort.what == LogQuantity::kTorque && !effort.from.unit.empty()) {
     scale(effort, 1.0, true, motion.per_radian);
     if (effort.unit != "N") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/workflow/machine/axis_units.hpp>
 #include <stribeck/workflow/machine/description.hpp>
 
@@ -34,9 +35,9 @@ Proposed omega_of(const AxisDescription& axis, double period) {
   if (p.value == firm) {
     p.reason = fmt::format(
         "below it friction alone would hold the axis more than {:.3g} {} off its reference; one step of the encoder "
-        "({:.4g} {}) moves the force by {:.2g} % of the friction",
+        "({:.4g} {}) moves the force by {} % of the friction",
         friction / (mass * firm * firm) * units.per_metre, units.travel, step * units.per_metre_fine,
-        units.fine, 100.0 * kRipple * firm / quiet);
+        units.fine, ident::digits(100.0 * kRipple * firm / quiet, 2));
   } else if (p.value == quiet) {
     p.reason = fmt::format(
         "above it one step of the encoder ({:.4g} {}) would move the force by more than {:.0f} % of the friction",

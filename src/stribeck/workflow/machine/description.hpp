@@ -250,10 +250,11 @@ struct MachineDescription {
 
   static constexpr auto fields() {
     using M = MachineDescription;
-    return std::tuple{field("name", &M::name, "name of the machine"),
-                      field("origin", &M::origin, "where the numbers come from").or_default(),
-                      field("sample_time", &M::sample_time, quantity("s", "ms").positive(), "control period"),
-                      field("axes", &M::axes, "one table per axis: [axes.x], [axes.y], …")};
+    return std::tuple{
+        field("name", &M::name, "name of the machine"),
+        field("origin", &M::origin, "where the numbers come from").or_default(),
+        field("sample_time", &M::sample_time, quantity("s", "ms").positive().at_most(0.1), "control period"),
+        field("axes", &M::axes, "one table per axis: [axes.x], [axes.y], …")};
   }
   template <class Report>
   void validate(Report&& report) const {

@@ -99,9 +99,14 @@ class Explanation {
     const std::optional<double> rated = a_.drive ? a_.drive->rated() : std::nullopt;
     if (rated) {
       const auto r = a_.drive->radius();
+      const int motors = a_.drive->motors;
+      const std::string both =
+          motors > 1 ? fmt::format(" of one motor or of their mean, \"{} {}/%\" for the sum of {} columns",
+                                   significant(*rated / 100.0 / motors, 6), u_.force, motors)
+                     : std::string();
       add(a_.rotary ? "torque at 100 %" : "force at 100 %", force_text(*rated),
-          fmt::format("1 ‰ (CiA 402) is {}; for logs in percent: --gain \"{} {}/%\"",
-                      force_text(*rated / 1e3), significant(*rated / 100.0, 6), u_.force));
+          fmt::format("1 ‰ (CiA 402) is {}; for logs in percent: --gain \"{} {}/%\"{}",
+                      force_text(*rated / 1e3), significant(*rated / 100.0, 6), u_.force, both));
       if (r)
         add("travel per turn",
             fmt::format("{} {} of the motor", significant(2.0 * u_.per_metre * kPi * *r, 6), u_.travel));
