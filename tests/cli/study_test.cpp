@@ -152,7 +152,7 @@ TEST_F(StudyVerb, TenMillionPointsAreRefusedAtOnce) {
           "[[factors]]\nkey = \"x.mass\"\nscale = { kind = \"steps\", low = 0.7, high = 1.3, points = 1000 }\n");
   const Said said = command({"study", f / "grid.toml", "-o", f / "o"});
   EXPECT_EQ(said.code, 2);
-  EXPECT_THAT(said.err, HasSubstr("factors: the grid has more than 5000000 runs"));
+  EXPECT_THAT(said.err, HasSubstr("factors: the grid has too many runs, expected at most 5000000"));
 }
 
 TEST_F(StudyVerb, ChangedResultsAreRefused) {

@@ -50,7 +50,7 @@ class SharedController {
  private:
   void* find(const char* name) {
     void* const symbol = ::dlsym(library_, name);
-    if (symbol == nullptr) throw std::runtime_error(fmt::format("it has no function {}", name));
+    if (symbol == nullptr) throw std::runtime_error(fmt::format("the library has no function {}", name));
     return symbol;
   }
 

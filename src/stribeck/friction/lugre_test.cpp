@@ -117,7 +117,7 @@ TEST(LuGre, JetGivesTheDerivativeByStiffness) {
   EXPECT_NEAR(f.v[0], (force(3e8 + 100) - force(3e8 - 100)) / 200, 1e-6 * std::abs(f.v[0]));
 }
 
-TEST(LuGre, RateBoundIsTheRateAtWhichABristleForgets) {
+TEST(LuGre, RateBoundIsTheRelaxationRateOfTheBristle) {
   // From the law itself: two states at the same speed approach each other by exp(-bound·t).
   const test::Flat flat{800.0};
   for (const double v : {2e-4, 3e-3}) {

@@ -165,7 +165,7 @@ TEST(ConeFrustum, DerivativesOfAxisMotionAreTheLimitOfDifferences) {
   }
 }
 
-TEST(TipDeviation, IsWhatTheErrorsOfTheAxesMakeOfItToSecondOrder) {
+TEST(TipDeviation, AgreesWithTheAxisErrorsToSecondOrder) {
   const ConeFrustum c = frustum();
   const TipPath<ConeFrustum> trace{c};
   const V5 error{{0.4, -0.7, 0.5, 0.9, -0.6}};

@@ -171,7 +171,7 @@ TEST(PrintedFrame, IsTheFormulaOfTheThesisAndNoRotation) {
   }
 }
 
-TEST(PrintedFrame, OnAStraightLineTakesTheAxesThatThePrintNames) {
+TEST(PrintedFrame, UsesTheAxesOfTheThesisOnAStraightLine) {
   struct Line {
     V3 way;
     [[nodiscard]] Vec<Taylor<4>, 3> point(const Taylor<4>& p) const noexcept {

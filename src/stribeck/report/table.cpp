@@ -58,8 +58,9 @@ std::vector<std::string> status_warnings(const sim::CompareResult& result) {
     for (const Status s :
          {Status::kNotFinite, Status::kOutputLimited, Status::kOutsideVelocityRange, Status::kOscillation}) {
       if (r.status.count(s) == 0) continue;
-      all.push_back(fmt::format("({}) at {}: {} ({} times in {} trial{})", r.controller.id,
-                                result.spec.travels[r.travel].pace_in_words(), describe(s), r.status.count(s),
+      all.push_back(fmt::format("({}) at {}: {} ({} in {} trial{})", r.controller.id,
+                                result.spec.travels[r.travel].pace_in_words(), describe(s),
+                                r.status.count(s) == 1 ? "once" : fmt::format("{} times", r.status.count(s)),
                                 result.spec.trials, result.spec.trials == 1 ? "" : "s"));
     }
   }

@@ -21,7 +21,7 @@ std::vector<std::string> travel_warnings(const sim::CompareSpec& spec);
 /// The same, then what controllers reported during the runs (limits, models used outside their range), one sentence for each row.
 std::vector<std::string> status_warnings(const sim::CompareResult& result);
 
-/// Whether adaptation determines a change with this standard deviation, a share. Above a half its start value is all it has.
+/// Whether adaptation determines a change with this standard deviation, a share. Above 0.5 the estimate is still its start value.
 constexpr bool change_is_known(double deviation) { return deviation <= 0.5; }
 /// Changes since identification that on-line adaptation found, one sentence for each row and axis.
 std::vector<std::string> drift_words(const sim::CompareResult& result);

@@ -23,7 +23,7 @@ std::size_t widest(const std::string& text) {
   return w;
 }
 
-TEST(TextTable, ComparesWithPrint) {
+TEST(TextTable, ShowsTheThesisValuesBesideTheResult) {
   EXPECT_EQ(
       text_table(test::two_controllers(), kBiaxialTables),
       "9.5 mm/s, contour error, mean of 4 trials ± standard deviation between them; printed: thesis, Table "

@@ -65,7 +65,7 @@ struct ControllerSpec : control::CompensationSettings<control::PerAxis> {
                    field("label", &S::label, "what it is, in words"),
                    field("friction", &S::friction,
                          "which identified model is fed forward: none, viscous, conventional, gaussian, "
-                         "eccentric, whole (with its bristles) or nominal")
+                         "eccentric, whole (with pre-sliding) or nominal")
                        .or_default()},
         std::apply(
             [](const auto& feedforward_field, const auto&... rest) {

@@ -314,7 +314,7 @@ TEST(Reversal, PartialReversalStartsWhereTheBuildUpGotTo) {
   EXPECT_NEAR(other.move(-1e-6), -1.0 + (h + 1.0) * std::exp(-0.25), 1e-12);
 }
 
-TEST(Reversal, NoLoopLeavesTheMainOne) {
+TEST(Reversal, MinorLoopsStayInsideTheMajorLoop) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> distance(-8e-6, 8e-6);
   ByHand axis(table({{0.0, 0.1}, {1e-6, 0.1}, {2e-6, 0.7}, {5e-6, 0.75}, {9e-6, 1.0}}));

@@ -16,7 +16,7 @@ namespace {
 
 // ---- regulator
 
-TEST(MassRegulator, IsTheOneSciPyFinds) {
+TEST(MassRegulator, GainEqualsThatOfSciPy) {
   // scipy.linalg.solve_discrete_are(A, B, diag(q_e, q_v), 1) and its gain, SciPy 1.10; ω = 40 rad/s.
   struct Case {
     double period, pee, pev, pvv, kp, kv, share;

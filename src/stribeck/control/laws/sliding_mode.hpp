@@ -78,6 +78,9 @@ struct SlidingModeParams {
       return p.switching == Switching::kBoundaryLayer || p.switching == Switching::kTanh;
     };
     constexpr auto kBounded = [](const P& p) { return p.gain != SwitchingGain::kAdaptive; };
+    constexpr auto kReaches = [](const P& p) {
+      return p.switching != Switching::kSuperTwisting || p.gain == SwitchingGain::kSufficient;
+    };
     constexpr auto kAdapts = [](const P& p) { return p.gain == SwitchingGain::kAdaptive; };
     constexpr std::string_view kGoesWithAdaptive = "goes with gain = \"adaptive\"";
     constexpr std::string_view kGoesWithBounds = "goes with gain = \"printed\" or \"sufficient\"";
@@ -88,7 +91,8 @@ struct SlidingModeParams {
             .or_default(),
         field("a", &P::a, quantity("1/s", "1/s").not_negative(),
               "gain towards the surface, in the same order")
-            .or_default(),
+            .or_default()
+            .when(kReaches, "goes with every switching but super-twisting, and there with gain = \"sufficient\""),
         field("gamma", &P::gamma, quantity("m/s2", "mm/s2").not_negative(),
               "constant part of the switching gain, in the same order")
             .or_default(),

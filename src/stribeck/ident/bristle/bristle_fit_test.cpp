@@ -271,7 +271,7 @@ TEST(BristleFit, AWrongFirstGuessIsLeft) {
 }
 
 // The slowest rows of the map were at 1 mm/s.
-TEST(BristleFit, ARiseThatTheMapHasNotSeenIsANuisance) {
+TEST(BristleFit, FitsTheRiseBelowTheSlowestSpeedOfTheMap) {
   const Drive d = narrow_rise();
   BristleOptions options = only_lugre();
   options.unseen_below = 1e-3;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/lost_motion/indicator.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
@@ -168,8 +169,8 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
   if (backlash.low() > 0.0) {
     out.backlash = backlash;
   } else {
-    out.words.push_back(
-        fmt::format("no backlash was found; it is at most {:.2g} um", 1e6 * std::max(0.0, backlash.high())));
+    out.words.push_back(fmt::format("no backlash was found; it is at most {} um",
+                                    digits(1e6 * std::max(0.0, backlash.high()), 2)));
   }
   const double total = unknown(best, series.step(), 1).value + 2.0 * friction * compliance.value;
   double low = total, high = total;
@@ -187,7 +188,7 @@ bool told_apart(LostMotion& out, const Series& series, const Line& together) {
   return true;
 }
 
-/// +1 or -1: how the readings count along the axis; 0: one position only, which does not tell.
+/// +1 or -1: how the readings count along the axis; 0: unknown, because all readings are at one position.
 int orientation(const std::vector<Reading>& series) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   const auto n = static_cast<double>(series.size());
@@ -231,7 +232,7 @@ LostMotion identify(const std::vector<Reading>& readings) {
     return out;
   }
   const Estimate total = unknown(together, all.step(), all.loaded() ? 1 : 0);
-  if (1e-6 * total.high() < 0.0) {
+  if (total.high() < 0.0) {
     out.words.emplace_back(
         "lost motion is not determined: the readings are larger where the position is approached in direction +; the indicator counts "
         "against the axis, or the directions are exchanged (change the sign of the readings)");
@@ -242,7 +243,7 @@ LostMotion identify(const std::vector<Reading>& readings) {
   if (!(total.low() > 0.0)) {
     out.none = true;
     out.words.push_back(
-        fmt::format("no lost motion was found; it is at most {:.2g} um", std::max(0.0, total.high())));
+        fmt::format("no lost motion was found; it is at most {} um", digits(std::max(0.0, total.high()), 2)));
     return out;
   }
   if (!all.loaded()) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/lost_motion/lost_motion_parts.hpp>
 #include <stribeck/ident/stats/quantiles.hpp>
 
@@ -134,8 +135,8 @@ void keep_determined(LostMotion& out, const Fits& fits, double step) {
   if (backlash.low() > 0.0) {
     out.backlash = backlash;
   } else if (backlash.half_width < out.total->value) {
-    out.words.push_back(
-        fmt::format("no backlash was found; it is at most {:.2g} um", 1e6 * std::max(0.0, backlash.high())));
+    out.words.push_back(fmt::format("no backlash was found; it is at most {} um",
+                                    digits(1e6 * std::max(0.0, backlash.high()), 2)));
   } else {
     out.words.emplace_back(
         "the backlash is not determined: wind-up explains the difference of the encoders as well (record slower reversals, or "
@@ -211,8 +212,8 @@ LostMotion identify(const std::vector<Positions>& runs) {
   }
   if (!(out.total->low() > 0.0)) {
     out.none = true;
-    out.words.push_back(fmt::format("no lost motion was found; it is at most {:.2g} um",
-                                    1e6 * std::max(0.0, out.total->high())));
+    out.words.push_back(fmt::format("no lost motion was found; it is at most {} um",
+                                    digits(1e6 * std::max(0.0, out.total->high()), 2)));
     return out;
   }
   if (!force) {

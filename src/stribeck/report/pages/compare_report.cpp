@@ -151,10 +151,10 @@ void figures(Page& page, const CompareReportInput& input, const std::vector<Trav
   }
   page.remark(fmt::format(
       "Mean over the trials ± standard deviation between them; bold: the smallest. max: largest |{0}|. "
-      "glitch: largest |{0}| within the first 0.15 mm that an axis travels after it reversed. {0}: {1}. "
+      "glitch: largest |{0}| within the first {2:g} mm that an axis travels after it reversed. {0}: {1}. "
       "mean |⁠Δu|: variation of the control input from period to period, which shows chattering. quadrant "
       "ratio: mean of the largest |{0}| of the quadrants divided by that of equally long windows elsewhere; at 1 no quadrant is visible.",
-      letter, error));
+      letter, error, 1e3 * sim::kGlitchTravel));
   if (printed) {
     page.remark(
         "printed: averages of 10 trials on the hardware of the thesis, with the ratio of result to printed value. The "

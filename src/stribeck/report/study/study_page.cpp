@@ -203,7 +203,8 @@ std::string best_in_words(const StudyResult& r, const std::string& motion) {
   if (sure) {
     words += fmt::format(" ({}, 95 % sure)", interval(column, most));
   } else if (r.sampling != sim::Sampling::kGrid) {
-    words += fmt::format("; {} machines are too few to say how sure that is", r.runs);
+    words +=
+        fmt::format("; {} machines are too few to say how sure that is", best.figures.front().spread.count());
   }
   if (rows.size() > 1) {
     const sim::Confident other = quantile_of(r, rows[1]->figures.front(), 0.95);
@@ -231,8 +232,14 @@ std::string largest_factor(const StudyResult& r, const std::string& motion) {
     which = i;
   }
   if (largest == nullptr) return {};
-  return fmt::format(" Of its variance {} % goes with {}.", per_cent(largest->total.value),
-                     clean_text(r.factors[which].key));
+  constexpr double kUnsure = 0.5;
+  const sim::Confident& total = largest->total;
+  if (!(total.high - total.low < kUnsure))
+    return fmt::format(" Under ({}) these machines are too few to say which factor counts most.",
+                       clean_text(rows.front()->controller));
+  return fmt::format(" Of the variance under ({}) {} % ({} … {}, 95 % sure) goes with {}.",
+                     clean_text(rows.front()->controller), per_cent(total.value), per_cent(total.low),
+                     per_cent(total.high), clean_text(r.factors[which].key));
 }
 
 Page study_report_page(const StudyReportInput& input) {

@@ -81,8 +81,9 @@ TEST(StudyReport, ThePageBeginsWithWhoIsBestAndHowSureThatIs) {
   const auto page_of = [](const StudyResult& all) { return study_report({all, "again", "1"}); };
   EXPECT_THAT(
       page_of(r),
-      HasSubstr("9.5 mm/s: under (f) the largest error stays below 190.1 µm on 95 % of the machines (183.9 … "
-                "197.1, 95 % sure). Of its variance 80.0 % goes with x.friction."));
+      HasSubstr(
+          "9.5 mm/s: under (f) the largest error stays below 190.1 µm on 95 % of the machines (183.9 … "
+          "197.1, 95 % sure). Of the variance under (f) 80.0 % (70.0 … 90.0, 95 % sure) goes with x.friction."));
   // A second one with half of the errors comes first; with nearly the same it is not told apart.
   StudiedRow other = r.rows.front();
   other.controller = "h";

@@ -38,7 +38,7 @@ class LawRunner {
   /// Commands after a step for drives with a loop of their own: velocity [m/s] or position [m]. Zero from a runner that only gives
   /// forces.
   [[nodiscard]] virtual Vec<double, N> command() const { return {}; }
-  /// Force offsets beside them [N].
+  /// Force offsets that are sent with these commands [N].
   [[nodiscard]] virtual Vec<double, N> offset() const { return {}; }
 
   /// Lag of the reference behind its programme [s]; 0 for a law that does not slow down.

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +20,9 @@ constexpr int kFewestSubsteps = 6;
 int substeps_of(const Drives& drives) {
   const double n = std::ceil(drives.rate_bound() * drives.period() / kRatePerSubstep);
   if (!(n <= kMostSubsteps))
-    throw Refused("the machine needs more than 512 sub-steps per control period for its fastest rate");
+    throw Refused(fmt::format(
+        "the machine needs {} sub-steps per control period for its fastest rate, expected at most {} (a shorter control period, less damping or less pre-sliding stiffness)",
+        n, kMostSubsteps));
   return std::max(kFewestSubsteps, static_cast<int>(n));
 }
 

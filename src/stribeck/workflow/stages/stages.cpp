@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/io/error.hpp>
 #include <stribeck/io/file.hpp>
@@ -195,9 +196,10 @@ class AxisStages {
     axis_.logs = logs_.logs;
     if (all) {
       describe(*all);
-      axis_.open.push_back(fmt::format("the mass is known to {:.2g} %, expected {:g} %",
-                                       50.0 * (axis_.mass_high - axis_.mass_low) / std::abs(axis_.mass),
-                                       100.0 * kMassKnown));
+      axis_.open.push_back(
+          fmt::format("the mass is known to {} %, expected {:g} %",
+                      ident::digits(50.0 * (axis_.mass_high - axis_.mass_low) / std::abs(axis_.mass), 2),
+                      100.0 * kMassKnown));
     }
     for (const char* method : {"constant-acceleration", "sine", "jog"}) {
       if (recorded(logs_.logs, method)) continue;

@@ -192,7 +192,7 @@ class Reader {
         const std::uint64_t n = sim::number_of_values(f.distribution);
         if (n > kMostRuns / s.samples) {
           refuse("factors",
-                 fmt::format("the grid has more than {} runs, expected at most that (take fewer points, "
+                 fmt::format("the grid has too many runs, expected at most {} (take fewer points, "
                              "or another sampling)",
                              kMostRuns));
         }
