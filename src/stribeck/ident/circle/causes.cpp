@@ -149,7 +149,14 @@ constexpr double kOtherEnd = 0.3;  // share of them that the other end has at mo
 /// The peaks of one end of an axis.
 struct PeaksAtEnd {
   double sum = 0.0, noise = 0.0, width = 0.0, count = 0.0, angle = 0.0;
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
   [[nodiscard]] double height() const { return count > 0.0 ? sum / count : 0.0; }
+  /// Whether every peak stands out, and none is less than half of the mean.
+  [[nodiscard]] bool alike() const {
+    const double mean = height();
+    const double least = mean > 0.0 ? lowest : -highest;
+    return count > 0.0 && least > std::max(kBoth * noise, 0.5 * std::abs(mean));
+  }
 };
 
 /// The positive end, then the negative one.
@@ -160,6 +167,7 @@ std::array<PeaksAtEnd, 2> peaks_at_ends(const std::vector<QuadrantPeak>& peaks, 
     const double side = axis == 0 ? std::cos(p.angle) : std::sin(p.angle);
     PeaksAtEnd& end = ends[side > 0.0 ? 0 : 1];
     end.sum += p.height, end.width += p.width, end.count += 1.0;
+    end.lowest = std::min(end.lowest, p.height), end.highest = std::max(end.highest, p.height);
     end.noise = std::max(end.noise, p.half_width_95);
     end.angle = p.angle;
   }
@@ -185,11 +193,10 @@ Cause spike_at_one_end(const std::array<PeaksAtEnd, 2>& ends, int axis) {
   return out;
 }
 
-/// Heights of the two ends of an axis where one bulges out and the other in, each clearly: their mean would be of none.
+/// Heights of the two ends of an axis where one bulges out and the other in, each in every peak: their mean would be of none.
 void tell_opposite_ends(const std::array<PeaksAtEnd, 2>& ends, Cause& out) {
   const PeaksAtEnd &a = ends[0], &b = ends[1];
-  if (a.count == 0.0 || b.count == 0.0 || !(a.height() * b.height() < 0.0)) return;
-  if (std::abs(a.height()) < kBoth * a.noise || std::abs(b.height()) < kBoth * b.noise) return;
+  if (!a.alike() || !b.alike() || !(a.height() * b.height() < 0.0)) return;
   const PeaksAtEnd& larger = std::abs(a.height()) >= std::abs(b.height()) ? a : b;
   out.size = larger.height();
   out.half_width = larger.noise / std::sqrt(larger.count);
@@ -303,6 +310,10 @@ std::optional<Diagnosis> diagnose(const std::vector<CircleMotion>& given) {
   out.peaks = quadrant_peaks(f.rows, rest, f.fit.window, crossing_of_play(out.causes, f.rows.radius));
   for (const int axis : {0, 1}) out.causes.push_back(spike_of(out.peaks, axis));
   if (const auto vibration = find_vibration(motions, f.rows, f.design, f.fit)) {
+    // Where the axis reverses, a vibration stands at any of its phases.
+    for (Cause& spike : out.causes)
+      spike.found = spike.found &&
+                    (spike.kind != CauseKind::kReversalSpike || std::abs(spike.size) > vibration->amplitude);
     Cause c;
     c.kind = CauseKind::kVibration;
     c.size = vibration->amplitude;

@@ -17,6 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A CSV log of an axis with friction, one row per millisecond; columns as the header says.
 std::string csv(const std::string& header, const std::vector<std::string>& what, std::size_t rows = 3000) {
@@ -316,6 +317,18 @@ TEST(LogAxis, MotorsOfOneAxisAreAdded) {
   EXPECT_THAT(refusal(text, options), HasSubstr("got \"+ Y1 Current\", expected a unit like m"));
   options.maps = {"current=y + Y1 Current"};
   EXPECT_THAT(refusal(text, options), HasSubstr("cannot be added"));
+}
+
+// Half of the force makes half of the mass, and nothing else shows it.
+TEST(LogAxis, ASecondMotorThatIsNotUsedIsNamed) {
+  std::string text = "t [s],y [mm],Y1 Torque (%),Y2 Torque (%)\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{},3,1\n", 0.001 * k, k);
+  workflow::LogOptions options{.axis = "y"};
+  options.gain = "20 N/%";
+  EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes,
+              Contains(HasSubstr("\"Y2 Torque (%)\" of another one is not used")));
+  options.maps = {"percent=Y1 Torque (%) % + Y2 Torque (%) %"};
+  EXPECT_THAT(workflow::logged_axis(log_of(text), options).notes, Not(Contains(HasSubstr("is not used"))));
 }
 
 // Here the numbers are those of axes: nothing is added.
