@@ -10,13 +10,13 @@ namespace stribeck::ident::log::parts {
 namespace {
 
 /// Unit in which lengths are shown.
-struct Shown {
+struct LengthUnit {
   bool turning = false;
   std::string length;  ///< "mm", "rad", or "deg" of a rotary axis
   double scale = 1.0;  ///< factor from SI
 };
 
-Shown shown_in(const std::string& unit, bool rotary) {
+LengthUnit length_unit_of(const std::string& unit, bool rotary) {
   if (rotary) return {true, "deg", 180.0 / kPi};
   if (turning(unit)) return {true, "rad", 1.0};
   return {false, "mm", 1e3};
@@ -27,7 +27,7 @@ struct Verdict {
   std::vector<std::string>& cannot;
 };
 
-void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, const Verdict& out) {
+void judge_mass_and_load(const Coverage& c, const RoughFit& r, const LengthUnit& u, const Verdict& out) {
   if (!r.good || c.moving <= 0.0) {
     out.cannot.push_back("mass and friction: the axis hardly moves in this log");
   } else if (r.mass_shows) {
@@ -56,7 +56,7 @@ void judge_mass_and_load(const Coverage& c, const RoughFit& r, const Shown& u, c
   }
 }
 
-void judge_speeds(const Coverage& c, const Shown& u, const Verdict& out) {
+void judge_speeds(const Coverage& c, const LengthUnit& u, const Verdict& out) {
   const double fastest = std::max(c.v_max, -c.v_min);
   if (fastest > 0.0 && c.slowest < 0.4 * fastest) {
     out.can.push_back(fmt::format("friction over speed, from {} to {} {}/s", digits(u.scale * c.slowest),
@@ -69,7 +69,7 @@ void judge_speeds(const Coverage& c, const Shown& u, const Verdict& out) {
   }
 }
 
-void judge_periods(const Coverage& c, const Sampling& s, double resolution, const Shown& u,
+void judge_periods(const Coverage& c, const Sampling& s, double resolution, const LengthUnit& u,
                    const Verdict& out) {
   const double fastest = std::max(c.v_max, -c.v_min);
   const double finest_period = std::max(8.0 * resolution, 4.0 * fastest * s.sample_time);
@@ -85,7 +85,7 @@ void judge_periods(const Coverage& c, const Sampling& s, double resolution, cons
   }
 }
 
-void judge_presliding(const Coverage& c, const Sampling& s, double resolution, const Shown& u,
+void judge_presliding(const Coverage& c, const Sampling& s, double resolution, const LengthUnit& u,
                       const Verdict& out) {
   // Break-away of guides and screws lies at 1 to 100 µm; five steps are needed to see a stiffness. From `fine` to `coarse` the
   // axis must be one of the softer ones.
@@ -134,7 +134,7 @@ void judge_presliding(const Coverage& c, const Sampling& s, double resolution, c
 }  // namespace
 
 void judge(Conditioned& out, const std::string& unit, bool rotary) {
-  const Shown u = shown_in(unit, rotary);
+  const LengthUnit u = length_unit_of(unit, rotary);
   const Verdict verdict{out.determinable, out.cannot_tell};
   const Sampling& s = out.sampling;
   const double resolution = std::max(s.x_quantum_large, 3.0 * s.x_noise);
