@@ -131,17 +131,6 @@ bool has_idle_term(const BranchFit& fit, const Bins& bins) {
   });
 }
 
-/// Whether two terms of opposite sign are each as tall as the friction: they cancel to a shape that no friction has.
-bool has_cancelling_terms(const BranchFit& fit, const Bins& bins) {
-  constexpr double kTall = 0.4;  // of the largest force
-  const double least = kTall * *std::max_element(bins.force.begin(), bins.force.end());
-  const auto tall = [&](double sign) {
-    return std::any_of(fit.terms.begin(), fit.terms.end(),
-                       [&](const FitTerm& g) { return sign * g.a > least; });
-  };
-  return tall(1.0) && tall(-1.0);
-}
-
 /// All numbers of terms for one direction: the fit to all blocks, and the held-out error with each block left out.
 Branches score_branches(const SideSums& side, int s, const StaticOptions& options) {
   const std::size_t blocks = side.block.size();
@@ -204,7 +193,7 @@ Branches score_branches(const SideSums& side, int s, const StaticOptions& option
     fit = std::move(*next);
     for (Fold& f : folds) f.fit = fit_one_more(f.bins, f.fit, quick, &fit).value_or(f.fit);
     // Not a candidate, but a start for one with a term more.
-    if (!options.terms && (has_idle_term(fit, all) || has_cancelling_terms(fit, all))) {
+    if (!options.terms && has_idle_term(fit, all)) {
       ++vain;
       continue;
     }
