@@ -207,7 +207,9 @@ TEST(DriveInterface, TheObserverSeesTheForceThatTheDriveReports) {
   EXPECT_NEAR(estimate_after(loop), 75.0, 0.1);
 }
 
-TEST(DriveInterface, ObserverEstimateStaysZeroWithoutForceFeedback) { EXPECT_EQ(estimate_after(velocity_loop()), 0.0); }
+TEST(DriveInterface, ObserverEstimateStaysZeroWithoutForceFeedback) {
+  EXPECT_EQ(estimate_after(velocity_loop()), 0.0);
+}
 
 }  // namespace
 }  // namespace stribeck::control::drive_interface_test

@@ -92,7 +92,8 @@ struct SlidingModeParams {
         field("a", &P::a, quantity("1/s", "1/s").not_negative(),
               "gain towards the surface, in the same order")
             .or_default()
-            .when(kReaches, "goes with every switching but super-twisting, and there with gain = \"sufficient\""),
+            .when(kReaches,
+                  "goes with every switching but super-twisting, and there with gain = \"sufficient\""),
         field("gamma", &P::gamma, quantity("m/s2", "mm/s2").not_negative(),
               "constant part of the switching gain, in the same order")
             .or_default(),

@@ -17,9 +17,9 @@ Excitation design_constant_acceleration(const Limits& limits, double sample_time
                                         const AccelerationDesign& design) {
   check(limits, sample_time, design.start);
   if (!(design.flank > 0.0) || design.repeats < 1) {
-    throw Refused(fmt::format(
-        "constant acceleration: got a flank of {:g} s and {} repeats, expected both above 0", design.flank,
-        design.repeats));
+    throw Refused(
+        fmt::format("constant acceleration: got a flank of {:g} s and {} repeats, expected both above 0",
+                    design.flank, design.repeats));
   }
   const double room =
       design.direction > 0 ? limits.travel_max - design.start : design.start - limits.travel_min;

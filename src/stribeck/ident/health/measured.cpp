@@ -8,8 +8,8 @@
 #include <numbers>
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/ident/health/measured.hpp>
-#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/log/motion.hpp>
+#include <stribeck/ident/shown.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/order.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
@@ -416,8 +416,8 @@ Measured measure(const std::vector<log::Record>& records, const Plan& plan, doub
     if (fewest < kFewRows / 2)
       throw Refused(fmt::format(
           "{}: got {} rows near {} towards {}x, expected {} (repeat the motion of the first test)",
-          records.front().source, fewest, Shown(records.front()).speed(plan.speeds[k]), counts[k][0] < counts[k][1] ? '-' : '+',
-          kFewRows / 2));
+          records.front().source, fewest, Shown(records.front()).speed(plan.speeds[k]),
+          counts[k][0] < counts[k][1] ? '-' : '+', kFewRows / 2));
   }
   const Fit fit(rows, plan, records.front().source);
   Measured out;

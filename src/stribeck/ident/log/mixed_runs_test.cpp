@@ -20,7 +20,8 @@ TEST(MixedRuns, TwoDaysAreSaid) {
       warn_of_mixed_runs(steady_runs([&](double v) { return law(v) + (v < 4.5e-3 ? 3.0 : 0.0); }, true));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].kind, "mixed-runs");
-  EXPECT_THAT(found[0].text, AllOf(HasSubstr("different days"), HasSubstr("between 4 mm/s and 5 mm/s"), HasSubstr("v < 0")));
+  EXPECT_THAT(found[0].text,
+              AllOf(HasSubstr("different days"), HasSubstr("between 4 mm/s and 5 mm/s"), HasSubstr("v < 0")));
   EXPECT_NEAR(found[0].values.at(3), -3.0, 0.2);
 }
 

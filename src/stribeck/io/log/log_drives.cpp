@@ -96,7 +96,8 @@ class EposReader : DriveReader {
       log_.columns.push_back({name, std::move(unit), {}, name});
     }
     if (log_.columns[0].unit_text.empty()) {
-      fail(lines_.number(), "unknown unit of time: got " + in_quotes(as_utf8(unit_cells[0])) + ", expected s, ms or us");
+      fail(lines_.number(),
+           "unknown unit of time: got " + in_quotes(as_utf8(unit_cells[0])) + ", expected s, ms or us");
     }
   }
 

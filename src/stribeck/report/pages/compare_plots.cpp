@@ -211,7 +211,8 @@ ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& r
         if (p.markers.empty()) {
           p.markers.push_back({0.0, who});
           if (std::isfinite(window))
-            p.markers.push_back({window * kMilli, fmt::format("{:g} mm of {}", 1e3 * sim::kGlitchTravel, result.axes[axis])});
+            p.markers.push_back(
+                {window * kMilli, fmt::format("{:g} mm of {}", 1e3 * sim::kGlitchTravel, result.axes[axis])});
         }
         p.series.push_back(std::move(s));
       }

@@ -97,9 +97,9 @@ std::string against_thesis(const Rows& rows, const Rivals& rivals, const std::st
   if (flattest == quietest && flattest != &ours) {
     const bool within = alike(*flattest, ours, &Metrics::max_contour_error, trials) &&
                         alike(*flattest, ours, &Metrics::rms, trials);
-    text += fmt::format(" {} leaves the smallest errors: {}{}.", full_name(*flattest),
-                        maximum_and_rms(*flattest),
-                        within ? "; the difference to " + name_of(ours) + " is within the scatter" : "");
+    text +=
+        fmt::format(" {} leaves the smallest errors: {}{}.", full_name(*flattest), maximum_and_rms(*flattest),
+                    within ? "; the difference to " + name_of(ours) + " is within the scatter" : "");
   } else {
     if (flattest != &ours) {
       text += fmt::format(" {} has the smallest maximum, {}{}.", full_name(*flattest),
@@ -172,7 +172,8 @@ std::string best_in_words(const Rows& rows, const std::string& pace, const sim::
     const bool at_quadrant = glitch > 0.98 * best->mean.max_contour_error;
     text += fmt::format(
         " What remains at the {} is {} within the first {:g}\u00A0mm after an axis reverses{}.",
-        result.axes.size() == 1 ? "reversals" : "quadrants", with_micrometres(glitch), 1e3 * sim::kGlitchTravel,
+        result.axes.size() == 1 ? "reversals" : "quadrants", with_micrometres(glitch),
+        1e3 * sim::kGlitchTravel,
         at_quadrant ? ", and that is the largest error of all" : "; the largest error lies elsewhere");
   }
   return text;

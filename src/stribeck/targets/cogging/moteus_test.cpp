@@ -89,8 +89,7 @@ TEST(Moteus, WhatATurnCannotHoldIsSaid) {
   const std::string said = x.to("moteus").text;
   EXPECT_THAT(said, HasSubstr("friction over velocity"));
   EXPECT_THAT(said, HasSubstr("2 N with a period of 5 mm, which changes its sign with the velocity"));
-  EXPECT_THAT(said,
-              HasSubstr("1 N with a period of 7 mm, of which the lead is no whole number of periods"));
+  EXPECT_THAT(said, HasSubstr("1 N with a period of 7 mm, of which the lead is no whole number of periods"));
   EXPECT_THAT(said, Not(HasSubstr("8 N with a period")));
 }
 

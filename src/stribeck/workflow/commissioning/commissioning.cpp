@@ -96,8 +96,8 @@ Outcome run(RunningMachine& machine, const Options& options, const Dialogue& dia
       if (!options.stage.empty() && !wanted) continue;
       if (wanted) {
         if (const std::string missing = folders.missing_before(stage.name); !missing.empty())
-          throw Stopped(fmt::format("stage {} needs {} first (run --stage {} first, or leave out --stage)", stage.name,
-                                    missing, missing));
+          throw Stopped(fmt::format("stage {} needs {} first (run --stage {} first, or leave out --stage)",
+                                    stage.name, missing, missing));
       } else if (const auto known = folders.result(stage.name)) {
         out.stages.push_back({stage.name, true, known->value("says", std::vector<std::string>())});
         continue;

@@ -188,8 +188,9 @@ void check_value(const MachineDraft& draft, const std::string& option, const std
     if (other == OfAxis::kBoth || other == kind) continue;
     refuse_option(
         option,
-        fmt::format("{}: got {} beside {} = {}: one value is for a rotary axis, the other for a linear one (give both in deg or both in mm)",
-                    key, io::in_quotes(value), full_key(axis, a), io::in_quotes(*given)));
+        fmt::format(
+            "{}: got {} beside {} = {}: one value is for a rotary axis, the other for a linear one (give both in deg or both in mm)",
+            key, io::in_quotes(value), full_key(axis, a), io::in_quotes(*given)));
   }
 }
 

@@ -191,10 +191,9 @@ class Reader {
       for (const BoundFactor& f : s.factors) {
         const std::uint64_t n = sim::number_of_values(f.distribution);
         if (n > kMostRuns / s.samples) {
-          refuse("factors",
-                 fmt::format("the grid has too many runs, expected at most {} (take fewer points, "
-                             "or another sampling)",
-                             kMostRuns));
+          refuse("factors", fmt::format("the grid has too many runs, expected at most {} (take fewer points, "
+                                        "or another sampling)",
+                                        kMostRuns));
         }
         s.samples *= n;
       }
