@@ -143,7 +143,7 @@ Cause cause_of(const Fitted& f, const stats::Uncertainty& u, const CauseColumns&
 }
 
 constexpr double kAlone = 5.0;     // half widths by which the peaks of one end stand out alone
-constexpr double kBoth = 2.0;      // half widths beyond which both ends stand out
+constexpr double kBoth = 3.0;      // half widths beyond which both ends stand out
 constexpr double kOtherEnd = 0.3;  // share of them that the other end has at most
 
 /// The peaks of one end of an axis.
