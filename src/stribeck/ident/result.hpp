@@ -114,7 +114,7 @@ struct Result {
   Interval mass_interval;                                        ///< [kg]
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]; 0: none was found
-  std::optional<double> given_shift{};     ///< by which the force was said to stand later than its motion [s]
+  std::optional<double> given_shift{};     ///< given time by which the force is later than its motion [s]
   double load = 0.0;                       ///< constant force against +x, e.g. a weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;

@@ -22,10 +22,8 @@ struct Track {
   [[nodiscard]] double deviation() const { return minimum_zone(x, y, middle()).width; }
 };
 
-/// Rows of whole laps: a part that is travelled twice would weigh double in a fit.
-std::size_t whole_laps(const CircleRun& run) {
-  constexpr double kAlmost = 0.02;  // of a lap
-  const double turn = 2.0 * kPi * std::floor(run.revolutions + kAlmost);
+std::size_t rows_of_whole_laps(const CircleRun& run) {
+  const double turn = whole_laps(2.0 * kPi * run.revolutions);
   std::size_t rows = 0;
   while (rows < run.angle.size() && std::abs(run.angle[rows] - run.angle.front()) <= turn) ++rows;
   return rows;
@@ -115,7 +113,7 @@ CircularTest circular_test(const CircleSamples& s, const CircleMotion& motion) {
   Track both, whole;
   for (const CircleRun& run : motion.runs) {
     both.add(s, run.first, run.last);
-    whole.add(s, run.first, run.first + whole_laps(run));
+    whole.add(s, run.first, run.first + rows_of_whole_laps(run));
     const bool known = std::any_of(t.directions.begin(), t.directions.end(), [&](const DirectionTest& d) {
       return d.counter_clockwise == run.counter_clockwise;
     });

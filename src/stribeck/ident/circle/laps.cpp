@@ -292,13 +292,12 @@ Found revolutions(const CircleSamples& s, std::span<const double> time, bool com
   return out;
 }
 
-/// Least-squares circle of whole laps of the rows that are scored: a part that is travelled twice would weigh double.
+/// Least-squares circle of whole laps of the rows that are scored.
 LeastSquaresCircle circle_of_scored(std::span<const double> x, std::span<const double> y,
                                     const std::vector<double>& turned, const std::vector<Stretch>& scored) {
-  constexpr double kAlmost = 0.02;  // of a lap
   std::vector<double> some_x, some_y;
   for (const Stretch& s : scored) {
-    const double whole = kTurn * std::floor(turn_of(turned, s) / kTurn + kAlmost);
+    const double whole = whole_laps(turn_of(turned, s));
     for (std::size_t i = s.first; i < s.last && std::abs(turned[i] - turned[s.first]) <= whole; ++i) {
       some_x.push_back(x[i]);
       some_y.push_back(y[i]);
@@ -345,6 +344,11 @@ void note_outliers(const CircleSamples& s, const CircleRun& run, std::vector<std
 }
 
 }  // namespace
+
+double whole_laps(double arc) {
+  constexpr double kAlmost = 0.02;  // of a lap
+  return kTurn * std::floor(arc / kTurn + kAlmost);
+}
 
 CircleMotion circle_motion(const CircleSamples& s, std::span<const double> time, double radius) {
   CircleMotion out;

@@ -45,6 +45,9 @@ struct CircleMotion {
   std::vector<std::string> notes;
 };
 
+/// The whole laps of an arc, but for a fiftieth of a lap [rad]. A fit takes them alone: a part that is travelled twice would weigh double.
+double whole_laps(double arc);
+
 /// `time` may be empty.
 CircleMotion circle_motion(const CircleSamples& samples, std::span<const double> time, double radius);
 

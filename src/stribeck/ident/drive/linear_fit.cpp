@@ -147,7 +147,7 @@ double Terms::fill(const AlignedLog& log, const Rows& rows, std::size_t i, doubl
     *c++ = d * p.sine[r][k];
     *c++ = d * p.cosine[r][k];
   }
-  // Change of the whole force from row to row: a spring that was taken off stood there with the same shift.
+  // Change of the whole force from row to row: the spring that was taken off has the same shift.
   if (shift)
     *c = 0.5 * (m.f[k + 1] - m.f[k - 1]) + log.records[r].spring * m.v[k] * log.records[r].sample_time;
   return f;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -42,8 +43,10 @@ double snap_of(const log::Motion& m, std::size_t k, std::size_t lag) {
   return (m.a[k + lag] - 2.0 * m.a[k] + m.a[k - lag]) / (time * time);
 }
 
-/// Mean of neighbouring rows: a long log keeps what its noise leaves, which single rows of it would not.
+/// Mean of neighbouring rows: the noise of a long log averages out, which it would not in single rows.
 struct MeanRow {
+  static constexpr std::array kAveraged{&Row::t, &Row::x, &Row::v,         &Row::a,
+                                        &Row::e, &Row::f, &Row::travelled, &Row::snap};
   Row sum;
   std::size_t block = 0;
   std::size_t count = 0;
@@ -53,15 +56,11 @@ struct MeanRow {
       sum = row, block = of_block;
       return;
     }
-    for (double Row::*member :
-         {&Row::t, &Row::x, &Row::v, &Row::a, &Row::e, &Row::f, &Row::travelled, &Row::snap})
-      sum.*member += row.*member;
+    for (double Row::*member : kAveraged) sum.*member += row.*member;
   }
   [[nodiscard]] Row taken() {
     const auto n = static_cast<double>(std::exchange(count, 0));
-    for (double Row::*member :
-         {&Row::t, &Row::x, &Row::v, &Row::a, &Row::e, &Row::f, &Row::travelled, &Row::snap})
-      sum.*member /= n;
+    for (double Row::*member : kAveraged) sum.*member /= n;
     return sum;
   }
 };

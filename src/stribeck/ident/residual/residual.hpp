@@ -8,7 +8,8 @@
 ///   quality     R², RMS beside that of friction, the low-pass, the strongest line over time (lines.cpp)
 ///   causes      each a few columns beside a, v, 1 and sgn v: a force that grows with position (spring, cable chain);
 ///               sin and cos of an angle (an arm, an unbalanced table); a mass that grows with the frequency;
-///               friction along the travel; a tight spot (causes.cpp); a sudden change; logs that differ; speeds in order, which hide a change (changes.cpp)
+///               friction along the travel; a tight spot (causes.cpp); a sudden change; logs that differ; speeds in order,
+///               which hide a change (changes.cpp)
 ///
 /// A cause is told with the excitation that would separate it where this motion does not. Two causes are forces that
 /// may be taken off before a second fit: `spring` and `unbalance`.
@@ -70,13 +71,13 @@ struct Diagnosis {
   Quality quality;
   std::optional<Spring> spring;        ///< well determined
   std::optional<Unbalance> unbalance;  ///< well determined
-  double elastic_mass =
-      0.0;  ///< by which the mass is too large where the drive gives way [kg]; 0: it does not show
+  /// By how much the mass is too large because the drive gives way between motor and load [kg]; 0: no sign of it.
+  double elastic_mass = 0.0;
   std::vector<std::string> warnings;
   std::vector<std::string> cannot_tell;
 };
 
-/// Rows by which the force stands later than the motion, as log::MotionOptions has it: given, found, or -0.5, held.
+/// Rows by which the force is later than its motion (log::MotionOptions): as given, as found, else -0.5 for a held force.
 double shift_in_rows(const Result& result, double period);
 
 Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result);

@@ -76,8 +76,8 @@ struct LoopProposal {
   MeasuredMargins margins;
   LoopLimit limit = LoopLimit::kPhase;
   bool unsure = false;  ///< the margin itself keeps the rule there; its interval does not
-  double limit_at =
-      0.0;  ///< the frequency where the rule is violated first, above ω0 or, without one, by the slowest loop [rad/s]
+  /// The frequency where the next faster loop violates the rule; without a proposal, where the slowest loop does [rad/s].
+  double limit_at = 0.0;
   std::optional<Notch> notch{};
 };
 

@@ -26,7 +26,7 @@ constexpr double kLargestCell = 127.0;
 /// Positions of a turn at which the error is taken, some between each two cells.
 constexpr std::size_t kPositions = 8 * kCells;
 /// How far the lead may be from a whole number of periods, as a share of that number. An identified period is off by as much; where the
-/// difference is real, the term runs away from the table (drift_of).
+/// difference is real, the term drifts away from the table (drift_of).
 constexpr double kPeriodTolerance = 5e-3;
 
 constexpr double kLeastCurrent = 1e-9;  ///< [A]
@@ -59,7 +59,7 @@ double force_at(const Terms& terms, double x) {
   return force;
 }
 
-/// How fast a term runs away from the table along the travel [rad/m].
+/// Phase between a term and the table per travel [rad/m].
 double drift_of(const friction::Eccentric<double>& t, double lead) {
   return 2.0 * kPi * std::abs(1.0 / t.period - std::round(lead / t.period) / lead);
 }
@@ -149,7 +149,7 @@ std::vector<std::string> not_in_the_table(const Axis& axis) {
   return out;
 }
 
-/// What is said where a term runs away from the table by a degree and more over a hundred turns; "" where none does.
+/// A sentence for each term that is a degree or more off the table after a hundred turns; "" where none is.
 std::string drift_in_words(const Axis& axis, const Terms& terms) {
   constexpr double kTurns = 100.0;
   constexpr double kDegree = kPi / 180.0;

@@ -50,7 +50,7 @@ double position_of_force(const ident::log::Record& r, std::size_t row, double sh
   return (1.0 - share) * r.x[before] + share * r.x[after];
 }
 
-/// The logs without the forces of the diagnosis; `found` says by how much the force stands later than the motion.
+/// The logs without the forces of the diagnosis; the shift between force and motion is that of `found`.
 AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d,
                     const ident::Result& found) {
   AxisRecords out = axis;
@@ -191,7 +191,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     add(d, more);
     AxisRecords cleaned = without(axis, more, found.result);
     Identification again = method(cleaned);
-    // The force that was there may have moved the shift.
+    // The force that is taken off may have changed the shift that was found.
     if (shift_moved(found.result, again.result, axis)) {
       cleaned = without(axis, more, again.result);
       again = method(cleaned);
