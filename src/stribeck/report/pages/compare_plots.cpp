@@ -55,6 +55,10 @@ const sim::CompareRow* richest(const TravelBlock& block) {
   return block.rows.back();
 }
 
+std::string glitch_travel_of(const std::string& axis) {
+  return fmt::format("{:g} mm of {}", 1e3 * sim::kGlitchTravel, axis);
+}
+
 }  // namespace
 
 /// The plane curve of a travel, or null.
@@ -211,8 +215,7 @@ ScaledPlots reversal_plots(const TravelBlock& block, const sim::CompareResult& r
         if (p.markers.empty()) {
           p.markers.push_back({0.0, who});
           if (std::isfinite(window))
-            p.markers.push_back(
-                {window * kMilli, fmt::format("{:g} mm of {}", 1e3 * sim::kGlitchTravel, result.axes[axis])});
+            p.markers.push_back({window * kMilli, glitch_travel_of(result.axes[axis])});
         }
         p.series.push_back(std::move(s));
       }
