@@ -241,9 +241,11 @@ ident::Result whole_drive(const std::vector<ident::log::Record>& records) {
   axis.records = records;
   axis.rotary = records.front().rotary;
   return diagnosed(axis,
-                   [](const AxisRecords& a) {
+                   [](const AxisRecords& a, Depth depth) {
+                     ident::drive::DriveFitOptions options;
+                     options.dynamics = depth == Depth::kWhole;
                      Identification found;
-                     found.result = ident::drive::identify_drive(a.records, {});
+                     found.result = ident::drive::identify_drive(a.records, options);
                      return found;
                    })
       .result;

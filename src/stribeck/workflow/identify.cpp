@@ -239,8 +239,9 @@ Identification by_velocity(const IdentifyOptions& o, const Records& records) {
 }
 
 /// Fits the whole drive at once, for any motion.
-Identification by_drive_fit(const IdentifyOptions& o, const Records& records) {
+Identification by_drive_fit(const IdentifyOptions& o, const Records& records, Depth depth) {
   ident::drive::DriveFitOptions options;
+  options.dynamics = depth == Depth::kWhole;
   if (o.terms) options.terms = o.terms;
   if (o.model == ModelChoice::kConventional) options.most_terms = 0;
   if (o.model == ModelChoice::kGaussian) options.symmetric = false;
@@ -278,7 +279,7 @@ std::optional<Identification> friction_alone(const IdentifyOptions& o, const Axi
 }
 
 /// The method that suits the motion.
-Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
+Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis, Depth depth) {
   if (ident::methods::held_at_standstill(axis.records)) {
     check_auto(o, Method::kPositionMap, "the axis is held at standstill");
     return by_position(o, axis, true);
@@ -295,13 +296,13 @@ Identification by_motion(const IdentifyOptions& o, const AxisRecords& axis) {
         "one direction only: mass, and friction of that direction including any load; add the motion back for the rest");
     return found;
   }
-  Identification found = by_drive_fit(o, axis.records);
+  Identification found = by_drive_fit(o, axis.records, depth);
   if (mass_is_determined(found.result)) return found;
   std::optional<Identification> friction = friction_alone(o, axis);
   return friction ? std::move(*friction) : std::move(found);
 }
 
-Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
+Identification by_method(const IdentifyOptions& o, const AxisRecords& axis, Depth depth) {
   const Records& records = axis.records;
   switch (o.method) {
     case Method::kVelocityMap:
@@ -323,7 +324,7 @@ Identification by_method(const IdentifyOptions& o, const AxisRecords& axis) {
     case Method::kAuto:
       break;
   }
-  return by_motion(o, axis);
+  return by_motion(o, axis, depth);
 }
 
 /// Constant speeds, standstill and ramps do not determine the mass; the result says so.
@@ -353,8 +354,9 @@ void check_options(const IdentifyOptions& options) {
 
 Identification identify(const AxisRecords& axis, const IdentifyOptions& options) {
   check_options(options);
-  Identification found =
-      diagnosed(axis, [&options](const AxisRecords& records) { return by_method(options, records); });
+  Identification found = diagnosed(axis, [&options](const AxisRecords& records, Depth depth) {
+    return by_method(options, records, depth);
+  });
   ident::Result& result = found.result;
   if (!axis.irregular.empty() && !found.holding_only)
     throw ident::Refused(

@@ -347,9 +347,13 @@ void find_tight_spot(const Rows& rows, Diagnosis& out) {
 
 }  // namespace
 
-void find_causes(const Rows& given, Diagnosis& out) {
+void find_causes(const std::vector<Left>& left, const Rows& given, Diagnosis& out) {
   if (given.rows.size() < kFewestRows) return;
   Rows rows = given;
+  if (rows.mass > 0.0) {
+    const auto [f, target] = fit_better(rows, model_columns(rows));
+    out.elastic = find_table(left, rows, f.X, f.left, f.theta(0) + (target == &Row::e ? rows.mass : 0.0));
+  }
   find_unbalance(rows, out);
   if (!out.unbalance) find_spring(rows, out);
   if (out.spring && rows.turns()) {

@@ -228,7 +228,7 @@ Diagnosis diagnose(const std::vector<log::Record>& records, const Result& result
   judge(q, Shown(result.position_unit, result.force_unit, records.front().rotary).force_unit(), out.warnings);
   const Rows rows = collected.take();
   if (rows.high > rows.low && rows.friction > 0.0) {
-    find_causes(rows, out);
+    find_causes(collected.left, rows, out);
     find_changes(rows, out);
   }
   return out;

@@ -9,10 +9,10 @@
 ///   causes      each a few columns beside a, v, 1 and sgn v: a force that grows with position (spring, cable chain);
 ///               sin and cos of an angle (an arm, an unbalanced table); a mass that grows with the frequency;
 ///               friction along the travel; a tight spot (causes.cpp); a sudden change; logs that differ; speeds in order,
-///               which hide a change (changes.cpp)
+///               which hide a change (changes.cpp); a table on a spring (elastic.cpp)
 ///
-/// A cause is told with the excitation that would separate it where this motion does not. Two causes are forces that
-/// may be taken off before a second fit: `spring` and `unbalance`.
+/// A cause is told with the excitation that would separate it where this motion does not. Three causes are forces that
+/// may be taken off before a second fit: `elastic`, `spring` and `unbalance`.
 ///
 /// Works on records and a result alone, whichever method made it. Real time: no.
 /// Errors: those of log::reconstruct.
@@ -21,6 +21,7 @@
 #include <limits>
 #include <optional>
 #include <stribeck/core/numbers.hpp>
+#include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/log/record.hpp>
 #include <stribeck/ident/result.hpp>
 #include <string>
@@ -67,8 +68,25 @@ struct Unbalance {
   double mass = 0.0;        ///< half width of the mass beside it, 95 % [kg]
 };
 
+/// A table on a spring behind the motor that the encoder sees: f += force_of(…). The rigid model has the same whole mass.
+struct Elastic {
+  double frequency = 0.0;        ///< at which the table swings while the motor stands (anti-resonance) [Hz]
+  double damping = 0.0;          ///< ratio
+  double table_mass = 0.0;       ///< [kg]
+  double friction = 0.0;         ///< on the table's side, of Coulomb [N]
+  double mass = 0.0;             ///< of motor and table, that goes with it [kg]
+  double mass_half_width = 0.0;  ///< of the whole mass, by the error of these numbers [kg]
+  Interval frequency_interval;   ///< [Hz]
+  Interval table_interval;       ///< [kg]
+  double left = 1.0;             ///< of the square that the rigid model leaves
+};
+
+/// What the spring carries more than a rigid drive would, at each row of a motion [N].
+std::vector<double> force_of(const Elastic& elastic, const log::Motion& motion);
+
 struct Diagnosis {
   Quality quality;
+  std::optional<Elastic> elastic;      ///< well determined
   std::optional<Spring> spring;        ///< well determined
   std::optional<Unbalance> unbalance;  ///< well determined
   /// By how much the mass is too large because the drive gives way between motor and load [kg]; 0: no sign of it.

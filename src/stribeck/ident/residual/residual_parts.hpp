@@ -1,7 +1,9 @@
 #pragma once
 /// Inside of residual.hpp: what is handed from the rows to the causes. Inside ident only. Real time: no.
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/residual/residual.hpp>
@@ -58,7 +60,13 @@ struct Rows {
 // lines.cpp
 void find_lines(const std::vector<Left>& left, double mass, Quality& quality);
 // causes.cpp
-void find_causes(const Rows& rows, Diagnosis& out);
+void find_causes(const std::vector<Left>& left, const Rows& rows, Diagnosis& out);
+// elastic.cpp
+/// A table on a spring behind the motor, where it explains much of `force` [N] that the columns of the rigid model (`base`, the
+/// acceleration first, one line for each row) leave; `rigid_mass`: mass of that model [kg].
+std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& rows,
+                                  const Eigen::MatrixXd& base, const Eigen::VectorXd& force,
+                                  double rigid_mass);
 // changes.cpp
 /// Causes that show over time: a sudden change, speeds in order, logs that differ.
 void find_changes(const Rows& rows, Diagnosis& out);

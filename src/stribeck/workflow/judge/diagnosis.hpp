@@ -1,7 +1,7 @@
 #pragma once
 /// What the result of an identification leaves of the force, looked at after any method (ident/residual): quality in words,
-/// causes with their cure. A force that grows with position, or that follows an angle, is taken off the logs where they
-/// determine it, and the method runs once more.
+/// causes with their cure. A force that grows with position, that follows an angle, or that an elastic drive carries, is taken
+/// off the logs where they determine it, and the method runs once more.
 ///
 /// Inside workflow only. Real time: no. Errors: those of the method.
 
@@ -10,7 +10,10 @@
 
 namespace stribeck::workflow {
 
-using Identify = std::function<Identification(const AxisRecords&)>;
+/// How much of an identification is needed: pre-sliding costs most of the time, and the diagnosis does not use it.
+enum class Depth { kSteady, kWhole };
+
+using Identify = std::function<Identification(const AxisRecords&, Depth)>;
 
 /// The result of `method` on these logs, diagnosed.
 Identification diagnosed(const AxisRecords& axis, const Identify& method);

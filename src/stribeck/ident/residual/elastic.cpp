@@ -1,0 +1,312 @@
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/residual/residual_parts.hpp>
+#include <stribeck/ident/stats/linear.hpp>
+#include <stribeck/ident/stats/simplex.hpp>
+#include <vector>
+
+namespace stribeck::ident::residual {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kStep = 1e-3;                   // [s] of the search, at least
+constexpr std::size_t kMostSteps = 60'000;       // of all records, for the search
+constexpr double kSlowest = 2.0, kFastest = 90;  // [Hz]
+constexpr double kFewestSteps = 6.0;             // per oscillation
+constexpr int kFrequencies = 44;
+constexpr double kRoughGain = 0.9;    // of the square that is left, at frequencies some percent apart
+constexpr double kGain = 0.5;         // of the square that is left
+constexpr double kAsGood = 1.5;       // square of what explains nearly as much
+constexpr double kLeastTable = 0.03;  // of the whole mass
+constexpr double kMostTable = 1.05;   // of the whole mass
+constexpr double kFromBorder = 1.1;   // in frequency
+constexpr int kAround = 12;           // steps to half and to twice the frequency
+constexpr double kUsualDamping = 0.04;
+constexpr double kMostDamping = 0.2;   // ratio; more looks like a filter of the force
+constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's side
+
+/// A part of a motion at equal steps.
+struct Course {
+  double step = 0.0;  ///< [s]
+  double from = 0.0;  ///< time of the first row of the record [s]
+  std::vector<double> v, a, direction;
+};
+
+/// Means of as many rows as a step has; their times are the middle of each step.
+Course course_of(const log::Motion& m, double from, double step) {
+  Course c;
+  const auto rows = std::max<std::size_t>(1, static_cast<std::size_t>(step / m.sample_time + 0.5));
+  c.step = static_cast<double>(rows) * m.sample_time;
+  c.from = from + 0.5 * static_cast<double>(rows - 1) * m.sample_time;
+  for (std::size_t k = 0; k + rows <= m.rows(); k += rows) {
+    double v = 0.0, a = 0.0;
+    for (std::size_t i = k; i < k + rows; ++i) v += m.v[i], a += m.a[i];
+    c.v.push_back(v / static_cast<double>(rows));
+    c.a.push_back(a / static_cast<double>(rows));
+    c.direction.push_back(m.direction[k + rows / 2]);
+  }
+  return c;
+}
+
+/// What the table is made of.
+struct Table {
+  double omega = 0.0;     ///< of the table on the spring, motor held [rad/s]
+  double damping = 0.0;   ///< ratio
+  double friction = 0.0;  ///< over its mass [m/s²]
+};
+
+/// Motion of the table on its spring behind the given motion of the motor, from step to step. The acceleration of the motor is
+/// straight between steps, for which the oscillator is solved exactly; within a step the table slides in one direction or
+/// sticks.
+class Follower {
+ public:
+  Follower(const Table& t, double step) : t_(t), step_(step), square_(t.omega * t.omega) {
+    const double decay = t.damping * t.omega, turn = t.omega * std::sqrt(1.0 - t.damping * t.damping);
+    const double e = std::exp(-decay * step), s = std::sin(turn * step) / turn, c = std::cos(turn * step);
+    zz_ = e * (c + decay * s), zr_ = e * s, rz_ = -e * square_ * s, rr_ = e * (c - decay * s);
+  }
+
+  /// Force of the spring over the table's mass, less that of a rigid drive [m/s²], at each step.
+  void follow(const Course& c, std::vector<double>& out) {
+    out.resize(c.a.size());
+    if (c.a.empty()) return;
+    side_ = std::abs(c.v[0]) > 0.0 ? (c.v[0] > 0.0 ? 1.0 : -1.0) : 0.0;
+    stretch_ = (c.a[0] + side_ * t_.friction) / square_, rate_ = 0.0;
+    for (std::size_t k = 0;; ++k) {
+      out[k] = carried() - c.a[k] - t_.friction * c.direction[k];
+      if (k + 1 == c.a.size()) return;
+      advance(c.a[k], c.a[k + 1], c.v[k], c.v[k + 1]);
+    }
+  }
+
+ private:
+  [[nodiscard]] double carried() const { return square_ * stretch_ + 2.0 * t_.damping * t_.omega * rate_; }
+
+  void advance(double a, double next_a, double v, double next_v) {
+    if (side_ == 0.0 && t_.friction > 0.0) {
+      stretch_ += 0.5 * (v + next_v) * step_, rate_ = next_v;
+      if (std::abs(carried()) > t_.friction) side_ = carried() > 0.0 ? 1.0 : -1.0;
+      return;
+    }
+    const double u = a + side_ * t_.friction, slope = (next_a - a) / step_;
+    const double at = u / square_ - 2.0 * t_.damping * slope / (square_ * t_.omega), moves = slope / square_;
+    const double z = stretch_ - at, r = rate_ - moves;
+    stretch_ = at + moves * step_ + zz_ * z + zr_ * r;
+    rate_ = moves + rz_ * z + rr_ * r;
+    if (t_.friction == 0.0 || side_ * (next_v - rate_) >= 0.0) return;
+    rate_ = next_v;  // the table stands
+    side_ = 0.0;
+    if (std::abs(carried()) > t_.friction) side_ = carried() > 0.0 ? 1.0 : -1.0;
+  }
+
+  Table t_;
+  double step_, square_;
+  double zz_ = 1.0, zr_ = 0.0, rz_ = 0.0, rr_ = 1.0;
+  double stretch_ = 0.0, rate_ = 0.0, side_ = 0.0;
+};
+
+/// Value at a time, straight between steps.
+double value_at(const Course& c, const std::vector<double>& values, double t) {
+  const double at = std::clamp((t - c.from) / c.step, 0.0, static_cast<double>(values.size() - 1));
+  const auto before = std::min(static_cast<std::size_t>(at), values.size() - 1);
+  const std::size_t after = std::min(before + 1, values.size() - 1);
+  const double share = at - static_cast<double>(before);
+  return (1.0 - share) * values[before] + share * values[after];
+}
+
+/// Searches the table that explains most of what the columns of the rigid model leave.
+class Search {
+ public:
+  Search(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base, const VectorXd& force) {
+    std::size_t steps = 0;
+    for (const Left& l : left) {
+      if (steps > kMostSteps) break;
+      courses_.push_back(course_of(l.motion, l.record->t.front(), kStep));
+      steps += courses_.back().a.size();
+      longest_ = std::max(longest_, courses_.back().step);
+    }
+    std::vector<Index> used;
+    for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+      const auto record = static_cast<std::size_t>(rows.rows[i].record);
+      if (record >= courses_.size() || courses_[record].a.size() < 3) continue;
+      used.push_back(static_cast<Index>(i));
+      at_.push_back({record, rows.rows[i].t});
+    }
+    const auto n = static_cast<Index>(used.size());
+    base_.resize(n, base.cols() + 1);
+    base_.leftCols(base.cols()) = base(used, Eigen::all);
+    // A shift of the force that was found with the wrong mass: the derivative of the acceleration.
+    std::vector<std::vector<double>> jerk;
+    for (const Course& c : courses_) {
+      jerk.emplace_back(c.a.size(), 0.0);
+      for (std::size_t k = 1; k + 1 < c.a.size(); ++k)
+        jerk.back()[k] = (c.a[k + 1] - c.a[k - 1]) / (2.0 * c.step);
+    }
+    base_.rightCols(1) = column(jerk);
+    const VectorXd scale = base_.colwise().norm().cwiseMax(1e-300);
+    base_ = base_ * scale.cwiseInverse().asDiagonal();
+    mass_scale_ = scale(0);
+    inverse_ = stats::pseudo_inverse(stats::gram(base_));
+    weights_ = inverse_ * (base_.transpose() * force(used));
+    left_ = force(used) - base_ * weights_;
+    square_ = left_.squaredNorm();
+  }
+
+  [[nodiscard]] double fastest() const { return std::min(kFastest, 1.0 / (kFewestSteps * longest_)); }
+  [[nodiscard]] double square_without() const { return square_; }
+
+  struct Found {
+    Table table;
+    double square = std::numeric_limits<double>::infinity();
+    double table_mass = 0.0;
+    double mass = 0.0;
+  };
+
+  /// The masses that go with a table, and what they leave.
+  Found judge(const Table& t) {
+    Found f;
+    f.table = t;
+    std::vector<std::vector<double>> forces(courses_.size());
+    for (std::size_t r = 0; r < courses_.size(); ++r)
+      Follower(t, courses_[r].step).follow(courses_[r], forces[r]);
+    const VectorXd c = column(forces);
+    const VectorXd by_base = inverse_ * (base_.transpose() * c);
+    const VectorXd alone = c - base_ * by_base;
+    const double size = alone.squaredNorm();
+    if (!(size > 1e-9 * c.squaredNorm())) return f;
+    f.table_mass = alone.dot(left_) / size;
+    f.square = square_ - f.table_mass * f.table_mass * size;
+    f.mass = (weights_(0) - f.table_mass * by_base(0)) / mass_scale_;
+    if (!(f.table_mass > 0.0) || !std::isfinite(f.square)) f.square = std::numeric_limits<double>::infinity();
+    tried_.push_back(f);
+    return f;
+  }
+
+  /// Best over frequencies, without friction on the table and with some over its mass [m/s²].
+  Found over_frequencies(double some) {
+    Found best;
+    for (int i = 0; i < kFrequencies; ++i) {
+      const double hz = kSlowest * std::pow(fastest() / kSlowest, i / (kFrequencies - 1.0));
+      for (const double friction : {0.0, some}) {
+        const Found f = judge({2.0 * kPi * hz, kUsualDamping, friction});
+        if (f.square < best.square) best = f;
+      }
+    }
+    return best;
+  }
+
+  /// From there on; `friction` is that of the axis [N].
+  Found refined(const Found& start, double friction) {
+    Found best = start;
+    for (const double share : {0.0, 0.3, 0.9}) {
+      const double scale = friction / std::max(start.table_mass, 1e-12);
+      const auto table = [&](const std::vector<double>& p) {
+        return Table{std::exp(p[0]), std::clamp(std::exp(p[1]), 1e-3, 2.0 * kMostDamping),
+                     std::clamp(p[2], 0.0, kMostFriction) * scale};
+      };
+      const auto value = [&](const std::vector<double>& p) {
+        const Found f = judge(table(p));
+        if (f.square < best.square) best = f;
+        return std::isfinite(f.square) ? f.square / square_ : 2.0;
+      };
+      stats::SimplexOptions options;
+      options.tolerance = 1e-4;
+      options.evaluations = 150;
+      stats::minimise_simplex(value, {std::log(start.table.omega), std::log(start.table.damping), share},
+                              {0.05, 0.5, share == 0.0 ? 0.1 : 0.2}, options);
+    }
+    return best;
+  }
+
+  /// Tries the tables around the best one, so that the spread of those that explain nearly as much shows.
+  void look_around(const Found& best) {
+    for (int i = -kAround; i <= kAround; ++i) {
+      for (const double damping : {0.5, 1.0, 2.0}) {
+        judge({best.table.omega * std::exp2(static_cast<double>(i) / kAround),
+               std::min(damping * best.table.damping, 2.0 * kMostDamping), best.table.friction});
+      }
+    }
+  }
+
+  /// Least and largest value among those that explain nearly as much.
+  template <class Value>
+  [[nodiscard]] Interval spread(const Found& best, Value value) const {
+    Interval out{value(best), value(best)};
+    for (const Found& f : tried_) {
+      if (!(f.square < kAsGood * best.square)) continue;
+      out.low = std::min(out.low, value(f)), out.high = std::max(out.high, value(f));
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] VectorXd column(const std::vector<std::vector<double>>& values) const {
+    VectorXd c(static_cast<Index>(at_.size()));
+    for (std::size_t i = 0; i < at_.size(); ++i)
+      c(static_cast<Index>(i)) = value_at(courses_[at_[i].record], values[at_[i].record], at_[i].t);
+    return c;
+  }
+
+  struct At {
+    std::size_t record = 0;
+    double t = 0.0;
+  };
+  std::vector<Course> courses_;
+  std::vector<At> at_;
+  double longest_ = 0.0;
+  MatrixXd base_, inverse_;
+  VectorXd weights_, left_;
+  double mass_scale_ = 1.0;
+  double square_ = 0.0;
+  std::vector<Found> tried_;
+};
+
+}  // namespace
+
+std::vector<double> force_of(const Elastic& e, const log::Motion& m) {
+  const Course c = course_of(m, 0.0, m.sample_time);
+  std::vector<double> force;
+  Follower({2.0 * kPi * e.frequency, e.damping, e.friction / e.table_mass}, c.step).follow(c, force);
+  for (double& f : force) f *= e.table_mass;
+  return force;
+}
+
+std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base,
+                                  const VectorXd& force, double rigid_mass) {
+  Search search(left, rows, base, force);
+  if (!(search.square_without() > 0.0) || !(rigid_mass > 0.0) || search.fastest() < 2.0 * kSlowest) return {};
+  const Search::Found rough = search.over_frequencies(rows.friction / rigid_mass);
+  if (!(rough.square < kRoughGain * search.square_without())) return {};
+  const Search::Found best = search.refined(rough, rows.friction);
+  if (!(best.square < kGain * search.square_without())) return {};
+  const double mass = rigid_mass + best.mass;
+  const double share = best.table_mass / mass;
+  const double hz = best.table.omega / (2.0 * kPi);
+  if (!(share > kLeastTable && share < kMostTable) || best.table.damping > kMostDamping) return {};
+  if (hz < kFromBorder * kSlowest || hz * kFromBorder > search.fastest()) return {};
+  Elastic e;
+  e.frequency = hz;
+  e.damping = best.table.damping;
+  e.table_mass = std::min(best.table_mass, mass);
+  e.friction = best.table.friction * e.table_mass;
+  e.mass = mass;
+  search.look_around(best);
+  e.frequency_interval =
+      search.spread(best, [](const Search::Found& f) { return f.table.omega / (2.0 * kPi); });
+  e.table_interval = search.spread(best, [](const Search::Found& f) { return f.table_mass; });
+  const Interval masses = search.spread(best, [](const Search::Found& f) { return f.mass; });
+  e.mass_half_width = std::max(best.mass - masses.low, masses.high - best.mass);
+  e.left = best.square / search.square_without();
+  return e;
+}
+
+}  // namespace stribeck::ident::residual
