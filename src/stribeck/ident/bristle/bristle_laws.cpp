@@ -272,7 +272,7 @@ std::string fit_lugre(const Given& given, double guess, Rows& rows, Fitted& lugr
   const std::string why = fit_from(given, guess, rows, lugre);
   if (!why.empty()) return why;
   double least = share_left(given, rows, lugre);
-  if (least > kPoor && rows.path.rows.size() < kMostRowsForStarts) {
+  if (least > kPoor && rows.path.rows.size() < kMostRowsForStarts && !given.options.near) {
     // The first guess may lie beside a wrong minimum: one break-away distance is tried far on either side of it.
     // Starts that the encoder or the stroke bounds to the same distance are one.
     double best = start_of(given, guess), last = best;

@@ -70,6 +70,7 @@ void reach_beside_unseen_rise(bristle::BristleFit& fit, const std::vector<log::R
   if (!std::holds_alternative<friction::LuGre<double>>(fit.best) || fit.rows > kMostRowsForRise) return;
   options.elements = 0;
   options.unseen_below = slowest;
+  if (fit.break_away > 0.0) options.near = fit.break_away;
   bristle::BristleFit risen;
   try {
     risen = bristle::fit_bristle(records, known, options);
@@ -136,6 +137,7 @@ void allow_shifts(bristle::BristleFit& fit, const std::vector<log::Record>& reco
                   const friction::AxisModel& known, bristle::BristleOptions options, double half) {
   // A law that was not chosen has no intervals to widen, and its fit is the longest of all.
   if (!std::holds_alternative<friction::Gms<double>>(fit.best)) options.elements = 0;
+  if (fit.break_away > 0.0) options.near = fit.break_away;
   const double shift = options.shift;
   std::vector<bristle::BristleFit> moved;
   for (const double by : {-half, half}) {

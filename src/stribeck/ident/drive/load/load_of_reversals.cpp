@@ -73,7 +73,7 @@ struct Search {
 
 /// Fits until a fit asks for no other load; absent where a level would vanish or the search does not end.
 std::optional<Search> search(const std::vector<log::Record>& records, const friction::AxisModel& start,
-                             const bristle::BristleOptions& options) {
+                             bristle::BristleOptions options) {
   Search s{{}, start};
   for (int i = 0; i < kMostLoads; ++i) {
     s.last = bristle::fit_bristle(records, s.axis, options);
@@ -87,6 +87,7 @@ std::optional<Search> search(const std::vector<log::Record>& records, const fric
     const double least = std::min(level.forward - s.step, level.backward + s.step);
     if (!(least > kLeastLevel * level.mean())) return {};
     s.axis = with_load(s.axis, s.axis.load + s.step);
+    if (s.last.break_away > 0.0) options.near = s.last.break_away;
   }
   return {};
 }
