@@ -6,7 +6,8 @@
 ///
 /// In closed loop the reference alone predicts a velocity, v̂ = Σ h_j·ṙ(k − l_j), with weights h by least squares on the
 /// measured one. v̂ is free of measurement noise, and close to the measured motion even behind a slow position loop. Its
-/// acceleration is the instrument of the mass.
+/// acceleration is the instrument of the mass. Where no reference was logged, v̂ is the measured motion through a longer window: the
+/// force of a loop that works on the noise of its encoder agrees with the noise of the motion itself.
 ///
 /// Inside ident only. Real time: no.
 /// Errors: Refused when there is no record, a record has problems(), or records have different units.
@@ -37,8 +38,9 @@ struct AlignedLog {
   std::vector<log::Motion> motions;        ///< of each record
   std::vector<std::vector<double>> force;  ///< of each record, through the window, before alignment [N]
   std::vector<std::vector<double>>
-      predicted;              ///< velocity predicted from the reference [m/s]; empty: no reference
-  double shift = kHeldForce;  ///< of the force, as in MotionOptions [rows]
+      predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion through a longer window; empty: open loop
+  std::vector<bool> by_reference;  ///< whether it is by the reference
+  double shift = kHeldForce;       ///< of the force, as in MotionOptions [rows]
 };
 
 AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,

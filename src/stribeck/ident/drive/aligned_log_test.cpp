@@ -45,7 +45,7 @@ TEST(AlignedLog, TheReferenceExplainsTheVelocityBehindASlowLoop) {
   EXPECT_GT(std::sqrt(without / all), 0.5);
 }
 
-TEST(AlignedLog, WithoutAReferenceNothingIsPredicted) {
+TEST(AlignedLog, WithoutAReferenceACalmerMotionTakesItsPlace) {
   log::Record rec = moved();
   Notes notes;
   const AlignedLog with = reconstruct_all({&rec, 1}, 0.0, std::nullopt, notes);
@@ -54,7 +54,9 @@ TEST(AlignedLog, WithoutAReferenceNothingIsPredicted) {
   rec.r.clear();
   const std::vector<log::Record> pieces{rec, rec};
   const AlignedLog without = reconstruct_all(pieces, 0.0, std::nullopt, notes);
-  EXPECT_TRUE(without.predicted[0].empty());
+  ASSERT_EQ(without.predicted[0].size(), rec.x.size());
+  EXPECT_FALSE(without.by_reference[0]);
+  EXPECT_TRUE(with.by_reference[0]);
   EXPECT_EQ(without.shift, kHeldForce);
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("no reference and no programmed force")));
 }

@@ -14,6 +14,7 @@ namespace {
 constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 40;
 constexpr double kHysteresis = 10.0;
+constexpr int kCalmer = 2;  // rows by which the boxes of the instrument are longer
 
 /// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums use differences from the
 /// first value, so that a position far from zero costs no digits.
@@ -164,6 +165,13 @@ void align_force(const std::vector<double>& f, double shift, std::size_t from, s
   for (std::ptrdiff_t k = outer; k < end; ++k) o[k] = held(k);
 }
 
+std::vector<double> calm_velocity(const Motion& m) {
+  const std::vector<double> x = smooth(m.x, m.window + kCalmer);
+  std::vector<double> v(x.size(), 0.0);
+  for (std::size_t k = 1; k + 1 < x.size(); ++k) v[k] = (x[k + 1] - x[k - 1]) / (2.0 * m.sample_time);
+  return v;
+}
+
 Motion reconstruct(const Record& record, const MotionOptions& options) {
   const double T = record.sample_time;
   Motion m;
@@ -217,7 +225,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   } else if (m.loop == Loop::kClosed && !record.r.empty()) {
     m.instrument = second_difference(smooth_like(m, record.r), T);
   } else {
-    m.instrument = second_difference(smooth(m.x, m.window + 2), T);
+    m.instrument = second_difference(smooth(m.x, m.window + kCalmer), T);
   }
   find_reversals(record.x, std::max(kHysteresis * m.position_noise, 1e-7 * m.stroke), m);
   return m;

@@ -79,6 +79,9 @@ void align_force(const std::vector<double>& f, double shift, std::size_t from, s
 /// Passes another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);
 
+/// Velocity through a window that is several times longer, symmetric too [m/s]: its noise hardly agrees with that of the motion.
+std::vector<double> calm_velocity(const Motion& motion);
+
 /// The record must be free of problems().
 Motion reconstruct(const Record& record, const MotionOptions& options = {});
 
