@@ -32,6 +32,7 @@ constexpr double kFromBorder = 1.1;   // in frequency
 constexpr int kAround = 12;           // steps to half and to twice the frequency
 constexpr double kUsualDamping = 0.04;
 constexpr double kMostDamping = 0.2;   // ratio; more looks like a filter of the force
+constexpr double kMostLate = 5e-3;     // [s], beside the shift of the model
 constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's side
 
 /// A part of a motion at equal steps.
@@ -62,6 +63,7 @@ struct Table {
   double omega = 0.0;     ///< of the table on the spring, motor held [rad/s]
   double damping = 0.0;   ///< ratio
   double friction = 0.0;  ///< over its mass [m/s²]
+  double late = 0.0;      ///< time by which its force is later than the shift of the model says [s]
 };
 
 /// Motion of the table on its spring behind the given motion of the motor, from step to step. The acceleration of the motor is
@@ -126,7 +128,9 @@ double value_at(const Course& c, const std::vector<double>& values, double t) {
 /// Searches the table that explains most of what the columns of the rigid model leave.
 class Search {
  public:
-  Search(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base, const VectorXd& force) {
+  Search(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base, const VectorXd& force,
+         double rigid_mass)
+      : rigid_mass_(rigid_mass) {
     std::size_t steps = 0;
     for (const Left& l : left) {
       if (steps > kMostSteps) break;
@@ -151,7 +155,7 @@ class Search {
       for (std::size_t k = 1; k + 1 < c.a.size(); ++k)
         jerk.back()[k] = (c.a[k + 1] - c.a[k - 1]) / (2.0 * c.step);
     }
-    base_.rightCols(1) = column(jerk);
+    base_.rightCols(1) = column(jerk, 0.0);
     const VectorXd scale = base_.colwise().norm().cwiseMax(1e-300);
     base_ = base_ * scale.cwiseInverse().asDiagonal();
     mass_scale_ = scale(0);
@@ -178,17 +182,33 @@ class Search {
     std::vector<std::vector<double>> forces(courses_.size());
     for (std::size_t r = 0; r < courses_.size(); ++r)
       Follower(t, courses_[r].step).follow(courses_[r], forces[r]);
-    const VectorXd c = column(forces);
+    const VectorXd c = column(forces, t.late);
     const VectorXd by_base = inverse_ * (base_.transpose() * c);
     const VectorXd alone = c - base_ * by_base;
     const double size = alone.squaredNorm();
     if (!(size > 1e-9 * c.squaredNorm())) return f;
     f.table_mass = alone.dot(left_) / size;
     f.square = square_ - f.table_mass * f.table_mass * size;
-    f.mass = (weights_(0) - f.table_mass * by_base(0)) / mass_scale_;
+    f.mass = rigid_mass_ + (weights_(0) - f.table_mass * by_base(0)) / mass_scale_;
     if (!(f.table_mass > 0.0) || !std::isfinite(f.square)) f.square = std::numeric_limits<double>::infinity();
     tried_.push_back(f);
     return f;
+  }
+
+  /// Whether a drive can be like this; a filter of the force looks like a spring with much damping.
+  [[nodiscard]] bool believable(const Found& f) const {
+    const double hz = f.table.omega / (2.0 * kPi);
+    return f.table_mass > kLeastTable * f.mass && f.table_mass < kMostTable * f.mass &&
+           f.table.damping <= kMostDamping && hz > kFromBorder * kSlowest && hz * kFromBorder < fastest();
+  }
+
+  /// The best of those that were tried; of the believable ones alone, where asked for.
+  [[nodiscard]] Found best(bool only_believable) const {
+    Found best;
+    for (const Found& f : tried_) {
+      if (f.square < best.square && (!only_believable || believable(f))) best = f;
+    }
+    return best;
   }
 
   /// Best over frequencies, without friction on the table and with some over its mass [m/s²].
@@ -204,27 +224,14 @@ class Search {
     return best;
   }
 
-  /// From there on; `friction` is that of the axis [N].
-  Found refined(const Found& start, double friction) {
-    Found best = start;
-    for (const double share : {0.0, 0.3, 0.9}) {
-      const double scale = friction / std::max(start.table_mass, 1e-12);
-      const auto table = [&](const std::vector<double>& p) {
-        return Table{std::exp(p[0]), std::clamp(std::exp(p[1]), 1e-3, 2.0 * kMostDamping),
-                     std::clamp(p[2], 0.0, kMostFriction) * scale};
-      };
-      const auto value = [&](const std::vector<double>& p) {
-        const Found f = judge(table(p));
-        if (f.square < best.square) best = f;
-        return std::isfinite(f.square) ? f.square / square_ : 2.0;
-      };
-      stats::SimplexOptions options;
-      options.tolerance = 1e-4;
-      options.evaluations = 150;
-      stats::minimise_simplex(value, {std::log(start.table.omega), std::log(start.table.damping), share},
-                              {0.05, 0.5, share == 0.0 ? 0.1 : 0.2}, options);
-    }
-    return best;
+  /// Searches on from there; `friction` is that of the axis [N]. At first without a shift of its own: far below the anti-resonance it
+  /// does the same as the damping.
+  void refine(const Found& start, double friction) {
+    for (const double share : {0.0, 0.3, 0.9}) descend(start.table, share, friction / start.table_mass, 0.0);
+    const Found found = best(true);
+    if (!std::isfinite(found.square)) return;
+    const double scale = friction / found.table_mass;
+    descend(found.table, found.table.friction / scale, scale, 1.0);
   }
 
   /// Tries the tables around the best one, so that the spread of those that explain nearly as much shows.
@@ -232,7 +239,8 @@ class Search {
     for (int i = -kAround; i <= kAround; ++i) {
       for (const double damping : {0.5, 1.0, 2.0}) {
         judge({best.table.omega * std::exp2(static_cast<double>(i) / kAround),
-               std::min(damping * best.table.damping, 2.0 * kMostDamping), best.table.friction});
+               std::min(damping * best.table.damping, 2.0 * kMostDamping), best.table.friction,
+               best.table.late});
       }
     }
   }
@@ -242,17 +250,35 @@ class Search {
   [[nodiscard]] Interval spread(const Found& best, Value value) const {
     Interval out{value(best), value(best)};
     for (const Found& f : tried_) {
-      if (!(f.square < kAsGood * best.square)) continue;
+      if (!believable(f) || f.square >= kAsGood * best.square) continue;
       out.low = std::min(out.low, value(f)), out.high = std::max(out.high, value(f));
     }
     return out;
   }
 
  private:
-  [[nodiscard]] VectorXd column(const std::vector<std::vector<double>>& values) const {
+  /// Simplex from a table on; `share` of the friction lies behind the spring, which is `scale` over the mass of the table; `late` is 0
+  /// where the shift is not searched.
+  void descend(const Table& from, double share, double scale, double late) {
+    const auto value = [&](const std::vector<double>& p) {
+      const Found f = judge({std::exp(p[0]), std::clamp(std::exp(p[1]), 1e-3, 2.0 * kMostDamping),
+                             std::clamp(p[2], 0.0, kMostFriction) * scale,
+                             p.size() > 3 ? std::clamp(p[3], -1.0, 1.0) * kMostLate : 0.0});
+      return std::isfinite(f.square) ? f.square / square_ : 2.0;
+    };
+    stats::SimplexOptions options;
+    options.tolerance = 1e-4;
+    options.evaluations = 150;
+    std::vector<double> start{std::log(from.omega), std::log(from.damping), share};
+    std::vector<double> step{0.05, -0.7, share == 0.0 ? 0.1 : 0.2};
+    if (late > 0.0) start.push_back(0.0), step.push_back(0.1);
+    stats::minimise_simplex(value, start, step, options);
+  }
+
+  [[nodiscard]] VectorXd column(const std::vector<std::vector<double>>& values, double late) const {
     VectorXd c(static_cast<Index>(at_.size()));
     for (std::size_t i = 0; i < at_.size(); ++i)
-      c(static_cast<Index>(i)) = value_at(courses_[at_[i].record], values[at_[i].record], at_[i].t);
+      c(static_cast<Index>(i)) = value_at(courses_[at_[i].record], values[at_[i].record], at_[i].t - late);
     return c;
   }
 
@@ -265,7 +291,7 @@ class Search {
   double longest_ = 0.0;
   MatrixXd base_, inverse_;
   VectorXd weights_, left_;
-  double mass_scale_ = 1.0;
+  double rigid_mass_ = 0.0, mass_scale_ = 1.0;
   double square_ = 0.0;
   std::vector<Found> tried_;
 };
@@ -280,26 +306,34 @@ std::vector<double> force_of(const Elastic& e, const log::Motion& m) {
   return force;
 }
 
+void take_off(const Elastic& elastic, double shift, log::Record& record) {
+  const log::Motion motion = log::reconstruct(record);
+  const std::vector<double> force = force_of(elastic, motion);
+  const double late = shift + elastic.late / record.sample_time;
+  Course rows;
+  rows.step = 1.0;
+  for (std::size_t k = 0; k < record.f.size(); ++k)
+    record.f[k] -= value_at(rows, force, static_cast<double>(k) - late);
+}
+
 std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base,
                                   const VectorXd& force, double rigid_mass) {
-  Search search(left, rows, base, force);
+  Search search(left, rows, base, force, rigid_mass);
   if (!(search.square_without() > 0.0) || !(rigid_mass > 0.0) || search.fastest() < 2.0 * kSlowest) return {};
   const Search::Found rough = search.over_frequencies(rows.friction / rigid_mass);
   if (!(rough.square < kRoughGain * search.square_without())) return {};
-  const Search::Found best = search.refined(rough, rows.friction);
+  search.refine(rough, rows.friction);
+  const Search::Found best = search.best(true);
   if (!(best.square < kGain * search.square_without())) return {};
-  const double mass = rigid_mass + best.mass;
-  const double share = best.table_mass / mass;
-  const double hz = best.table.omega / (2.0 * kPi);
-  if (!(share > kLeastTable && share < kMostTable) || best.table.damping > kMostDamping) return {};
-  if (hz < kFromBorder * kSlowest || hz * kFromBorder > search.fastest()) return {};
-  Elastic e;
-  e.frequency = hz;
-  e.damping = best.table.damping;
-  e.table_mass = std::min(best.table_mass, mass);
-  e.friction = best.table.friction * e.table_mass;
-  e.mass = mass;
+  if (best.square > kAsGood * search.best(false).square) return {};
   search.look_around(best);
+  Elastic e;
+  e.frequency = best.table.omega / (2.0 * kPi);
+  e.damping = best.table.damping;
+  e.table_mass = std::min(best.table_mass, best.mass);
+  e.friction = best.table.friction * e.table_mass;
+  e.mass = best.mass;
+  e.late = best.table.late;
   e.frequency_interval =
       search.spread(best, [](const Search::Found& f) { return f.table.omega / (2.0 * kPi); });
   e.table_interval = search.spread(best, [](const Search::Found& f) { return f.table_mass; });

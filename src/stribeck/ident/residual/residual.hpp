@@ -76,6 +76,7 @@ struct Elastic {
   double friction = 0.0;         ///< on the table's side, of Coulomb [N]
   double mass = 0.0;             ///< of motor and table, that goes with it [kg]
   double mass_half_width = 0.0;  ///< of the whole mass, by the error of these numbers [kg]
+  double late = 0.0;             ///< time by which its force is later than the shift of the model says [s]
   Interval frequency_interval;   ///< [Hz]
   Interval table_interval;       ///< [kg]
   double left = 1.0;             ///< of the square that the rigid model leaves
@@ -83,6 +84,9 @@ struct Elastic {
 
 /// What the spring carries more than a rigid drive would, at each row of a motion [N].
 std::vector<double> force_of(const Elastic& elastic, const log::Motion& motion);
+
+/// Takes that force off a record whose force is later than its motion by `shift` rows (log::MotionOptions).
+void take_off(const Elastic& elastic, double shift, log::Record& record);
 
 struct Diagnosis {
   Quality quality;

@@ -8,7 +8,6 @@
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
 #include <stribeck/ident/digits.hpp>
-#include <stribeck/ident/log/motion.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -44,13 +43,13 @@ bool may_run_again(Method method) {
   return method == Method::kAuto || method == Method::kVelocityMap || method == Method::kJog;
 }
 
-/// Value of the motion that the force of a row belongs to.
-double of_motion(const std::vector<double>& values, std::size_t row, double shift) {
-  const double at = std::clamp(static_cast<double>(row) - shift, 0.0, static_cast<double>(values.size() - 1));
-  const auto before = std::min(static_cast<std::size_t>(at), values.size() - 1);
-  const std::size_t after = std::min(before + 1, values.size() - 1);
+/// Position of the motion that the force of a row belongs to.
+double position_of_force(const ident::log::Record& r, std::size_t row, double shift) {
+  const double at = std::clamp(static_cast<double>(row) - shift, 0.0, static_cast<double>(r.x.size() - 1));
+  const auto before = std::min(static_cast<std::size_t>(at), r.x.size() - 1);
+  const std::size_t after = std::min(before + 1, r.x.size() - 1);
   const double share = at - static_cast<double>(before);
-  return (1.0 - share) * values[before] + share * values[after];
+  return (1.0 - share) * r.x[before] + share * r.x[after];
 }
 
 /// The logs without the forces of the diagnosis; the shift between force and motion is that of `found`.
@@ -59,13 +58,10 @@ AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d
   AxisRecords out = axis;
   for (ident::log::Record& r : out.records) {
     const double shift = ident::residual::shift_in_rows(found, r.sample_time);
-    if (d.elastic) {
-      const std::vector<double> force = force_of(*d.elastic, ident::log::reconstruct(r));
-      for (std::size_t k = 0; k < r.f.size(); ++k) r.f[k] -= of_motion(force, k, shift);
-    }
+    if (d.elastic) take_off(*d.elastic, shift, r);
     if (d.spring) r.spring = d.spring->stiffness;
     for (std::size_t k = 0; k < r.f.size(); ++k) {
-      const double x = of_motion(r.x, k, shift);
+      const double x = position_of_force(r, k, shift);
       if (d.unbalance) r.f[k] -= d.unbalance->sine * std::sin(x) + d.unbalance->cosine * std::cos(x);
       if (d.spring) r.f[k] -= d.spring->stiffness * (x - d.spring->middle);
     }
