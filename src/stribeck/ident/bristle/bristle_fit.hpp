@@ -41,8 +41,7 @@ struct BristleOptions {
   double viscous_tolerance = 0.05;       ///< as a share of the level, at the largest speed of the rows used
   /// Speed below which the steady map was not measured [m/s]: a rise of friction towards rest is fitted with the others. 0: none.
   double unseen_below = 0.0;
-  /// Break-away distance of another fit to the same reversals [m]: the search begins there, and starts far from it, which that fit has
-  /// tried, are left out.
+  /// Break-away distance that an earlier fit to the same reversals has found [m]. The search begins there; other starts are not tried.
   std::optional<double> near{};
   double shift = -0.5;  ///< of the force, in rows, as in MotionOptions
   int elements = 4;     ///< of GMS, 2 … 6; 0: LuGre only

@@ -284,6 +284,9 @@ std::unique_ptr<Model> lugre_model(const Setting& setting) {
   return std::make_unique<ModelOf<LuGreCase>>(setting, LuGreCase::kMostOwn);
 }
 std::unique_ptr<Model> gms_model(const Setting& setting, int own) {
+  // Up to four elements a jet has sixteen derivatives, which fill whole registers: a third less time than with nineteen.
+  constexpr int kUsual = 11;
+  if (own <= kUsual) return std::make_unique<ModelOf<GmsOfAtMost<kUsual>>>(setting, own);
   return std::make_unique<ModelOf<GmsCase>>(setting, own);
 }
 

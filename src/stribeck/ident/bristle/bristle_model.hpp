@@ -118,6 +118,12 @@ struct GmsCase {
   }
 };
 
+/// The same for fewer parameters: derivatives of shorter jets.
+template <int kOwn>
+struct GmsOfAtMost : GmsCase {
+  static constexpr int kMostOwn = kOwn;
+};
+
 /// Static friction: its force is the level at once.
 struct StaticCase {
   static constexpr int kMostOwn = 0;

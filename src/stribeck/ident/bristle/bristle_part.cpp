@@ -10,7 +10,6 @@ namespace {
 constexpr std::size_t kPartRows = 1500;  // enough to tell the laws apart where they differ at all
 constexpr std::size_t kManyRows = 4000;  // below it the whole costs less than half a second
 constexpr std::size_t kFewPartPieces = 8;
-constexpr double kClearly = 2.0;  // standard errors
 
 /// The first `rows` rows of a piece, with all ticks that their window needs.
 PathPiece begin_of(const PathPiece& piece, std::size_t rows, std::size_t half) {
@@ -144,7 +143,8 @@ std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const
   const HeldOut mine = held(*gms_model(part.setting, gms->own), *gms);
   const HeldOut best = held(*lugre_model(part.setting), few);
   const double error = error_of_difference(mine, best);
-  if (!(mine.rms() > best.rms() + kClearly * error)) return {};
+  // The richer law must be better by a standard error of all rows to be chosen: one that is no better on a part is not fitted to all.
+  if (!(mine.rms() > best.rms())) return {};
   return Candidate{"GMS, " + std::to_string(given.options.elements) + " elements, on " +
                        std::to_string(part.path.stretches) + " of " + std::to_string(rows.path.stretches) +
                        " reversals",

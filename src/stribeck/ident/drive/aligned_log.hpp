@@ -38,7 +38,7 @@ struct AlignedLog {
   std::vector<log::Motion> motions;        ///< of each record
   std::vector<std::vector<double>> force;  ///< of each record, through the window, before alignment [N]
   std::vector<std::vector<double>>
-      predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion through a longer window; empty: open loop
+      predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion behind a longer window; empty: open loop, or closed loop without a reference
   std::vector<bool> by_reference;  ///< whether it is by the reference
   double shift = kHeldForce;       ///< of the force, as in MotionOptions [rows]
 };

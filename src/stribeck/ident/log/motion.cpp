@@ -14,7 +14,8 @@ namespace {
 constexpr double kNoiseShare = 0.01;
 constexpr int kWidestBox = 40;
 constexpr double kHysteresis = 10.0;
-constexpr int kCalmer = 2;  // rows by which the boxes of the instrument are longer
+/// Boxes of the instrument, for a window of j.
+constexpr int calmer(int j) { return 2 * j + 2; }
 
 /// Three boxes of 2j+1 rows as running sums; rows whose kernel reaches over an end keep their value. Sums use differences from the
 /// first value, so that a position far from zero costs no digits.
@@ -166,9 +167,11 @@ void align_force(const std::vector<double>& f, double shift, std::size_t from, s
 }
 
 std::vector<double> calm_velocity(const Motion& m) {
-  const std::vector<double> x = smooth(m.x, m.window + kCalmer);
-  std::vector<double> v(x.size(), 0.0);
-  for (std::size_t k = 1; k + 1 < x.size(); ++k) v[k] = (x[k + 1] - x[k - 1]) / (2.0 * m.sample_time);
+  const int j = calmer(m.window);
+  const std::vector<double> x = smooth(m.x, j);
+  std::vector<double> v = m.v;
+  const auto reach = static_cast<std::size_t>(m.reach + 3 * j + 1);
+  for (std::size_t k = reach; k + reach < x.size(); ++k) v[k] = (x[k + 1] - x[k - 1]) / (2.0 * m.sample_time);
   return v;
 }
 
@@ -225,7 +228,7 @@ Motion reconstruct(const Record& record, const MotionOptions& options) {
   } else if (m.loop == Loop::kClosed && !record.r.empty()) {
     m.instrument = second_difference(smooth_like(m, record.r), T);
   } else {
-    m.instrument = second_difference(smooth(m.x, m.window + kCalmer), T);
+    m.instrument = second_difference(smooth(m.x, calmer(m.window)), T);
   }
   find_reversals(record.x, std::max(kHysteresis * m.position_noise, 1e-7 * m.stroke), m);
   return m;

@@ -79,7 +79,8 @@ void align_force(const std::vector<double>& f, double shift, std::size_t from, s
 /// Passes another column of the same record through the same window.
 std::vector<double> smooth_like(const Motion& motion, const std::vector<double>& column);
 
-/// Velocity through a window that is several times longer, symmetric too [m/s]: its noise hardly agrees with that of the motion.
+/// Velocity behind a second window, of boxes twice as long [m/s]: it has little of the noise of the motion. Near the ends of the record,
+/// where that window does not fit, v.
 std::vector<double> calm_velocity(const Motion& motion);
 
 /// The record must be free of problems().

@@ -1,8 +1,10 @@
-#include <fmt/format.h>
+// A table on a spring behind the motor (residual.hpp: Elastic). The table follows the measured motion, see Follower; Search
+// looks for the numbers of the table with which least is left of the force.
+//
+// Source: two-mass drive with friction on both sides; docs/theory/identification.md, "A drive that gives way".
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stribeck/core/scalar.hpp>
@@ -31,7 +33,10 @@ constexpr double kMostTable = 1.05;   // of the whole mass
 constexpr double kFromBorder = 1.1;   // in frequency
 constexpr int kAround = 12;           // steps to half and to twice the frequency
 constexpr double kUsualDamping = 0.04;
-constexpr double kMostDamping = 0.2;   // ratio; more looks like a filter of the force
+constexpr double kMostDamping = 0.2;  // ratio; more looks like a filter of the force
+constexpr double kAtRest = 0.01;      // of the top speed
+constexpr double kRings = 0.5;        // [s] after a begin in motion
+constexpr std::size_t kFewestTableRows = 200;
 constexpr double kMostLate = 5e-3;     // [s], beside the shift of the model
 constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's side
 
@@ -42,13 +47,14 @@ struct Course {
   std::vector<double> v, a, direction;
 };
 
-/// Means of as many rows as a step has; their times are the middle of each step.
-Course course_of(const log::Motion& m, double from, double step) {
+/// Means of as many rows as a step has, over rows whose window lies inside the record; their times are the middle of each step.
+Course course_of(const log::Motion& m, double from, double step, std::size_t most) {
   Course c;
+  const auto reach = static_cast<std::size_t>(m.reach);
   const auto rows = std::max<std::size_t>(1, static_cast<std::size_t>(step / m.sample_time + 0.5));
   c.step = static_cast<double>(rows) * m.sample_time;
-  c.from = from + 0.5 * static_cast<double>(rows - 1) * m.sample_time;
-  for (std::size_t k = 0; k + rows <= m.rows(); k += rows) {
+  c.from = from + (static_cast<double>(reach) + 0.5 * static_cast<double>(rows - 1)) * m.sample_time;
+  for (std::size_t k = reach; k + rows + reach <= m.rows() && c.a.size() < most; k += rows) {
     double v = 0.0, a = 0.0;
     for (std::size_t i = k; i < k + rows; ++i) v += m.v[i], a += m.a[i];
     c.v.push_back(v / static_cast<double>(rows));
@@ -125,6 +131,19 @@ double value_at(const Course& c, const std::vector<double>& values, double t) {
   return (1.0 - share) * values[before] + share * values[after];
 }
 
+/// Time until which a motion that does not begin at rest does not tell how the table swings.
+double begin_of(const Course& c) {
+  if (c.v.empty()) return c.from;
+  double top = 0.0;
+  for (const double v : c.v) top = std::max(top, std::abs(v));
+  return c.from + (std::abs(c.v.front()) > kAtRest * top ? kRings : 0.0);
+}
+
+/// Whether the motion of the table is known at a time; `begin`: see begin_of().
+bool tells(const Course& c, double begin, double t) {
+  return c.a.size() > 2 && t >= begin && t <= c.from + c.step * static_cast<double>(c.a.size() - 1);
+}
+
 /// Searches the table that explains most of what the columns of the rigid model leave.
 class Search {
  public:
@@ -133,15 +152,16 @@ class Search {
       : rigid_mass_(rigid_mass) {
     std::size_t steps = 0;
     for (const Left& l : left) {
-      if (steps > kMostSteps) break;
-      courses_.push_back(course_of(l.motion, l.record->t.front(), kStep));
+      courses_.push_back(course_of(l.motion, l.record->t.front(), kStep, kMostSteps - steps));
       steps += courses_.back().a.size();
       longest_ = std::max(longest_, courses_.back().step);
     }
+    std::vector<double> begin;
+    for (const Course& c : courses_) begin.push_back(begin_of(c));
     std::vector<Index> used;
     for (std::size_t i = 0; i < rows.rows.size(); ++i) {
       const auto record = static_cast<std::size_t>(rows.rows[i].record);
-      if (record >= courses_.size() || courses_[record].a.size() < 3) continue;
+      if (!tells(courses_[record], begin[record], rows.rows[i].t)) continue;
       used.push_back(static_cast<Index>(i));
       at_.push_back({record, rows.rows[i].t});
     }
@@ -165,6 +185,7 @@ class Search {
     square_ = left_.squaredNorm();
   }
 
+  [[nodiscard]] std::size_t rows() const { return at_.size(); }
   [[nodiscard]] double fastest() const { return std::min(kFastest, 1.0 / (kFewestSteps * longest_)); }
   [[nodiscard]] double square_without() const { return square_; }
 
@@ -227,20 +248,22 @@ class Search {
   /// Searches on from there; `friction` is that of the axis [N]. At first without a shift of its own: far below the anti-resonance it
   /// does the same as the damping.
   void refine(const Found& start, double friction) {
-    for (const double share : {0.0, 0.3, 0.9}) descend(start.table, share, friction / start.table_mass, 0.0);
+    for (const double share : {0.0, 0.3, 0.9})
+      descend(start.table, share, friction / start.table_mass, false);
     const Found found = best(true);
     if (!std::isfinite(found.square)) return;
     const double scale = friction / found.table_mass;
-    descend(found.table, found.table.friction / scale, scale, 1.0);
+    descend(found.table, found.table.friction / scale, scale, true);
   }
 
   /// Tries the tables around the best one, so that the spread of those that explain nearly as much shows.
   void look_around(const Found& best) {
     for (int i = -kAround; i <= kAround; ++i) {
+      // Far below the anti-resonance table_mass/ω² is what the motion tells, and the friction stays.
+      const double times = std::exp2(static_cast<double>(i) / kAround);
       for (const double damping : {0.5, 1.0, 2.0}) {
-        judge({best.table.omega * std::exp2(static_cast<double>(i) / kAround),
-               std::min(damping * best.table.damping, 2.0 * kMostDamping), best.table.friction,
-               best.table.late});
+        judge({times * best.table.omega, std::min(damping * best.table.damping, 2.0 * kMostDamping),
+               best.table.friction / (times * times), best.table.late});
       }
     }
   }
@@ -257,9 +280,8 @@ class Search {
   }
 
  private:
-  /// Simplex from a table on; `share` of the friction lies behind the spring, which is `scale` over the mass of the table; `late` is 0
-  /// where the shift is not searched.
-  void descend(const Table& from, double share, double scale, double late) {
+  /// Simplex from a table on; `share` of the friction lies behind the spring, which is `scale` over the mass of the table.
+  void descend(const Table& from, double share, double scale, bool with_shift) {
     const auto value = [&](const std::vector<double>& p) {
       const Found f = judge({std::exp(p[0]), std::clamp(std::exp(p[1]), 1e-3, 2.0 * kMostDamping),
                              std::clamp(p[2], 0.0, kMostFriction) * scale,
@@ -271,7 +293,7 @@ class Search {
     options.evaluations = 150;
     std::vector<double> start{std::log(from.omega), std::log(from.damping), share};
     std::vector<double> step{0.05, -0.7, share == 0.0 ? 0.1 : 0.2};
-    if (late > 0.0) start.push_back(0.0), step.push_back(0.1);
+    if (with_shift) start.push_back(0.0), step.push_back(0.1);
     stats::minimise_simplex(value, start, step, options);
   }
 
@@ -298,17 +320,37 @@ class Search {
 
 }  // namespace
 
+namespace {
+
+/// Nobody knows how the table swings at the begin of a record that does not begin at rest.
+void skip_start(const log::Motion& m, log::Record& record) {
+  const auto reach = static_cast<std::size_t>(m.reach);
+  record.skip.resize(record.x.size(), 0);
+  const double end = begin_of(course_of(m, 0.0, m.sample_time, m.rows()));
+  for (std::size_t k = 0; k < record.skip.size(); ++k) {
+    const bool outside = k < reach || k + reach >= record.skip.size();
+    if (outside || static_cast<double>(k) * m.sample_time < end) record.skip[k] = 1;
+  }
+}
+
+}  // namespace
+
 std::vector<double> force_of(const Elastic& e, const log::Motion& m) {
-  const Course c = course_of(m, 0.0, m.sample_time);
-  std::vector<double> force;
-  Follower({2.0 * kPi * e.frequency, e.damping, e.friction / e.table_mass}, c.step).follow(c, force);
-  for (double& f : force) f *= e.table_mass;
+  const Course c = course_of(m, 0.0, m.sample_time, m.rows());
+  std::vector<double> force(m.rows(), 0.0), inside;
+  Follower({2.0 * kPi * e.frequency, e.damping, e.friction / e.table_mass}, c.step).follow(c, inside);
+  for (std::size_t k = 0; k < inside.size(); ++k)
+    force[k + static_cast<std::size_t>(m.reach)] = e.table_mass * inside[k];
   return force;
 }
 
 void take_off(const Elastic& elastic, double shift, log::Record& record) {
   const log::Motion motion = log::reconstruct(record);
-  const std::vector<double> force = force_of(elastic, motion);
+  // Behind the window of the motion; the force is not. Twice what the window takes off makes up for it: W(3 − 3W + W²) = 1 − (1 − W)³.
+  std::vector<double> force = force_of(elastic, motion);
+  const std::vector<double> once = log::smooth_like(motion, force), twice = log::smooth_like(motion, once);
+  for (std::size_t k = 0; k < force.size(); ++k) force[k] = 3.0 * (force[k] - once[k]) + twice[k];
+  skip_start(motion, record);
   const double late = shift + elastic.late / record.sample_time;
   Course rows;
   rows.step = 1.0;
@@ -319,14 +361,17 @@ void take_off(const Elastic& elastic, double shift, log::Record& record) {
 std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base,
                                   const VectorXd& force, double rigid_mass) {
   Search search(left, rows, base, force, rigid_mass);
-  if (!(search.square_without() > 0.0) || !(rigid_mass > 0.0) || search.fastest() < 2.0 * kSlowest) return {};
+  if (search.rows() < kFewestTableRows || !(search.square_without() > 0.0) || !(rigid_mass > 0.0) ||
+      search.fastest() < 2.0 * kSlowest)
+    return {};
   const Search::Found rough = search.over_frequencies(rows.friction / rigid_mass);
   if (!(rough.square < kRoughGain * search.square_without())) return {};
   search.refine(rough, rows.friction);
+  if (!std::isfinite(search.best(true).square)) return {};
+  search.look_around(search.best(true));
   const Search::Found best = search.best(true);
   if (!(best.square < kGain * search.square_without())) return {};
   if (best.square > kAsGood * search.best(false).square) return {};
-  search.look_around(best);
   Elastic e;
   e.frequency = best.table.omega / (2.0 * kPi);
   e.damping = best.table.damping;
@@ -337,6 +382,7 @@ std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& row
   e.frequency_interval =
       search.spread(best, [](const Search::Found& f) { return f.table.omega / (2.0 * kPi); });
   e.table_interval = search.spread(best, [](const Search::Found& f) { return f.table_mass; });
+  e.table_interval.low = std::min(e.table_interval.low, e.table_mass);
   const Interval masses = search.spread(best, [](const Search::Found& f) { return f.mass; });
   e.mass_half_width = std::max(best.mass - masses.low, masses.high - best.mass);
   e.left = best.square / search.square_without();

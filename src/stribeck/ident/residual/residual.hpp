@@ -79,7 +79,7 @@ struct Elastic {
   double late = 0.0;             ///< time by which its force is later than the shift of the model says [s]
   Interval frequency_interval;   ///< [Hz]
   Interval table_interval;       ///< [kg]
-  double left = 1.0;             ///< of the square that the rigid model leaves
+  double left = 1.0;             ///< share of the squared residual of the rigid model that remains
 };
 
 /// What the spring carries more than a rigid drive would, at each row of a motion [N].

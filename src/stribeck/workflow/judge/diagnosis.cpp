@@ -7,7 +7,6 @@
 
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
-#include <stribeck/ident/digits.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -113,22 +112,23 @@ void write_spring(const ident::residual::Spring& s, const ident::residual::Quali
       people.length(s.middle), people.length(s.from - travel), people.length(s.to + travel), ringing(q)));
 }
 
-void write_elastic(const ident::residual::Elastic& e, bool rotary, ident::Result& r) {
+void write_elastic(const ident::residual::Elastic& e, ident::Result& r) {
+  const ident::Parameter* mass = r.find("mass");
+  const std::string unit = mass != nullptr ? mass->unit : "N s2/m";
+  const std::string shown = mass != nullptr ? mass->shown : "N s2/mm";
+  const double whole = std::isfinite(r.mass) ? r.mass : e.mass;
   // The numbers of the drive were found beside a free mass: that and the one of the fit should be the same.
   const double own = 0.5 * (r.mass_interval.high - r.mass_interval.low);
-  widen_mass(own + e.mass_half_width + std::abs(e.mass - r.mass), r);
-  const char* unit = rotary ? "kg m2" : "kg";
-  const auto add = [&](const char* name, double value, const char* in, const ident::Interval& interval) {
-    constexpr double kTold = 1.5;  // ratio of the ends
-    r.parameters.push_back(
-        {name, value, in, in, interval.low, interval.high, interval.high < kTold * interval.low});
-  };
-  add("table_mass", e.table_mass, "kg", e.table_interval);
-  add("anti_resonance", e.frequency, "Hz", e.frequency_interval);
+  widen_mass(own + e.mass_half_width + std::abs(e.mass - whole), r);
+  const auto told = [](const ident::Interval& i) { return i.high < 1.5 * i.low; };
+  r.parameters.push_back({"table_mass", e.table_mass, unit, shown, e.table_interval.low,
+                          e.table_interval.high, told(e.table_interval)});
+  r.parameters.push_back({"anti_resonance", e.frequency, "Hz", "Hz", e.frequency_interval.low,
+                          e.frequency_interval.high, told(e.frequency_interval)});
+  const double share = std::min(0.99, e.table_mass / whole);
   r.warnings.push_back(fmt::format(
-      "the drive gives way between motor and table (belt, coupling, long screw): {} {} of the {} {} swing on it at {:.3g} Hz while the motor stands, with a damping ratio of {:.2g}; this force was taken off the log and the fit was made again, so that the mass is that of both sides; pre-sliding is what the motor sees, with the wind-up of the drive in it; a virtual machine has it by axial_mode (frequency {:.3g} Hz, table_share {:.2g}, damping_ratio {:.2g}); the resonance: stribeck frequency",
-      ident::digits(e.table_mass), unit, ident::digits(r.mass), unit, e.frequency, e.damping, e.frequency,
-      std::min(1.0, e.table_mass / r.mass), e.damping));
+      "the drive gives way between motor and table (a belt, a coupling, a long screw): {:.0f} % of the mass swings behind it at {:.3g} Hz while the motor stands (damping ratio {:.2g}); this force was taken off the log, and the fit was made again, so that the mass is that of motor and table; pre-sliding is what the motor sees, with the wind-up of the drive in it; as axial_mode of a virtual machine: frequency {:.3g} Hz, table_share {:.2g}, damping_ratio {:.2g}; stribeck frequency shows the resonance",
+      100.0 * share, e.frequency, e.damping, e.frequency, share, e.damping));
 }
 
 void write_unbalance(const ident::residual::Unbalance& u, bool rotary, ident::Result& r) {
@@ -244,26 +244,34 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
   ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
   std::optional<Cleaned> last;
   ident::residual::Diagnosis taken;
+  double rms = kNaN;  // that the logs leave with the forces that were taken off
   for (int pass = 0; pass < kPasses && may_run_again(found.result.method); ++pass) {
     ident::residual::Diagnosis next = d, more = taken;
     if (!prepare(next, more)) break;
-    const ident::Result& before = last ? last->found.result : found.result;
+    // What is compared is made in the same way.
+    if (std::isnan(rms)) {
+      last = Cleaned{taken, axis, method(axis, Depth::kSteady)};
+      rms = ident::residual::diagnose(axis.records, last->found.result).quality.rms;
+    }
+    const ident::Result before = last->found.result;
     Cleaned now = refined(clean(axis, more, before, method), taken, before, axis, method);
     ident::residual::Diagnosis left = ident::residual::diagnose(now.axis.records, now.found.result);
-    if (!(left.quality.rms < (is_sure(next) ? 1.0 : kBetter) * d.quality.rms)) {
+    if (!(left.quality.rms < (is_sure(next) ? 1.0 : kBetter) * rms)) {
       if (!next.elastic) break;
       d.elastic.reset();  // the other forces remain
       continue;
     }
     taken = now.taken;
+    rms = left.quality.rms;
     d = std::move(left);
     last = std::move(now);
   }
-  if (last) {
+  if (taken.elastic || taken.spring || taken.unbalance) {
     found = method(last->axis, Depth::kWhole);
+    d = ident::residual::diagnose(last->axis.records, found.result);
     if (found.result.method == Method::kJog) without_mass(found.result);
   }
-  if (taken.elastic) write_elastic(*taken.elastic, axis.rotary, found.result);
+  if (taken.elastic) write_elastic(*taken.elastic, found.result);
   if (taken.spring) write_spring(*taken.spring, d.quality, axis.rotary, found.result);
   if (taken.unbalance) write_unbalance(*taken.unbalance, axis.rotary, found.result);
   if (d.spring && !taken.spring && may_run_again(found.result.method))

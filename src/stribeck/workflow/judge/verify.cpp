@@ -201,30 +201,37 @@ void note_spring(const Model& m, const ident::replay::ForceError& e, const ident
 }
 
 /// The record without the force of a drive that gives way between motor and table, which no axis file holds, and a note; absent where
-/// that is not what the model misses.
-std::optional<ident::log::Record> as_of_rigid_drive(const Model& m, const ident::replay::ForceError& e,
+/// that is not what a model misses. It is the same for all models.
+std::optional<ident::log::Record> as_of_rigid_drive(const std::vector<Model>& models,
                                                     const ident::log::Record& record,
-                                                    const ident::replay::ForceOptions& force,
+                                                    const std::optional<double>& shift,
                                                     std::vector<std::string>& notes) {
   constexpr double kMuch = 0.05;      // of the force
   constexpr double kMuchLess = 0.5;   // of the error
   constexpr double kSameMass = 0.15;  // of the mass of the file
-  if (!(e.moving_relative > kMuch)) return {};
-  ident::Result model;
-  model.mass = m.model.mass;
-  model.load = m.model.load;
-  model.friction = m.model.friction;
-  model.given_shift = force.shift ? *force.shift : -m.model.delay - 0.5 * record.sample_time;
-  const auto elastic = ident::residual::diagnose({record}, model).elastic;
-  if (!elastic || std::abs(elastic->mass - model.mass) > kSameMass * model.mass) return {};
-  ident::log::Record rigid = record;
-  take_off(*elastic, *model.given_shift / record.sample_time, rigid);
-  const ident::replay::ForceError without = ident::replay::force_error(m.model, rigid, force);
-  if (!(without.moving_relative < kMuchLess * e.moving_relative)) return {};
-  notes.push_back(fmt::format(
-      "{}: the drive of this log gives way between motor and table ({:.3g} kg swing at {:.3g} Hz), which no axis file holds; with it the error of the force where the axis moves is {:.3g} %, and the force of the spring was taken off before the comparison",
-      m.file, elastic->table_mass, elastic->frequency, 100.0 * e.moving_relative));
-  return rigid;
+  ident::replay::ForceOptions force;
+  force.shift = shift;
+  for (const Model& m : models) {
+    const double with = ident::replay::force_error(m.model, record, force).moving_relative;
+    if (!(with > kMuch)) continue;
+    ident::Result model;
+    model.mass = m.model.mass;
+    model.load = m.model.load;
+    model.friction = m.model.friction;
+    model.given_shift = shift.value_or(-m.model.delay - 0.5 * record.sample_time);
+    const auto elastic = ident::residual::diagnose({record}, model).elastic;
+    if (!elastic || std::abs(elastic->mass - model.mass) > kSameMass * model.mass) continue;
+    ident::log::Record rigid = record;
+    take_off(*elastic, *model.given_shift / record.sample_time, rigid);
+    const double without = ident::replay::force_error(m.model, rigid, force).moving_relative;
+    if (!(without < kMuchLess * with)) continue;
+    notes.push_back(fmt::format(
+        "{}: the drive of this log gives way between motor and table ({:.0f} % of the mass swings at {:.3g} Hz), which no axis file holds; that force was estimated from this log and taken off it before the comparison; with it {} misses {:.3g} % of the force where the axis moves, and without it {:.3g} %",
+        record.source, 100.0 * std::min(1.0, elastic->table_mass / elastic->mass), elastic->frequency, m.file,
+        100.0 * with, 100.0 * without));
+    return rigid;
+  }
+  return {};
 }
 
 /// Rows beyond the ends of the model's spring, where its force stays.
@@ -284,14 +291,18 @@ class Verification {
     }
   }
 
-  void add_part(const ident::log::Record& record) {
-    if (record.force_unit != "N" || record.position_unit != "m") {
+  void add_part(const ident::log::Record& logged) {
+    if (logged.force_unit != "N" || logged.position_unit != "m") {
       refuse_option(
           "--gain",
           fmt::format(
               "missing: an axis file holds newtons and metres, the log has {} and {} (or give the machine file, which knows the drive, before the axis file)",
-              record.force_unit, record.position_unit));
+              logged.force_unit, logged.position_unit));
     }
+    std::vector<std::string> notes;
+    const std::optional<double> shift = given_shift(o_, logged);
+    const std::optional<ident::log::Record> rigid = as_of_rigid_drive(models_, logged, shift, notes);
+    const ident::log::Record& record = rigid ? *rigid : logged;
     report::VerifiedPart part;
     ident::replay::ReplayOptions closed;
     if (controller_) {
@@ -299,28 +310,23 @@ class Verification {
       note_controller(record, *part.controller);
       closed.added = part.controller->added;
     }
-    std::vector<std::string> notes;
-    const std::optional<double> shift = given_shift(o_, record);
     for (const Model& m : models_) part.models.push_back(score(m, record, shift, closed, notes));
     page_.warnings.insert(page_.warnings.end(), notes.begin(), notes.end());
     part.record = record;
     page_.parts.push_back(std::move(part));
   }
 
-  report::VerifiedModel score(const Model& m, const ident::log::Record& given,
+  report::VerifiedModel score(const Model& m, const ident::log::Record& record,
                               const std::optional<double>& shift, ident::replay::ReplayOptions closed,
                               std::vector<std::string>& notes) const {
     report::VerifiedModel one;
     one.name = m.file;
-    const auto [low, high] = std::minmax_element(given.x.begin(), given.x.end());
+    const auto [low, high] = std::minmax_element(record.x.begin(), record.x.end());
     one.travel = *high - *low;
     ident::replay::ForceOptions force;
     force.shift = shift;
     force.of_log = true;
-    one.force = ident::replay::force_error(m.model, given, force);
-    const std::optional<ident::log::Record> rigid = as_of_rigid_drive(m, one.force, given, force, notes);
-    const ident::log::Record& record = rigid ? *rigid : given;
-    if (rigid) one.force = ident::replay::force_error(m.model, record, force);
+    one.force = ident::replay::force_error(m.model, record, force);
     // A held force belongs to the motion half a row later, without any delay (ident/motion.hpp).
     const double expected = -0.5 * record.sample_time - m.model.delay;
     note_differences(m.file, one.force, shift ? std::nullopt : std::optional(expected), ident::Shown(record),
