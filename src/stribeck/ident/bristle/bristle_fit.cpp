@@ -146,8 +146,10 @@ BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::
   score("LuGre", *lugre_model(rows.setting), lugre, rows, scores, out);
   std::optional<Fitted> gms;
   std::optional<Candidate> refused;
-  if (options.elements > 0) refused = gms_refused(given, rows, lugre);
-  if (options.elements > 0 && !refused) gms = fit_gms(given, rows, lugre);
+  // GMS takes longer than everything else.
+  const bool richer = options.elements > 0 && !beyond_any_law(given, lugre, out);
+  if (richer) refused = gms_refused(given, rows, lugre);
+  if (richer && !refused) gms = fit_gms(given, rows, lugre);
   if (gms) {
     report_gms(given, rows, *gms, out);
     score("GMS, " + std::to_string(options.elements) + " elements", *gms_model(rows.setting, gms->own), *gms,

@@ -100,6 +100,8 @@ std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const
 
 // bristle_report.cpp
 void report_lugre(const Given& given, const Rows& rows, Fitted& lugre, BristleFit& out);
+/// Whether no law could be told from this log, whatever GMS says: after report_lugre(), with out.rows_per_reversal.
+bool beyond_any_law(const Given& given, const Fitted& lugre, const BristleFit& out);
 void report_gms(const Given& given, const Rows& rows, Fitted& gms, BristleFit& out);
 /// Writes what the chosen law says, or why this log does not determine it. `best` and `chosen` are indices of models.
 void answer(const Given& given, const Rows& rows, const Fitted& law, std::size_t best, std::size_t chosen,

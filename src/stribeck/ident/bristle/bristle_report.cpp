@@ -92,6 +92,11 @@ std::string objection(const Given& given, const Fitted& f, std::size_t best, std
 
 }  // namespace
 
+bool beyond_any_law(const Given& given, const Fitted& lugre, const BristleFit& out) {
+  return lugre.break_away < kLeastQuanta * given.quantum || out.rows_per_reversal < kLeastRows ||
+         given.data.reversals < 2;
+}
+
 void report_lugre(const Given& given, const Rows& rows, Fitted& lugre, BristleFit& out) {
   const Index n = lugre.solution.p.size();
   out.lugre = LuGreCase::make<double>(lugre.solution.p.data(), lugre.own, rows.setting.scales).law;
