@@ -101,7 +101,6 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
     options.smoothed_force = &force;
     log::Motion m = log::reconstruct(r, options);
     std::vector<double> v = predicted_velocity(r, m);
-    out.by_reference.push_back(!v.empty());
     // The force of a loop that works on the noise of its encoder agrees with the noise of this very motion.
     if (v.empty() && m.loop == log::Loop::kAutomatic) v = log::calm_velocity(m);
     for (std::size_t k = 1; k + 1 < v.size(); ++k)

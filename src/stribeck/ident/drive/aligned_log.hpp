@@ -39,8 +39,12 @@ struct AlignedLog {
   std::vector<std::vector<double>> force;  ///< of each record, through the window, before alignment [N]
   std::vector<std::vector<double>>
       predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion behind a longer window; empty: open loop, or closed loop without a reference
-  std::vector<bool> by_reference;  ///< whether it is by the reference
-  double shift = kHeldForce;       ///< of the force, as in MotionOptions [rows]
+  double shift = kHeldForce;  ///< of the force, as in MotionOptions [rows]
+
+  /// Whether `predicted` of a record is by its reference.
+  [[nodiscard]] bool by_reference(std::size_t record) const {
+    return motions[record].loop == log::Loop::kClosed && !predicted[record].empty();
+  }
 };
 
 AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,

@@ -55,8 +55,8 @@ TEST(AlignedLog, WithoutAReferenceACalmerMotionTakesItsPlace) {
   const std::vector<log::Record> pieces{rec, rec};
   const AlignedLog without = reconstruct_all(pieces, 0.0, std::nullopt, notes);
   ASSERT_EQ(without.predicted[0].size(), rec.x.size());
-  EXPECT_FALSE(without.by_reference[0]);
-  EXPECT_TRUE(with.by_reference[0]);
+  EXPECT_FALSE(without.by_reference(0));
+  EXPECT_TRUE(with.by_reference(0));
   EXPECT_EQ(without.shift, kHeldForce);
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("no reference and no programmed force")));
 }

@@ -49,7 +49,6 @@ inline SyntheticLog synthetic_log(const std::function<double(double, double, dou
   out.log.records = *out.records;
   out.log.force.push_back(m.f);
   out.log.predicted.emplace_back();
-  out.log.by_reference.push_back(false);
   out.log.motions.push_back(std::move(m));
   return out;
 }

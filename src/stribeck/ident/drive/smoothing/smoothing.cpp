@@ -28,7 +28,7 @@ std::vector<double> asked_bend(const AlignedLog& log, const Rows& rows, const Te
   for (std::size_t j = 0; j < used.size(); ++j) {
     const std::size_t i = used[j], k = rows.at[i];
     const auto r = static_cast<std::size_t>(rows.record[i]);
-    if (!log.by_reference[r] || k < 2 || k + 2 >= log.predicted[r].size()) continue;
+    if (!log.by_reference(r) || k < 2 || k + 2 >= log.predicted[r].size()) continue;
     const auto asked = [&](std::size_t row) { return asked_force(log, terms, fit, r, row); };
     bend[j] = asked(k + 1) - 2.0 * asked(k) + asked(k - 1);
     sum[rows.side[i]][static_cast<std::size_t>(rows.bin[i])] += bend[j];
