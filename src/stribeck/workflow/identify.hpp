@@ -72,6 +72,7 @@ struct Identification {
   std::optional<ident::methods::IdimResult::Published> published{};  ///< of Method::kIdimLs
   std::optional<ident::residual::Quality>
       quality{};  ///< what the model leaves; absent: not a model of velocity
+  std::optional<ident::residual::Elastic> elastic{};  ///< whose force was taken off the logs before the fit
   std::optional<ident::lost_motion::LostMotion> lost_motion{};  ///< absent: one encoder only
 };
 

@@ -94,8 +94,14 @@ std::optional<report::ForceOverTime> force_over_time(const Identification& found
       axis.records.begin(), axis.records.end(),
       [](const ident::log::Record& a, const ident::log::Record& b) { return a.x.size() < b.x.size(); });
   try {
-    const ident::replay::ForceError e = ident::replay::force_error(as_model(found.result), *longest);
-    report::ForceOverTime force{longest->source, {}, e.measured, e.modelled};
+    ident::log::Record record = *longest;
+    std::string source = record.source;
+    if (found.elastic) {
+      take_off(*found.elastic, ident::residual::shift_in_rows(found.result, record.sample_time), record);
+      source += ", less that of the spring between motor and table,";
+    }
+    const ident::replay::ForceError e = ident::replay::force_error(as_model(found.result), record);
+    report::ForceOverTime force{source, {}, e.measured, e.modelled};
     for (const std::size_t row : e.row) force.t.push_back(longest->t[row]);
     if (force.t.empty()) return {};
     return force;

@@ -272,6 +272,7 @@ Identification diagnosed(const AxisRecords& axis, const Identify& method) {
     if (found.result.method == Method::kJog) without_mass(found.result);
   }
   if (taken.elastic) write_elastic(*taken.elastic, found.result);
+  found.elastic = taken.elastic;
   if (taken.spring) write_spring(*taken.spring, d.quality, axis.rotary, found.result);
   if (taken.unbalance) write_unbalance(*taken.unbalance, axis.rotary, found.result);
   if (d.spring && !taken.spring && may_run_again(found.result.method))
