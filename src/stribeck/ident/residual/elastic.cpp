@@ -20,10 +20,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-3;                   // [s] of the search, at least
-constexpr std::size_t kMostSteps = 60'000;       // of all records, for the search
-constexpr double kSlowest = 2.0, kFastest = 90;  // [Hz]
-constexpr double kFewestSteps = 6.0;             // per oscillation
+constexpr double kStep = 1e-3;                      // [s] of the search, at least
+constexpr std::size_t kMostSteps = 60'000;          // of all records, for the search
+constexpr double kLowestHz = 2.0, kHighestHz = 90;  // [Hz]
+constexpr double kFewestSteps = 6.0;                // per oscillation
 constexpr int kFrequencies = 44;
 constexpr double kRoughGain = 0.9;    // of the square that is left, at frequencies some percent apart
 constexpr double kGain = 0.5;         // of the square that is left
@@ -186,7 +186,7 @@ class Search {
   }
 
   [[nodiscard]] std::size_t rows() const { return at_.size(); }
-  [[nodiscard]] double fastest() const { return std::min(kFastest, 1.0 / (kFewestSteps * longest_)); }
+  [[nodiscard]] double fastest() const { return std::min(kHighestHz, 1.0 / (kFewestSteps * longest_)); }
   [[nodiscard]] double square_without() const { return square_; }
 
   struct Found {
@@ -220,7 +220,7 @@ class Search {
   [[nodiscard]] bool believable(const Found& f) const {
     const double hz = f.table.omega / (2.0 * kPi);
     return f.table_mass > kLeastTable * f.mass && f.table_mass < kMostTable * f.mass &&
-           f.table.damping <= kMostDamping && hz > kFromBorder * kSlowest && hz * kFromBorder < fastest();
+           f.table.damping <= kMostDamping && hz > kFromBorder * kLowestHz && hz * kFromBorder < fastest();
   }
 
   /// The best of those that were tried; of the believable ones alone, where asked for.
@@ -236,7 +236,7 @@ class Search {
   Found over_frequencies(double some) {
     Found best;
     for (int i = 0; i < kFrequencies; ++i) {
-      const double hz = kSlowest * std::pow(fastest() / kSlowest, i / (kFrequencies - 1.0));
+      const double hz = kLowestHz * std::pow(fastest() / kLowestHz, i / (kFrequencies - 1.0));
       for (const double friction : {0.0, some}) {
         const Found f = judge({2.0 * kPi * hz, kUsualDamping, friction});
         if (f.square < best.square) best = f;
@@ -362,7 +362,7 @@ std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& row
                                   const VectorXd& force, double rigid_mass) {
   Search search(left, rows, base, force, rigid_mass);
   if (search.rows() < kFewestTableRows || !(search.square_without() > 0.0) || !(rigid_mass > 0.0) ||
-      search.fastest() < 2.0 * kSlowest)
+      search.fastest() < 2.0 * kLowestHz)
     return {};
   const Search::Found rough = search.over_frequencies(rows.friction / rigid_mass);
   if (!(rough.square < kRoughGain * search.square_without())) return {};
