@@ -127,7 +127,7 @@ BristleFit fit_bristle(const std::vector<log::Record>& records, const friction::
     return out;
   };
   if (given.data.reversals == 0) return give_up("the motion has no reversal; record one with reversals");
-  const double guess = options.near.value_or(guess_break_away(records, given.data, known));
+  const double guess = options.near ? *options.near : guess_break_away(records, given.data, known);
   if (!(guess > 0.0) || !std::isfinite(guess)) return give_up("the axis does not move");
 
   Rows rows;

@@ -143,7 +143,7 @@ std::optional<Candidate> gms_refused(const Given& given, const Rows& rows, const
   const HeldOut mine = held(*gms_model(part.setting, gms->own), *gms);
   const HeldOut best = held(*lugre_model(part.setting), few);
   const double error = error_of_difference(mine, best);
-  // The richer law must be better by a standard error of all rows to be chosen: one that is no better on a part is not fitted to all.
+  // GMS is chosen only where it is clearly better. Where it is no better on a part of the reversals, it is not fitted to all of them.
   if (!(mine.rms() > best.rms())) return {};
   return Candidate{"GMS, " + std::to_string(given.options.elements) + " elements, on " +
                        std::to_string(part.path.stretches) + " of " + std::to_string(rows.path.stretches) +

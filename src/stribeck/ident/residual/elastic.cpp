@@ -35,7 +35,7 @@ constexpr int kAround = 12;           // steps to half and to twice the frequenc
 constexpr double kUsualDamping = 0.04;
 constexpr double kMostDamping = 0.2;  // ratio; more looks like a filter of the force
 constexpr double kAtRest = 0.01;      // of the top speed
-constexpr double kRings = 0.5;        // [s] after a begin in motion
+constexpr double kRings = 0.5;        // [s] after a start in motion
 constexpr std::size_t kFewestTableRows = 200;
 constexpr double kMostLate = 5e-3;     // [s], beside the shift of the model
 constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's side
@@ -43,7 +43,7 @@ constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's si
 /// A part of a motion at equal steps.
 struct Course {
   double step = 0.0;  ///< [s]
-  double from = 0.0;  ///< time of the first row of the record [s]
+  double from = 0.0;  ///< time of the first step [s]
   std::vector<double> v, a, direction;
 };
 
@@ -122,16 +122,7 @@ class Follower {
   double stretch_ = 0.0, rate_ = 0.0, side_ = 0.0;
 };
 
-/// Value at a time, straight between steps.
-double value_at(const Course& c, const std::vector<double>& values, double t) {
-  const double at = std::clamp((t - c.from) / c.step, 0.0, static_cast<double>(values.size() - 1));
-  const auto before = std::min(static_cast<std::size_t>(at), values.size() - 1);
-  const std::size_t after = std::min(before + 1, values.size() - 1);
-  const double share = at - static_cast<double>(before);
-  return (1.0 - share) * values[before] + share * values[after];
-}
-
-/// Time until which a motion that does not begin at rest does not tell how the table swings.
+/// Time from which on the swing of the table is known: one that was there when the record began has died out.
 double begin_of(const Course& c) {
   if (c.v.empty()) return c.from;
   double top = 0.0;
@@ -300,7 +291,9 @@ class Search {
   [[nodiscard]] VectorXd column(const std::vector<std::vector<double>>& values, double late) const {
     VectorXd c(static_cast<Index>(at_.size()));
     for (std::size_t i = 0; i < at_.size(); ++i)
-      c(static_cast<Index>(i)) = value_at(courses_[at_[i].record], values[at_[i].record], at_[i].t - late);
+      c(static_cast<Index>(i)) =
+          value_between(values[at_[i].record],
+                        (at_[i].t - late - courses_[at_[i].record].from) / courses_[at_[i].record].step);
     return c;
   }
 
@@ -318,11 +311,7 @@ class Search {
   std::vector<Found> tried_;
 };
 
-}  // namespace
-
-namespace {
-
-/// Nobody knows how the table swings at the begin of a record that does not begin at rest.
+/// Marks the rows whose force is not known: those near the ends, and those at the start of a record that does not start at rest.
 void skip_start(const log::Motion& m, log::Record& record) {
   const auto reach = static_cast<std::size_t>(m.reach);
   record.skip.resize(record.x.size(), 0);
@@ -335,6 +324,14 @@ void skip_start(const log::Motion& m, log::Record& record) {
 
 }  // namespace
 
+double value_between(const std::vector<double>& values, double row) {
+  const double at = std::clamp(row, 0.0, static_cast<double>(values.size() - 1));
+  const auto before = std::min(static_cast<std::size_t>(at), values.size() - 1);
+  const std::size_t after = std::min(before + 1, values.size() - 1);
+  const double share = at - static_cast<double>(before);
+  return (1.0 - share) * values[before] + share * values[after];
+}
+
 std::vector<double> force_of(const Elastic& e, const log::Motion& m) {
   const Course c = course_of(m, 0.0, m.sample_time, m.rows());
   std::vector<double> force(m.rows(), 0.0), inside;
@@ -346,16 +343,14 @@ std::vector<double> force_of(const Elastic& e, const log::Motion& m) {
 
 void take_off(const Elastic& elastic, double shift, log::Record& record) {
   const log::Motion motion = log::reconstruct(record);
-  // Behind the window of the motion; the force is not. Twice what the window takes off makes up for it: W(3 − 3W + W²) = 1 − (1 − W)³.
+  // This force has passed the window W of the motion, the logged one has not: W(3 − 3W + W²) = 1 − (1 − W)³ is nearly 1.
   std::vector<double> force = force_of(elastic, motion);
   const std::vector<double> once = log::smooth_like(motion, force), twice = log::smooth_like(motion, once);
   for (std::size_t k = 0; k < force.size(); ++k) force[k] = 3.0 * (force[k] - once[k]) + twice[k];
   skip_start(motion, record);
   const double late = shift + elastic.late / record.sample_time;
-  Course rows;
-  rows.step = 1.0;
   for (std::size_t k = 0; k < record.f.size(); ++k)
-    record.f[k] -= value_at(rows, force, static_cast<double>(k) - late);
+    record.f[k] -= value_between(force, static_cast<double>(k) - late);
 }
 
 std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& rows, const MatrixXd& base,
@@ -385,7 +380,6 @@ std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& row
   e.table_interval.low = std::min(e.table_interval.low, e.table_mass);
   const Interval masses = search.spread(best, [](const Search::Found& f) { return f.mass; });
   e.mass_half_width = std::max(best.mass - masses.low, masses.high - best.mass);
-  e.left = best.square / search.square_without();
   return e;
 }
 

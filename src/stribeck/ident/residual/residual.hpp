@@ -77,10 +77,13 @@ struct Elastic {
   double mass = 0.0;             ///< of motor and table, that goes with it [kg]
   double mass_half_width = 0.0;  ///< of the whole mass, by the error of these numbers [kg]
   double late = 0.0;             ///< time by which its force is later than the shift of the model says [s]
-  Interval frequency_interval;   ///< [Hz]
-  Interval table_interval;       ///< [kg]
-  double left = 1.0;             ///< share of the squared residual of the rigid model that remains
+  // Not of 95 %: all tables that leave less than 1.5 times the squared residual of this one.
+  Interval frequency_interval;  ///< [Hz]
+  Interval table_interval;      ///< [kg]
 };
+
+/// Value at a row and a share of a row, straight between rows; beyond the ends that of the end. `values` must not be empty.
+double value_between(const std::vector<double>& values, double row);
 
 /// What the spring carries more than a rigid drive would, at each row of a motion [N].
 std::vector<double> force_of(const Elastic& elastic, const log::Motion& motion);

@@ -42,15 +42,6 @@ bool may_run_again(Method method) {
   return method == Method::kAuto || method == Method::kVelocityMap || method == Method::kJog;
 }
 
-/// Position of the motion that the force of a row belongs to.
-double position_of_force(const ident::log::Record& r, std::size_t row, double shift) {
-  const double at = std::clamp(static_cast<double>(row) - shift, 0.0, static_cast<double>(r.x.size() - 1));
-  const auto before = std::min(static_cast<std::size_t>(at), r.x.size() - 1);
-  const std::size_t after = std::min(before + 1, r.x.size() - 1);
-  const double share = at - static_cast<double>(before);
-  return (1.0 - share) * r.x[before] + share * r.x[after];
-}
-
 /// The logs without the forces of the diagnosis; the shift between force and motion is that of `found`.
 AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d,
                     const ident::Result& found) {
@@ -60,7 +51,7 @@ AxisRecords without(const AxisRecords& axis, const ident::residual::Diagnosis& d
     if (d.elastic) take_off(*d.elastic, shift, r);
     if (d.spring) r.spring = d.spring->stiffness;
     for (std::size_t k = 0; k < r.f.size(); ++k) {
-      const double x = position_of_force(r, k, shift);
+      const double x = ident::residual::value_between(r.x, static_cast<double>(k) - shift);
       if (d.unbalance) r.f[k] -= d.unbalance->sine * std::sin(x) + d.unbalance->cosine * std::cos(x);
       if (d.spring) r.f[k] -= d.spring->stiffness * (x - d.spring->middle);
     }
