@@ -212,7 +212,7 @@ void add_identify(CLI::App& app, Action& action) {
   verb->add_option(
           "--force-shift", o->identify.force_shift,
           "Known time by which the force is later in the log than its motion, e.g. \"-1.5 ms\"; a force that is commanded and held "
-          "stands half a period early by itself; left out: identified")
+          "stands half a period early by itself, and a filter of the drive does not count; left out: identified")
       ->type_name("TIME");
   verb->add_option("--cut-off", o->identify.cut_off,
                    "Low-pass filter at this frequency; left out: chosen from the noise")

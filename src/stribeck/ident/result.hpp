@@ -15,6 +15,7 @@
 #include <stribeck/core/fields.hpp>
 #include <stribeck/friction/axis_model.hpp>
 #include <stribeck/friction/uncertainty.hpp>
+#include <stribeck/ident/force_filter.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -115,6 +116,7 @@ struct Result {
   double plain_mass = std::numeric_limits<double>::quiet_NaN();  ///< by ordinary least squares, biased [kg]
   double delay = 0.0;  ///< from the command of a force to the beginning of its hold [s]; 0: none was found
   std::optional<double> given_shift{};     ///< given time by which the force is later than its motion [s]
+  std::optional<ForceFilter> filter{};     ///< of the drive, that was taken off the force before the fit
   double load = 0.0;                       ///< constant force against +x, e.g. a weight [N]
   std::array<double, 2> velocity_range{};  ///< [m/s] lowest (< 0), highest (> 0)
   std::vector<Parameter> parameters;

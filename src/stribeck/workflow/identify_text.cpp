@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include <stribeck/ident/drive/smoothing/before_filter.hpp>
 #include <stribeck/ident/refused.hpp>
 #include <stribeck/ident/replay/model_force.hpp>
 #include <stribeck/io/json.hpp>
@@ -96,6 +97,10 @@ std::optional<report::ForceOverTime> force_over_time(const Identification& found
   try {
     ident::log::Record record = *longest;
     std::string source = record.source;
+    if (found.result.filter) {
+      ident::drive::take_off(*found.result.filter, record);
+      source += ", before the filter of the drive,";
+    }
     if (found.elastic) {
       take_off(*found.elastic, ident::residual::shift_in_rows(found.result, record.sample_time), record);
       source += ", less that of the spring between motor and table,";

@@ -249,12 +249,13 @@ void Description::write_shift() {
         found_.log.records.front().r.empty() ? "record the commanded position too"
                                              : "a log of excite --method multisine tells it"));
   };
-  if (const auto& smoothing = found_.intervals.smoothing) {
-    const double mass = found_.terms.known_mass ? 0.0 : smoothing->moved(0) / found_.fit.mass;
+  result_.filter = found_.log.records.front().filter;
+  if (const auto& filter = result_.filter) {
+    result_.parameters.push_back({"force_filter", filter->time, "s", "ms", filter->time - filter->half_width,
+                                  filter->time + filter->half_width, true});
     notes_.warn(text(
-        "the drive seems to have smoothed the force before it was logged, over about %.2g ms (a filter of first order of this time, or a mean over %.2g ms): the mass comes out %.2g %% or more too %s, and the intervals allow for this part of it only; log the force without the filter",
-        1e3 * T * smoothing->spread(), 1e3 * T * smoothing->spread() * std::sqrt(12.0),
-        100.0 * std::abs(mass), mass < 0.0 ? "small" : "large"));
+        "the drive smoothed the force before it was logged, by a filter of first order of %.3g ± %.2g ms or by a mean over about %.3g ms; the filter was taken off the force before the fit, and a shift that is printed is the one without it",
+        1e3 * filter->time, 1e3 * filter->half_width, 1e3 * filter->time * std::sqrt(12.0)));
   }
   if (options_.shift) result_.given_shift = *options_.shift * T;
   if (!found_.terms.shift) {

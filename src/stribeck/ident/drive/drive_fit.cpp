@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <stribeck/ident/drive/describe.hpp>
@@ -8,8 +7,10 @@
 #include <stribeck/ident/drive/intervals/open_model.hpp>
 #include <stribeck/ident/drive/load/load_of_reversals.hpp>
 #include <stribeck/ident/drive/places/places.hpp>
-#include <stribeck/ident/drive/relaxation.hpp>
 #include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/drive/smoothing/before_filter.hpp>
+#include <stribeck/ident/drive/smoothing/filter_search.hpp>
+#include <stribeck/ident/drive/stage.hpp>
 #include <stribeck/ident/drive/text.hpp>
 #include <utility>
 #include <vector>
@@ -17,10 +18,6 @@
 namespace stribeck::ident::drive {
 namespace {
 
-/// exp(−6) = 0.25 % of the swing at a reversal is left beyond six relaxation lengths.
-constexpr double kRelaxations = 6.0;
-constexpr double kSmallSpeed =
-    0.04;  // share of the largest speed; below it only the lag and the bristle show
 /// Ratio of held-out errors below which another explanation is accepted.
 constexpr double kBetter = 0.9;
 constexpr double kMovedShift = 0.05;    ///< [rows] beside the periodic terms: everything is fitted again
@@ -28,104 +25,6 @@ constexpr double kRefinedShift = 1e-3;  ///< [rows]
 constexpr double kTwinsMayGain = 1.02;  ///< of the held-out error
 constexpr int kMostPlacePasses = 3;
 constexpr double kWellTold = 0.1;  ///< [rows] half width of a shift that nothing else explains
-
-Level level_of(const LinearFit& fit) {
-  Level level;
-  level.curve = fit.curve;
-  for (std::size_t s = 0; s < map::kSides; ++s) {
-    for (double& f : level.curve[s].force) f -= map::kDirection[s] * fit.load;
-    level.viscous[s] = std::max(0.0, level.curve[s].line().slope);
-  }
-  return level;
-}
-
-bool one_sample_time(std::span<const log::Record> records) {
-  const double T = records.front().sample_time;
-  for (const log::Record& r : records) {
-    if (std::abs(r.sample_time - T) > 0.01 * T) return false;
-  }
-  return true;
-}
-
-/// The values that each step hands to the next; the steps are functions of them.
-struct Stage {
-  AlignedLog log;
-  Extent extent;
-  Rows rows;
-  Terms terms;
-  LinearFit fit;
-  double break_away = std::numeric_limits<double>::quiet_NaN();  ///< distance in which friction settles [m]
-};
-
-/// Warns once that the instrument could not be used.
-void note_weak_instrument(const LinearFit& before, const LinearFit& now, Notes& notes) {
-  if (now.mass_by_acceleration && !before.mass_by_acceleration)
-    notes.warn(
-        "the acceleration of the reference hardly agrees with the measured one; the mass is found from the measured acceleration");
-}
-
-/// Friction near reversals is not known yet, so a generous distance is left out.
-void fit_first(Stage& stage, const DriveFitOptions& options, Notes& notes) {
-  stage.rows = sampled(gather(stage.log, stage.extent, {stage.extent.near, kSmallSpeed, 0.0}, options.bins));
-  const LinearFit first = solve(stage.log, stage.rows, stage.terms);
-  stage.fit = solve(stage.log, stage.rows, stage.terms, &first);
-  note_weak_instrument(first, stage.fit, notes);
-}
-
-void take_out_shift(Stage& stage, Notes& notes) {
-  if (!one_sample_time(stage.log.records)) {
-    notes.warn("records of different sample times: the shift of the force is not estimated");
-    return;
-  }
-  const std::optional<double> shift = find_shift(stage.log, stage.rows, stage.terms.known_mass);
-  if (!shift) return;
-  stage.terms.shift = true;
-  align(stage.log, *shift, stage.rows);
-  LinearFit fit = solve(stage.log, stage.rows, stage.terms, &stage.fit);
-  fit = refine_shift(stage.log, stage.rows, stage.terms, std::move(fit));
-  note_weak_instrument(stage.fit, fit, notes);
-  stage.fit = std::move(fit);
-}
-
-/// Selects rows in which friction has settled, subtracts the remaining lag and judges the shift.
-void settle(Stage& stage, const DriveFitOptions& options, Notes& notes) {
-  AlignedLog& log = stage.log;
-  const LinearFit before = stage.fit;
-  if (stage.rows.sampled) align_all(log, log.shift);
-  const Relaxation relaxation =
-      find_relaxation(log.motions, level_of(before), before.mass, before.load, stage.extent.near);
-  const double length = relaxation.length;
-  Window window{stage.extent.near, kSmallSpeed, 0.0};
-  if (length > 0.0) {
-    stage.break_away = length;
-    window = {kRelaxations * length, 0.5 * kSmallSpeed, length};
-  } else {
-    notes.warn(
-        "no reversal of motion in the log: the break-away distance is not known, so no rows are left out for it");
-  }
-  Rows all = gather(log, stage.extent, window, options.bins);
-  stage.rows = sampled(all);
-  const auto find_lags = [&] {
-    if (length > 0.0) find_lag(log.motions, level_of(stage.fit), relaxation, stage.rows);
-  };
-  const auto solve_again = [&] { stage.fit = solve(log, stage.rows, stage.terms, &stage.fit); };
-  if (stage.terms.shift) ask_reference(log, stage.rows, stage.terms, stage.fit);
-  if (length > 0.0) {
-    find_lags();
-    solve_again();
-    find_lags();
-  }
-  solve_again();
-  if (!options.shift) stage.fit = judge_shift(log, stage.rows, stage.terms, std::move(stage.fit));
-  if (stage.rows.sampled) {
-    stage.rows = std::move(all);
-    align_all(log, log.shift);
-    find_lags();
-    if (stage.terms.shift) ask_reference(log, stage.rows, stage.terms, stage.fit);
-    solve_again();
-  }
-  note_weak_instrument(before, stage.fit, notes);
-}
 
 /// Map and periodic terms.
 struct Steady {
@@ -411,12 +310,71 @@ Fitted fit_both(std::span<const log::Record> records, const DriveFitOptions& opt
   Fitted second = fit_drive(records, without, taken_out);
   const Result& other = second.result;
   if (other.friction.eccentric.empty() || !(other.held_out_rms < kBetter * result.held_out_rms)) return found;
+  second.placed.stage.first_shift = found.placed.stage.first_shift;
   second.placed.notes.warn(text(
       "the force seemed to be %.3g ms %s than its motion; periodic terms explain the force better (residual %.3g instead of %s), and the shift removed is %.3g ms",
       1e3 * std::abs(found.shift()), found.shift() > 0.0 ? "later" : "earlier", other.held_out_rms,
       Shown(records.front()).force(result.held_out_rms).c_str(),
       1e3 * (second.shift() == 0.0 ? 0.0 : std::abs(second.shift()))));
   return second;
+}
+
+/// A fit on the force before the filter of the drive, and that force.
+struct BeforeFilter {
+  std::vector<log::Record> records;
+  Fitted fitted;
+};
+
+/// Where a filter was found beside a free shift, but the shift that was given leaves no room for it.
+void note_given_shift(const ForceFilter& filter, double given, Notes& notes) {
+  notes.warn(text(
+      "the log shows a filter of the drive of %.3g ms, which the given shift of %.3g ms does not allow: a given shift is that of the force before the filter, as it is printed without --force-shift; the filter was left on the force",
+      1e3 * filter.time, 1e3 * given));
+}
+
+/// Absent where no filter shows, or one was taken off already. Rows and the lag at reversals were found with the filter; so it is searched
+/// once more beside those without.
+std::optional<BeforeFilter> before_filter_of(Fitted& logged, const DriveFitOptions& options) {
+  constexpr double kSame = 0.02;  // of the time
+  constexpr int kMostPasses = 3;
+  const auto records = logged.placed.stage.log.records;
+  if (!options.filter || records.front().filter || !one_sample_time(records)) return {};
+  const double T = records.front().sample_time;
+  const AlignedLog& log = logged.placed.stage.log;
+  const auto search = [&](const Stage& by, double shift) -> std::optional<ForceFilter> {
+    const std::optional<ForceFilter> found = find_filter(log, by.rows, by.terms, by.fit, shift);
+    if (!found || !options.shift) return found;
+    // A given shift that is wrong looks like a filter too.
+    const auto given =
+        find_filter(log, by.rows, by.terms, by.fit, *options.shift + found->time / T, options.shift);
+    if (given && std::abs(given->time - found->time) < given->half_width + found->half_width) return given;
+    note_given_shift(*found, *options.shift * T, logged.placed.notes);
+    return {};
+  };
+  const auto take = [&](const ForceFilter& filter) {
+    std::vector<log::Record> before(records.begin(), records.end());
+    for (log::Record& r : before) take_off(filter, r);
+    Fitted fitted = fit_both(before, options, nullptr);
+    return BeforeFilter{std::move(before), std::move(fitted)};
+  };
+  const Stage& found = logged.placed.stage;
+  const double first = found.terms.shift ? found.log.shift : found.first_shift;
+  auto filter =
+      search(found, options.shift ? find_shift(log, found.rows, options.mass).value_or(first) : first);
+  if (!filter) return {};
+  try {
+    BeforeFilter out = take(*filter);
+    for (int pass = 1; pass < kMostPasses; ++pass) {
+      const Stage& stage = out.fitted.placed.stage;
+      const auto next = search(stage, stage.log.shift + filter->time / T);
+      if (!next || std::abs(next->time - filter->time) < kSame * filter->time) break;
+      filter = next;
+      out = take(*filter);
+    }
+    return out;
+  } catch (const Refused&) {
+    return {};  // too few rows are left
+  }
 }
 
 /// Adds pre-sliding, and everything that is said.
@@ -440,6 +398,11 @@ Result finished(Fitted fitted, const DriveFitOptions& options, const DriftWords&
 
 Result identify_drive(const std::vector<log::Record>& records, const DriveFitOptions& options) {
   Fitted found = fit_both(records, options, nullptr);
+  std::vector<log::Record> before_filter;
+  if (auto before = before_filter_of(found, options)) {
+    before_filter = std::move(before->records);  // the fit goes on pointing to them
+    found = std::move(before->fitted);
+  }
   DriftWords drift = words_of_drift(found.found());
   if (found.steady.empty()) return finished(std::move(found), options, drift);
   // Cold rows are of some speeds and warm ones of others: the map of the mean level needs all of them at that level.

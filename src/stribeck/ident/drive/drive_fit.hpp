@@ -15,6 +15,7 @@
 ///             bristle_fit.hpp models these rows
 ///   periodic  searched in the residual (periodic.hpp), kept if they improve the prediction of held-out motion
 ///   places    friction that differs along the travel (places.hpp), kept on the same condition
+///   filter    through which the drive passed the force (smoothing/filter_search.hpp): then everything is fitted anew on the force before it
 ///   drift     friction or offset that changes with time causes a warning
 ///
 /// Intervals: delta method under correlated noise (long_run.hpp), because white-noise intervals are several times too narrow;
@@ -35,8 +36,9 @@ namespace stribeck::ident::drive {
 
 struct DriveFitOptions {
   std::optional<double> mass;   ///< known mass [kg]; absent: estimated
-  std::optional<double> shift;  ///< known shift of the force [rows]; absent: estimated
+  std::optional<double> shift;  ///< known shift of the force, without its filter [rows]; absent: estimated
   bool search_shift = true;     ///< false: as commanded at first, judged beside periodic terms only
+  bool filter = true;           ///< search for a filter of the drive on the force
   std::optional<int> terms;     ///< Gaussians of each branch; absent: chosen from the data
   int most_terms = 6;           ///< largest number that is tried
   bool symmetric = true;        ///< try symmetric families, which separate a load from friction

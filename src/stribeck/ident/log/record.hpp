@@ -17,6 +17,8 @@
 /// Errors: problems() lists everything that is wrong, each with its row.
 
 #include <cstdint>
+#include <optional>
+#include <stribeck/ident/force_filter.hpp>
 #include <string>
 #include <vector>
 
@@ -41,8 +43,9 @@ struct Record {
   std::vector<std::uint8_t> skip;  ///< 1: the row is not fitted (sign of the force unsure, …); may be empty
   std::string force_unit = "N";
   std::string position_unit = "m";
-  bool rotary = false;  ///< positions are arcs at a radius of 1 m
-  double spring = 0.0;  ///< stiffness of a spring whose force was taken off f [N/m]
+  bool rotary = false;                  ///< positions are arcs at a radius of 1 m
+  double spring = 0.0;                  ///< stiffness of a spring whose force was taken off f [N/m]
+  std::optional<ForceFilter> filter{};  ///< that was taken off f (drive/smoothing/before_filter.hpp)
 };
 
 /// All reasons why a record cannot be identified, one sentence each with place, value found and value expected; empty for a

@@ -7,6 +7,7 @@ Result identify_velocity_map(const std::vector<log::Record>& records, const Velo
   drive::DriveFitOptions drive;
   drive.mass = options.mass;
   drive.shift = -0.5;
+  drive.filter = false;
   drive.terms = options.terms;
   drive.most_terms = options.most_terms;
   drive.symmetric = false;

@@ -7,6 +7,7 @@
 
 #include <stribeck/core/numbers.hpp>
 #include <stribeck/core/scalar.hpp>
+#include <stribeck/ident/drive/smoothing/before_filter.hpp>
 #include <stribeck/ident/residual/residual.hpp>
 #include <stribeck/ident/shown.hpp>
 #include <stribeck/workflow/judge/diagnosis.hpp>
@@ -40,6 +41,13 @@ bool has_residual(const Identification& found) {
 /// A published protocol keeps its numbers whatever the residual says.
 bool may_run_again(Method method) {
   return method == Method::kAuto || method == Method::kVelocityMap || method == Method::kJog;
+}
+
+/// Takes a filter that the fit has found off the force of the logs too.
+void take_off_filter(const ident::Result& found, AxisRecords& axis) {
+  for (ident::log::Record& r : axis.records) {
+    if (found.filter && !r.filter) ident::drive::take_off(*found.filter, r);
+  }
 }
 
 /// The logs without the forces of the diagnosis; the shift between force and motion is that of `found`.
@@ -203,6 +211,7 @@ Cleaned clean(const AxisRecords& axis, const ident::residual::Diagnosis& taken, 
               const Identify& method) {
   Cleaned out{taken, without(axis, taken, by), {}};
   out.found = method(out.axis, Depth::kSteady);
+  take_off_filter(out.found.result, out.axis);
   return out;
 }
 
@@ -210,6 +219,7 @@ Cleaned clean(const AxisRecords& axis, const ident::residual::Diagnosis& taken, 
 Cleaned refined(Cleaned first, const ident::residual::Diagnosis& before, const ident::Result& by,
                 const AxisRecords& axis, const Identify& method) {
   const ident::Result& result = first.found.result;
+  if (result.filter && !axis.records.front().filter) return first;  // found just now: `axis` still has it
   bool moved = shift_moved(by, result, axis);
   if (first.taken.elastic && !before.elastic) {
     const auto finer = ident::residual::diagnose(without(axis, before, result).records, result).elastic;
@@ -229,9 +239,12 @@ bool prepare(ident::residual::Diagnosis& found, ident::residual::Diagnosis& all)
 
 }  // namespace
 
-Identification diagnosed(const AxisRecords& axis, const Identify& method) {
-  Identification found = method(axis, Depth::kWhole);
+Identification diagnosed(const AxisRecords& logged, const Identify& method) {
+  Identification found = method(logged, Depth::kWhole);
   if (!has_residual(found)) return found;
+  std::optional<AxisRecords> before_filter;
+  if (found.result.filter) take_off_filter(found.result, before_filter.emplace(logged));
+  const AxisRecords& axis = before_filter ? *before_filter : logged;
   ident::residual::Diagnosis d = ident::residual::diagnose(axis.records, found.result);
   std::optional<Cleaned> last;
   ident::residual::Diagnosis taken;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stribeck/ident/drive/intervals/intervals.hpp>
 #include <stribeck/ident/drive/shift.hpp>
+#include <stribeck/ident/drive/smoothing/filter_search.hpp>
 #include <stribeck/ident/stats/linear.hpp>
 #include <stribeck/ident/stats/uncertainty.hpp>
 
@@ -328,7 +329,7 @@ double Misfit::at(int side, double speed) const {
 double Intervals::error_of(const VectorXd& h) const {
   const double variance =
       std::max({0.0, h.dot(long_run * h), h.dot(stationary * h), h.dot(between * h), h.dot(folds * h)});
-  return std::hypot(std::sqrt(variance), h.dot(unsettled), h.dot(smoothed));
+  return std::hypot(std::sqrt(variance), h.dot(unsettled), h.dot(filtered));
 }
 
 double Intervals::error_at(std::size_t i) const {
@@ -374,10 +375,13 @@ Intervals intervals(const AlignedLog& log, const Rows& used, const Terms& narrow
   out.folds = choice.joint ? MatrixXd::Zero(size, size) : between_folds(found.held_out, size, out.factor);
   out.unsettled = change_of_fast_rows(log, used, narrow, found, noise, size);
   const auto Q = static_cast<Index>(out.linear);
-  out.smoothed = VectorXd::Zero(size);
-  out.smoothing = find_smoothing(log, rows, terms, fit, out.residual, memory.rows);
-  if (out.smoothing) out.smoothed.head(Q) = out.smoothing->moved;
-  for (VectorXd* moved : {&out.unsettled, &out.smoothed}) {
+  out.filtered = VectorXd::Zero(size);
+  if (const auto& filter = log.records.front().filter) {
+    const double T = log.records.front().sample_time;
+    out.filtered.head(Q) =
+        filter->half_width / T / out.factor * moved_by_filter(log, rows, terms, fit, filter->time / T);
+  }
+  for (VectorXd* moved : {&out.unsettled, &out.filtered}) {
     moved->tail(size - Q) = -map_inverse * bread.moments.bottomLeftCorner(size - Q, Q) * moved->head(Q);
   }
   if (terms.shift) out.shift_error = out.error_at(static_cast<std::size_t>(shift));

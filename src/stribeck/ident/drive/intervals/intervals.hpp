@@ -15,7 +15,7 @@
 /// A map of few parameters is chosen where noise hides its error. `Misfit` measures that error at each speed, from the mean of
 /// the residual over the rows around it.
 ///
-/// A smoothing of the force by the drive (smoothing.hpp) moves the terms by a known amount, which widens them.
+/// A filter of the drive that was taken off the force (filter_search.hpp) has an error, which moves the terms.
 ///
 /// Two further forms ask the data instead of a model of noise: fits without each block of motion (the jackknife), and a fit on
 /// the rows above a fifth of the top speed. Friction that has not settled, or that no term describes, moves the mass there.
@@ -25,7 +25,6 @@
 #include <optional>
 #include <stribeck/ident/drive/linear_fit.hpp>
 #include <stribeck/ident/drive/map/map_choice.hpp>
-#include <stribeck/ident/drive/smoothing/smoothing.hpp>
 #include <stribeck/ident/stats/long_run.hpp>
 #include <vector>
 
@@ -56,13 +55,12 @@ class Misfit {
 struct Intervals {
   std::vector<double> residual;  ///< of each row [N]
   Misfit misfit;
-  MatrixXd long_run;    ///< covariance of linear terms and map
-  MatrixXd stationary;  ///< the same under stationary noise
-  MatrixXd between;     ///< the same from the difference of the records; zero for one record
-  MatrixXd folds;       ///< the same from fits without each block of motion, of the linear terms
-  VectorXd unsettled;   ///< change of θ when only fast rows count, beyond its noise
-  VectorXd smoothed;    ///< what a smoothing of the force has added to θ
-  std::optional<Smoothing> smoothing;
+  MatrixXd long_run;         ///< covariance of linear terms and map
+  MatrixXd stationary;       ///< the same under stationary noise
+  MatrixXd between;          ///< the same from the difference of the records; zero for one record
+  MatrixXd folds;            ///< the same from fits without each block of motion, of the linear terms
+  VectorXd unsettled;        ///< change of θ when only fast rows count, beyond its noise
+  VectorXd filtered;         ///< what the error of the drive's filter adds to θ
   std::size_t linear = 0;    ///< terms before those of the map
   double shift_error = 0.0;  ///< standard error of the shift, found or not [rows]; 0: given
   /// Share of each map parameter that lies in directions which the data do not see.

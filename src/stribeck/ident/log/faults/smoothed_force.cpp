@@ -187,8 +187,8 @@ void name_smoothed_force(const std::vector<Table>& tables, Notes& notes) {
         "smoothed", source, false,
         fmt::format(
             "the force looks smoothed by a filter of about {:.2g} ms ({:.3g} Hz) before it was logged: "
-            "with it a rough fit leaves {:.3g} instead of {:.3g}. Mass and friction are biased; log the "
-            "signal before the filter, or switch the smoothing off",
+            "with it a rough fit leaves {:.3g} instead of {:.3g}. identify takes a filter off where it finds one (force_filter); "
+            "where it does not, mass and friction are biased: log the signal before the filter, or switch the smoothing off",
             1e3 * smooth.time, 0.5 / (std::numbers::pi * smooth.time), std::sqrt(smooth.rest),
             std::sqrt(smooth.rest_without)),
         {smooth.time});
