@@ -75,6 +75,21 @@ void require_one_axis(const log::Record& r, const log::Record& first) {
   }
 }
 
+/// Whether the reference asks for most of the acceleration, or the measured motion is too noisy to stand in for it.
+bool asks_for_motion(const std::vector<double>& predicted, const log::Motion& m) {
+  constexpr double kMost = 0.5;    // of the square
+  constexpr double kNoisy = 0.05;  // of the square
+  const std::vector<double> v = log::calm_velocity(m);
+  double own = 0.0, asked = 0.0, both = 0.0, rows = 0.0;
+  const std::size_t edge = log::calm_reach(m) + 1;
+  for (std::size_t k = edge; k + edge < v.size(); ++k) {
+    const double a = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
+    const double r = (predicted[k + 1] - predicted[k - 1]) / (2.0 * m.sample_time);
+    own += a * a, asked += r * r, both += a * r, rows += 1.0;
+  }
+  return both * both >= kMost * own * asked || log::calm_noise(m) * rows > kNoisy * own;
+}
+
 }  // namespace
 
 std::vector<double> predicted_velocity(const log::Record& record, const log::Motion& m) {
@@ -102,7 +117,8 @@ AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off,
     log::Motion m = log::reconstruct(r, options);
     std::vector<double> v = predicted_velocity(r, m);
     // The force of a loop that works on the noise of its encoder agrees with the noise of this very motion.
-    if (v.empty() && m.loop == log::Loop::kAutomatic) v = log::calm_velocity(m);
+    const bool alone = v.empty() ? m.loop == log::Loop::kAutomatic : !asks_for_motion(v, m);
+    if (alone) v = log::calm_velocity(m);
     for (std::size_t k = 1; k + 1 < v.size(); ++k)
       m.instrument[k] = (v[k + 1] - v[k - 1]) / (2.0 * m.sample_time);
     if (m.loop == log::Loop::kAutomatic) {

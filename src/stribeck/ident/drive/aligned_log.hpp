@@ -6,8 +6,9 @@
 ///
 /// In closed loop the reference alone predicts a velocity, v̂ = Σ h_j·ṙ(k − l_j), with weights h by least squares on the
 /// measured one. v̂ is free of measurement noise, and close to the measured motion even behind a slow position loop. Its
-/// acceleration is the instrument of the mass. Where no reference was logged, v̂ is the measured motion through a longer window: the
-/// force of a loop that works on the noise of its encoder agrees with the noise of the motion itself.
+/// acceleration is the instrument of the mass. Where no reference was logged, or one that does not ask for most of the acceleration (pulses
+/// of force were added to a slow motion), v̂ is the measured motion through a longer window: the force of a loop that works on the noise of
+/// its encoder agrees with the noise of the motion itself.
 ///
 /// Inside ident only. Real time: no.
 /// Errors: Refused when there is no record, a record has problems(), or records have different units.
@@ -40,11 +41,6 @@ struct AlignedLog {
   std::vector<std::vector<double>>
       predicted;  ///< velocity with little noise [m/s]: by the reference, else the motion behind a longer window; empty: open loop, or closed loop without a reference
   double shift = kHeldForce;  ///< of the force, as in MotionOptions [rows]
-
-  /// Whether `predicted` of a record is by its reference.
-  [[nodiscard]] bool by_reference(std::size_t record) const {
-    return motions[record].loop == log::Loop::kClosed && !predicted[record].empty();
-  }
 };
 
 AlignedLog reconstruct_all(std::span<const log::Record> records, double cut_off, std::optional<double> shift,

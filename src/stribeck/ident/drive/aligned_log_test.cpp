@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include <stribeck/ident/drive/aligned_log.hpp>
 #include <stribeck/ident/refused.hpp>
@@ -55,10 +56,45 @@ TEST(AlignedLog, WithoutAReferenceACalmerMotionTakesItsPlace) {
   const std::vector<log::Record> pieces{rec, rec};
   const AlignedLog without = reconstruct_all(pieces, 0.0, std::nullopt, notes);
   ASSERT_EQ(without.predicted[0].size(), rec.x.size());
-  EXPECT_FALSE(without.by_reference(0));
-  EXPECT_TRUE(with.by_reference(0));
+  EXPECT_EQ(without.predicted[0], log::calm_velocity(without.motions[0]));
+  EXPECT_NE(with.predicted[0], log::calm_velocity(with.motions[0]));
   EXPECT_EQ(without.shift, kHeldForce);
   EXPECT_THAT(notes.warnings, ::testing::ElementsAre(HasSubstr("no reference and no programmed force")));
+}
+
+/// A slow sine, and on it a fast one that makes four fifths of the acceleration.
+log::Record two_sines() {
+  log::Record rec;
+  rec.source = "two sines";
+  rec.sample_time = 1e-3;
+  for (int k = 0; k < 8000; ++k) {
+    const double t = rec.sample_time * k;
+    rec.t.push_back(t);
+    rec.r.push_back(0.02 * std::sin(3.0 * t));
+    rec.x.push_back(rec.r.back() + 2e-4 * std::sin(60.0 * t));
+    rec.f.push_back(10.0 * std::cos(3.0 * t) - 7.0 * std::sin(60.0 * t));
+  }
+  return rec;
+}
+
+// Pulses of force on a slow motion are in no reference.
+TEST(AlignedLog, AReferenceThatAsksForLittleOfTheAccelerationIsNotUsed) {
+  log::Record rec = two_sines();
+  Notes notes;
+  const AlignedLog little = reconstruct_all({&rec, 1}, 0.0, std::nullopt, notes);
+  EXPECT_EQ(little.predicted[0], log::calm_velocity(little.motions[0]));
+  EXPECT_NEAR(little.motions[0].instrument[4000], little.motions[0].a[4000], 0.05);
+  EXPECT_THAT(notes.warnings, IsEmpty());
+  // Noise that hides the fast sine: the reference is all there is.
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> noise(0.0, 5e-3);
+  for (double& x : rec.x) x += noise(engine);
+  const AlignedLog noisy = reconstruct_all({&rec, 1}, 0.0, std::nullopt, notes);
+  EXPECT_NE(noisy.predicted[0], log::calm_velocity(noisy.motions[0]));
+  rec = two_sines();
+  rec.r = rec.x;
+  const AlignedLog whole = reconstruct_all({&rec, 1}, 0.0, std::nullopt, notes);
+  EXPECT_NE(whole.predicted[0], log::calm_velocity(whole.motions[0]));
 }
 
 TEST(AlignedLog, AKnownShiftIsTaken) {

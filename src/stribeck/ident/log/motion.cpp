@@ -170,9 +170,18 @@ std::vector<double> calm_velocity(const Motion& m) {
   const int j = calmer(m.window);
   const std::vector<double> x = smooth(m.x, j);
   std::vector<double> v = m.v;
-  const auto reach = static_cast<std::size_t>(m.reach + 3 * j + 1);
+  const std::size_t reach = calm_reach(m);
   for (std::size_t k = reach; k + reach < x.size(); ++k) v[k] = (x[k + 1] - x[k - 1]) / (2.0 * m.sample_time);
   return v;
+}
+
+std::size_t calm_reach(const Motion& m) {
+  return static_cast<std::size_t>(m.reach + 3 * calmer(m.window) + 1);
+}
+
+double calm_noise(const Motion& m) {
+  const double size = m.position_noise / (m.sample_time * m.sample_time);
+  return size * size * second_difference_variance(box_weights(calmer(m.window)));
 }
 
 Motion reconstruct(const Record& record, const MotionOptions& options) {

@@ -83,6 +83,12 @@ std::vector<double> smooth_like(const Motion& motion, const std::vector<double>&
 /// where that window does not fit, v.
 std::vector<double> calm_velocity(const Motion& motion);
 
+/// Rows at either end of a record where calm_velocity() is v.
+std::size_t calm_reach(const Motion& motion);
+
+/// Variance of the noise in the acceleration of calm_velocity(), at most [m²/s⁴].
+double calm_noise(const Motion& motion);
+
 /// The record must be free of problems().
 Motion reconstruct(const Record& record, const MotionOptions& options = {});
 
