@@ -25,17 +25,20 @@ constexpr std::size_t kMostSteps = 60'000;          // of all records, for the s
 constexpr double kLowestHz = 2.0, kHighestHz = 90;  // [Hz]
 constexpr double kFewestSteps = 6.0;                // per oscillation
 constexpr int kFrequencies = 44;
-constexpr double kRoughGain = 0.9;    // of the square that is left, at frequencies some percent apart
-constexpr double kGain = 0.5;         // of the square that is left
-constexpr double kAsGood = 1.5;       // square of what explains nearly as much
-constexpr double kLeastTable = 0.03;  // of the whole mass
-constexpr double kMostTable = 1.05;   // of the whole mass
-constexpr double kFromBorder = 1.1;   // in frequency
-constexpr int kAround = 12;           // steps to half and to twice the frequency
+constexpr double kRoughGain = 0.9;      // of the square that is left, at frequencies some percent apart
+constexpr double kGain = 0.5;           // of the square that is left
+constexpr double kToldFrequency = 1.5;  // ends of the interval of the frequency
+constexpr double kAsGood = 1.5;         // square of what explains nearly as much
+constexpr double kLeastTable = 0.03;    // of the whole mass
+constexpr double kMostTable = 1.05;     // of the whole mass
+constexpr double kFromBorder = 1.1;     // in frequency
+constexpr int kAround = 12;             // steps to half and to twice the frequency
 constexpr double kUsualDamping = 0.04;
 constexpr double kMostDamping = 0.2;  // ratio; more looks like a filter of the force
-constexpr double kAtRest = 0.01;      // of the top speed
-constexpr double kRings = 0.5;        // [s] after a start in motion
+constexpr double kMuchDamping =
+    0.1;  // ratio; at a frequency that is not told, this looks like an error of the shift
+constexpr double kAtRest = 0.01;  // of the top speed
+constexpr double kRings = 0.5;    // [s] after a start in motion
 constexpr std::size_t kFewestTableRows = 200;
 constexpr double kMostLate = 5e-3;     // [s], beside the shift of the model
 constexpr double kMostFriction = 1.5;  // of that of the axis, on the table's side
@@ -376,6 +379,8 @@ std::optional<Elastic> find_table(const std::vector<Left>& left, const Rows& row
   e.late = best.table.late;
   e.frequency_interval =
       search.spread(best, [](const Search::Found& f) { return f.table.omega / (2.0 * kPi); });
+  const bool told = e.frequency_interval.high < kToldFrequency * e.frequency_interval.low;
+  if (!told && e.damping > kMuchDamping) return {};
   e.table_interval = search.spread(best, [](const Search::Found& f) { return f.table_mass; });
   e.table_interval.low = std::min(e.table_interval.low, e.table_mass);
   const Interval masses = search.spread(best, [](const Search::Found& f) { return f.mass; });
