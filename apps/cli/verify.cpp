@@ -79,7 +79,7 @@ void add_verify(CLI::App& app, Action& action) {
       ->type_name("FILE.toml");
   verb->add_option(
           "--force-shift", o->verify.force_shift,
-          "Time by which the force is later in the log than its motion; left out: found in the log, and said where it is not that of a commanded force")
+          "Time by which the force is later in the log than its motion, without a filter of the drive; left out: found in the log, and said where it is not that of a commanded force")
       ->type_name("TIME");
   verb->add_option("--good", o->verify.limits.good, "Largest error of the force of a good model, in percent")
       ->check(number_from(0.0, 1000.0))

@@ -227,6 +227,63 @@ TEST(Verify, ADriveThatGivesWayIsTakenOffTheLog) {
   }
 }
 
+/// 50 kg that move as above, more sharply, and a drive that logs the force behind a filter of 8 ms.
+std::string smoothed_log() {
+  constexpr double kFilter = 8e-3, kStep = 1e-4;
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> noise(0.0, 0.3);
+  std::string out = "t [s],x [mm],r [mm],f [N]\n";
+  double logged = 0.0;
+  for (int k = 0; k < 200'000; ++k) {
+    const double t = kStep * k;
+    double x = 0.0, v = 0.0, a = 0.0;
+    for (const auto& [hz, size] : {std::pair(0.4, 0.08), std::pair(3.1, 4e-3), std::pair(7.3, 1e-3)}) {
+      const double w = 2.0 * std::numbers::pi * hz;
+      x += size * std::sin(w * t + hz);
+      v += size * w * std::cos(w * t + hz);
+      a -= size * w * w * std::sin(w * t + hz);
+    }
+    const double f = (kMotor + kLoad) * a + kViscous * v + (v > 0.0 ? kCoulomb : -kCoulomb);
+    logged = k == 0 ? f : logged + kStep / kFilter * (f - logged);
+    if (k % 10 == 0)
+      out += fmt::format("{:.3f},{:.6f},{:.6f},{:.5f}\n", t, 1e3 * x, 1e3 * x, logged + noise(random));
+  }
+  return out;
+}
+
+// Over this motion the filter hides a tenth of the mass, and makes a right model miss more than a tenth of the force.
+TEST(Identify, AFilterOfTheDriveIsTakenOff) {
+  const Folder folder;
+  const std::string log = folder.write("log.csv", smoothed_log());
+  const workflow::Identification found = workflow::identify(workflow::read_axis({log}, {}), {});
+  ASSERT_TRUE(found.result.filter);
+  EXPECT_NEAR(found.result.filter->time, 8e-3, 0.4e-3);
+  EXPECT_NEAR(found.result.mass, kMotor + kLoad, 0.01 * (kMotor + kLoad));
+  EXPECT_THAT(text_of(found, ""), AllOf(HasSubstr("force_filter"),
+                                        HasSubstr("the drive smoothed the force before it was logged")));
+  ASSERT_TRUE(found.quality);
+  EXPECT_GT(found.quality->r_squared, 0.999);  // of the force before the filter
+}
+
+TEST(Verify, AFilterOfTheDriveIsTakenOffTheLog) {
+  const Folder folder;
+  sim::AxisFile right, light;
+  right.model.mass = kMotor + kLoad;
+  right.model.friction.steady = friction::Conventional<double>{kCoulomb, kViscous, {}};
+  light = right;
+  light.model.mass *= 0.7;
+  workflow::VerifyOptions options;
+  options.models = {{"right.toml", right}, {"light.toml", light}};
+  options.logs = {folder.write("log.csv", smoothed_log())};
+  const report::VerifyReportInput found = workflow::verify(options);
+  EXPECT_THAT(found.warnings,
+              ::testing::Contains(HasSubstr("smoothed the force of this log by a filter of")));
+  const std::vector<report::Verdict> all = report::verdicts(found);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].grade, report::Grade::kGood) << all[0].error;
+  EXPECT_EQ(all[1].grade, report::Grade::kNotUsable) << all[1].error;
+}
+
 /// A log without its reference, of an encoder of 5 um. The loop works on the error of the counts, and most on its change.
 std::string log_of_counts() {
   constexpr double kT = 1e-3, kCount = 5e-6, kPosition = 1e5, kVelocity = 1e4;

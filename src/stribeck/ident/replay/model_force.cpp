@@ -77,12 +77,13 @@ class Scored {
     out_.measured = thin(record_.f);
     pick_rows();
     if (used_.size() < kFewestRows) return std::move(out_);
+    pick_moving_rows();
     errors_ = errors_of_model();
     filed_ = force_of(model_.friction, motion_);
-    std::tie(out_.relative, out_.rms) = error_of(thin(filed_));
-    if (options_.of_log) out_.of_log = share_of_log();
+    std::tie(out_.relative, out_.rms) = error_of(thin(filed_), 0.0, used_);
+    if (options_.of_log) share_of_log();
     fit_own();
-    leave_out_rest();
+    std::tie(out_.moving_relative, out_.moving_rms) = error_of(out_.modelled, load_, moving_);
     return std::move(out_);
   }
 
@@ -118,30 +119,40 @@ class Scored {
     return f;
   }
 
-  [[nodiscard]] std::pair<double, double> error_of(const Column& modelled) const {
+  /// As a share of the force less a constant one, and RMS.
+  [[nodiscard]] std::pair<double, double> error_of(const Column& modelled, double constant,
+                                                   const std::vector<std::size_t>& rows) const {
+    if (rows.empty()) return {kNaN, kNaN};
     double ee = 0.0, ff = 0.0;
-    for (const std::size_t i : used_) {
+    for (const std::size_t i : rows) {
       ee += std::pow(out_.measured[i] - modelled[i], 2.0);
-      ff += out_.measured[i] * out_.measured[i];
+      ff += std::pow(out_.measured[i] - constant, 2.0);
     }
-    return {ff > 0.0 ? std::sqrt(ee / ff) : kNaN, std::sqrt(ee / static_cast<double>(used_.size()))};
+    return {ff > 0.0 ? std::sqrt(ee / ff) : kNaN, std::sqrt(ee / static_cast<double>(rows.size()))};
   }
 
-  /// The error of the rows in which the axis moves: at rest a model without pre-sliding knows no force.
-  void leave_out_rest() {
+  /// The middle between the mean forces of both directions [N]: that of the log, so that all models are shares of the same force. Of one
+  /// direction alone it is not known: 0.
+  [[nodiscard]] double constant_force() const {
+    std::array<double, 2> sum{}, rows{};
+    for (const std::size_t i : moving_) {
+      const std::size_t side = motion_.v[out_.row[i]] > 0.0 ? 0 : 1;
+      sum[side] += out_.measured[i], rows[side] += 1.0;
+    }
+    return rows[0] > 0.0 && rows[1] > 0.0 ? 0.5 * (sum[0] / rows[0] + sum[1] / rows[1]) : 0.0;
+  }
+
+  /// At rest a model without pre-sliding knows no force.
+  void pick_moving_rows() {
     constexpr double kRest = 0.01;  // of the top speed
     double top = 0.0;
     for (const std::size_t i : used_) top = std::max(top, std::abs(motion_.v[out_.row[i]]));
-    double ee = 0.0, ff = 0.0;
-    std::size_t moving = 0;
     for (const std::size_t i : used_) {
-      if (std::abs(motion_.v[out_.row[i]]) < kRest * top) continue;
-      ++moving;
-      ee += std::pow(out_.measured[i] - out_.modelled[i], 2.0);
-      ff += out_.measured[i] * out_.measured[i];
+      if (std::abs(motion_.v[out_.row[i]]) >= kRest * top) moving_.push_back(i);
     }
-    out_.at_rest = 1.0 - static_cast<double>(moving) / static_cast<double>(used_.size());
-    if (ff > 0.0) out_.moving_relative = std::sqrt(ee / ff);
+    load_ = constant_force();
+    out_.moving = moving_.size();
+    out_.at_rest = 1.0 - static_cast<double>(out_.moving) / static_cast<double>(used_.size());
   }
 
   /// What a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
@@ -193,7 +204,7 @@ class Scored {
     return X;
   }
 
-  [[nodiscard]] double share_of_log() const;
+  void share_of_log();
   [[nodiscard]] std::optional<double> far_shift(double from) const;
   [[nodiscard]] OwnFit fit_from(double shift, bool shift_known) const;
   [[nodiscard]] OwnFit best_fit(double expected) const;
@@ -205,13 +216,15 @@ class Scored {
   const log::Record& record_;
   const ForceOptions& options_;
   Filtered motion_;
-  Column filed_;                   ///< force of the model as it stands, at every row [N]
-  std::vector<std::size_t> used_;  ///< decimated rows that count
-  MatrixXd errors_;                ///< errors_of_model()
+  Column filed_;                     ///< force of the model as it stands, at every row [N]
+  std::vector<std::size_t> used_;    ///< decimated rows that count
+  std::vector<std::size_t> moving_;  ///< those in which the axis moves
+  MatrixXd errors_;                  ///< errors_of_model()
+  double load_ = 0.0;                ///< constant force of the log [N]
   ForceError out_;
 };
 
-double Scored::share_of_log() const {
+void Scored::share_of_log() {
   constexpr double kUniform = 3.4641016151377544;  // width of a uniform distribution of deviation 1
   const std::size_t n = record_.x.size();
   std::mt19937_64 random(1);
@@ -223,18 +236,21 @@ double Scored::share_of_log() const {
   for (std::size_t k = 3; k + 3 < n; k += 2)
     coarse[k] = (9.0 * (record_.x[k - 1] + record_.x[k + 1]) - record_.x[k - 3] - record_.x[k + 3]) / 16.0;
   for (std::size_t k = 0; k + 1 < n; ++k) moved[k] = uniform() * (record_.f[k + 1] - record_.f[k]);
-  const Column plain = thin(filed_);
-  double sum = 0.0, ff = 0.0;
-  for (const Column* x : {&noisy, &coarse}) {
-    const Column other = thin(force_of(model_.friction, motion_of(*x)));
-    for (const std::size_t i : used_) sum += std::pow(other[i] - plain[i], 2.0);
-  }
-  const Column late = thin(moved);
-  for (const std::size_t i : used_) {
-    sum += late[i] * late[i];
-    ff += out_.measured[i] * out_.measured[i];
-  }
-  return ff > 0.0 ? std::sqrt(sum / ff) : kNaN;
+  const Column plain = thin(filed_), late = thin(moved);
+  std::array<Column, 2> other;
+  other[0] = thin(force_of(model_.friction, motion_of(noisy)));
+  other[1] = thin(force_of(model_.friction, motion_of(coarse)));
+  const auto share = [&](const std::vector<std::size_t>& rows) {
+    double sum = 0.0, ff = 0.0;
+    for (const std::size_t i : rows) {
+      sum +=
+          std::pow(other[0][i] - plain[i], 2.0) + std::pow(other[1][i] - plain[i], 2.0) + late[i] * late[i];
+      ff += std::pow(out_.measured[i] - load_, 2.0);
+    }
+    return ff > 0.0 ? std::sqrt(sum / ff) : kNaN;
+  };
+  out_.of_log = share(used_);
+  out_.of_log_moving = share(moving_);
 }
 
 /// The shift alone, from far off: beside a fast periodic term the next least sum of squares is a period away. Absent where the motion does
@@ -326,13 +342,13 @@ void Scored::fit_own() {
   const double shift = given || out_.shifted ? fit.shift : expected;
   out_.measured = thin(log::align_force(record_.f, shift));
   out_.modelled = thin(filed_);
-  std::tie(out_.filed_relative, out_.filed_rms) = error_of(out_.modelled);
+  std::tie(out_.filed_relative, out_.filed_rms) = error_of(out_.modelled, load_, used_);
   std::tie(out_.own_relative, out_.own_rms) = std::tie(out_.filed_relative, out_.filed_rms);
   if (fit.phase.empty()) return;
   friction::Model friction = model_.friction;
   for (std::size_t j = 0; j < fit.phase.size(); ++j) friction.eccentric[j].phase = phase_used(j);
   out_.modelled = thin(force_of(friction, motion_));
-  std::tie(out_.own_relative, out_.own_rms) = error_of(out_.modelled);
+  std::tie(out_.own_relative, out_.own_rms) = error_of(out_.modelled, load_, used_);
 }
 
 /// Phase of a term in this record. What the record does not tell moves with a term that it is a whole part of, as a new

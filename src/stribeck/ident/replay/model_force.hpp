@@ -15,6 +15,9 @@
 /// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v, sgn v, x and 1 take what a wrong
 /// mass, friction, load or a spring leaves: a model that is wrong in these is not late.
 ///
+/// These errors are shares of the force less the middle between the mean forces of both directions: a weight that hangs may be many times the
+/// force that moves the axis, and would hide what a model misses of that.
+///
 /// Not every error is the model's. A right model misses on this record what noise and resolution of the position, the time
 /// between rows and a force that changed anywhere between two of them make: the force under a position with as much noise again,
 /// under every other row, and with the force of a row moved by up to half a row. The sum of the squares is `of_log`.
@@ -58,18 +61,22 @@ struct RecordPhase {
 };
 
 struct ForceError {
-  double relative = kNaN;        ///< by the protocol, force k beside motion k; NaN: the record is too short
-  double rms = kNaN;             ///< the same [N]
-  double filed_relative = kNaN;  ///< the model as it stands, the force aligned by the shift
-  double filed_rms = kNaN;       ///< [N]
-  double own_relative = kNaN;    ///< with the phases of this record too
-  double own_rms = kNaN;         ///< [N]
-  double shift = kNaN;           ///< s [s]; > 0: the force stands later in the log than its motion
-  double shift_half = kNaN;      ///< half width of 95 % [s]
-  bool shifted = false;  ///< s is not that of a force under its hold that begins after the model's delay
-  double at_rest = 0.0;  ///< share of the rows in which the axis stands
-  double moving_relative = kNaN;  ///< as own_relative, without them
+  double relative = kNaN;  ///< by the protocol, force k beside motion k; NaN: the record is too short
+  double rms = kNaN;       ///< the same [N]
+  double filed_relative =
+      kNaN;  ///< the model as it stands, the force aligned by the shift, as a share of it less the constant part
+  double filed_rms = kNaN;     ///< [N]
+  double own_relative = kNaN;  ///< with the phases of this record too
+  double own_rms = kNaN;       ///< [N]
+  double shift = kNaN;         ///< s [s]; > 0: the force stands later in the log than its motion
+  double shift_half = kNaN;    ///< half width of 95 % [s]
+  bool shifted = false;    ///< s is not that of a force under its hold that begins after the model's delay
+  double at_rest = 0.0;    ///< share of the rows in which the axis stands
+  std::size_t moving = 0;  ///< of the decimated rows, without them
+  double moving_relative = kNaN;  ///< as own_relative, of these
+  double moving_rms = kNaN;       ///< [N]
   double of_log = kNaN;           ///< largest share of the force that this record makes a right model miss
+  double of_log_moving = kNaN;    ///< the same of the rows in which the axis moves
   std::vector<RecordPhase> phases;
   double cut_off = kNaN;         ///< that was used [Hz]
   double band = kNaN;            ///< up to which the decimated rows are flat [Hz]
@@ -77,6 +84,15 @@ struct ForceError {
   std::vector<std::size_t> row;  ///< of the record, of each decimated row
   std::vector<double> measured;  ///< force of it, aligned [N]
   std::vector<double> modelled;  ///< with the phases of this record [N]
+
+  /// Whether rests make most of the error. The force of an axis that stands lies anywhere within its friction: a model without pre-sliding
+  /// knows nothing of it, and bristles know it only as far as the encoder shows how they are strained.
+  [[nodiscard]] bool of_rests() const noexcept {
+    constexpr double kMuchRest = 0.1;    // of the rows
+    constexpr double kMuchLess = 0.7;    // of the error
+    constexpr std::size_t kFewest = 50;  // rows of motion
+    return moving >= kFewest && at_rest >= kMuchRest && moving_relative < kMuchLess * own_relative;
+  }
 };
 
 /// Friction [N] at every row of a motion x [m], v [m/s] with rows of equal time [s]; bristles go along with it. They begin

@@ -76,6 +76,22 @@ TEST(ForceError, IsTheForceThatAModelMisses) {
   EXPECT_DOUBLE_EQ(e.band, 40.0);
 }
 
+// Under a weight of 2000 N, 10 N of friction too much are half a percent of the force, and no good model.
+TEST(ForceError, AWeightDoesNotHideWhatAModelMisses) {
+  Truth truth;
+  truth.load = 2000.0;
+  friction::AxisModel model = model_of(truth);
+  std::get<friction::Conventional<double>>(model.friction.steady).alpha0 += 10.0;
+  const ForceError heavy = force_error(model, sine_log(truth, 0.0, 0.0));
+  truth.load = model.load = 0.0;
+  const ForceError level = force_error(model, sine_log(truth, 0.0, 0.0));
+  EXPECT_LT(heavy.relative, 0.006);  // the protocol counts the weight
+  EXPECT_GT(level.filed_relative, 0.2);
+  EXPECT_NEAR(heavy.filed_relative, level.filed_relative, 1e-3);
+  EXPECT_NEAR(heavy.own_relative, level.own_relative, 1e-3);
+  EXPECT_NEAR(heavy.moving_relative, level.moving_relative, 1e-3);
+}
+
 TEST(ForceError, FindsTheShiftOfTheRecord) {
   const Truth truth;
   for (const double late : {-0.5e-3, 0.0, 3.3e-3, 12e-3}) {

@@ -62,6 +62,7 @@ struct Verdict {
   std::string name;
   double error =
       0.0;  ///< share of the force, with shift and phases of each record; without it of the velocity
+  bool moving = false;  ///< of the force where the axis moves: rests would make most of the error
   bool of_force = true;
   double of_log = std::numeric_limits<double>::quiet_NaN();  ///< share that the log makes a right model miss
   Grade grade = Grade::kNotUsable;

@@ -98,9 +98,9 @@ TEST(VerifyReport, TablesForATerminal) {
       "a.toml      2.20      2.10      4.70      1.00   0.00100    0.0500\n"
       "b.toml      4.40     40.00      9.40      2.00   0.00200         –\n"
       "Errors in % of the RMS of what was measured. force: under the measured motion; protocol: rows paired\n"
-      "as the EMPS benchmark does; as filed: force aligned; phases: of periodic terms, from the log. stroke:\n"
-      "open loop, anew at each reversal. free run: largest drift, and what the error of the force explains\n"
-      "(95 %). loop: closed loop.\n"
+      "as the EMPS benchmark does; as filed: force aligned, in % of the force less the load; phases: of\n"
+      "periodic terms, from the log. stroke: open loop, anew at each reversal. free run: largest drift, and\n"
+      "what the error of the force explains (95 %). loop: closed loop.\n"
       "a.toml is good: error of the force 2.00 % (good up to 5 %, usable up to 15 %).\n"
       "b.toml is not usable: error of the force 40.00 % (good up to 5 %, usable up to 15 %).\n"
       "warning: a warning\n");
@@ -111,6 +111,32 @@ TEST(VerifyReport, TablesForATerminal) {
   EXPECT_EQ(text_table(deep), text_table(two_models(false)));
   deep.parts[0].models[1].name = "elsewhere/b.toml";
   EXPECT_THAT(text_table(deep), HasSubstr("/a/very/long/way/a.toml"));
+}
+
+// Nobody knows the force of an axis that stands, so rests are not held against a model.
+TEST(VerifyReport, JudgesWhereTheAxisMovesIfRestsMakeTheError) {
+  VerifyReportInput in = two_models(false);
+  ident::replay::ForceError& e = in.parts[0].models[1].force;
+  e.moving = 100;
+  e.moving_relative = 0.03;
+  e.moving_rms = 0.1;
+  e.at_rest = 0.05;
+  EXPECT_FALSE(verdicts(in)[1].moving);
+  e.at_rest = 0.25;
+  Verdict v = verdicts(in)[1];
+  EXPECT_TRUE(v.moving);
+  EXPECT_NEAR(v.error, 0.03, 1e-12);
+  EXPECT_EQ(v.grade, Grade::kGood);
+  EXPECT_THAT(text_table(in),
+              HasSubstr("b.toml is good: error of the force 3.00 % where the axis moves (good up to 5 %"));
+  EXPECT_TRUE(to_json(in)["verdicts"][1]["where_it_moves"]);
+  EXPECT_FALSE(to_json(in)["verdicts"][0]["where_it_moves"]);
+  EXPECT_EQ(to_json(in)["parts"][0]["models"][1]["force"]["at_rest_percent"], 25.0);
+  e.moving_relative = 0.39;  // the motion is no better
+  EXPECT_FALSE(verdicts(in)[1].moving);
+  e.moving_relative = 0.03;
+  e.moving = 10;  // too little of it
+  EXPECT_FALSE(verdicts(in)[1].moving);
 }
 
 // An error that the log explains is no verdict on the model.

@@ -110,6 +110,8 @@ Json force_json(const ident::replay::ForceError& e) {
   out["filed_error_rms_N"] = number_or_null(e.filed_rms);
   out["own_error_percent"] = number_or_null(100.0 * e.own_relative);
   out["own_error_rms_N"] = number_or_null(e.own_rms);
+  out["at_rest_percent"] = number_or_null(100.0 * e.at_rest);
+  out["moving_error_percent"] = number_or_null(100.0 * e.moving_relative);
   out["of_log_percent"] = number_or_null(100.0 * e.of_log);
   out["shift_ms"] = number_or_null(1e3 * e.shift);
   out["shift_half_width_ms"] = number_or_null(1e3 * e.shift_half);
@@ -208,17 +210,26 @@ std::vector<Verdict> verdicts(const VerifyReportInput& input) {
   std::vector<Verdict> all;
   if (input.parts.empty()) return all;
   for (std::size_t i = 0; i < input.parts.front().models.size(); ++i) {
+    const bool moving = std::any_of(input.parts.begin(), input.parts.end(), [&](const VerifiedPart& p) {
+      return i < p.models.size() && p.models[i].force.of_rests();
+    });
     Pooled force, velocity, of_log;
     for (const VerifiedPart& part : input.parts) {
       if (i >= part.models.size()) continue;
       const VerifiedModel& m = part.models[i];
-      force.add(m.force.own_relative, m.force.own_rms, m.force.row.size());
-      of_log.add(m.force.of_log, m.force.of_log * m.force.own_rms / m.force.own_relative, m.force.row.size());
+      const ident::replay::ForceError& f = m.force;
+      const double relative = moving ? f.moving_relative : f.own_relative;
+      const double rms = moving ? f.moving_rms : f.own_rms;
+      const double noise = moving ? f.of_log_moving : f.of_log;
+      const std::size_t rows = moving ? f.moving : f.row.size();
+      force.add(relative, rms, rows);
+      of_log.add(noise, noise * rms / relative, rows);
       velocity.add(m.open.restarted.velocity_relative, m.open.restarted.velocity_rms, part.record.x.size());
     }
     Verdict v;
     v.name = input.parts.front().models[i].name;
     v.of_force = std::isfinite(force.share());
+    v.moving = v.of_force && moving;
     v.error = v.of_force ? force.share() : velocity.share();
     if (v.of_force) v.of_log = of_log.share();
     v.grade = grade_of(v, input.limits);
@@ -238,12 +249,14 @@ std::string sentence(const Verdict& v, const GradeLimits& limits) {
     return v.name + " is undecided: the log is too short to compare forces, and no run in open loop is left.";
   if (v.grade == Grade::kUndecided) {
     return fmt::format(
-        "{} is undecided: error of the force {} % (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",
-        v.name, percent(v.error), short_number(limits.good), short_number(limits.usable), percent(v.of_log));
+        "{} is undecided: error of the force {} %{} (good up to {} %, usable up to {} %), but noise, resolution and the time between rows of this log make a right model miss up to {} %: record more rows a second, or with finer values.",
+        v.name, percent(v.error), v.moving ? " where the axis moves" : "", short_number(limits.good),
+        short_number(limits.usable), percent(v.of_log));
   }
-  return fmt::format("{} is {}: error of the {} {} % (good up to {} %, usable up to {} %).", v.name,
+  return fmt::format("{} is {}: error of the {} {} %{} (good up to {} %, usable up to {} %).", v.name,
                      name_of(v.grade), v.of_force ? "force" : "velocity", percent(v.error),
-                     short_number(limits.good), short_number(limits.usable));
+                     v.moving ? " where the axis moves" : "", short_number(limits.good),
+                     short_number(limits.usable));
 }
 
 Table score_table(const VerifiedPart& part) {
@@ -321,9 +334,9 @@ std::string text_table(const VerifyReportInput& given) {
   if (!out.empty()) {
     out +=
         "Errors in % of the RMS of what was measured. force: under the measured motion; protocol: rows paired\n"
-        "as the EMPS benchmark does; as filed: force aligned; phases: of periodic terms, from the log. stroke:\n"
-        "open loop, anew at each reversal. free run: largest drift, and what the error of the force explains\n"
-        "(95 %). loop: closed loop.\n";
+        "as the EMPS benchmark does; as filed: force aligned, in % of the force less the load; phases: of\n"
+        "periodic terms, from the log. stroke: open loop, anew at each reversal. free run: largest drift, and\n"
+        "what the error of the force explains (95 %). loop: closed loop.\n";
     for (const Verdict& v : verdicts(input)) out += clean_text(sentence(v, input.limits)) + '\n';
   }
   for (const std::string& w : input.warnings) out += "warning: " + clean_text(w) + '\n';
@@ -343,6 +356,7 @@ nlohmann::ordered_json to_json(const VerifyReportInput& input) {
   for (const Verdict& v : verdicts(input)) {
     judged.push_back({{"file", v.name},
                       {"force_error_percent", v.of_force ? number_or_null(100.0 * v.error) : Json(nullptr)},
+                      {"where_it_moves", v.moving},
                       {"of_log_percent", number_or_null(100.0 * v.of_log)},
                       {"verdict", std::string(name_of(v.grade))}});
   }
