@@ -12,11 +12,11 @@
 /// The protocol pairs force k with motion k. The other two errors take out what belongs to the record and not to the
 /// axis: the shift s, by which f(k + s) belongs to motion k (a force under its hold: −½ row and the model's delay, unless
 /// the record says otherwise), and the phase of each periodic term, which a new homing position moves. These come from
-/// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v, sgn v, x and 1 take what a wrong
-/// mass, friction, load or a spring leaves: a model that is wrong in these is not late.
+/// least squares on the same rows; amplitudes and everything else stay as they are. Beside the shift, columns of a, v,
+/// sgn v, x and 1 take what a wrong mass, friction, load or a spring leaves: a model that is wrong in these is not late.
 ///
-/// These errors are shares of the force less the middle between the mean forces of both directions: a weight that hangs may be many times the
-/// force that moves the axis, and would hide what a model misses of that.
+/// These errors are shares of the force less the middle between the mean forces of both directions: a weight that hangs
+/// may be many times the force that moves the axis, and would hide what a model misses of that.
 ///
 /// Not every error is the model's. A right model misses on this record what noise and resolution of the position, the time
 /// between rows and a force that changed anywhere between two of them make: the force under a position with as much noise again,

@@ -1,12 +1,14 @@
 #pragma once
 /// Whether the drive passed the force through a filter of first order before it was logged, and the time of that filter.
 ///
-/// The mean delay τ of such a filter looks like a shift, which the fit finds and removes. What is left, κ·f̈ with κ = τ²/2 and more, is in
-/// no column of the fit. At the ends of a stroke it runs against the acceleration, and the mass comes out too small: 0.6 % with τ = 5 ms
-/// and 50 ms from rest to full acceleration, 15 % with τ = 3 ms and pulses of 15 ms.
+/// The mean delay τ of such a filter looks like a shift, which the fit finds and removes. What is left, κ·f̈ with
+/// κ = τ²/2 and more, is in no column of the fit. At the ends of a stroke it runs against the acceleration, and the mass
+/// comes out too small: 0.6 % with τ = 5 ms and 50 ms from rest to full acceleration, 15 % with τ = 3 ms and pulses of
+/// 15 ms.
 ///
-/// So where the force of a log is late by more than three quarters of a row, τ is searched up to three times that delay. For each τ the filter is
-/// taken off the force (before_filter.hpp), shift and linear terms are fitted anew, and what remains must not agree with
+/// So where the force of a log is late by more than three quarters of a row, τ is searched up to three times that delay.
+/// For each τ the filter is taken off the force (before_filter.hpp), shift and linear terms are fitted anew, and what
+/// remains must not agree with
 ///
 ///   c = d/dt G_τ[f̂]        G_τ: the filter; f̂: force that the predicted motion asks for (aligned_log.hpp), free of measurement noise
 ///
@@ -32,9 +34,9 @@
 
 namespace stribeck::ident::drive {
 
-/// `log`: with the force that was logged. `rows`, `terms` and `fit`: as they were found on it, or on the force before a filter that is nearly
-/// the right one. `shift`: of the logged force, its filter included [rows]; `given`: without its filter, which is not fitted then. Empty: none
-/// shows.
+/// `log`: with the force that was logged. `rows`, `terms` and `fit`: as they were found on it, or on the force before a
+/// filter that is nearly the right one. `shift`: of the logged force, its filter included [rows]; `given`: without its
+/// filter, which is not fitted then. Empty: none shows.
 std::optional<ForceFilter> find_filter(const AlignedLog& log, const Rows& rows, const Terms& terms,
                                        const LinearFit& fit, double shift,
                                        const std::optional<double>& given = {});
