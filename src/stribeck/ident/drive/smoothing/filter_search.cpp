@@ -84,6 +84,7 @@ std::optional<Beside> beside_fit(const AlignedLog& log, const Rows& rows, const 
     const std::size_t i = out.used[static_cast<std::size_t>(k)], s = rows.side[i];
     const auto b = static_cast<std::size_t>(rows.bin[i]);
     out.column(k) = value(i) - sum[s][b] / count[s][b];
+    if (q == 0) continue;
     terms.fill(log, rows, i, row.data());
     X.row(k) = Eigen::Map<const VectorXd>(row.data(), q);
     const BinSums means = fit.sums.of(s, b);
